@@ -50,6 +50,7 @@ API = {
     "paminsa_viz.trajectory": "Motions: planned, timed, checked, analyzed, simulated.",
     "paminsa_viz.actuation": "What the actuators hold and reach within their limits.",
     "paminsa_viz.elastostatics": "Joint forces, bar loads, stiffness, natural frequencies.",
+    "paminsa_viz.clearance": "Least distances of the robot's bodies as they are drawn.",
     "paminsa_viz.precision": "Errors of the pose by drives and by manufacture; calibration.",
     "paminsa_viz.balancing": "Optimal redistribution of masses, and what goes with it.",
     "paminsa_viz.studies": "Many designs, each measured over the workspace.",

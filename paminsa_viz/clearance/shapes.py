@@ -92,13 +92,13 @@ def shapes_of(design: Design) -> Shapes:
 
     They follow from the geometry, the payload's mass and the counterweights.
     """
-    return _shapes(design.geometry, design.payload.mass, design.counterweights)
+    return _kept_shapes(design.geometry, design.payload.mass, design.counterweights)
 
 
-@lru_cache(maxsize=32)
-def _shapes(
+def build_shapes(
     geometry: Geometry, payload: float, counterweights: tuple[Counterweight, ...]
 ) -> Shapes:
+    """Return the same from what it follows from: geometry, mass of the payload, counterweights."""
     design = Design(geometry=geometry, counterweights=counterweights).vary(
         {"payload.mass": payload}
     )
@@ -112,6 +112,9 @@ def _shapes(
         else:
             excluded.append((i, j, reason))
     return Shapes(bodies, tuple(pairs), tuple(groups), tuple(excluded), arrays_of(bodies))
+
+
+_kept_shapes = lru_cache(maxsize=32)(build_shapes)
 
 
 def arrays_of(bodies: tuple[Body, ...]) -> ShapeArrays:

@@ -35,6 +35,7 @@ COMMANDS: dict[str, str] = {
     "excite": "find the motion that shows masses and friction best, for identify",
     "identify": "find masses, balance and friction of the built robot from a log",
     "stiffness": "stiffness, deflection under load and what to stiffen first, at a pose",
+    "clearance": "least distance of the robot's bodies and which two, at a pose and over poses",
     "requirements": "check what a robot is needed for; the volume where it holds",
     "sweep": "measure many designs over the workspace, into a resumable table",
     "synthesize": "find the lengths of the robot that meets requirements and is smallest",

@@ -8,6 +8,7 @@ from typing import Any
 
 from paminsa_viz.explorer.balancing.jobs import Balancing
 from paminsa_viz.explorer.balancing.spring_settings import Springing
+from paminsa_viz.explorer.balancing.tolerances import Tolerating
 from paminsa_viz.explorer.clearing import ClearanceView, Clearing
 from paminsa_viz.explorer.drives import Driving
 from paminsa_viz.explorer.elasticity import ElasticView
@@ -161,9 +162,9 @@ class State:
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
         point_editing: Which of the poses that a motion is built from is edited, and how.
-        simulating, balancing, springing, clearing, driving, manufacture, loads, elastic_view,
-            identifying, requiring, synthesizing, engine_answer: Jobs of the session and what came
-            of them.
+        simulating, balancing, springing, tolerating, clearing, driving, manufacture, loads,
+            elastic_view, identifying, requiring, synthesizing, engine_answer: Jobs of the session
+            and what came of them.
         clearance_view: Which pairs of bodies are checked for clearance, and what is enough.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
@@ -185,6 +186,7 @@ class State:
     simulating: Simulating = field(default_factory=Simulating)
     balancing: Balancing = field(default_factory=Balancing)
     springing: Springing = field(default_factory=Springing)
+    tolerating: Tolerating = field(default_factory=Tolerating)
     clearance_view: ClearanceView = field(default_factory=ClearanceView)
     clearing: Clearing = field(default_factory=Clearing)
     driving: Driving = field(default_factory=Driving)

@@ -19,6 +19,7 @@ from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.grids import Field, solve_field, xy_grid
 from paminsa_viz.model.reach import Limit, workspace_radius
 from paminsa_viz.model.singularity import singular_radius
+from paminsa_viz.plots.map_arrays import codes_of_shape, equal_steps, numbers_of_shape
 from paminsa_viz.plots.outside import Outside
 from paminsa_viz.quantities import TORQUES, Missing, find
 from paminsa_viz.units import DisplayUnit, display_unit
@@ -76,10 +77,10 @@ class MapData:
     outside: Outside | None = None
 
     def __post_init__(self) -> None:
-        x, y = _axis("x", self.x), _axis("y", self.y)
+        x, y = equal_steps("x", self.x), equal_steps("y", self.y)
         cells = (y.size, x.size)
-        values = _numbers("values", self.values, (len(self.names), *cells))
-        status = _codes("status", self.status, cells, 0, max(Limit))
+        values = numbers_of_shape("values", self.values, (len(self.names), *cells))
+        status = codes_of_shape("status", self.status, cells, 0, max(Limit))
         if len(self.colors) != len(self.names):
             raise InvalidInput("colors", f"{len(self.names)} are needed, one a panel")
         radius = self.singular_radius
@@ -92,12 +93,14 @@ class MapData:
             "y": y,
             "values": values,
             "status": status.astype(np.uint8, copy=False),
-            "pose": _numbers("pose", self.pose, (4,)),
+            "pose": numbers_of_shape("pose", self.pose, (4,)),
         }
         if self.margin is not None:
-            arrays["margin"] = _numbers("margin", self.margin, cells)
+            arrays["margin"] = numbers_of_shape("margin", self.margin, cells)
         if self.leg is not None:
-            arrays["leg"] = _codes("leg", self.leg, cells, -1, 2).astype(np.int8, copy=False)
+            arrays["leg"] = codes_of_shape("leg", self.leg, cells, -1, 2).astype(
+                np.int8, copy=False
+            )
         for name, array in arrays.items():
             view = array.view()
             view.flags.writeable = False
@@ -152,7 +155,7 @@ class MapData:
         Raises:
             InvalidInput: If theta or z differ, since the values would not belong to that pose.
         """
-        new = _numbers("pose", pose, (4,))
+        new = numbers_of_shape("pose", pose, (4,))
         if not np.array_equal(new[2:], self.pose[2:]):
             raise InvalidInput("pose", "theta and z belong to the map and cannot change")
         return replace(self, pose=new)
@@ -279,31 +282,3 @@ def map_data(
         leg=field.leg,
         missing=None if (why := chosen[0].missing) is None else why(field, design),
     )
-
-
-def _axis(name: str, data: ArrayLike) -> NDArray[np.float64]:
-    array = np.asarray(data, dtype=np.float64)
-    if array.ndim != 1 or array.size < 2 or not np.isfinite(array).all():
-        raise InvalidInput(name, "a row of at least 2 finite numbers is needed [m]")
-    steps = np.diff(array)
-    mean = (array[-1] - array[0]) / steps.size
-    if mean <= 0 or np.abs(steps - mean).max() > 1e-6 * mean:
-        raise InvalidInput(name, "cell centers rising in equal steps are needed [m]")
-    return array
-
-
-def _numbers(name: str, data: ArrayLike | Sequence[float], shape: tuple[int, ...]) -> NDArray[Any]:
-    array = np.asarray(data, dtype=np.float64)
-    if array.shape != shape:
-        raise InvalidInput(name, f"shape {shape} is needed, not {array.shape}")
-    return array
-
-
-def _codes(
-    name: str, data: ArrayLike, shape: tuple[int, ...], least: int, most: int
-) -> NDArray[Any]:
-    array = np.asarray(data)
-    integers = array.shape == shape and array.dtype.kind in "iub"
-    if not integers or array.min() < least or array.max() > most:
-        raise InvalidInput(name, f"integers from {least} to {most} of shape {shape} are needed")
-    return array

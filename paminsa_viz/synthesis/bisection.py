@@ -19,7 +19,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import WorkspaceShape
 from paminsa_viz.synthesis.families import BoundGroup
 from paminsa_viz.synthesis.margins import Progress
-from paminsa_viz.synthesis.region_margins import PoseRegion
+from paminsa_viz.synthesis.region_margins import Grows, PoseRegion
 
 BATCH = 8192
 """Boxes worked on at a time."""
@@ -38,8 +38,6 @@ _ROUND = 1e-13
 
 _SPECK = 1e-14
 """Rounding of a coordinate [m, rad]."""
-
-Grows = tuple[bool, bool, bool]
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.reach import MARGINS, Limit
+from paminsa_viz.synthesis.causes import FIRST_REACH, SINGULAR
 from paminsa_viz.synthesis.reach_bounds import ReachBounds
 
 
-def reach_distances(bounds: ReachBounds, z: Array) -> Array:
-    """Return the distance to the end of what can be reached, negative beyond it (...) [m].
+def reach_distances(bounds: ReachBounds, z: Array) -> tuple[Array, NDArray[np.uint8]]:
+    """Return the distance to the end of what can be reached, and the code of what ends it (...).
 
-    To first order; exact for guide, leg axis and the circle of singular positions.
+    The distance is negative beyond [m]; to first order, exact for guide, leg axis and the circle of
+    singular positions.
 
     Args:
         bounds: Extremes of X_1 over the headings, at positions.
@@ -30,14 +33,22 @@ def reach_distances(bounds: ReachBounds, z: Array) -> Array:
             slope = np.sqrt(ratio2 * w2 + zeta2) / length
             return np.where(length > 0.0, (length - limit) / slope, -limit)
 
-    flat = np.minimum(g.stroke * (g.magnification - 1) - bounds.far, bounds.near - g.axis_clearance)
     position = bounds.position
     if bounds.turn <= 0.0:  # every position is singular, the center least of all
         position = position - 2.0 * np.abs(position).max()
-    flat = np.minimum(flat, position)
-    stretch = -bars(bounds.far, g.crank_length + g.coupler_length)
-    fold = bars(bounds.near, abs(g.coupler_length - g.crank_length))
-    return np.minimum(np.minimum(stretch, fold), flat)
+    limits = {
+        Limit.STRETCHED: -bars(bounds.far, g.crank_length + g.coupler_length),
+        Limit.FOLDED: bars(bounds.near, abs(g.coupler_length - g.crank_length)),
+        Limit.GUIDE: g.stroke * (g.magnification - 1) - bounds.far,
+        Limit.AXIS: bounds.near - g.axis_clearance,
+    }
+    least, code = position, np.full(position.shape, SINGULAR, np.uint8)
+    for limit, distance in limits.items():
+        leg = bounds.far_leg if limit in (Limit.STRETCHED, Limit.GUIDE) else bounds.near_leg
+        nearer = distance < least
+        tag = FIRST_REACH + len(MARGINS) * leg + MARGINS.index(limit)
+        least, code = np.where(nearer, distance, least), np.where(nearer, tag, code)
+    return least, code.astype(np.uint8)
 
 
 def margin_slope(margin: Array) -> Array:

@@ -9,26 +9,25 @@ import numpy as np
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirement, Requirements
-from paminsa_viz.synthesis.bisection import Control, Gauge, Grows, Nearest, nearest_violation
+from paminsa_viz.synthesis.bisection import Control, Gauge, Nearest, nearest_violation
 from paminsa_viz.synthesis.evidence import Evidence, Verdict
 from paminsa_viz.synthesis.families import BoundGroup, Method, groups, method
 from paminsa_viz.synthesis.pose_search import freedom, lowest
 from paminsa_viz.synthesis.reach_proof import (
     home_path,
     prove_reach,
-    reach_margin,
+    reach_scale,
     regions_of,
 )
-from paminsa_viz.synthesis.region_margins import PoseRegion, region_margins
+from paminsa_viz.synthesis.region_margins import Grows, PoseRegion
 from paminsa_viz.synthesis.sampled import sample_requirement, sampled_evidence
 
 FIRST_TOLERANCE = 0.064
 """Difference of extents of the first stage [m]."""
 
-LARGEST = 100.0
-"""No extent is larger: that is the longest bar [m]."""
+_BISECTIONS = 56
+"""Binary digits of the scale of reach."""
 
-_BISECTIONS = 60
 _INSIDE = 1.0 - 1e-9
 """Share of the lower bound that is taken, so that rounding of the extents counts for nothing."""
 
@@ -132,27 +131,9 @@ class GrowingRegion:
 
     def _reach(self) -> float:
         """Return the largest scale at which reach and singularities hold, in closed form."""
-        requirements, geometry = self._requirements, self._design.geometry
-        least = [
-            r
-            for r in requirements.bounds
-            if r.quantity == "reach_margin" and method(r) is Method.CLOSED_FORM
-        ]
-        if not len(home_path(geometry, self.region.scaled(0.0, self._grows))):
+        if not len(home_path(self._design.geometry, self.region.scaled(0.0, self._grows))):
             return 0.0
-
-        def holds(scale: float) -> bool:
-            whole = self.region.scaled(scale, self._grows)
-            parts = regions_of(requirements, whole)
-            return all(region_margins(geometry, part).holds() for part in parts) and all(
-                reach_margin(self._design, requirements, bound, whole) >= 0.0 for bound in least
-            )
-
-        low, high = 0.0, LARGEST / self._extent
-        for _ in range(_BISECTIONS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if holds(middle) else (low, middle)
-        return low
+        return reach_scale(self._design, self._requirements, self.region, self._grows, _BISECTIONS)
 
     def _name_limit_of_reach(self) -> None:
         """Find a pose just outside of the largest region of reach that cannot be taken."""

@@ -31,7 +31,8 @@ def trial_program(
 
     Args:
         trial: A robot that reaches its workspace.
-        tighter: By how much each bound of the requirements is tightened [SI]; none if empty.
+        tighter: By how much each bound of the requirements, and then each limit, is tightened
+            [SI]; none if empty.
         relaxed: Index of a bound, or of a limit after the bounds, to minimize instead of keeping
             it, see `Evaluator`.
 
@@ -53,7 +54,8 @@ def trial_program(
         if item.objective in GOALS and index == relaxed:
             goal = item.objective
         elif item.objective in GOALS and item.most < UNLIMITED:
-            most.append((item.objective, item.most - SPARE * max(1.0, abs(item.most))))
+            by = tighter[index] if index < len(tighter) else 0.0
+            most.append((item.objective, item.most - by - SPARE * max(1.0, abs(item.most))))
     center = np.array(trial.workspace.center, np.float64)
     case: InnerCase = whole.inner.placed(center)
     case = replace(case, goal=goal, bounds=rest, most=(*case.most, *most))

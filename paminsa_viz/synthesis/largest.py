@@ -16,14 +16,14 @@ import numpy as np
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
-from paminsa_viz.synthesis.bisection import Control, Grows
+from paminsa_viz.synthesis.bisection import Control
 from paminsa_viz.synthesis.certificate import region_of
 from paminsa_viz.synthesis.evidence import Pose, Proof, Verdict, pose_of
 from paminsa_viz.synthesis.growing import GrowingRegion, ScaleBounds
 from paminsa_viz.synthesis.margins import Progress
 from paminsa_viz.synthesis.placement import CenterSearch
 from paminsa_viz.synthesis.reach_proof import home_path
-from paminsa_viz.synthesis.region_margins import PoseRegion
+from paminsa_viz.synthesis.region_margins import Grows, PoseRegion
 
 TOLERANCE = 1e-3
 """Difference of extents that is aimed at [m]."""
@@ -164,8 +164,7 @@ def _nothing(
     """Return the answer that no such workspace is proven."""
     pose = None if bounds is None or bounds.pose is None else pose_of(bounds.pose)
     none = replace(region, half=(0.0, 0.0, 0.0))
-    open_ = bounds is not None and bounds.upper > 0.0
-    verdict = Verdict.UNDECIDED if open_ else Verdict.REFUTED
+    verdict = Verdict.UNDECIDED if max(limit) > 0.0 else Verdict.REFUTED
     return LargestWorkspace(
         None,
         requirements.theta,

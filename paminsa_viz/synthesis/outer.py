@@ -171,6 +171,8 @@ def _has_ended(case: SynthesisCase, state: RegimeState, converged: bool) -> bool
     if converged or state.generation >= case.effort.generations:
         return True
     back = STILL * ROUND
+    if len(state.history) <= back:  # it started late, near an answer
+        return False
     if not state.feasible or state.generation < EXPLORE * case.effort.generations + back:
         return False
     before, now = state.history[-back - 1], state.history[-1]

@@ -16,10 +16,11 @@ from scipy import ndimage
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.quantities.requirements import Requirements, WorkspaceShape
-from paminsa_viz.synthesis.bisection import Control, Gauge, Grows
+from paminsa_viz.synthesis.bisection import Control, Gauge
 from paminsa_viz.synthesis.families import groups
-from paminsa_viz.synthesis.pose_search import FIRST, SEED, freedom, from_unit
-from paminsa_viz.synthesis.region_margins import PoseRegion
+from paminsa_viz.synthesis.pose_search import FIRST, SEED, freedom, from_unit, lowest
+from paminsa_viz.synthesis.reach_proof import reach_scale
+from paminsa_viz.synthesis.region_margins import Grows, PoseRegion
 from paminsa_viz.synthesis.volume import Resolution, solve_volume
 
 RESOLUTION = Resolution(60_000, 9, 2.0)
@@ -39,6 +40,7 @@ _STEPS = 14
 _ADDED = 32
 _DESCENTS = 12
 _KEPT = 32
+_DIGITS = 26
 _FOLLOWED = 400
 _NEAR = 1e-3
 
@@ -78,6 +80,7 @@ class CenterSearch:
         both_sides: bool,
     ) -> None:
         self._design, self._region, self._grows = design, region, grows
+        self._requirements = requirements
         self._free = np.array(free)
         self._groups = groups(design, requirements)
         self._rng = np.random.default_rng(SEED)
@@ -108,7 +111,7 @@ class CenterSearch:
         center, scale = self._largest(self._with_given(self._inside))
         tried = np.zeros((0, 3))
         while True:
-            found = self._searched(center, scale)
+            found = np.concatenate([self._searched(center, scale), self._beyond(center, scale)])
             self._broken = np.concatenate([self._broken, found])
             # positions that were found for one center count for all that were tried
             tried = np.concatenate([tried, [center]])
@@ -122,7 +125,7 @@ class CenterSearch:
         # a plain place where it costs nothing
         rounded = np.where(self._free, np.round(best, 3), best)
         for plain in (self._on_axis(rounded), rounded):
-            if self._scales(plain[None])[0] >= (1.0 - _NEAR) * reached:
+            if reached > 0.0 and self._scales(plain[None])[0] >= (1.0 - _NEAR) * reached:
                 best = plain
                 break
         x, y, z = map(float, best + 0.0)  # no -0.0
@@ -238,6 +241,17 @@ class CenterSearch:
         nearest = poses[np.argsort(gauge.of_poses(poses))[:_ADDED]]
         chosen = np.concatenate([nearest, first[:: len(first) // _ADDED + 1]])
         return chosen[:, [0, 1, 3]]
+
+    def _beyond(self, center: Array, scale: float) -> Array:
+        """Return a position of a region just beyond reach, (1, 3), or none (0, 3)."""
+        x, y, z = map(float, center)
+        region = replace(self._region, center=(x, y, z))
+        most = reach_scale(self._design, self._requirements, region, self._grows, _DIGITS)
+        if most >= scale:
+            return np.zeros((0, 3))
+        whole = region.scaled(most * (1.0 + 0.2 * _NEAR), self._grows)
+        pose, value = lowest(lambda p: freedom(self._design.geometry, p).min(axis=0), whole)
+        return pose[None, [0, 1, 3]] if value < 0.0 else np.zeros((0, 3))
 
     def _margins(self, poses: Array) -> Array:
         """Return the least margin of what can be proven, as a share of its bound, (n,)."""

@@ -14,7 +14,10 @@ from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.synthesis.evidence import Evidence, Verdict, pose_of
 from paminsa_viz.synthesis.families import EVERYWHERE, Method, method
 from paminsa_viz.synthesis.pose_search import freedom, lowest
-from paminsa_viz.synthesis.region_margins import PoseRegion, box, region_margins
+from paminsa_viz.synthesis.region_margins import Grows, PoseRegion, box, region_margins
+
+LARGEST = 50.0
+"""No half extent is larger: half the longest bar [m]."""
 
 
 def part_of(
@@ -101,6 +104,39 @@ def _reach_margin(
     return Evidence(
         requirement.quantity, Method.CLOSED_FORM, verdict, value, pose_of(pose), requirement
     )
+
+
+def reach_scale(
+    design: Design, requirements: Requirements, region: PoseRegion, grows: Grows, digits: int
+) -> float:
+    """Return the scale up to which reach and singularities hold over a growing region.
+
+    Args:
+        design: The robot.
+        requirements: Of which headings and margins of reach count.
+        region: The region at scale 1.
+        grows: Which of its extents grow.
+        digits: Binary digits of the scale.
+    """
+    least = [
+        bound
+        for bound in requirements.bounds
+        if bound.quantity == "reach_margin" and method(bound) is Method.CLOSED_FORM
+    ]
+
+    def holds(scale: float) -> bool:
+        whole = region.scaled(scale, grows)
+        parts = regions_of(requirements, whole)
+        return all(region_margins(design.geometry, part).holds() for part in parts) and all(
+            reach_margin(design, requirements, bound, whole) >= 0.0 for bound in least
+        )
+
+    extent = max(half for half, grow in zip(region.half, grows, strict=True) if grow)
+    low, high = 0.0, LARGEST / extent
+    for _ in range(digits):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if holds(middle) else (low, middle)
+    return low
 
 
 def home_path(geometry: Geometry, region: PoseRegion) -> Array:

@@ -29,6 +29,9 @@ _ANGLE = 1e-9
 
 Point = tuple[float, float, float]
 
+Grows = tuple[bool, bool, bool]
+"""Which extents of a region along (x, y, z) grow."""
+
 
 @dataclass(frozen=True)
 class PoseRegion:
@@ -46,7 +49,7 @@ class PoseRegion:
     half: Point
     theta: Range
 
-    def scaled(self, scale: float, grows: tuple[bool, bool, bool]) -> PoseRegion:
+    def scaled(self, scale: float, grows: Grows) -> PoseRegion:
         """Return the region with the extents that grow times a number."""
         half = tuple(h * scale if g else h for h, g in zip(self.half, grows, strict=True))
         return replace(self, half=half)

@@ -16,6 +16,9 @@ from paminsa_viz.synthesis.volume import Volume
 FACES = 20_000
 """Faces of a surface, at most, unless another number is asked for."""
 
+_BEYOND = (CauseKind.SINGULAR, CauseKind.REACH)
+"""Causes at nodes where requirements are not evaluated."""
+
 _KIND_COLORS = {
     CauseKind.INSIDE: palette.OK,
     CauseKind.OTHER_SIDE: palette.PLATFORM,
@@ -100,15 +103,23 @@ def volume_surface(volume: Volume, *, faces: int = FACES) -> VolumeSurface:
 
 
 def _cause_at(volume: Volume, nodes: Array) -> NDArray[np.uint8]:
-    """Return the cause at points on edges of the grid: that of the edge's node that is outside."""
+    """Return what cuts the volume at points on edges of the grid.
+
+    It is the cause at the edge's node outside. Where that cannot be reached, requirements are not
+    known there, and one may end the volume before reach or the singularity does: then it is what
+    is nearest to the node inside.
+    """
     top = np.array(volume.cause.shape) - 1
-    ends = [np.clip(round_(nodes).astype(int), 0, top) for round_ in (np.floor, np.ceil)]
-    first, second = (volume.cause[tuple(end.T)] for end in ends)
-    found = np.where(first != INSIDE, first, second)
-    lost = found == INSIDE  # the surface passes through a node
-    if lost.any() and not lost.all():
-        found[lost] = found[~lost][_nearest(nodes[~lost], nodes[lost])]
-    return found
+    first, second = (
+        tuple(np.clip(round_(nodes).astype(int), 0, top).T) for round_ in (np.floor, np.ceil)
+    )
+    swapped = volume.cause[first] != INSIDE
+    inner = tuple(np.where(swapped, b, a) for a, b in zip(first, second, strict=True))
+    outer = tuple(np.where(swapped, a, b) for a, b in zip(first, second, strict=True))
+    cause = volume.cause[outer]
+    kinds = np.array([each.kind in _BEYOND for each in volume.causes])
+    hidden = kinds[cause] & (volume.depth[inner] < volume.cell)
+    return np.where(hidden | (cause == INSIDE), volume.nearest[inner], cause)
 
 
 def _nearest(points: Array, queries: Array) -> NDArray[np.intp]:

@@ -58,6 +58,7 @@ class Volume:
             minus infinite where there is no value, NaN where a pose cannot be taken.
         depth: Estimated distance to what ends the volume, negative outside of it [m]; the surface
             is where it is zero.
+        nearest: Code of the cause that ends the volume next to a node inside; elsewhere the cause.
         reachable: Nodes whose poses can be taken with every heading, joined to home.
         volume: [m^3].
         error: What twice the cells' size, and every second heading, change it by [m^3].
@@ -76,6 +77,7 @@ class Volume:
     causes: tuple[VolumeCause, ...]
     margins: Array
     depth: Array
+    nearest: NDArray[np.uint8]
     reachable: NDArray[np.bool_]
     volume: float
     error: float
@@ -166,17 +168,20 @@ def solve_volume(
     met = (margins >= 0.0).all(axis=0) & reachable
     inside, home_inside = joined_to_home(met, x, z, g)
 
-    body = np.minimum(reach_distances(bounds, z), side)
+    body, nearest = reach_distances(bounds, z)
+    nearest = np.where(side < body, np.uint8(OTHER_SIDE), nearest)
+    body = np.minimum(body, side)
     body = np.where(reachable, np.maximum(body, 0.0), -np.abs(body))
-    slopes = [margin_slope(margin) for margin in margins]
-    apart = _distances(requirements, margins, slopes, z, step)
-    depth = np.fmin(body, apart.min(axis=0)) if len(apart) else body
+    depth, looser, worst = body, body, np.zeros(1, np.uint8)
+    if len(margins):
+        least, least_of_fewer, worst = _distances(requirements, margins, fewer, z, step)
+        nearest = np.where(least < body, FIRST_REQUIREMENT + worst, nearest).astype(np.uint8)
+        depth, looser = np.fmin(body, least), np.fmin(body, least_of_fewer)
     depth = np.where(inside, np.maximum(depth, 0.0), -np.abs(depth))
 
     cause = np.full(takes.shape, INSIDE, np.uint8)
     cause[~inside] = DISCONNECTED
-    if len(apart):
-        worst = np.argmin(np.where(np.isnan(apart), np.inf, apart), axis=0)
+    if len(margins):
         cause = np.where(reachable & ~met, FIRST_REQUIREMENT + worst, cause).astype(np.uint8)
     cause[np.broadcast_to(~bounds.regular, cause.shape)] = SINGULAR
     cause = np.where(reached, cause, FIRST_REACH + which).astype(np.uint8)
@@ -186,14 +191,13 @@ def solve_volume(
     # Two grids of twice the cells' size, as one may come close by chance.
     halves = (enclosed_volume(depth[n::2, n::2, n::2], 2.0 * step) for n in range(2))
     error = max(abs(volume - half) for half in halves)
-    if len(apart) and not np.array_equal(fewer, margins, equal_nan=True):
-        looser = _distances(requirements, fewer, slopes, z, step).min(axis=0)
-        looser = np.fmin(body, looser)
-        looser[met & ~inside] *= -1.0
+    if not np.array_equal(fewer, margins, equal_nan=True):
+        looser = np.where(met & ~inside, -np.abs(looser), looser)
         error += abs(enclosed_volume(looser, step) - volume)
     return Volume(
         design, requirements, x, x, z, headings, cause, causes_of(requirements), margins,
-        depth, reachable, volume, error, enclosed_volume(body, step), home_inside,
+        depth, np.where(inside, nearest, cause), reachable, volume, error,
+        enclosed_volume(body, step), home_inside,
     )  # fmt: skip
 
 
@@ -252,13 +256,24 @@ def _span(used: NDArray[np.bool_]) -> tuple[int, int]:
 
 
 def _distances(
-    requirements: Requirements, margins: Array, slopes: list[Array], z: Array, step: float
-) -> Array:
-    """Return the distance to where each requirement breaks, (requirements, x, y, z) [m]."""
-    found = np.empty(margins.shape)
+    requirements: Requirements, margins: Array, fewer: Array, z: Array, step: float
+) -> tuple[Array, Array, NDArray[np.uint8]]:
+    """Return the least distance to where a requirement breaks (x, y, z), and which does.
+
+    The second result is the least distance by the margins over fewer headings [m].
+    """
+    shape = margins.shape[1:]
+    least, loose = np.full(shape, np.inf), np.full(shape, np.inf)
+    worst = np.zeros(shape, np.uint8)
     for number, bound in enumerate(requirements.bounds):
-        found[number] = margin_distance(margins[number], slopes[number], step)
+        slope = margin_slope(margins[number])
+        distance, looser = (
+            margin_distance(values[number], slope, step) for values in (margins, fewer)
+        )
         if bound.z is not None:
             beyond = np.maximum(bound.z[0] - z, z - bound.z[1])
-            found[number] = np.maximum(found[number], beyond)
-    return found
+            distance, looser = np.maximum(distance, beyond), np.maximum(looser, beyond)
+        nearer = distance < least
+        least, worst = np.where(nearer, distance, least), np.where(nearer, np.uint8(number), worst)
+        loose = np.fmin(loose, looser)
+    return least, loose, worst

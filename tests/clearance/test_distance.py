@@ -11,9 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from paminsa_viz.clearance.nearest import BOX, CAPSULE, CYLINDER
+from paminsa_viz.clearance.nearest import CAPSULE, CYLINDER
 from paminsa_viz.clearance.solids import NO_CORNERS, Solid
 from paminsa_viz.model.arrays import Array
+from tests.clearance.coal_shapes import coal_request, coal_shape
 from tests.clearance.pairs_of_solids import KINDS, Found, distances, extent, random_solid
 
 PAIRS = list(combinations_with_replacement(KINDS, 2))
@@ -101,11 +102,8 @@ def test_distances_are_those_of_coal(kinds: tuple[str, str]) -> None:
     one, other = (random_solid(kind, rng) for kind in kinds)
     place, wxyz, rotation = placed(rng)
     found = distances(one, other, place, wxyz)
-    request = coal.DistanceRequest()
-    request.gjk_tolerance, request.gjk_max_iterations = 1e-13, 1000
-    request.epa_tolerance, request.epa_max_iterations = 1e-12, 500
-    request.enable_signed_distance = True
-    shapes = [_coal_shape(coal, solid) for solid in (one, other)]
+    request = coal_request()
+    shapes = [coal_shape(solid) for solid in (one, other)]
     theirs = []
     for i in range(POSES):
         places = [coal.Transform3s(rotation[i, k], place[i, k]) for k in range(2)]
@@ -116,20 +114,6 @@ def test_distances_are_those_of_coal(kinds: tuple[str, str]) -> None:
         assert error.max() < 1e-9
     else:
         assert np.mean(error[found.distance > 0] < 1e-9) > 0.97
-
-
-def _coal_shape(coal: Any, solid: Solid) -> Any:
-    if solid.kind == CAPSULE:
-        return coal.Capsule(solid.radius, 2 * solid.size[2])
-    if solid.kind == BOX:
-        return coal.Box(*(2 * solid.size))
-    if solid.kind == CYLINDER:
-        return coal.Cylinder(solid.size[0], 2 * solid.size[2])
-    points = coal.StdVec_Vec3s()
-    for height in (-solid.size[2], solid.size[2]):
-        for corner in solid.corners:
-            points.append(np.array([*corner, height]))
-    return coal.ConvexBase.convexHull(points, False, "")
 
 
 QUARTERS = st.integers(0, 3).map(lambda n: n * np.pi / 2)

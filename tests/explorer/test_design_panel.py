@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import actions, bindings, session
+from paminsa_viz.explorer import actions, bindings, history
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.panels.design_layout import (
     GROUPS,
@@ -137,7 +137,7 @@ def test_refusal_names_the_number_that_was_set(
 def test_last_of_500_values_of_a_drag_wins_and_is_one_step(
     desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(session, "PAUSE", 60.0)  # a busy machine is no pause of the person
+    monkeypatch.setattr(history, "PAUSE", 60.0)  # a busy machine is no pause of the person
     desk.until(lambda: "9.1" in desk.handle("design.gauge").content)
     for i in range(1, 501):
         desk.set("design.links.b4", i / 250)

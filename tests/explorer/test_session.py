@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import actions, session
+from paminsa_viz.explorer import actions, history, session
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Timing
@@ -106,7 +106,7 @@ def test_first_frame_is_drawn_at_once(bench: Bench) -> None:
 def test_last_of_500_requests_wins_and_is_one_step(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(session, "PAUSE", 60.0)  # a busy machine is no pause of the person
+    monkeypatch.setattr(history, "PAUSE", 60.0)  # a busy machine is no pause of the person
     for i in range(1, 501):
         bench.session.dispatch("slider", to(i / 5000))
     eventually(lambda: bench.x == 0.1)

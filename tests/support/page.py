@@ -110,9 +110,10 @@ def tab(one_tab: Tab) -> Tab:
     from tests.support.chromium import until
 
     def at_start(state: State) -> bool:
-        """Whether it is the first state; the elasticity is computed by itself."""
+        """Whether it is the first state but for what is computed by itself."""
         first = initial_state()
-        return replace(state, elastic_view=first.elastic_view) == first
+        computed = {"elastic_view": first.elastic_view, "clearing": first.clearing}
+        return replace(state, **computed) == first
 
     one_tab.page.bring_to_front()
     one_tab.session.dispatch("test", lambda _: initial_state())

@@ -187,6 +187,30 @@ def test_poses_beyond_the_singular_rotation_are_refused() -> None:
     assert proof.verdict is Verdict.REFUTED
 
 
+def test_headings_of_a_requirement_have_to_be_reached_too() -> None:
+    # 1.4 rad is beyond the singular rotation
+    beyond = Requirement("f_4", high=450.0, theta=(1.4, 1.5))
+    proof = prove(APPENDIX_4, Requirements((beyond,)), cylinder(0.1, 0.1))
+    assert proof.verdict is Verdict.REFUTED
+    assert proof.pose is not None
+    assert 1.4 <= proof.pose[2] <= 1.5
+
+
+def test_a_region_that_no_path_from_home_reaches_is_not_proven() -> None:
+    # Bars of 250 and 800 mm fold before the platform comes up through the guides.
+    lengths = {"geometry.crank_length": 0.25, "geometry.coupler_length": 0.8}
+    design = APPENDIX_4.vary(lengths)
+    proof = prove(design, Requirements(()), cylinder(0.04, 0.04, 0.55))
+    assert {item.name: item.verdict for item in proof.evidence} == {
+        "reach": Verdict.PROVEN,
+        "singularity": Verdict.PROVEN,
+        "home": Verdict.UNDECIDED,
+    }
+    assert proof.verdict is Verdict.UNDECIDED
+    assert not len(proof.path)
+    assert prove(design, Requirements(()), cylinder(0.04, 0.04, -0.6)).verdict is Verdict.PROVEN
+
+
 @settings(max_examples=15)
 @given(design=robots(), high=st.floats(1.5, 20.0), seed=st.integers(0, 99))
 def test_verdicts_agree_with_poses(design: Design, high: float, seed: int) -> None:

@@ -7,7 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paminsa_viz.balancing import CounterweightRange, beyond, spring_torques, whole_mass
+from paminsa_viz.balancing import (
+    CounterweightRange,
+    SpringPlace,
+    at_joint,
+    beyond,
+    on_guide,
+    spring_torques,
+    whole_mass,
+)
+from paminsa_viz.balancing.program import Program
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -17,14 +26,20 @@ from paminsa_viz.model import (
     static_torques,
     unit_torques,
 )
+from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis.inner import inner_program, solve_inner
 from paminsa_viz.synthesis.inner_case import InnerCase, linear_bounds
 from paminsa_viz.synthesis.inner_limits import InnerInfeasible
-from paminsa_viz.synthesis.inner_space import sampled_solution
+from paminsa_viz.synthesis.inner_space import (
+    inner_space,
+    motion_rows,
+    sampled_solution,
+    static_rows,
+)
 from paminsa_viz.trajectory import PRESET, analyze, solve_trajectory
 from paminsa_viz.trajectory.integrals import running_integral
-from tests.synthesis.inner_cases import MASSES, WEIGHTS, case, motion, poses
+from tests.synthesis.inner_cases import MASSES, SPRING, WEIGHTS, case, motion, poses
 
 
 @pytest.mark.parametrize("springs", [False, True])
@@ -47,6 +62,31 @@ def test_optimum_is_certified_and_holds_on_other_routes(goal, springs):
     assert np.abs(held[:, :3]).max() <= 1.0 + 1e-8
     assert held[:, 3].max() <= 225.0 + 1e-6
     assert np.abs(torque[:, 3]).max() <= 240.0 + 1e-6
+
+
+def test_rows_are_the_torques_of_designs_with_springs():
+    places = (SPRING, SpringPlace(on_guide(0.1, 0.2), at_joint(4), 500.0, 0.0, 0.3))
+    load = replace(APPENDIX_4, load=LoadCase(force_x=5.0, force_z=-10.0), gravity=9.0)
+    space = inner_space(load, case().changes(load), places)
+    rng = np.random.default_rng(3)
+    for _ in range(5):
+        levers = [
+            [(float(rng.uniform(*v.span)), float(rng.uniform(v.low, v.high)))]
+            for v in space.variables
+        ]
+        state = Program(space.start, space.variables, ()).state(levers)
+        design, springs = space.design_of(levers), space.springs_of(state)
+        assert all(spring.stiffness > 1.0 for spring in springs)
+        held = spring_torques(load.geometry, springs, poses()) + static_torques(design, poses())
+        matrix, offset = static_rows(space, poses())
+        np.testing.assert_allclose(matrix @ state + offset, held, rtol=1e-9, atol=1e-9)
+        moving = inverse_dynamics(
+            design, motion().pose, motion().velocity, motion().acceleration
+        ).torque
+        moving += spring_torques(load.geometry, springs, motion().pose)
+        solved = sampled_solution(load.geometry, motion(), load.gravity)
+        matrix, offset = motion_rows(space, solved)
+        np.testing.assert_allclose(matrix @ state + offset, moving, rtol=1e-8, atol=1e-8)
 
 
 def test_no_random_choice_within_the_bounds_is_better():

@@ -10,12 +10,18 @@ import pytest
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.grids import Grid, solve_field
 from paminsa_viz.model.load import LoadCase
+from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.synthesis.columns import Columns, solve_columns
 from paminsa_viz.synthesis.margins import heading_margins, headings, time_per_position
 
-DESIGN = replace(APPENDIX_4, load=LoadCase(force_x=5.0, force_z=-8.0, moment_z=0.4))
+DESIGN = replace(
+    APPENDIX_4,
+    load=LoadCase(force_x=5.0, force_z=-8.0, moment_z=0.4),
+    payload=replace(APPENDIX_4.payload, mass=2.0),
+    counterweights=(Counterweight("b3", 7, 0.2, 1.0),),
+)
 X, Y, Z = np.array([-0.03, 0.08]), np.array([0.05]), np.array([-0.7, -0.45])
 THETA = (-0.3, 0.4)
 

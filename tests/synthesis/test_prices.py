@@ -21,6 +21,7 @@ from paminsa_viz.synthesis import (
     SynthesisCase,
     synthesize,
 )
+from paminsa_viz.synthesis.local_search import refined
 from paminsa_viz.synthesis.prices import requirement_prices
 
 HEIGHT, RADIUS = 0.2, 0.1
@@ -71,6 +72,15 @@ def test_an_end_of_a_range_has_its_price_and_can_be_canceled():
     assert price.label == "least crank_length"
     by_crank = 3 * (APPENDIX_4.links.b3 + APPENDIX_4.links.b8) / APPENDIX_4.geometry.crank_length
     assert price.price == pytest.approx(by_crank, rel=1e-3)
+
+
+def test_a_search_near_an_answer_may_start_late():
+    # as many generations as the search would look for progress over, and more
+    late = one_length(effort=Effort(200, 5))
+    result = synthesize(late)
+    start = result.design.geometry.crank_length + 0.01
+    near = refined(late, Regime.SMALLER, [start], rounds=3)
+    assert near.objective == pytest.approx(result.objective, rel=1e-4)
 
 
 def test_an_answer_that_fails_has_no_prices():

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4, Design, Geometry, check_reach, singular_radius
+from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.quantities.requirements import WorkspaceShape
 from paminsa_viz.synthesis.pose_search import freedom, from_unit, lowest, random_poses
 from paminsa_viz.synthesis.region_margins import PoseRegion, leg_distances, region_margins
@@ -64,6 +66,30 @@ def test_some_pose_has_the_least_and_the_largest_distance(region: PoseRegion, sw
 
         assert abs(lowest(distance, region)[1] - low[leg]) < 2e-4
         assert abs(-lowest(lambda p, d=distance: -d(p), region)[1] - high[leg]) < 2e-4
+
+
+@pytest.mark.parametrize("leg", range(3))
+@pytest.mark.parametrize(
+    "side", [(1, 1), (-1, 1), (-1, -1), (1, -1), (1, 0), (0, 1), (-1, 0), (0, -1)]
+)
+@pytest.mark.parametrize("gap", [0.05, -0.03])
+def test_least_distance_toward_each_corner_and_side(
+    leg: int, side: tuple[int, int], gap: float
+) -> None:
+    # As theta turns fully, P runs on a circle about the leg axis. A box outside of it, or one
+    # within, has its nearest corner or side at a known distance from the circle.
+    g = APPENDIX_4.geometry
+    toward = np.array(side, float)
+    unit = toward / np.hypot(*toward)
+    nearest = g.base_radius * LEG_AXES[leg] + (g.platform_radius + gap) * unit
+    half = 0.004
+    x, y = nearest + half * toward * np.sign(gap)
+    region = PoseRegion(WorkspaceShape.BOX, (x, y, -0.6), (half, half, 0.1), (0.0, 2 * np.pi))
+    low, _ = leg_distances(g, region)
+    expected = abs(gap)
+    if gap < 0 and 0 in side:  # the ends of a side are nearer to a circle around it
+        expected = g.platform_radius - np.hypot(g.platform_radius + gap, half)
+    assert low[leg] == pytest.approx(expected, abs=1e-12)
 
 
 @given(region=regions())

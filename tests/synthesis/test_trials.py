@@ -208,3 +208,27 @@ def test_load_and_upper_knee() -> None:
     assert other.trial is not None
     assert other.objective == pytest.approx(plain.objective, rel=1e-9)
     assert other.worst[:2] == pytest.approx(plain.worst[:2], rel=1e-9)
+
+
+def test_bounds_over_a_part_of_headings_and_heights() -> None:
+    case, numbers = GOOD["cell"]
+    z = numbers[-1]
+    parts = (
+        Requirement("max_torque", high=1e4, z=(z, z + 0.1)),
+        Requirement("max_torque", high=1e4, theta=(0.1, 0.3)),
+        Requirement("max_torque", high=0.0, z=(z + 1.0, z + 2.0)),
+    )
+    some = replace(case, requirements=replace(case.requirements, bounds=parts))
+    found = Evaluator(some, Regime.SMALLER).evaluate(np.array([numbers]))[0]
+    assert found.feasible  # heights outside the workspace ask for nothing
+    assert np.isnan(found.worst[2])
+    trial = found.trial
+    assert trial is not None
+    poses = poses_of(trial.workspace, case.requirements.theta, 40000, 7)
+    torque = np.abs(static_torques(trial.design, poses)[:, :3]).max(axis=1)
+    high = (poses[:, 3] >= z) & (poses[:, 3] <= z + 0.1)
+    turned = (poses[:, 2] >= 0.1) & (poses[:, 2] <= 0.3)
+    assert found.worst[0] == pytest.approx(torque[high].max(), rel=0.01)
+    assert found.worst[1] == pytest.approx(torque[turned].max(), rel=0.01)
+    assert torque.max() > torque[high].max() * 1.02
+    assert torque.max() > torque[turned].max() * 1.02

@@ -10,7 +10,6 @@ from viser import Icon
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.balancing import springs
 from paminsa_viz.explorer.balancing.jobs import (
     SLOTS,
     CounterweightSlot,
@@ -21,7 +20,6 @@ from paminsa_viz.explorer.balancing.jobs import (
     Task,
 )
 from paminsa_viz.explorer.balancing.solving import run
-from paminsa_viz.explorer.balancing.spring_settings import SpringJob, SpringOutcome
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.entries import (
@@ -52,6 +50,7 @@ from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.counterweights_panel import COUNTERWEIGHTS
 from paminsa_viz.explorer.panels.design_panel import gauge_html
 from paminsa_viz.explorer.panels.springs_panel import SPRINGS
+from paminsa_viz.explorer.panels.tolerance_panel import TOLERANCES
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
@@ -256,6 +255,7 @@ BALANCE = (
     ),
     Folder("balance.weights", "Counterweights of each leg", entries=COUNTERWEIGHTS),
     Folder("balance.springs", "Springs", entries=SPRINGS, open=False),
+    Folder("balance.tolerances", "Tolerances", entries=TOLERANCES, open=False),
     Folder(
         "balance.front", "Pareto front: dynamic vs. static torque", entries=FRONT, open=False
     ),
@@ -272,16 +272,11 @@ class BalancePanel(Panel):
             session, "balance", run, balancing.receive_result, progress=balancing.report_progress,
             failed=lambda job, problem: Outcome(job, problem=InvalidInput("balance", problem)),
         )  # fmt: skip
-        self._springs: BackgroundJob[SpringJob, SpringOutcome] = BackgroundJob(
-            session, "springs", lambda job, _: springs.run(job), springs.receive, undo=False,
-            failed=lambda job, problem: SpringOutcome(job, None, problem),
-        )  # fmt: skip
         bridge.on("click", self._click)
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the state, and start what is requested."""
         self._job.request(frame.state.balancing.running)
-        self._springs.request(frame.state.springing.running)
         super().draw(frame, dragging)
 
     def _click(self, data: Any) -> None:

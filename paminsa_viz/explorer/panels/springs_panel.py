@@ -4,12 +4,20 @@ from __future__ import annotations
 
 from typing import Any
 
+from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.balancing import springs
-from paminsa_viz.explorer.balancing.spring_settings import HEIGHTS, LENGTHS, SpringsFrom
-from paminsa_viz.explorer.entries import Button, Entry, Html
+from paminsa_viz.explorer.balancing.spring_settings import (
+    HEIGHTS,
+    LENGTHS,
+    SpringJob,
+    SpringOutcome,
+    SpringsFrom,
+)
+from paminsa_viz.explorer.entries import Button, Custom, Entry, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import MILLIMETERS, Dropdown, Number, Pair, Range, attribute
 from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.units import number
 
@@ -67,7 +75,23 @@ def _free_lengths(state: State) -> tuple[float, float]:
     return state.springing.settings.least, state.springing.settings.most
 
 
+class SpringFitter:
+    """Runs the fit that is asked for."""
+
+    def __init__(self, session: Session) -> None:
+        self._job: BackgroundJob[SpringJob, SpringOutcome] = BackgroundJob(
+            session, "springs", lambda job, _: springs.run(job), springs.receive, undo=False,
+            failed=lambda job, problem: SpringOutcome(job, None, problem),
+        )  # fmt: skip
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Start what is requested."""
+        del dragging
+        self._job.request(frame.state.springing.running)
+
+
 SPRINGS: tuple[Entry, ...] = (
+    Custom("springs.fitter", make=SpringFitter),
     Html("springs.text", content=springs_html),
     Dropdown(
         "springs.start", "Springs from", options={each.value: each for each in SpringsFrom},

@@ -1,0 +1,167 @@
+"""``paminsa-viz clearance``: the nearest bodies at a pose and over the workspace."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+import tyro
+
+from paminsa_viz import __version__
+from paminsa_viz.clearance import Clearance, PairGroup, clearance
+from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
+from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.dimensions.layout import layout
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.reach import home_pose, require_reachable
+from paminsa_viz.units import MM, format_ascii
+
+DESCRIPTION = """\
+Least distance of the robot's bodies as they are drawn, and which two are nearest: at a pose, and
+over random poses of the workspace.
+
+  paminsa-viz clearance                                   in the middle of the workspace
+  paminsa-viz clearance --pose 100 0 30 -500 --least 5
+  paminsa-viz clearance --poses 20000 --radius 150 --theta 30
+  paminsa-viz clearance --design heavy.toml --json
+
+A negative distance is an overlap. What joints hold together, what slides in each other, and what
+lies side by side across a leg's plane in every pose is not checked. See docs/clearance.md; a map is
+`paminsa-viz map --quantity clearance`.
+
+Exit code: 0 done; 1 two bodies overlap at the pose, or are nearer than --least; 2 a wrong argument
+or file, or a pose out of reach."""
+
+MOST = 12
+"""Lines of the list of nearest bodies."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
+    """Flags of the command."""
+
+    least: Annotated[float, tyro.conf.arg(metavar="MM")] = 0.0
+    """Least clearance that is required [mm]."""
+    poses: int = 0
+    """Random poses of the workspace to check as well; those out of reach do not count."""
+    radius: Annotated[float | None, tyro.conf.arg(metavar="MM")] = None
+    """Radius of the disc that their positions are in [mm]; half of R_b if left out."""
+    theta: Annotated[float, tyro.conf.arg(metavar="DEG")] = 30.0
+    """Largest angle of theirs, to either side [deg]."""
+    z: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    """Range of their heights [mm]; what the frame is drawn for if left out."""
+    seed: int = 0
+    """Seed of the draw."""
+
+    def run(self) -> int:
+        """Compute the clearances and report."""
+        if self.poses < 0 or self.seed < 0:
+            raise UsageError("--poses and --seed are whole numbers of at least 0")
+        design = self.given_design()
+        pose = self.given_pose or home_pose(design.geometry)
+        require_reachable(design.geometry, pose)
+        required = self.least / MM
+        groups = {group: clearance(design, pose, [group]) for group in PairGroup}
+        here = clearance(design, pose)
+        over = clearance(design, self._drawn(design)) if self.poses else None
+        if self.json:
+            print_json(_data(design, pose, groups, here, over, required))
+        else:
+            _print(groups, here, over, required)
+        return 1 if here.reason((), required) else 0
+
+    def _drawn(self, design: Design) -> np.ndarray:
+        """Return random poses, uniform in the workspace asked for (n, 4)."""
+        rng, g = np.random.default_rng(self.seed), design.geometry
+        largest = g.base_radius / 2 if self.radius is None else self.radius / MM
+        place = layout(g)
+        low, high = (place.platform_low, place.platform_high)
+        if self.z is not None:
+            low, high = self.z[0] / MM, self.z[1] / MM
+        radius, angle = (
+            largest * np.sqrt(rng.random(self.poses)),
+            rng.uniform(0, 2 * np.pi, self.poses),
+        )
+        theta = rng.uniform(-1, 1, self.poses) * np.radians(self.theta)
+        z = rng.uniform(low, high, self.poses)
+        return np.stack([radius * np.cos(angle), radius * np.sin(angle), theta, z], axis=-1)
+
+
+FLAGS = ClearanceFlags
+
+
+def nearest_kinds(found: Clearance) -> list[tuple[tuple[str, str], int, float]]:
+    """Return the pairs that are nearest in some pose: kinds of bodies, in how many, least [m]."""
+    taken = found.pair >= 0
+    counts: Counter[tuple[str, str]] = Counter()
+    least: dict[tuple[str, str], float] = {}
+    for pair, distance in zip(found.pair[taken], found.least[taken], strict=True):
+        one, other = (re.sub(r"( of leg)? ?\d$", "", name) for name in found.pairs[pair])
+        counts[one, other] += 1
+        least[one, other] = min(float(distance), least.get((one, other), np.inf))
+    return [(kinds, count, least[kinds]) for kinds, count in counts.most_common()]
+
+
+def _print(
+    groups: dict[PairGroup, Clearance], here: Clearance, over: Clearance | None, required: float
+) -> None:
+    rows = [("pairs", "nearest", "to", "distance")]
+    for group, found in groups.items():
+        if found.pair >= 0:
+            names = found.pairs[int(found.pair)]
+            rows.append((group.value, *names, format_ascii(float(found.least), "m")))
+    print_table(rows)
+    reason = here.reason((), required)
+    print(reason or f"least clearance: {format_ascii(float(here.least), 'm')}")
+    if over is None:
+        return
+    reached = over.least[np.isfinite(over.least)]
+    print(f"\n{len(reached)} of {over.least.size} poses can be taken")
+    if len(reached) == 0:
+        return
+    share = 100 * np.mean(reached < required)
+    print(f"{share:.1f} % of them have less than {format_ascii(required, 'm')}")
+    kinds = nearest_kinds(over)[:MOST]
+    lines = [(*names, str(count), format_ascii(least, "m")) for names, count, least in kinds]
+    print_table([("nearest", "to", "poses", "least"), *lines])
+
+
+def _data(
+    design: Design, pose: Any, groups: dict[PairGroup, Clearance], here: Clearance,
+    over: Clearance | None, required: float,
+) -> dict[str, Any]:  # fmt: skip
+    def entry(found: Clearance) -> dict[str, Any] | None:
+        if found.pair < 0:
+            return None
+        return {
+            "bodies": list(found.pairs[int(found.pair)]),
+            "distance_m": float(found.least),
+            "points_m": found.points.tolist(),
+        }
+
+    data = {
+        "made_by": f"paminsa_viz {__version__}",
+        "design": design.name,
+        "pose": list(pose),
+        "required_m": required,
+        "least": entry(here),
+        "groups": {group.value: entry(found) for group, found in groups.items()},
+    }
+    if over is None:
+        return data
+    reached = over.least[np.isfinite(over.least)]
+    return data | {
+        "poses": {
+            "drawn": int(over.least.size),
+            "reached": len(reached),
+            "below": int(np.sum(reached < required)),
+            "nearest": [
+                {"bodies": list(kinds), "poses": count, "least_m": least}
+                for kinds, count, least in nearest_kinds(over)
+            ],
+        }
+    }

@@ -1,0 +1,59 @@
+"""Tolerances of the balance on the page: masses at the pose, lengths on the map."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from paminsa_viz.balancing.tolerance import mass_tolerance
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.balancing.tolerances import run
+from paminsa_viz.explorer.examples import open_example
+from paminsa_viz.explorer.frame import compute
+from paminsa_viz.explorer.panels import tolerance_panel as panel
+from paminsa_viz.explorer.state import State, initial_state
+from tests.support.desk import Desk
+
+PANEL = panel.TOLERANCES
+
+
+@pytest.fixture
+def state() -> State:
+    return actions.move(initial_state(), x=0.08, y=0.05, theta=np.pi / 3)
+
+
+def test_balanced_robot_still_has_torques_within_tolerances(state: State) -> None:
+    balanced = open_example(state, "masses")
+    found = mass_tolerance(balanced.document.design, 0.02, balanced.last_reachable.pose)
+    text = panel.masses_html(compute(balanced))
+    assert found.deviation > 0
+    assert f"{found.deviation:.3f}" in text
+    for worst in found.torque_worst:
+        assert f"{worst:.3f}" in text
+    exact = balanced.updated("tolerating.settings", mass=0.0)
+    assert "0.000 N·m" in panel.masses_html(compute(exact))
+
+
+def test_lengths_are_drawn_on_request_and_go_stale(state: State) -> None:
+    asked = panel.start(state.updated("tolerating.settings", length=0.01))
+    job = asked.tolerating.running
+    assert job is not None
+    outcome = run(job)
+    assert outcome.found is not None
+    done = panel.receive(asked, outcome)
+    text = panel.lengths_html(compute(done))
+    assert f"{outcome.found.quantile(0.95):.3f}" in text
+    assert "draw again" not in text
+    assert "draw again" in panel.lengths_html(compute(actions.vary(done, {"links.b4": 0.9})))
+    assert panel.receive(done, outcome) is done
+
+
+def test_robots_are_drawn_in_the_background(desk: Desk) -> None:
+    desk.set("tolerance.length", 0.5)
+    desk.until(lambda: desk.state.tolerating.settings.length == 0.005)
+    desk.set("tolerance.draw", True)
+    desk.until(lambda: desk.state.tolerating.outcome)
+    outcome = desk.state.tolerating.outcome
+    assert outcome is not None
+    assert outcome.found is not None
+    assert outcome.found.peaks.size == 200
