@@ -78,12 +78,19 @@ def tightness() -> None:
         rows.append(
             (
                 f"± {1e3 * width:g} mm, ± {2e3 * width:g} mrad",
-                f"{100 * np.median(most / condition - 1):.2g} %",
-                f"{100 * np.median(largest / torque - 1):.2g} %",
+                _excess(most, condition),
+                _excess(largest, torque),
             )
         )
     heading("How much bounds over a box exceed the largest value at its corners (median)")
     table(("box", "condition number", "largest torque"), rows)
+
+
+def _excess(bound: Array, value: Array) -> str:
+    """Write the median excess; where half of the boxes have no bound, that."""
+    excess = np.nan_to_num(bound / value - 1, nan=np.inf)
+    median = float(np.median(excess))
+    return f"{100 * median:.2g} %" if np.isfinite(median) else "no bound"
 
 
 def speed() -> None:

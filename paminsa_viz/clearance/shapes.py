@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from paminsa_viz.clearance.frame_shapes import frame_bodies, moving_bodies
 from paminsa_viz.clearance.leg_shapes import leg_bodies
-from paminsa_viz.clearance.nearest import CAPSULE, CYLINDER
 from paminsa_viz.clearance.pairs import (
     Exclusion,
     PairGroup,
@@ -21,10 +20,10 @@ from paminsa_viz.clearance.pairs import (
     group_of,
     in_one_plane,
 )
-from paminsa_viz.clearance.solids import WORLD, Body, Solid
+from paminsa_viz.clearance.solids import WORLD, Body
 from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.design import Design, Geometry, KneeBranch
 from paminsa_viz.model.parameters import Counterweight
 
 Integers = NDArray[np.int64]
@@ -103,15 +102,37 @@ def build_shapes(
         {"payload.mass": payload}
     )
     bodies = (*leg_bodies(design), *moving_bodies(design), *frame_bodies(design))
+    # Lengths change no pair: layers, joints and frames are the same for all of them.
+    structure = (
+        geometry.knee, payload > 0, tuple((w.bar, w.mass > 0) for w in counterweights)
+    )  # fmt: skip
+    if structure not in _KNOWN_PAIRS:
+        if len(_KNOWN_PAIRS) >= MOST_STRUCTURES:
+            _KNOWN_PAIRS.clear()
+        _KNOWN_PAIRS[structure] = _pairs(bodies, geometry.knee)
+    return Shapes(bodies, *_KNOWN_PAIRS[structure], arrays_of(bodies))
+
+
+Pairs = tuple[
+    tuple[tuple[int, int], ...], tuple[PairGroup, ...], tuple[tuple[int, int, Exclusion], ...]
+]
+
+_KNOWN_PAIRS: dict[tuple[object, ...], Pairs] = {}
+MOST_STRUCTURES: Final = 64
+"""Sets of bodies whose pairs are kept."""
+
+
+def _pairs(bodies: tuple[Body, ...], knee: KneeBranch) -> Pairs:
+    """Return the pairs that are checked, their groups, and the others with their reasons."""
     pairs, groups, excluded = [], [], []
     for i, j in combinations(range(len(bodies)), 2):
-        reason = exclusion(bodies[i], bodies[j], geometry.knee)
+        reason = exclusion(bodies[i], bodies[j], knee)
         if reason is None:
             pairs.append((i, j))
             groups.append(group_of(bodies[i], bodies[j]))
         else:
             excluded.append((i, j, reason))
-    return Shapes(bodies, tuple(pairs), tuple(groups), tuple(excluded), arrays_of(bodies))
+    return tuple(pairs), tuple(groups), tuple(excluded)
 
 
 _kept_shapes = lru_cache(maxsize=32)(build_shapes)
@@ -121,7 +142,7 @@ def arrays_of(bodies: tuple[Body, ...]) -> ShapeArrays:
     solids = [solid for body in bodies for solid in body.solids]
     counts = np.array([len(solid.corners) for solid in solids])
     last = np.cumsum(counts)
-    rods = np.array([_enclosing_rod(solid) for solid in solids])
+    rods = np.array([solid.rod for solid in solids])
     start = np.cumsum([0, *(len(body.solids) for body in bodies)])
     extents = np.array([solid.extent for solid in solids])
     pieces = [slice(a, b) for a, b in pairwise(start)]
@@ -152,23 +173,6 @@ def arrays_of(bodies: tuple[Body, ...]) -> ShapeArrays:
 
 def _bits(joints: Iterable[int]) -> int:
     return sum(1 << joint for joint in joints if joint)
-
-
-def _enclosing_rod(solid: Solid) -> Array:
-    """Return a capsule about a solid: its ends in the body's frame, and its radius (7,) [m]."""
-    half = solid.size.copy()
-    axis = int(np.argmax(half))
-    rest = np.delete(half, axis)
-    along = half[axis] * solid.rotation[:, axis]
-    radius = float(np.hypot(rest[0], rest[1]))
-    if solid.kind == CAPSULE:
-        radius = solid.radius
-    elif solid.kind == CYLINDER:
-        if axis == 2:
-            radius = float(half[0])
-        else:
-            along, radius = np.zeros(3), float(np.hypot(half[0], half[2]))
-    return np.array([*(solid.center - along), *(solid.center + along), radius])
 
 
 def _common_rod(rods: Array) -> Array:

@@ -72,6 +72,23 @@ class Solid:
             half = np.abs(self.rotation) @ size + self.radius
         return np.stack([self.center - half, self.center + half])
 
+    @cached_property
+    def rod(self) -> Array:
+        """A capsule about the solid: two ends in the body's frame, and its radius (7,) [m]."""
+        half = self.size.copy()
+        axis = int(np.argmax(half))
+        rest = np.delete(half, axis)
+        along = half[axis] * self.rotation[:, axis]
+        radius = float(np.hypot(rest[0], rest[1]))
+        if self.kind == CAPSULE:
+            radius = self.radius
+        elif self.kind == CYLINDER:
+            if axis == 2:
+                radius = float(half[0])
+            else:
+                along, radius = np.zeros(3), float(np.hypot(half[0], half[2]))
+        return np.array([*(self.center - along), *(self.center + along), radius])
+
     def outside(self, points: Array) -> Array:
         """Return how far points (..., 3) of the body's frame are outside, 0 inside (...) [m]."""
         p = (np.asarray(points) - self.center) @ self.rotation

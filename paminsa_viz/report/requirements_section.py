@@ -56,7 +56,7 @@ def _checks(check: RequirementsCheck, requirements: Requirements) -> list[Block]
     for item in check.items:
         pose = NONE
         if item.pose is not None:
-            x, y, theta, z = item.pose
+            x, y, theta, z = (round(value, 9) for value in item.pose)  # no rounding errors
             place = (format_value(value, "m", 3) for value in (x, y, z))
             pose = f"({', '.join(place)}), {format_value(theta, 'rad', 3)}"
         values = (format_value(value, item.unit) for value in (item.value, item.margin))

@@ -20,6 +20,7 @@ from paminsa_viz.quantities.requirements import WorkspaceShape
 from paminsa_viz.synthesis.families import BoundGroup
 from paminsa_viz.synthesis.margins import Progress
 from paminsa_viz.synthesis.region_margins import Grows, PoseRegion
+from paminsa_viz.synthesis.symmetry import SLACK, Symmetry, symmetry
 
 BATCH = 8192
 """Boxes worked on at a time."""
@@ -155,12 +156,14 @@ class _Pool:
         self.gauge = np.concatenate([self.gauge, gauge])
 
 
-def first_box(group: BoundGroup, region: PoseRegion) -> tuple[Array, Array] | None:
+def first_box(group: BoundGroup, region: PoseRegion, same: Symmetry) -> tuple[Array, Array] | None:
     """Return the box around the poses of a region that a group is about; None for none.
 
-    A coordinate that the group does not depend on has no width.
+    Only headings that stand for others by symmetry are in it. A coordinate that the group does not
+    depend on has no width.
     """
-    low = np.array([*region.low[:2], group.theta[0], max(region.low[2], group.z[0])])
+    least = 0.0 if same.mirror else group.theta[0]
+    low = np.array([*region.low[:2], least, max(region.low[2], group.z[0])])
     high = np.array([*region.high[:2], group.theta[1], min(region.high[2], group.z[1])])
     if (low > high).any():
         return None
@@ -192,7 +195,8 @@ def nearest_violation(
         time_limit: When to stop at the latest, from now on [s].
     """
     count = len(group.requirements)
-    start = first_box(group, gauge.region.scaled(upper, gauge.grows))
+    same = symmetry(group, gauge.region)
+    start = first_box(group, gauge.region.scaled(upper, gauge.grows), same)
     if start is None:
         return Nearest(upper, upper, None, -1, np.full(count, np.inf), 0)
     pool = _Pool(*start, gauge.of_boxes(*start))
@@ -200,6 +204,7 @@ def nearest_violation(
     end = control.elapsed + time_limit
     proven: list[tuple[Array, Array]] = []
     slack = 0.0 if tolerance is None else tolerance
+    spare = group.sizes * (SLACK if same.any else 0.0)
     while len(pool.gauge):
         if tolerance is None:
             pool.keep(pool.gauge <= upper)
@@ -214,7 +219,7 @@ def nearest_violation(
         middle, half, near = pool.take(BATCH)
         margins = group.margins(middle, half)
         control.boxes += len(near)
-        good = (margins >= 0.0).all(axis=1)
+        good = (margins >= spare).all(axis=1)
         proven.append((near[good], margins[good]))
         middle, half, near = middle[~good], half[~good], near[~good]
         found = _broken(group, gauge, middle, half, upper)
@@ -226,6 +231,8 @@ def nearest_violation(
         stuck = (half <= SMALLEST).all(axis=1)
         lower = min(lower, near[stuck].min(initial=np.inf))
         middle, half = _cut(middle[~stuck], half[~stuck])
+        kept = same.kept(middle, half)
+        middle, half = middle[kept], half[kept]
         pool.add(middle, half, gauge.of_boxes(middle, half))
     lower = min(lower, upper, pool.gauge.min(initial=np.inf))
     if tolerance is None and pose is not None:

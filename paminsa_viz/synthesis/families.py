@@ -133,6 +133,12 @@ class BoundGroup:
     theta: Range
     z: Range
 
+    @property
+    def sizes(self) -> Array:
+        """Sizes of the bounds, the larger one of each requirement (requirements,) [SI]."""
+        pairs = [(abs(r.low or 0.0), abs(r.high or 0.0)) for r in self.requirements]
+        return np.array(pairs).max(axis=1)
+
     def margins(self, middle: Array, half: Array) -> Array:
         """Return margins that no pose of a box is below, (n, requirements); NaN for none."""
         found = self.family.ranges(self.design, middle, half)

@@ -258,9 +258,7 @@ class CenterSearch:
         worst = freedom(self._design.geometry, poses).min(axis=0)
         for group in self._groups:
             margins = group.pose_margins(poses)
-            size = np.array(
-                [max(abs(r.low or 0.0), abs(r.high or 0.0), 1e-9) for r in group.requirements]
-            )
+            size = np.maximum(group.sizes, 1e-9)
             least = np.nan_to_num(margins / size, nan=-1.0).min(axis=1)
             theta, z = poses[:, 2], poses[:, 3]
             counts = (theta >= group.theta[0]) & (theta <= group.theta[1])

@@ -82,13 +82,14 @@ def test_least_distance_toward_each_corner_and_side(
     toward = np.array(side, float)
     unit = toward / np.hypot(*toward)
     nearest = g.base_radius * LEG_AXES[leg] + (g.platform_radius + gap) * unit
-    half = 0.004
+    half = np.array([0.004, 0.007])  # no square, whose far corner is in the same direction
     x, y = nearest + half * toward * np.sign(gap)
-    region = PoseRegion(WorkspaceShape.BOX, (x, y, -0.6), (half, half, 0.1), (0.0, 2 * np.pi))
+    region = PoseRegion(WorkspaceShape.BOX, (x, y, -0.6), (*half, 0.1), (0.0, 2 * np.pi))
     low, _ = leg_distances(g, region)
     expected = abs(gap)
     if gap < 0 and 0 in side:  # the ends of a side are nearer to a circle around it
-        expected = g.platform_radius - np.hypot(g.platform_radius + gap, half)
+        across = half[side.index(0)]
+        expected = g.platform_radius - np.hypot(g.platform_radius + gap, across)
     assert low[leg] == pytest.approx(expected, abs=1e-12)
 
 

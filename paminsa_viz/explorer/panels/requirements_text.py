@@ -61,7 +61,7 @@ def _row(item: RequirementCheck, requirements: Requirements) -> dict[str, Any]:
     mark, name = level(item, requirements)
     part = share(item, requirements)
     width = 50 * abs(part)
-    shown = NO_POSE if item.pose is None else item.pose
+    shown = NO_POSE if item.pose is None else rounded_pose(item.pose)
     x, y, z = (format_value(shown[i], "m") for i in (0, 1, 3))
     return {
         "index": -1 if item.requirement is None else item.requirement,
@@ -98,11 +98,18 @@ def note_of(state: State, check: RequirementsCheck) -> str:
     return f"{OVER[check.over]} from θ {low} to {high}, {fine}"
 
 
+def rounded_pose(pose: Pose) -> Pose:
+    """Return a pose without rounding errors [m, m, rad, m]."""
+    x, y, theta, z = (round(value, 9) + 0.0 for value in pose)
+    return x, y, theta, z
+
+
 def worst_pose(state: State, place: str) -> Pose | None:
     """Return the worst pose of a requirement, by its index or the name of what comes before it."""
     check = current_check(state)
     items = () if check is None else check.items
-    return next((i.pose for i in items if place in (i.label, str(i.requirement))), None)
+    found = next((i.pose for i in items if place in (i.label, str(i.requirement))), None)
+    return None if found is None else rounded_pose(found)
 
 
 def strip_html(state: State) -> str:

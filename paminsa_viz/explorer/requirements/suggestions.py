@@ -76,13 +76,13 @@ def suggested(document: Document, quantity: str) -> Requirement:
     if (
         quantity in LARGER_IS_BETTER
         or entry.family == "capability"
-        or quantity.startswith(("transmission", "selective", "stiffness", "frequency"))
+        or quantity.startswith(("transmission", "selective", "stiffness", "frequency", "clearance"))
     ):
         return Requirement(quantity, low=rounded(float(values.min()) / SPARE, entry, up=False))
     return Requirement(quantity, high=rounded(SPARE * float(values.max()), entry, up=True))
 
 
-LARGER_IS_BETTER = ("reach_margin", "conditioning", "clearance")
+LARGER_IS_BETTER = ("reach_margin", "conditioning")
 """Quantities that are bounded from below, next to whole families."""
 
 

@@ -9,7 +9,7 @@ from paminsa_viz.explorer.requirements.actions import Side, selected, side_of
 from paminsa_viz.explorer.requirements.saved import MOST_REQUIREMENTS
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput
-from paminsa_viz.quantities import QUANTITIES
+from paminsa_viz.quantities import QUANTITIES, families
 from paminsa_viz.quantities.requirements import WorkspaceShape
 
 
@@ -56,7 +56,12 @@ def test_numbers_are_set_on_the_side_that_is_bounded(one: State) -> None:
         actions.set_bound(actions.choose_side(one, Side.SIZE), -7.0)
 
 
-@pytest.mark.parametrize("quantity", list(QUANTITIES))
+OF_EACH_FAMILY = {entries[-1].key for entries in families().values()}
+
+
+@pytest.mark.parametrize(
+    "quantity", sorted(OF_EACH_FAMILY | {"condition", "tau_1", "reach_margin"})
+)
 def test_suggested_bounds_are_kept_over_the_workspace(quantity: str) -> None:
     state = actions.change(initial_state(), theta=(-0.5, 0.5))
     one = suggestions.suggested(state.document, quantity)

@@ -1,4 +1,4 @@
-"""The volume as a file of the Export tab."""
+"""Files: the volume of the Export tab, and requirements in design files."""
 
 from __future__ import annotations
 
@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 import trimesh
 
+from paminsa_viz.explorer.page import opening_state
+from paminsa_viz.explorer.panels.file_panel import open_content, uploaded_content
 from paminsa_viz.explorer.requirements import actions
 from paminsa_viz.explorer.requirements.checking import find_volume
 from paminsa_viz.explorer.requirements.files import VOLUME_KINDS, volume_file
 from paminsa_viz.explorer.requirements.jobs import VolumeJob
 from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.files.design_file import write_design
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis.volume_files import VOLUME_FORMATS
@@ -42,3 +45,14 @@ def test_an_empty_volume_has_no_surface_to_write() -> None:
     asked = actions.change(initial_state(), bounds=(Requirement("condition", high=1.001),))
     with pytest.raises(InvalidInput, match="empty"):
         volume_file(solved(asked), "stl")
+
+
+def test_requirements_come_with_their_design_file_and_stay_without_any() -> None:
+    asked = actions.suggest(initial_state())
+    design, requirements = asked.document.design, asked.document.requirements
+    text = write_design(design, requirements=requirements).encode()
+    opened = open_content(initial_state(), uploaded_content("robot.toml", text))
+    assert opened.document.requirements == requirements
+    plain = uploaded_content("robot.toml", write_design(design).encode())
+    assert open_content(asked, plain).document.requirements == requirements
+    assert opening_state(design, requirements).document.requirements == requirements

@@ -1,0 +1,113 @@
+"""The volume's surface, outlines of workspaces, and the best robot of a search in the scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+import viser
+
+from paminsa_viz.explorer import actions as designs
+from paminsa_viz.explorer.frame import compute
+from paminsa_viz.explorer.requirements import actions
+from paminsa_viz.explorer.requirements.checking import find_volume
+from paminsa_viz.explorer.requirements.jobs import LargestJob, LargestOutcome, VolumeJob
+from paminsa_viz.explorer.requirements.surface import surface_parts
+from paminsa_viz.explorer.scene.best_robot import NODE, BestRobot
+from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.scene.workspaces import VolumeSurface, WorkspaceOutlines, outline
+from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.synthesis import actions as synthesis
+from paminsa_viz.explorer.synthesis.jobs import BestSoFar, Shown
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.quantities.requirements import WorkspaceShape
+from tests.support.raw_page import RawPage
+from tests.support.scene import Scene
+
+
+@pytest.fixture
+def layers(server: viser.ViserServer) -> Iterator[Scene]:
+    """The views of requirements and synthesis in the scene of a tab."""
+    page = RawPage(server)
+    scene = page.client.scene
+    context = SceneContext(scene)
+    views: list[Any] = [VolumeSurface(context), WorkspaceOutlines(context), BestRobot(context)]
+    yield Scene(scene, views)
+    page.socket.close()
+
+
+def draw(scene: Scene, state: State) -> None:
+    for view in scene._views:
+        view.draw(compute(state), False)
+
+
+@pytest.fixture(scope="module")
+def asked() -> State:
+    """The suggested requirements with their volume, coarse."""
+    state = actions.suggest(initial_state())
+    document = state.document
+    outcome = find_volume(VolumeJob(document.design, document.requirements), lambda _: False)
+    assert outcome.volume is not None
+    object.__setattr__(outcome, "surface", surface_parts(outcome.volume))
+    return state.updated("requiring", fine=outcome)
+
+
+def test_the_surface_is_of_the_current_design_and_switched_by_its_layer(
+    layers: Scene, asked: State
+) -> None:
+    draw(layers, asked)
+    outcome = asked.requiring.fine
+    assert outcome is not None
+    parts = [name for name in layers.nodes if name.startswith("/requirements/volume/")]
+    assert len(parts) == len(outcome.surface) > 1
+    assert all(layers.nodes[name].visible for name in parts)
+    draw(layers, designs.vary(asked, {"geometry.base_radius": 0.36}))
+    assert not any(layers.nodes[name].visible for name in parts)
+    draw(layers, designs.set_layers(asked, volume=False))
+    assert not any(layers.nodes[name].visible for name in parts)
+    draw(layers, asked)
+    assert all(layers.nodes[name].visible for name in parts)
+
+
+def test_required_and_proven_workspaces_are_outlined(layers: Scene, asked: State) -> None:
+    draw(layers, asked)
+    assert layers.nodes["/requirements/required"].visible
+    assert "/requirements/proven" not in layers.nodes
+    document = asked.document
+    workspace = document.requirements.workspace
+    assert workspace is not None
+    job = LargestJob(document.design, document.requirements, workspace, "ALL", 1.0)
+    placed = (WorkspaceShape.BOX, (0.2, 0.1, 0.3), (0.0, 0.0, -0.5))
+    proven = asked.updated("requiring", largest=LargestOutcome(job, placed))
+    draw(layers, proven)
+    points = np.asarray(layers.nodes["/requirements/proven"].points).reshape(-1, 3)
+    assert points.min(axis=0) == pytest.approx([-0.1, -0.05, -0.65])
+    assert points.max(axis=0) == pytest.approx([0.1, 0.05, -0.35])
+    draw(layers, actions.choose_shape(proven, None))
+    assert not layers.nodes["/requirements/required"].visible
+
+
+@pytest.mark.parametrize("shape", WorkspaceShape)
+def test_outlines_have_the_size_of_their_workspace(shape: WorkspaceShape) -> None:
+    lines = outline(shape, (0.2, 0.2, 0.4), (0.1, 0.0, -0.5))
+    points = np.concatenate(lines)
+    assert np.ptp(points, axis=0) == pytest.approx([0.2, 0.2, 0.4])
+    assert (points.min(axis=0) + points.max(axis=0)) / 2 == pytest.approx([0.1, 0.0, -0.5])
+
+
+def test_the_best_robot_is_drawn_while_it_is_searched_for(layers: Scene, asked: State) -> None:
+    started = synthesis.start(asked)
+    job = started.synthesizing.running
+    assert job is not None
+    draw(layers, started)
+    assert NODE not in layers.nodes
+    best = BestSoFar(0.5, 10, 0.4, True, APPENDIX_4, (0.0, 0.0, -0.5))
+    told = synthesis.tell(started, job, best)
+    draw(layers, told)
+    assert layers.nodes[NODE].visible
+    draw(layers, synthesis.change_settings(told, shown=Shown.ROBOT))
+    assert not layers.nodes[NODE].visible
+    draw(layers, synthesis.stop(told))
+    assert not layers.nodes[NODE].visible
