@@ -104,7 +104,9 @@ def _base_plate(g: Geometry, upper: bool) -> Iterator[Solid]:
     for first, last in ring_arcs(radius):
         step = (last - first) / CHORDS
         for i in range(CHORDS):
-            near, across = inner * np.cos(step / 2), outer * np.tan(step / 2)
+            # the drawn ring has straight pieces too, nearer to the axis in their middles
+            near = inner * np.cos(step / 2) * np.cos(size.RING_STEP / 2)
+            across = outer * np.tan(step / 2)
             chord = box((near, -across, bottom), (outer, across, top))
             solids.append(_turned(chord, first + (i + 0.5) * step))
     if not upper:

@@ -10,12 +10,11 @@ import tyro
 
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.output import print_table
+from paminsa_viz.cli.synthesize_report import bound_text
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.errors import InvalidDesign
-from paminsa_viz.quantities.requirement_text import requirement_text
-from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.studies import Workers
-from paminsa_viz.synthesis import ObjectiveLimit, SynthesisCase, SynthesisResult, find_objective
+from paminsa_viz.synthesis import SynthesisCase, SynthesisResult, find_objective
 from paminsa_viz.synthesis.answer_checks import answer_yield, mujoco_check
 from paminsa_viz.synthesis.case_conflict import CaseConflict, case_conflict
 from paminsa_viz.synthesis.engine_check import MujocoCheck
@@ -165,15 +164,7 @@ def _print_conflict(found: CaseConflict) -> None:
     how = "proven in closed form" if found.proven else "by searches that found no robot"
     print(f"\nwithin the ranges these contradict, {how}:")
     for item in found.items:
-        print(f"  {_text(item)}")
-
-
-def _text(item: Requirement | ObjectiveLimit) -> str:
-    if isinstance(item, Requirement):
-        return requirement_text(item)
-    objective = find_objective(item.objective)
-    sign = ">=" if objective.largest else "<="
-    return f"{objective.key} {sign} {format_ascii(item.most, objective.unit)}"
+        print(f"  {bound_text(item)}")
 
 
 def _number(value: float, unit: str) -> str:
@@ -215,7 +206,7 @@ def checks_data(result: SynthesisResult, found: AnswerChecks) -> dict[str, Any]:
         }  # fmt: skip
     if found.conflict is not None:
         data["conflict"] = {
-            "items": [_text(item) for item in found.conflict.items],
+            "items": [bound_text(item) for item in found.conflict.items],
             "proven": found.conflict.proven,
         }
     return data

@@ -72,9 +72,9 @@ def around(angles: Array) -> tuple[float, float]:
     gaps = np.diff(found, append=found[0] + 2 * np.pi)
     widest = int(gaps.argmax())
     start = float(found[(widest + 1) % len(found)])
-    end = start + 2 * np.pi - float(gaps[widest])
-    shift = 2 * np.pi * np.round((start + end) / 2 / (2 * np.pi))
-    return start - shift, end - shift
+    width = max(2 * np.pi - float(gaps[widest]), 0.0)
+    start -= 2 * np.pi * np.round((start + width / 2) / (2 * np.pi))
+    return start, start + width
 
 
 def sector(start: float, end: float) -> tuple[Array, Array]:
