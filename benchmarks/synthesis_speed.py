@@ -38,7 +38,7 @@ def trials(cases: dict[str, SynthesisCase]) -> None:
                 [f"{name}, {place}", number(1e3 * seconds), number(1 / seconds),
                  f"{PROTOTYPE / seconds:.1f}", f"{stages[STAGES] / 20:.0f} %"]
             )  # fmt: skip
-    heading("TrialRobot robots on one core")
+    heading("Trial robots on one core")
     columns = ["case, trials", "ms a robot", "robots a second", "prototype / this", "feasible"]
     table(columns, rows)
 

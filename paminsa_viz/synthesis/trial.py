@@ -1,4 +1,4 @@
-"""TrialRobot robots: what is known of them before any pose is evaluated, and values over the poses."""
+"""Trial robots: what is known of them before any pose is evaluated, and values over the poses."""
 
 from __future__ import annotations
 

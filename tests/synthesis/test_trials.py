@@ -1,4 +1,4 @@
-"""TrialRobot robots: reach, footprint and values over a workspace are those of the model."""
+"""Trial robots: reach, footprint and values over a workspace are those of the model."""
 
 from __future__ import annotations
 
