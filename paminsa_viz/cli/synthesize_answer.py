@@ -10,12 +10,11 @@ import tyro
 
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.output import print_table
+from paminsa_viz.cli.synthesize_report import bound_text
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.errors import InvalidDesign
-from paminsa_viz.quantities.requirement_text import requirement_text
-from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.studies import Workers
-from paminsa_viz.synthesis import ObjectiveLimit, SynthesisCase, SynthesisResult, find_objective
+from paminsa_viz.synthesis import SynthesisCase, SynthesisResult, find_objective
 from paminsa_viz.synthesis.answer_checks import answer_yield, mujoco_check
 from paminsa_viz.synthesis.case_conflict import CaseConflict, case_conflict
 from paminsa_viz.synthesis.engine_check import MujocoCheck
@@ -100,7 +99,9 @@ def print_checks(result: SynthesisResult, found: AnswerChecks) -> None:
     objective = find_objective(result.case.objective)
     if found.prices is not None:
         print(f"\nwhat requirements cost, by the search again near the answer ({objective.label}):")
-        rows = [("requirement", "is", "tightened by", "", "relaxed", "price")]
+        rows: list[tuple[str, ...]] = [
+            ("requirement", "is", "tightened by", "", "relaxed", "price")
+        ]
         for p in found.prices:
             ends = [_number(v, objective.unit) for v in (p.tightened, p.relaxed)]
             price = f"{p.price:.4g} {objective.unit or '1'} per {p.unit or '1'}"
@@ -165,15 +166,7 @@ def _print_conflict(found: CaseConflict) -> None:
     how = "proven in closed form" if found.proven else "by searches that found no robot"
     print(f"\nwithin the ranges these contradict, {how}:")
     for item in found.items:
-        print(f"  {_text(item)}")
-
-
-def _text(item: Requirement | ObjectiveLimit) -> str:
-    if isinstance(item, Requirement):
-        return requirement_text(item)
-    objective = find_objective(item.objective)
-    sign = ">=" if objective.largest else "<="
-    return f"{objective.key} {sign} {format_ascii(item.most, objective.unit)}"
+        print(f"  {bound_text(item)}")
 
 
 def _number(value: float, unit: str) -> str:
@@ -215,7 +208,7 @@ def checks_data(result: SynthesisResult, found: AnswerChecks) -> dict[str, Any]:
         }  # fmt: skip
     if found.conflict is not None:
         data["conflict"] = {
-            "items": [_text(item) for item in found.conflict.items],
+            "items": [bound_text(item) for item in found.conflict.items],
             "proven": found.conflict.proven,
         }
     return data

@@ -106,7 +106,9 @@ def _print_closest(result: SynthesisResult) -> None:
         rows = [("requirement", "possible", "change")]
         for item in possible:
             change = f"{100 * item.change:+.3g} %"
-            rows.append((_text(item.bound), format_ascii(item.nearest, _unit(item.bound)), change))
+            rows.append(
+                (bound_text(item.bound), format_ascii(item.nearest, _unit(item.bound)), change)
+            )
         print_table(rows, indent=2)
     elif result.relaxed:
         print("relaxing a single one of the requirements does not help")
@@ -116,10 +118,11 @@ def _cells(outcome: BoundOutcome) -> tuple[str, str, str]:
     unit = _unit(outcome.bound)
     known = math.isfinite(outcome.value)
     texts = [format_ascii(v, unit) if known else "-" for v in (outcome.value, outcome.margin)]
-    return _text(outcome.bound), texts[0], texts[1]
+    return bound_text(outcome.bound), texts[0], texts[1]
 
 
-def _text(bound: Requirement | ObjectiveLimit) -> str:
+def bound_text(bound: Requirement | ObjectiveLimit) -> str:
+    """Return a requirement or a limit as text."""
     if isinstance(bound, Requirement):
         return requirement_text(bound)
     objective = find_objective(bound.objective)
@@ -154,13 +157,13 @@ def result_data(result: SynthesisResult, seconds: float) -> dict[str, Any]:
         },
         "requirements": [
             {
-                "text": _text(item.bound), "worst": item.value, "margin": item.margin,
+                "text": bound_text(item.bound), "worst": item.value, "margin": item.margin,
                 "active": item.active,
             }
             for item in result.outcomes
         ],
         "relaxed": [
-            {"text": _text(item.bound), "nearest": item.nearest, "change": item.change}
+            {"text": bound_text(item.bound), "nearest": item.nearest, "change": item.change}
             for item in result.relaxed
         ],
         "proof": result.proof and result.proof.verdict.value,

@@ -6,6 +6,7 @@ A pair (low, high) is a range along the part's axis; a part's frame is that of i
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from paminsa_viz.dimensions import layers as at
@@ -126,6 +127,9 @@ RING: Final = (0.0008, 0.0152)
 """Heights of the ring above the plate's lower face."""
 
 RING_GAP: Final = 0.060
+RING_STEP: Final = math.radians(7.5)
+"""Largest angle of a straight piece of the drawn ring [rad]."""
+
 FOOT_RADIUS: Final = 0.052
 FOOT_HEIGHT: Final = 0.011
 FOOT_NECK_RADIUS: Final = 0.0385

@@ -15,6 +15,8 @@ import trimesh
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from paminsa_viz.dimensions.fixed_parts import RING_STEP
+
 Array = NDArray[np.float64]
 
 CREASE = np.radians(32.0)
@@ -241,7 +243,7 @@ def arc_beam(
         (half, bottom), (half, top - c), (half - c, top), (c - half, top), (-half, top - c),
         (-half, bottom),
     ]  # fmt: skip
-    step = np.radians(20.0 if is_plain() else 7.5)
+    step = np.radians(20.0) if is_plain() else RING_STEP
     angles = np.linspace(start, end, max(int(np.ceil((end - start) / step)), 1) + 1)
     # Seen from the far end of the sweep the section runs counter-clockwise.
     out, up = np.array(section[::-1]).T

@@ -30,7 +30,7 @@ MOST_POINTS = 200
 SLACK = 2e-3
 """What a point gives up of a limited objective, relative: with none a search has no room."""
 
-OTHERS = 0.5
+OTHERS = 0.8
 """Share of the first trials of a later search that are anywhere in the ranges."""
 
 SAME = 1e-3

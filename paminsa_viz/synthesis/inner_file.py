@@ -41,7 +41,7 @@ from paminsa_viz.synthesis.inner_case import InnerCase, MassFactor
 from paminsa_viz.trajectory import Trajectory
 from paminsa_viz.trajectory.planners import arch, point_to_point, round_trip
 
-RATE = 40.0
+RATE = 100.0
 """Samples a second of a motion unless the file says another."""
 
 INNER_KEYS = ("motions", "masses", "counterweights", "springs", "motion_limits", "masses_for")

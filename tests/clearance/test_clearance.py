@@ -44,7 +44,7 @@ def poses(design: Design, count: int) -> Array:
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_a_turn_by_120_degrees_permutes_the_legs(knee: KneeBranch) -> None:
     design = with_knee(LOADED, knee)
-    given = poses(design, 40)
+    given = poses(design, 8)
     c, s = np.cos(2 * np.pi / 3), np.sin(2 * np.pi / 3)
     turned = given.copy()
     turned[:, 0] = c * given[:, 0] - s * given[:, 1]
