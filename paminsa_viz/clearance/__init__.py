@@ -16,18 +16,18 @@ from paminsa_viz.clearance.clearance import (
 from paminsa_viz.clearance.kernels import compile_in_background
 from paminsa_viz.clearance.pairs import ALL_PAIRS, Exclusion, PairGroup
 from paminsa_viz.clearance.shapes import Shapes, shapes_of
-from paminsa_viz.clearance.solids import Body, Part, Solid
+from paminsa_viz.clearance.solids import Body, BodyPart, Primitive
 
 __all__ = [
     "ALL_PAIRS",
     "Body",
+    "BodyPart",
     "Clearance",
     "Exclusion",
     "NearestPoints",
     "PairGroup",
-    "Part",
+    "Primitive",
     "Shapes",
-    "Solid",
     "clearance",
     "clearance_reason",
     "compile_in_background",

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from paminsa_viz.clearance.solids import WORLD, Body, Part, Solid, box, prism
+from paminsa_viz.clearance.solids import WORLD, Body, BodyPart, Primitive, box, prism
 from paminsa_viz.clearance.solids import cylinder as rod
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
@@ -56,7 +56,7 @@ def taper(start: float, end: float, first: float, last: float, chamfer: float) -
     )
 
 
-def _turned(solid: Solid, angle: float, place: Array | None = None) -> Solid:
+def _turned(solid: Primitive, angle: float, place: Array | None = None) -> Primitive:
     return solid.moved(np.zeros(3) if place is None else place, about_z(angle))
 
 
@@ -64,8 +64,8 @@ def frame_bodies(design: Design) -> Iterator[Body]:
     """Yield the bodies that do not move, in the world frame."""
     g, place = design.geometry, layout(design.geometry)
 
-    def fixed(key: str, name: str, *solids: Solid) -> Body:
-        return Body(key, name, WORLD, Part.FRAME, 0, solids)
+    def fixed(key: str, name: str, *solids: Primitive) -> Body:
+        return Body(key, name, WORLD, BodyPart.FRAME, 0, solids)
 
     upper = g.knee is KneeBranch.UPPER
     yield fixed(
@@ -79,7 +79,7 @@ def frame_bodies(design: Design) -> Iterator[Body]:
     yield fixed("ground", "the plinth", *_plinth(g, place))
 
 
-def _plinth(g: Geometry, place: FrameLayout) -> Iterator[Solid]:
+def _plinth(g: Geometry, place: FrameLayout) -> Iterator[Primitive]:
     """Yield the disc below the workspace, and the tongue that carries the mast."""
     low, high = place.ground - size.PLINTH_HEIGHT, place.ground
     radius, end = plinth_radius(g), place.mast_radius + TONGUE[0]
@@ -89,7 +89,7 @@ def _plinth(g: Geometry, place: FrameLayout) -> Iterator[Solid]:
         yield _turned(box((0.0, -half, low), (end, half, high)), MAST_ANGLE)
 
 
-def _base_plate(g: Geometry, upper: bool) -> Iterator[Solid]:
+def _base_plate(g: Geometry, upper: bool) -> Iterator[Primitive]:
     low, high, radius = at.MOUNT, at.MOUNT + at.PLATE, g.base_radius
     solids = [rod(size.HUB_RADIUS, low, high)]
     start, end = size.SPOKE_END, radius - size.SPOKE_END
@@ -116,29 +116,31 @@ def _base_plate(g: Geometry, upper: bool) -> Iterator[Solid]:
         yield _mirrored(solid) if upper else solid
 
 
-def _mirrored(solid: Solid) -> Solid:
+def _mirrored(solid: Primitive) -> Primitive:
     """Return a solid that is symmetric in its own axes, mirrored in the plane of the guides."""
     center = solid.center * (1.0, 1.0, -1.0)
     flip = np.diag([1.0, 1.0, -1.0])
     # Mirroring turns one of the solid's axes round to stay a rotation; its own z serves.
     rotation = flip @ solid.rotation @ flip
-    return Solid(solid.kind, solid.size, solid.radius, solid.corners, rotation, center, solid.joint)
+    return Primitive(
+        solid.kind, solid.size, solid.radius, solid.corners, rotation, center, solid.joint
+    )
 
 
-def _lift_foot(bottom: float) -> list[Solid]:
+def _lift_foot(bottom: float) -> list[Primitive]:
     return [
         rod(size.FOOT_RADIUS, bottom, bottom + size.FOOT_HEIGHT),
         rod(size.FOOT_NECK_RADIUS, bottom, bottom + size.FOOT_NECK_HEIGHT),
     ]
 
 
-def _cantilever_of_base(place: FrameLayout, upper: bool) -> list[Solid]:
+def _cantilever_of_base(place: FrameLayout, upper: bool) -> list[Primitive]:
     low = at.MOUNT + size.CANTILEVER_RISE
     solids = _cantilever(place, low, *size.CANTILEVER)
     return [_upside_down(solid) for solid in solids] if upper else solids
 
 
-def _upside_down(solid: Solid) -> Solid:
+def _upside_down(solid: Primitive) -> Primitive:
     """Return a solid turned over about the horizontal direction of the mast."""
     along = about_z(MAST_ANGLE)
     turn = along @ np.diag([1.0, -1.0, -1.0]) @ along.T
@@ -148,7 +150,7 @@ def _upside_down(solid: Solid) -> Solid:
 def _cantilever(
     place: FrameLayout, low: float, start: float, inner: tuple[float, float],
     outer: tuple[float, float],
-) -> list[Solid]:  # fmt: skip
+) -> list[Primitive]:  # fmt: skip
     end = place.mast_radius - MAST[0] / 2 + size.CANTILEVER_INTO_MAST
     side = np.array([(start, low), (end, low), (end, low + outer[1]), (start, low + inner[1])])
     arm = prism(side, -outer[0] / 2, outer[0] / 2, UPRIGHT)
@@ -158,7 +160,7 @@ def _cantilever(
     return [_turned(arm, MAST_ANGLE), _turned(flange, MAST_ANGLE)]
 
 
-def _motor(base_radius: float, angle: float, upper: bool) -> Iterator[Solid]:
+def _motor(base_radius: float, angle: float, upper: bool) -> Iterator[Primitive]:
     seat = at.MOUNT + at.PLATE
     first, last = size.CONNECTOR
     low, high = size.CONNECTOR_HEIGHTS
@@ -171,7 +173,7 @@ def _motor(base_radius: float, angle: float, upper: bool) -> Iterator[Solid]:
         yield _mirrored(there) if upper else there
 
 
-def _lift(g: Geometry, place: FrameLayout) -> Iterator[Solid]:
+def _lift(g: Geometry, place: FrameLayout) -> Iterator[Primitive]:
     base, half = lift_motor_base(g), size.HEAD_WIDTH / 2
     yield rod(size.HEAD_RADIUS, base, base + size.HEAD_PLATE)
     yield box((-half, -half, base + 0.013), (half, half, base + at.LIFT_MOTOR_HEIGHT))
@@ -185,7 +187,7 @@ def _lift(g: Geometry, place: FrameLayout) -> Iterator[Solid]:
         yield rod(at.CYLINDER_RADIUS + 0.0015, foot, foot + cylinder_length(place))
 
 
-def _column(place: FrameLayout, upper: bool) -> Iterator[Solid]:
+def _column(place: FrameLayout, upper: bool) -> Iterator[Primitive]:
     """Yield what guides M4's carriage: screw and rods, or the bridge that the ram runs through."""
     if upper:
         yield rod(size.BRIDGE_RADIUS, place.column_top, place.column_top + at.PLATE_OF_BRIDGE)
@@ -198,7 +200,7 @@ def _column(place: FrameLayout, upper: bool) -> Iterator[Solid]:
         yield rod(at.ROD_RADIUS, low, high, polar(at.ROD_CIRCLE, angle))
 
 
-def _mast(place: FrameLayout, upper: bool) -> Iterator[Solid]:
+def _mast(place: FrameLayout, upper: bool) -> Iterator[Primitive]:
     low, top, where = place.ground, place.mast_top, polar(place.mast_radius, MAST_ANGLE)
     more, above = size.MAST_CAP
     shapes = (
@@ -226,14 +228,20 @@ def moving_bodies(design: Design) -> Iterator[Body]:
         below, above = size.RAM_COLLAR
         carriage.append(rod(at.RAM_RADIUS, half, half + ram + size.RAM_BEYOND))
         carriage.append(rod(size.RAM_COLLAR_RADIUS, -half - below, half + above))
-    yield Body("carriage", "M4's carriage", "carriage", Part.CARRIAGE, 0, tuple(carriage))
+    yield Body("carriage", "M4's carriage", "carriage", BodyPart.CARRIAGE, 0, tuple(carriage))
     for leg, angle in enumerate(AXIS_ANGLES, 1):
         solids = tuple(_turned(solid, float(angle)) for solid in _arm(g.base_radius, g.arm_length))
         yield Body(
-            "arm", f"arm B1 of leg {leg}", "carriage", Part.CARRIAGE, leg, solids, "carriage"
+            "arm", f"arm B1 of leg {leg}", "carriage", BodyPart.CARRIAGE, leg, solids, "carriage"
         )
     yield Body(
-        "platform", "the platform", "platform", Part.PLATFORM, 0, tuple(_platform(g)), joints=(5,)
+        "platform",
+        "the platform",
+        "platform",
+        BodyPart.PLATFORM,
+        0,
+        tuple(_platform(g)),
+        joints=(5,),
     )
     mass = design.payload.mass
     if mass > 0:
@@ -241,10 +249,10 @@ def moving_bodies(design: Design) -> Iterator[Body]:
         height = PAYLOAD_HEIGHT * scale
         low, high = (top - height, top) if g.knee is KneeBranch.LOWER else (top, top + height)
         drum = rod(height / size.PAYLOAD_RATIO, low, high, (x, y, 0.0))
-        yield Body("payload", "the payload", "platform", Part.PAYLOAD, 0, (drum,), "platform")
+        yield Body("payload", "the payload", "platform", BodyPart.PAYLOAD, 0, (drum,), "platform")
 
 
-def _arm(tip: float, length: float) -> Iterator[Solid]:
+def _arm(tip: float, length: float) -> Iterator[Primitive]:
     """Yield arm B1 along x from the robot's axis, with the bearing of joint 2."""
     root, end = tip - length, tip - size.ARM_END
     start = min(max(root, 0.0), tip) - size.ARM_OVERLAP
@@ -259,7 +267,7 @@ def _arm(tip: float, length: float) -> Iterator[Solid]:
     yield rod(size.ARM_BEARING_RADIUS, -half, half, (tip, 0.0, 0.0))
 
 
-def _platform(g: Geometry) -> Iterator[Solid]:
+def _platform(g: Geometry) -> Iterator[Primitive]:
     """Yield plate, ring and flange of the platform."""
     top = g.platform_joint_height - at.PLATE_BELOW_5
     low = top - size.PLATE_THICKNESS

@@ -7,7 +7,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from paminsa_viz.clearance.solids import ALONG_X, ALONG_Y, OVER, Body, Part, Solid, box, capsule
+from paminsa_viz.clearance.solids import (
+    ALONG_X,
+    ALONG_Y,
+    OVER,
+    Body,
+    BodyPart,
+    Primitive,
+    box,
+    capsule,
+)
 from paminsa_viz.clearance.solids import cylinder as rod
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
@@ -18,7 +27,7 @@ from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
 HUB = 0.001
 """How far a counterweight's hub protrudes from its disc [m]; counted as if the whole disc did."""
 
-Shape = tuple[str, str, str, tuple[Solid, ...]]
+Shape = tuple[str, str, str, tuple[Primitive, ...]]
 """Key, name and frame of a body of a leg, and its solids."""
 
 
@@ -27,7 +36,7 @@ def leg_bodies(design: Design) -> Iterator[Body]:
     shapes = [*_links(design.geometry), *_bars(design.geometry)]
     for leg in (1, 2, 3):
         for key, name, frame, solids in shapes:
-            yield Body(key, f"{name} of leg {leg}", f"leg{leg}/{frame}", Part.LEG, leg, solids)
+            yield Body(key, f"{name} of leg {leg}", f"leg{leg}/{frame}", BodyPart.LEG, leg, solids)
         for number, weight in enumerate(design.counterweights, 1):
             if weight.mass <= 0:
                 continue
@@ -35,7 +44,7 @@ def leg_bodies(design: Design) -> Iterator[Body]:
                 f"counterweight{number}",
                 f"counterweight {number} of leg {leg}",
                 f"leg{leg}/{weight.bar}",
-                Part.COUNTERWEIGHT,
+                BodyPart.COUNTERWEIGHT,
                 leg,
                 tuple(_counterweight(design.geometry, weight)),
                 carrier=weight.bar,
@@ -113,7 +122,7 @@ def _bars(g: Geometry) -> Iterator[Shape]:
     yield "b8", "B8", "b8", tuple(_bar("b8", {8: 0.0, 9: b3}))
 
 
-def _bar(bar: str, stops: dict[int, float]) -> Iterator[Solid]:
+def _bar(bar: str, stops: dict[int, float]) -> Iterator[Primitive]:
     """Yield the solids of a bar along x: tube, barrels and sockets at its joints."""
     layer, half = at.LAYER[bar], at.BARREL / 2 + size.BARREL_CAP
     places = list(stops.values())
@@ -128,17 +137,17 @@ def _bar(bar: str, stops: dict[int, float]) -> Iterator[Solid]:
             yield rod(size.SOCKET_RADIUS, following - end, following - start, middle, ALONG_X)
 
 
-def _pin(low: float, high: float, joint: int, *, first: bool = True) -> Solid:
+def _pin(low: float, high: float, joint: int, *, first: bool = True) -> Primitive:
     """Return a pin with its spacers; ``first`` says whether it has a head at the low end."""
     ends = low - (size.PIN_REACH if first else 0.0), high + size.PIN_REACH
     return rod(size.COLLAR_RADIUS, *ends, (0.0, 0.0, 0.0), ALONG_Y, joint)
 
 
-def _placed(solid: Solid, x: float) -> Solid:
+def _placed(solid: Primitive, x: float) -> Primitive:
     return solid.moved(np.array([x, 0.0, 0.0]))
 
 
-def _counterweight(g: Geometry, weight: Counterweight) -> Iterator[Solid]:
+def _counterweight(g: Geometry, weight: Counterweight) -> Iterator[Primitive]:
     """Yield the disc of a counterweight, and the stub that carries it beyond its bar."""
     y, half = at.LAYER[weight.bar], at.BARREL / 2 + HUB
     place = (place_along(g, weight), y, 0.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import Final
 
-from paminsa_viz.clearance.solids import Body, Part
+from paminsa_viz.clearance.solids import Body, BodyPart
 from paminsa_viz.model.design import KneeBranch
 
 
@@ -51,11 +51,11 @@ def group_of(one: Body, other: Body) -> PairGroup:
     """Return the group of a pair of bodies."""
     parts = {one.part, other.part}
     for part, group in (
-        (Part.COUNTERWEIGHT, PairGroup.COUNTERWEIGHTS),
-        (Part.PAYLOAD, PairGroup.PAYLOAD),
-        (Part.FRAME, PairGroup.FRAME),
-        (Part.PLATFORM, PairGroup.PLATFORM),
-        (Part.CARRIAGE, PairGroup.CARRIAGE),
+        (BodyPart.COUNTERWEIGHT, PairGroup.COUNTERWEIGHTS),
+        (BodyPart.PAYLOAD, PairGroup.PAYLOAD),
+        (BodyPart.FRAME, PairGroup.FRAME),
+        (BodyPart.PLATFORM, PairGroup.PLATFORM),
+        (BodyPart.CARRIAGE, PairGroup.CARRIAGE),
     ):
         if part in parts:
             return group
@@ -64,7 +64,7 @@ def group_of(one: Body, other: Body) -> PairGroup:
 
 def in_one_plane(one: Body, other: Body) -> bool:
     """Whether both bodies stay at their places across the same leg plane."""
-    planar = (Part.LEG, Part.COUNTERWEIGHT)
+    planar = (BodyPart.LEG, BodyPart.COUNTERWEIGHT)
     return one.leg == other.leg and one.part in planar and other.part in planar
 
 
@@ -72,7 +72,7 @@ def exclusion(one: Body, other: Body, knee: KneeBranch) -> Exclusion | None:
     """Return why a pair of bodies is not checked, None for one that is."""
     keys = frozenset((one.key, other.key))
     parts = {one.part, other.part}
-    if parts == {Part.FRAME} or (one.frame == other.frame and parts != {Part.LEG}):
+    if parts == {BodyPart.FRAME} or (one.frame == other.frame and parts != {BodyPart.LEG}):
         return Exclusion.RIGID
     if in_one_plane(one, other):
         if keys in _RIGID:

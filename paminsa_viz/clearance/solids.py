@@ -28,7 +28,7 @@ OVER: Final = np.diag([1.0, -1.0, -1.0])
 
 
 @dataclass(frozen=True, eq=False)
-class Solid:
+class Primitive:
     """A capsule, box, cylinder or prism in the frame of its body; axis along its own z.
 
     Attributes:
@@ -50,9 +50,9 @@ class Solid:
     center: Array
     joint: int = 0
 
-    def moved(self, place: Array, rotation: Array = FIXED) -> Solid:
+    def moved(self, place: Array, rotation: Array = FIXED) -> Primitive:
         """Return the solid after a turn about its body's origin and a shift [m]."""
-        return Solid(
+        return Primitive(
             self.kind, self.size, self.radius, self.corners, rotation @ self.rotation,
             rotation @ self.center + place, self.joint,
         )  # fmt: skip
@@ -113,7 +113,9 @@ class Solid:
 NO_CORNERS: Final = np.zeros((0, 2))
 
 
-def capsule(start: Sequence[float] | Array, end: Sequence[float] | Array, radius: float) -> Solid:
+def capsule(
+    start: Sequence[float] | Array, end: Sequence[float] | Array, radius: float
+) -> Primitive:
     """Return a capsule about the segment between two points of its body [m]."""
     first, second = np.asarray(start, float), np.asarray(end, float)
     length = float(np.linalg.norm(second - first))
@@ -122,7 +124,7 @@ def capsule(start: Sequence[float] | Array, end: Sequence[float] | Array, radius
     side /= np.linalg.norm(side)
     rotation = np.stack([side, np.cross(axis, side), axis], axis=1).astype(np.float64)
     middle = (first + second) / 2
-    return Solid(
+    return Primitive(
         CAPSULE,
         np.array([0.0, 0.0, length / 2]),
         radius,
@@ -134,11 +136,11 @@ def capsule(start: Sequence[float] | Array, end: Sequence[float] | Array, radius
 
 def box(
     low: Sequence[float] | Array, high: Sequence[float] | Array, rotation: Array = FIXED
-) -> Solid:
+) -> Primitive:
     """Return a box between two corners, turned about its body's origin [m]."""
     first, second = np.asarray(low, float), np.asarray(high, float)
     middle = rotation @ (first + second) / 2
-    return Solid(BOX, (second - first) / 2, 0.0, NO_CORNERS, rotation, middle)
+    return Primitive(BOX, (second - first) / 2, 0.0, NO_CORNERS, rotation, middle)
 
 
 def cylinder(
@@ -148,22 +150,22 @@ def cylinder(
     place: Sequence[float] | Array = (0.0, 0.0, 0.0),
     rotation: Array = FIXED,
     joint: int = 0,
-) -> Solid:
+) -> Primitive:
     """Return a cylinder from ``low`` to ``high`` along its axis through a place [m]."""
     middle = np.asarray(place, float) + rotation @ [0.0, 0.0, (low + high) / 2]
     size = np.array([radius, radius, (high - low) / 2])
-    return Solid(CYLINDER, size, 0.0, NO_CORNERS, rotation, middle, joint)
+    return Primitive(CYLINDER, size, 0.0, NO_CORNERS, rotation, middle, joint)
 
 
-def prism(corners: Array, low: float, high: float, rotation: Array = FIXED) -> Solid:
+def prism(corners: Array, low: float, high: float, rotation: Array = FIXED) -> Primitive:
     """Return a prism over a convex polygon (n, 2), counter-clockwise, between two heights [m]."""
     flat = np.asarray(corners, float)
     half = np.array([*np.abs(flat).max(axis=0), (high - low) / 2])
     middle = rotation @ [0.0, 0.0, (low + high) / 2]
-    return Solid(PRISM, half, 0.0, flat, rotation, middle)
+    return Primitive(PRISM, half, 0.0, flat, rotation, middle)
 
 
-class Part(Enum):
+class BodyPart(Enum):
     """What a body belongs to; it decides which group a pair of bodies is in."""
 
     LEG = "leg"
@@ -193,9 +195,9 @@ class Body:
     key: str
     name: str
     frame: str
-    part: Part
+    part: BodyPart
     leg: int
-    solids: tuple[Solid, ...]
+    solids: tuple[Primitive, ...]
     carrier: str = ""
     joints: tuple[int, ...] = ()
 

@@ -33,7 +33,7 @@ A file may leave values out; they are then Appendix 4's."""
 
 
 @dataclass(frozen=True)
-class Check:
+class CheckDesigns:
     """Say whether design files can be used; exit code 2 if one cannot."""
 
     files: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
@@ -166,7 +166,7 @@ class Diff(JsonFlags):
 
 
 FLAGS: Any = (
-    Annotated[Check, tyro.conf.subcommand("check")]
+    Annotated[CheckDesigns, tyro.conf.subcommand("check")]
     | Annotated[Show, tyro.conf.subcommand("show")]
     | Annotated[Default, tyro.conf.subcommand("default")]
     | Annotated[Diff, tyro.conf.subcommand("diff")]

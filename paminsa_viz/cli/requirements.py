@@ -45,7 +45,7 @@ argument or file."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Check(JsonFlags, RequirementFlags):
+class CheckRequirements(JsonFlags, RequirementFlags):
     """Say which requirements hold, with margins and the worst poses; exit code 1 if one does not.
 
     Over the required workspace; without one, over the volume where all hold."""
@@ -118,7 +118,7 @@ class Quantities(JsonFlags):
 
 
 FLAGS: Any = (
-    Annotated[Check, tyro.conf.subcommand("check")]
+    Annotated[CheckRequirements, tyro.conf.subcommand("check")]
     | Annotated[Largest, tyro.conf.subcommand("largest")]
     | Annotated[Prove, tyro.conf.subcommand("prove")]
     | Annotated[Quantities, tyro.conf.subcommand("quantities")]

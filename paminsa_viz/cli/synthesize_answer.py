@@ -99,7 +99,9 @@ def print_checks(result: SynthesisResult, found: AnswerChecks) -> None:
     objective = find_objective(result.case.objective)
     if found.prices is not None:
         print(f"\nwhat requirements cost, by the search again near the answer ({objective.label}):")
-        rows = [("requirement", "is", "tightened by", "", "relaxed", "price")]
+        rows: list[tuple[str, ...]] = [
+            ("requirement", "is", "tightened by", "", "relaxed", "price")
+        ]
         for p in found.prices:
             ends = [_number(v, objective.unit) for v in (p.tightened, p.relaxed)]
             price = f"{p.price:.4g} {objective.unit or '1'} per {p.unit or '1'}"

@@ -22,7 +22,7 @@ REQUIRED = (0.0, 0.1)
 
 
 @dataclass(frozen=True)
-class ClearanceView:
+class ClearanceSettings:
     """What is checked.
 
     Attributes:

@@ -44,7 +44,7 @@ LARGEST = 720
 """Longest side of an animated picture [pixels]."""
 
 
-class Canceled(PaminsaError):
+class RecordingCanceled(PaminsaError):
     """The person has canceled."""
 
 
@@ -162,7 +162,7 @@ class Recorder:
         session.submit(job)
         for _ in range(int(10 * 2 * VIEW_TIMEOUT)):
             if self._cancel.is_set() or session.closed:
-                raise Canceled("the recording was canceled")
+                raise RecordingCanceled("the recording was canceled")
             if done.wait(0.1):
                 break
         if not result:

@@ -9,7 +9,7 @@ from typing import Any
 from paminsa_viz.explorer.balancing.jobs import Balancing
 from paminsa_viz.explorer.balancing.spring_settings import Springing
 from paminsa_viz.explorer.balancing.tolerances import Tolerating
-from paminsa_viz.explorer.clearing import ClearanceView, Clearing
+from paminsa_viz.explorer.clearing import ClearanceSettings, Clearing
 from paminsa_viz.explorer.drives import Driving
 from paminsa_viz.explorer.elasticity import ElasticView
 from paminsa_viz.explorer.identifying import Identifying
@@ -187,7 +187,7 @@ class State:
     balancing: Balancing = field(default_factory=Balancing)
     springing: Springing = field(default_factory=Springing)
     tolerating: Tolerating = field(default_factory=Tolerating)
-    clearance_view: ClearanceView = field(default_factory=ClearanceView)
+    clearance_view: ClearanceSettings = field(default_factory=ClearanceSettings)
     clearing: Clearing = field(default_factory=Clearing)
     driving: Driving = field(default_factory=Driving)
     manufacture: Manufacture = field(default_factory=Manufacture)

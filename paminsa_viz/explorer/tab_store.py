@@ -16,7 +16,7 @@ import msgspec
 
 from paminsa_viz.explorer import actions, persistence
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.clearing import REQUIRED, ClearanceView
+from paminsa_viz.explorer.clearing import REQUIRED, ClearanceSettings
 from paminsa_viz.explorer.docks import LARGEST_DOCK
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.description import PlotView
@@ -32,7 +32,7 @@ VIEW: dict[str, Any] = {
     "floor_opacity": float,
     "plots": PlotView,
     "condition_limit": float,
-    "clearance_view": ClearanceView,
+    "clearance_view": ClearanceSettings,
     "table_at_rest": bool,
     "appearance": Appearance,
     "docks": Docks,

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from paminsa_viz.synthesis.certificate import prove
     from paminsa_viz.synthesis.check import RequirementsCheck, check_requirements
     from paminsa_viz.synthesis.conflict import Conflict, smallest_conflict
-    from paminsa_viz.synthesis.evaluation import Evaluation, Evaluator
+    from paminsa_viz.synthesis.evaluation import Evaluator, TrialEvaluation
     from paminsa_viz.synthesis.evidence import Evidence, Proof, Verdict
     from paminsa_viz.synthesis.largest import Growth, LargestWorkspace, largest_workspace
     from paminsa_viz.synthesis.objectives import OBJECTIVES, Objective, find_objective
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from paminsa_viz.synthesis.search import relaxations, synthesize
     from paminsa_viz.synthesis.slices import cause_slice
     from paminsa_viz.synthesis.surface import VolumeSurface, volume_surface
-    from paminsa_viz.synthesis.trial import Trial
+    from paminsa_viz.synthesis.trial import TrialRobot
     from paminsa_viz.synthesis.volume import COARSE, FINE, Resolution, Volume, solve_volume
     from paminsa_viz.synthesis.volume_files import volume_bytes, volume_table
 
@@ -50,7 +50,6 @@ __all__ = [
     "Conflict",
     "Density",
     "Effort",
-    "Evaluation",
     "Evaluator",
     "Evidence",
     "Growth",
@@ -68,7 +67,8 @@ __all__ = [
     "SearchRange",
     "SynthesisCase",
     "SynthesisResult",
-    "Trial",
+    "TrialEvaluation",
+    "TrialRobot",
     "Verdict",
     "Volume",
     "VolumeCause",
@@ -117,7 +117,7 @@ _HOMES = {
         "smallest_conflict",
     ),
     "evaluation": (
-        "Evaluation",
+        "TrialEvaluation",
         "Evaluator",
     ),
     "evidence": (
@@ -150,7 +150,7 @@ _HOMES = {
         "VolumeSurface",
         "volume_surface",
     ),
-    "trial": ("Trial",),
+    "trial": ("TrialRobot",),
     "volume": (
         "COARSE",
         "FINE",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirement, Workspace
 from paminsa_viz.synthesis.case import ObjectiveLimit, Regime, SynthesisCase
-from paminsa_viz.synthesis.evaluation import Evaluation
+from paminsa_viz.synthesis.evaluation import TrialEvaluation
 from paminsa_viz.synthesis.evidence import Proof
 from paminsa_viz.synthesis.inner import InnerSolution
 from paminsa_viz.synthesis.outer import RegimeState
@@ -101,7 +101,7 @@ def limit_of(bound: Requirement | ObjectiveLimit) -> float:
     return limit
 
 
-def outcomes_of(case: SynthesisCase, found: Evaluation) -> tuple[BoundOutcome, ...]:
+def outcomes_of(case: SynthesisCase, found: TrialEvaluation) -> tuple[BoundOutcome, ...]:
     """Return how an evaluation meets each bound and each limit of a case."""
     bounds = (*case.requirements.bounds, *case.limits)
     rows = []

@@ -19,7 +19,7 @@ from paminsa_viz.synthesis.inner_trial import with_best_masses
 from paminsa_viz.synthesis.objectives import find_objective
 from paminsa_viz.synthesis.region import farthest
 from paminsa_viz.synthesis.samples import TRIAL, Density
-from paminsa_viz.synthesis.trial import Poses, Robots, Trial
+from paminsa_viz.synthesis.trial import Poses, Robots, TrialRobot
 
 REFUSED = 1e9
 """Cost from which a trial breaks a requirement; below it, all are met."""
@@ -32,7 +32,7 @@ REACH = "reach_margin"
 
 
 @dataclass(frozen=True, eq=False)
-class Evaluation:
+class TrialEvaluation:
     """Values of one trial.
 
     Attributes:
@@ -50,7 +50,7 @@ class Evaluation:
     objective: float
     worst: Array
     limits: Array
-    trial: Trial | None
+    trial: TrialRobot | None
 
     @property
     def values(self) -> Array:
@@ -99,13 +99,13 @@ class Evaluator:
         sign = 1.0 if self.relaxed is not None else find_objective(self.case.objective).sign
         return [found.cost(sign) for found in self.evaluate(np.asarray(numbers, np.float64))]
 
-    def evaluate(self, numbers: Array) -> list[Evaluation]:
+    def evaluate(self, numbers: Array) -> list[TrialEvaluation]:
         """Evaluate trials (n, d) [SI]."""
         nothing = np.full(len(self.case.requirements.bounds), np.nan)
         unlimited = np.full(len(self.case.limits), np.nan)
         robots = Robots.of(self.case, numbers)
-        found: list[Evaluation] = [
-            Evaluation(0, np.inf, np.nan, nothing, unlimited, None) for _ in numbers
+        found: list[TrialEvaluation] = [
+            TrialEvaluation(0, np.inf, np.nan, nothing, unlimited, None) for _ in numbers
         ]
         rows = np.flatnonzero(robots.possible)
         singular = self._singular(robots)
@@ -113,9 +113,9 @@ class Evaluator:
         taken = []
         for p, row in enumerate(rows):
             if singular[p] > 0:
-                found[row] = Evaluation(1, singular[p], np.nan, nothing, unlimited, None)
+                found[row] = TrialEvaluation(1, singular[p], np.nan, nothing, unlimited, None)
             elif beyond[p] > 0:
-                found[row] = Evaluation(2, beyond[p], np.nan, nothing, unlimited, None)
+                found[row] = TrialEvaluation(2, beyond[p], np.nan, nothing, unlimited, None)
             else:
                 taken.append(p)
         for p, trial in zip(taken, robots.trials(self._poses, taken), strict=True):
@@ -156,7 +156,7 @@ class Evaluator:
     def _tightened(self, index: int) -> float:
         return self.tighter[index] if self.tighter else 0.0
 
-    def _over_poses(self, trial: Trial, margins: Array) -> Evaluation:
+    def _over_poses(self, trial: TrialRobot, margins: Array) -> TrialEvaluation:
         bounds = self.case.requirements.bounds
         worst = np.full(len(bounds), np.nan)
         unlimited = np.full(len(self.case.limits), np.nan)
@@ -170,7 +170,7 @@ class Evaluator:
                 try:
                     trial = with_best_masses(trial, self.tighter, self.relaxed)
                 except InnerInfeasible as error:
-                    return Evaluation(stage, error.excess, np.nan, worst, unlimited, trial)
+                    return TrialEvaluation(stage, error.excess, np.nan, worst, unlimited, trial)
             for index, extremes in values(trial):
                 worst[index], broken = self._worst(index, bounds[index], extremes)
                 over += broken if index != self.relaxed else 0.0
@@ -179,13 +179,13 @@ class Evaluator:
                 over_limits, unlimited = self._limits(trial)
                 over, limits = over + over_limits, unlimited
             if over > 0:
-                return Evaluation(stage, over, np.nan, worst, limits, trial)
+                return TrialEvaluation(stage, over, np.nan, worst, limits, trial)
         value = self._objective(trial, worst, unlimited)
         if not np.isfinite(value):
-            return Evaluation(STAGES - 1, np.inf, np.nan, worst, unlimited, trial)
-        return Evaluation(STAGES, 0.0, value, worst, unlimited, trial)
+            return TrialEvaluation(STAGES - 1, np.inf, np.nan, worst, unlimited, trial)
+        return TrialEvaluation(STAGES, 0.0, value, worst, unlimited, trial)
 
-    def _objective(self, trial: Trial, worst: Array, limits: Array) -> float:
+    def _objective(self, trial: TrialRobot, worst: Array, limits: Array) -> float:
         if self.relaxed is None:
             return float(find_objective(self.case.objective).value(trial))
         bounds = self.case.requirements.bounds
@@ -207,7 +207,7 @@ class Evaluator:
         broken = max(0.0, self._tightened(index) - float(margins[which])) / scale
         return float(extremes[which]), broken
 
-    def _limits(self, trial: Trial) -> tuple[float, Array]:
+    def _limits(self, trial: TrialRobot) -> tuple[float, Array]:
         over, values = 0.0, []
         for index, limit in enumerate(self.case.limits, len(self.case.requirements.bounds)):
             value = float(find_objective(limit.objective).value(trial))
@@ -217,7 +217,7 @@ class Evaluator:
                 over += broken / (abs(limit.most) or 1.0)
         return over, np.array(values)
 
-    def _conditions(self, trial: Trial) -> Iterable[tuple[int, tuple[float, float]]]:
+    def _conditions(self, trial: TrialRobot) -> Iterable[tuple[int, tuple[float, float]]]:
         for index, bound in enumerate(self.case.requirements.bounds):
             if bound.quantity in CONDITIONS:
                 low, high = trial.condition(self.case.requirements.headings(bound))
@@ -225,7 +225,7 @@ class Evaluator:
                     low, high = 1 / high, 1 / low
                 yield index, (low, high)
 
-    def _torques(self, trial: Trial) -> Iterable[tuple[int, tuple[float, float]]]:
+    def _torques(self, trial: TrialRobot) -> Iterable[tuple[int, tuple[float, float]]]:
         solved = {}
         for index, bound in enumerate(self.case.requirements.bounds):
             if bound.quantity in kernels.TORQUE_COLUMNS:
@@ -235,7 +235,7 @@ class Evaluator:
                 column = kernels.TORQUE_COLUMNS.index(bound.quantity)
                 yield index, (float(solved[window][0, column]), float(solved[window][1, column]))
 
-    def _others(self, trial: Trial) -> Iterable[tuple[int, tuple[float, float]]]:
+    def _others(self, trial: TrialRobot) -> Iterable[tuple[int, tuple[float, float]]]:
         """Quantities that have no kernel, by the registry on all poses: slower a hundred times."""
         known = (*CONDITIONS, REACH, *kernels.TORQUE_COLUMNS)
         for index, bound in enumerate(self.case.requirements.bounds):

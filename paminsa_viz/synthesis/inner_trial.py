@@ -12,7 +12,7 @@ from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis.inner import InnerProgram, inner_program
 from paminsa_viz.synthesis.inner_case import InnerCase, linear_bounds
 from paminsa_viz.synthesis.inner_goals import GOALS
-from paminsa_viz.synthesis.trial import Trial
+from paminsa_viz.synthesis.trial import TrialRobot
 
 SPARE = 2e-9
 """By how much of itself (or of 1) a bound is tightened, against the solver's rounding."""
@@ -25,7 +25,7 @@ ENOUGH = 1e-7
 
 
 def trial_program(
-    trial: Trial, tighter: Sequence[float] = (), relaxed: int | None = None
+    trial: TrialRobot, tighter: Sequence[float] = (), relaxed: int | None = None
 ) -> InnerProgram:
     """Return the program of masses and springs for a trial's lengths and workspace.
 
@@ -70,8 +70,8 @@ def trial_program(
 
 
 def with_best_masses(
-    trial: Trial, tighter: Sequence[float] = (), relaxed: int | None = None
-) -> Trial:
+    trial: TrialRobot, tighter: Sequence[float] = (), relaxed: int | None = None
+) -> TrialRobot:
     """Return a trial with the best masses and springs; arguments as in `trial_program`.
 
     Raises:

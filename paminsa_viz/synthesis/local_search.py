@@ -11,7 +11,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Workspace
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.synthesis.case import Regime, SynthesisCase
-from paminsa_viz.synthesis.evaluation import Evaluation, Evaluator
+from paminsa_viz.synthesis.evaluation import Evaluator, TrialEvaluation
 from paminsa_viz.synthesis.outer import (
     EXPLORE,
     PROGRESS,
@@ -38,7 +38,7 @@ class LocalOptimum:
     """
 
     numbers: tuple[float, ...]
-    found: Evaluation
+    found: TrialEvaluation
 
     @property
     def objective(self) -> float:

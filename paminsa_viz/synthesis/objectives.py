@@ -12,7 +12,7 @@ from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.units import DisplayUnit, display_unit
 
 if TYPE_CHECKING:
-    from paminsa_viz.synthesis.trial import Trial
+    from paminsa_viz.synthesis.trial import TrialRobot
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Objective:
     label: str
     title: str
     unit: str
-    value: Callable[[Trial], float]
+    value: Callable[[TrialRobot], float]
     largest: bool = False
 
     @property
@@ -52,19 +52,19 @@ _LEG_MASSES = [
 _PLATFORM = MASS_PATHS.index("platform.mass")
 
 
-def _moving_mass(trial: Trial) -> float:
+def _moving_mass(trial: TrialRobot) -> float:
     legs = float(trial.masses[_LEG_MASSES].sum())
     owner = trial.case.reference if trial.inner is None else trial.inner.design
     weights = sum(weight.mass for weight in owner.counterweights)
     return 3 * (legs + weights) + float(trial.masses[_PLATFORM])
 
 
-def _of_motions(trial: Trial, key: str) -> float:
+def _of_motions(trial: TrialRobot, key: str) -> float:
     assert trial.inner is not None  # see `inner_case.check_inner`
     return trial.inner.value(key)
 
 
-def _volume(trial: Trial) -> float:
+def _volume(trial: TrialRobot) -> float:
     from paminsa_viz.quantities.requirements import WorkspaceShape
 
     x, y, z = trial.workspace.size

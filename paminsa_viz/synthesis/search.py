@@ -13,7 +13,7 @@ from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.synthesis.answer import RelaxedBound, SynthesisResult, limit_of, outcomes_of
 from paminsa_viz.synthesis.case import ObjectiveLimit, Regime, SynthesisCase
 from paminsa_viz.synthesis.certificate import prove as prove_workspace
-from paminsa_viz.synthesis.evaluation import Evaluation, Evaluator
+from paminsa_viz.synthesis.evaluation import Evaluator, TrialEvaluation
 from paminsa_viz.synthesis.evidence import Proof, Verdict
 from paminsa_viz.synthesis.margins import Canceled
 from paminsa_viz.synthesis.objectives import find_objective
@@ -40,7 +40,7 @@ SLACK = 1.05
 @dataclass(frozen=True, eq=False)
 class _Answer:
     state: RegimeState
-    found: Evaluation
+    found: TrialEvaluation
     bounds: tuple[Requirement, ...]
     proof: Proof | None = None
 

@@ -78,7 +78,7 @@ SINGLE = ("tau_1", "tau_2", "tau_3")
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class TrialRobot:
     """A robot that reaches its workspace.
 
     Attributes:
@@ -257,7 +257,7 @@ class Robots:
         margins = reach_margins(geometries, found)
         return cls(case, numbers, possible, geometries, workspaces, found, margins)
 
-    def trials(self, poses: Poses, which: Sequence[int]) -> list[Trial]:
+    def trials(self, poses: Poses, which: Sequence[int]) -> list[TrialRobot]:
         """Return some of the p robots with their masses."""
         case = self.case
         geometries = [self.geometries[i] for i in which]
@@ -267,6 +267,6 @@ class Robots:
         coefficients = resized_coefficients(case.reference, geometries, masses)
         rows = np.flatnonzero(self.possible)
         return [
-            Trial(poses, self.numbers[rows[i]], g, self.workspaces[i], m, c)
+            TrialRobot(poses, self.numbers[rows[i]], g, self.workspaces[i], m, c)
             for i, g, m, c in zip(which, geometries, masses, coefficients, strict=True)
         ]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.clearance.nearest import BOX, CAPSULE, CYLINDER
-from paminsa_viz.clearance.solids import Solid
+from paminsa_viz.clearance.solids import Primitive
 
 
 def coal_request() -> Any:
@@ -20,7 +20,7 @@ def coal_request() -> Any:
     return request
 
 
-def coal_shape(solid: Solid) -> Any:
+def coal_shape(solid: Primitive) -> Any:
     """Return a solid about its own origin."""
     coal: Any = pytest.importorskip("coal")
     if solid.kind == CAPSULE:

@@ -9,7 +9,7 @@ import numpy as np
 from paminsa_viz.clearance import kernels
 from paminsa_viz.clearance.nearest import BOX, CAPSULE, CYLINDER, PRISM
 from paminsa_viz.clearance.shapes import arrays_of
-from paminsa_viz.clearance.solids import NO_CORNERS, Body, Part, Solid
+from paminsa_viz.clearance.solids import NO_CORNERS, Body, BodyPart, Primitive
 from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.model.arrays import Array
 
@@ -21,7 +21,7 @@ class Found(NamedTuple):
     points: Array  # (n, 2, 3)
 
 
-def random_solid(kind: str, rng: np.random.Generator) -> Solid:
+def random_solid(kind: str, rng: np.random.Generator) -> Primitive:
     """Return a solid about its own origin, of some centimeters to half a meter."""
     half = 10 ** rng.uniform(-2, -0.4, 3)
     radius, corners = 0.0, NO_CORNERS
@@ -33,14 +33,14 @@ def random_solid(kind: str, rng: np.random.Generator) -> Solid:
         angle = np.sort(rng.uniform(0, 2 * np.pi / 9, 7)) + 2 * np.pi * np.arange(7) / 7
         corners = half[0] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
         half[:2] = np.abs(corners).max(axis=0)
-    return Solid(KINDS[kind], half, radius, corners, np.eye(3), np.zeros(3))
+    return Primitive(KINDS[kind], half, radius, corners, np.eye(3), np.zeros(3))
 
 
-def distances(one: Solid, other: Solid, place: Array, wxyz: Array) -> Found:
+def distances(one: Primitive, other: Primitive, place: Array, wxyz: Array) -> Found:
     """Return distances of two solids; places (n, 2, 3) and unit quaternions (n, 2, 4)."""
     frames = BODIES[:2]
     bodies = tuple(
-        Body(name, name, frame, Part.FRAME, 0, (solid,))
+        Body(name, name, frame, BodyPart.FRAME, 0, (solid,))
         for name, frame, solid in zip("ab", frames, (one, other), strict=True)
     )
     n, pair = len(place), np.zeros(1, np.int64)
@@ -55,7 +55,7 @@ def distances(one: Solid, other: Solid, place: Array, wxyz: Array) -> Found:
     return Found(distance[:, 0], points.reshape(n, 2, 3))
 
 
-def extent(solid: Solid, rotation: Array, place: Array, direction: Array) -> Array:
+def extent(solid: Primitive, rotation: Array, place: Array, direction: Array) -> Array:
     """Return how far a placed solid reaches along directions; all batched, (n,)."""
     local = np.einsum("nij,ni->nj", rotation, direction)
     reach = np.einsum("ni,ni->n", place, direction) + solid.size[2] * np.abs(local[:, 2])

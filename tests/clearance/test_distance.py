@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from paminsa_viz.clearance.nearest import CAPSULE, CYLINDER
-from paminsa_viz.clearance.solids import NO_CORNERS, Solid
+from paminsa_viz.clearance.solids import NO_CORNERS, Primitive
 from paminsa_viz.model.arrays import Array
 from tests.clearance.coal_shapes import coal_request, coal_shape
 from tests.clearance.pairs_of_solids import KINDS, Found, distances, extent, random_solid
@@ -30,7 +30,9 @@ def placed(rng: np.random.Generator, poses: int = POSES) -> tuple[Array, Array, 
     return place, wxyz, turn.as_matrix().reshape(poses, 2, 3, 3)
 
 
-def certified_gap(one: Solid, other: Solid, place: Array, rotation: Array, found: Found) -> Array:
+def certified_gap(
+    one: Primitive, other: Primitive, place: Array, rotation: Array, found: Found
+) -> Array:
     """Return by how much distances exceed what a plane between the solids proves, (n,) [m].
 
     No two convex solids are nearer than the gap between two parallel planes that part them.
@@ -47,7 +49,7 @@ def in_frame(points: Array, rotation: Array, place: Array) -> Array:
 
 
 def outside_of_both(
-    solids: tuple[Solid, Solid], found: Found, place: Array, rotation: Array
+    solids: tuple[Primitive, Primitive], found: Found, place: Array, rotation: Array
 ) -> Array:
     """Return how far the best of the points found is from being common to both solids, (n,)."""
     candidates = (found.points[:, 0], found.points[:, 1], found.points.mean(axis=1))
@@ -144,7 +146,7 @@ def test_parallel_crossing_and_touching_solids(
         assert outside_of_both((one, other), found, where, rotation)[0] < 1e-9
 
 
-def _round_sizes(solid: Solid) -> Solid:
+def _round_sizes(solid: Primitive) -> Primitive:
     """Return a solid whose sizes are multiples of 50 mm, so that faces and edges coincide."""
     size = np.maximum(np.round(solid.size / 0.05), 1.0) * 0.05
     radius = 0.05 if solid.kind == CAPSULE else 0.0
@@ -158,11 +160,11 @@ def _round_sizes(solid: Solid) -> Solid:
         corners = np.array([(-0.1, -0.1), (0.1, -0.1), (0.1, 0.05), (0.05, 0.1), (-0.1, 0.1)])
     else:
         corners = NO_CORNERS
-    return Solid(solid.kind, size, radius, corners, np.eye(3), np.zeros(3))
+    return Primitive(solid.kind, size, radius, corners, np.eye(3), np.zeros(3))
 
 
 def test_a_ball_and_a_bar_of_no_length() -> None:
-    ball = Solid(CAPSULE, np.zeros(3), 0.1, NO_CORNERS, np.eye(3), np.zeros(3))
+    ball = Primitive(CAPSULE, np.zeros(3), 0.1, NO_CORNERS, np.eye(3), np.zeros(3))
     where = np.array([[(0.0, 0.0, 0.0), (0.5, 0.0, 0.0)], [(0.0, 0.0, 0.0), (0.0, 0.0, 0.0)]])
     upright = np.tile([1.0, 0.0, 0.0, 0.0], (2, 2, 1))
     assert distances(ball, ball, where, upright).distance == pytest.approx([0.3, -0.2])

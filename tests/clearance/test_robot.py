@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.clearance import Body, Solid, pair_clearance, shapes_of
+from paminsa_viz.clearance import Body, Primitive, pair_clearance, shapes_of
 from paminsa_viz.clearance.nearest import CYLINDER
-from paminsa_viz.clearance.solids import WORLD, Part
+from paminsa_viz.clearance.solids import WORLD, BodyPart
 from paminsa_viz.dimensions.placement import place_parts
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Counterweight, KneeBranch, Payload
@@ -24,9 +24,9 @@ NEAR = 0.03
 """Pairs of bodies within this distance are compared [m]."""
 
 
-def may_meet(one: Body, a: Solid, other: Body, b: Solid) -> bool:
+def may_meet(one: Body, a: Primitive, other: Body, b: Primitive) -> bool:
     """Say whether two solids of a pair of bodies count: not if they pass each other for sure."""
-    legs = (Part.LEG, Part.COUNTERWEIGHT)
+    legs = (BodyPart.LEG, BodyPart.COUNTERWEIGHT)
     if one.part in legs and other.part in legs and one.leg == other.leg:
         if a.extent[0, 1] >= b.extent[1, 1] or b.extent[0, 1] >= a.extent[1, 1]:
             return False
@@ -48,7 +48,7 @@ def test_distances_of_near_bodies_are_those_of_coal(knee: KneeBranch) -> None:
         frames = {name: place.matrix for name, place in places.items()} | {WORLD: np.eye(4)}
         ours = pair_clearance(design, pose)
 
-        def where(body: Body, solid: Solid, frames: dict[str, Array] = frames) -> Any:
+        def where(body: Body, solid: Primitive, frames: dict[str, Array] = frames) -> Any:
             frame = frames[body.frame]
             place = frame[:3, :3] @ solid.center + frame[:3, 3]
             return coal.Transform3s(frame[:3, :3] @ solid.rotation, place)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.clearance.shapes import shapes_of
-from paminsa_viz.clearance.solids import WORLD, Body, Part
+from paminsa_viz.clearance.solids import WORLD, Body, BodyPart
 from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.meshes import bodies as drawn
 from paminsa_viz.meshes import loads
@@ -47,7 +47,7 @@ def loaded(geometry_seed: int | None, knee: KneeBranch) -> Design:
 
 
 def of_frame(design: Design, frame: str) -> list[Body]:
-    hung = (Part.PAYLOAD, Part.COUNTERWEIGHT)
+    hung = (BodyPart.PAYLOAD, BodyPart.COUNTERWEIGHT)
     return [b for b in shapes_of(design).bodies if b.frame == frame and b.part not in hung]
 
 
@@ -69,7 +69,7 @@ def test_payload_and_counterweights_are_enclosed(knee: KneeBranch) -> None:
     matrix = loads.payload_transform(design.geometry, design.payload.mass)
     drum = surface(fixed_part("payload").moved(matrix[:3, 3], matrix[:3, :3]))
     bodies = shapes_of(design).bodies
-    payload = next(body for body in bodies if body.part is Part.PAYLOAD)
+    payload = next(body for body in bodies if body.part is BodyPart.PAYLOAD)
     assert payload.outside(drum).max() < 1e-6
     for number, weight in enumerate(design.counterweights, 1):
         points = surface(loads.counterweight(design.geometry, weight))

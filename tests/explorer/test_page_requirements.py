@@ -44,8 +44,9 @@ def test_a_mark_turns_when_a_length_breaks_its_requirement_and_a_click_leads_the
     strip.get_by_text("✗").first.wait_for()
     tab.open_tab("Requirements")
     row.get_by_text("✗").wait_for()
+    before = tab.state.document.pose
     row.get_by_role("button").last.click()
-    until(lambda: tab.state.document.pose[0] != 0.0, "the robot is at the worst pose")
+    until(lambda: tab.state.document.pose != before, "the robot is at the worst pose")
     condition = tab.session.state.document.requirements.bounds[0]
     assert condition.quantity == "condition"
     until(lambda: tab.state.requiring.fine is not None, "the fine volume")

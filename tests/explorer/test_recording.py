@@ -20,8 +20,8 @@ from paminsa_viz.explorer.recording import (
     LONGEST,
     MOST_FRAMES,
     RATE,
-    Canceled,
     Recorder,
+    RecordingCanceled,
     encode,
     instants,
     size_of,
@@ -101,7 +101,7 @@ def test_recording_can_be_canceled(session: Any) -> None:
     recorder = Recorder()
     timer = threading.Timer(0.3, lambda: recorder.cancel(session))
     timer.start()
-    with pytest.raises(Canceled):
+    with pytest.raises(RecordingCanceled):
         recorder.record(session, "gif")
     assert 0 < len(session.client.poses) < 30
     again = Recorder()

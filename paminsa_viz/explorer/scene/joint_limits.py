@@ -6,6 +6,7 @@ from functools import lru_cache
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 from viser import LineSegmentsHandle, MeshHandle
 
 from paminsa_viz import palette
@@ -77,7 +78,7 @@ def around(angles: Array) -> tuple[float, float]:
     return start, start + width
 
 
-def sector(start: float, end: float) -> tuple[Array, Array]:
+def sector(start: float, end: float) -> tuple[Array, NDArray[np.uint32]]:
     """Return a flat sector about z as points (n, 3) [m] and faces (m, 3)."""
     angle = np.linspace(start, end, STEPS + 1)
     ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
@@ -86,7 +87,8 @@ def sector(start: float, end: float) -> tuple[Array, Array]:
     faces = np.concatenate(
         [np.stack([inner, outer, outer + 1], 1), np.stack([inner, outer + 1, inner + 1], 1)]
     )
-    return np.concatenate([INNER * ring, OUTER * ring]), faces.astype(np.uint32)
+    points = np.concatenate([INNER * ring, OUTER * ring])
+    return points, faces.astype(np.uint32)
 
 
 def marks(configuration: Configuration) -> Array:

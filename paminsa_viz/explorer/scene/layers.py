@@ -182,7 +182,7 @@ register(
         default=True, shortcut="F", animated=False,
     ),
     Layer("volume", "Volume of requirements",
-          "Where all requirements hold, colored by what ends it there", "workspaces:VolumeSurface",
+          "Where all requirements hold, colored by what ends it there", "workspaces:VolumeLayer",
           default=True, animated=False),
     Layer("required_workspace", "Required workspace", "Its outline", _WORKSPACES, default=True,
           animated=False),

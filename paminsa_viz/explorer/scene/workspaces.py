@@ -23,7 +23,7 @@ CORNERS: Final = 64
 Place = tuple[float, float, float]
 
 
-class VolumeSurface:
+class VolumeLayer:
     """The layer ``volume``: the surface, a mesh for each cause in its color.
 
     It is sent when the page is idle, and hidden while it is of another design or of other

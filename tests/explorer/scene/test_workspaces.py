@@ -17,7 +17,7 @@ from paminsa_viz.explorer.requirements.jobs import LargestJob, LargestOutcome, V
 from paminsa_viz.explorer.requirements.surface import surface_parts
 from paminsa_viz.explorer.scene.best_robot import NODE, BestRobot
 from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.explorer.scene.workspaces import VolumeSurface, WorkspaceOutlines, outline
+from paminsa_viz.explorer.scene.workspaces import VolumeLayer, WorkspaceOutlines, outline
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.explorer.synthesis import actions as synthesis
 from paminsa_viz.explorer.synthesis.jobs import BestSoFar, Shown
@@ -33,7 +33,7 @@ def layers(server: viser.ViserServer) -> Iterator[Scene]:
     page = RawPage(server)
     scene = page.client.scene
     context = SceneContext(scene)
-    views: list[Any] = [VolumeSurface(context), WorkspaceOutlines(context), BestRobot(context)]
+    views: list[Any] = [VolumeLayer(context), WorkspaceOutlines(context), BestRobot(context)]
     yield Scene(scene, views)
     page.socket.close()
 
