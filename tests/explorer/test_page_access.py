@@ -135,8 +135,19 @@ def tooltip(tab: Tab, target: Any) -> dict[str, float]:
     return tab.steady_box(found)
 
 
+def view_edges(tab: Tab) -> list[float]:
+    """Return where the view begins and ends [px], once both docks are there and rest."""
+
+    def resting() -> list[float] | None:
+        before = tab.page.evaluate(CANVAS)
+        tab.wait_frames(300)
+        return before if before[0] > 0 and before == tab.page.evaluate(CANVAS) else None
+
+    return until(resting, "the docks rest")
+
+
 def test_tooltips_open_in_the_view_and_not_over_the_panel(tab: Tab) -> None:
-    left, right = tab.page.evaluate(CANVAS)
+    left, right = view_edges(tab)
     for target in (tab.slider("x  [mm]"), tab.element("Knee branch")):
         box = tooltip(tab, target)
         at = target.bounding_box()
@@ -148,15 +159,14 @@ def test_tooltips_open_in_the_view_and_not_over_the_panel(tab: Tab) -> None:
 
 def test_reload_keeps_the_docks(open_tab: Callable[..., Tab]) -> None:
     tab = open_tab(1400, 900)
-    left, right = tab.page.evaluate(CANVAS)
+    left, right = view_edges(tab)
     page = tab.page
     for start, change in ((left - 2, -70), (right + 2, -50)):
         page.mouse.move(start, 450)
         page.mouse.down()
         page.mouse.move(start + change, 450, steps=6)
         page.mouse.up()
-    tab.wait_frames(300)
-    dragged = page.evaluate(CANVAS)
+    dragged = view_edges(tab)
     np.testing.assert_allclose(dragged, [left - 70, right - 50], atol=4)
     until(lambda: tab.state.docks.right.width is not None, "the docks are known")
     until(lambda: tab.state.docks.left.width is not None, "both are")
