@@ -112,7 +112,7 @@ def test_quantities_are_listed(capsys) -> None:
     ("words", "place"),
     [
         (("check",), "there is no requirement"),
-        (("check", "--require", "conditon <= 5"), "did you mean condition"),
+        (("check", "--require", "kondition <= 5"), "did you mean condition"),
         (("check", "--require", "condition"), "a bound"),
         (("check", "robot.toml", "--design", "other.toml"), "exclude each other"),
         (("check", "robot.toml"), "robot.toml"),

@@ -111,7 +111,7 @@ SPACE = HEAD + "[workspace]\n"
     ("text", "line", "problem"),
     [
         (
-            HEAD + '[[requirements]]\nquantity = "conditon"\nmax = 1.0\n',
+            HEAD + '[[requirements]]\nquantity = "kondition"\nmax = 1.0\n',
             3,
             "did you mean condition",
         ),
@@ -134,7 +134,7 @@ SPACE = HEAD + "[workspace]\n"
         (SPACE + "theta_min_rad = 1.0\n", 3, "theta_max_rad is needed"),
         (SPACE + "theta_min_deg = 1.0\n", 3, "did you mean theta_min_rad"),
         (HEAD + "[[workspace]]\ntheta_min_rad = 1.0\n", 2, "single brackets"),
-        (HEAD + "[workspce]\n", 2, r"did you mean \[workspace\]"),
+        (HEAD + "[workspacee]\n", 2, r"did you mean \[workspace\]"),
     ],
 )
 def test_what_is_wrong_is_named_with_its_line(text: str, line: int, problem: str) -> None:

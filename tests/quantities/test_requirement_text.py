@@ -90,7 +90,7 @@ def test_unit_of_every_quantity_is_understood(key: str) -> None:
         ("", "a bound"),
         ("<= 10", "a bound"),
         ("condition <= ten", "a bound"),
-        ("conditon <= 10", "did you mean condition"),
+        ("kondition <= 10", "did you mean condition"),
         ("nothing_like_it <= 10", "there is no quantity"),
         ("max_torque <= 15 Nmm", "given in N m"),
         ("condition <= 10 mm", "no unit"),
