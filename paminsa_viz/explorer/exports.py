@@ -185,7 +185,7 @@ def motion_figure(state: State, kind: str) -> File:
 
 
 def motion_table(state: State, kind: str) -> File:
-    """Write the motion and what it asks of the design, or the simulation if that is plotted.
+    """Write the motion and its actuator torques, or the simulation if that is plotted.
 
     Args:
         state: What to save.

@@ -19,7 +19,7 @@ def _step(title: str, text: str, selector: str = "", *, tab: str = "", host: boo
 STEPS: Final = (
     _step(
         "Status and torques",
-        "This strip stays above all tabs: whether the robot can take the pose, what gravity asks "
+        "This strip stays above all tabs: whether the robot can take the pose, the static torques "
         "of M1 to M4, the condition number κ, the nearest limit, and M_p2, which is zero for a "
         "balanced robot.",
         "div:has(> .pv-strip)",
