@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4, Design, LoadCase
 from paminsa_viz.quantities.requirements import Requirement, Requirements, WorkspaceShape
-from paminsa_viz.synthesis import symmetry as module
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge, nearest_violation
 from paminsa_viz.synthesis.proof.families import NONE, Symmetry, groups, symmetry
 from paminsa_viz.synthesis.proof.regions import PoseRegion
@@ -105,7 +104,7 @@ def test_bounds_are_those_of_all_poses(monkeypatch: pytest.MonkeyPatch) -> None:
     part = nearest_violation(group, gauge, 1.5, 0.005, Control(60.0))
     monkeypatch.setattr("paminsa_viz.synthesis.proof.bisection.symmetry", lambda *_: NONE)
     whole = nearest_violation(group, gauge, 1.5, 0.005, Control(60.0))
-    assert module.symmetry(group, CENTERED).any
+    assert symmetry(group, CENTERED).any
     assert part.lower == pytest.approx(whole.lower, abs=0.006)
     assert part.lower <= whole.upper
     assert whole.lower <= part.upper
