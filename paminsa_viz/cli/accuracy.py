@@ -193,7 +193,7 @@ def _print(design: Design, here: DriveErrors, region: Region, over: RegionErrors
          *(_cell(getattr(row, kind)[0], row.unit) for kind in STATISTICS_OF))
         for row in error_rows(here)
     ]  # fmt: skip
-    print_table(rows, right=True)
+    print_table(rows, words=1)
     angles = ", ".join(format_ascii(angle, "rad") for angle in region.theta)
     heights = ", ".join(format_ascii(height, "m") for height in region.z)
     print(
@@ -208,7 +208,7 @@ def _print(design: Design, here: DriveErrors, region: Region, over: RegionErrors
         values = (*statistics(row.worst), statistics(row.linear)[0], statistics(row.rms)[0])
         name = f"{row.name} [{display_unit(row.unit).text}]"
         rows.append((name, *(_cell(value, row.unit) for value in values)))
-    print_table(rows, right=True)
+    print_table(rows, words=1)
 
 
 def _parts(accuracy: DriveAccuracy, kind: str, unit: str) -> str:

@@ -118,7 +118,7 @@ class Calibrate(JsonFlags, DesignFlags):
         fitted, held = found.after.poses, found.after_held.poses
         back = f", {held} held back" if held else ""
         print(f'design "{found.start.name}": {fitted} poses of {width} coordinates fitted{back}\n')
-        print_table(_error_rows(found), right=True)
+        print_table(_error_rows(found), words=1)
         count, rank = len(found.combinations), found.rank
         values = found.singular_values
         after = f", then {values[rank]:.2g}" if rank < len(values) else ""

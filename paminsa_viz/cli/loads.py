@@ -149,7 +149,7 @@ def _print_pose(forces: JointForces, sideways: SidewaysForces) -> None:
             cells += [_number(force[0]), _number(force[2]), _number(forces.moment[leg, index])]
         rows.append((joint.label, *cells))
     print("forces [N] and moments [N m] in the planes of legs 1 to 3, at rest\n")
-    print_table(rows, right=True)
+    print_table(rows, words=1)
     parts = ("w", "M_u", "M_z")
     rows = [("joint", *(f"{part} {leg}" for leg in (1, 2, 3) for part in parts))]
     for index, joint in enumerate(JOINTS):
@@ -159,7 +159,7 @@ def _print_pose(forces: JointForces, sideways: SidewaysForces) -> None:
             cells += [_number(value) for value in (sideways.force[leg, index], *moment)]
         rows.append((joint.label, *cells))
     print("\nacross the planes, shared by elasticity: forces [N], moments [N m] about r and z\n")
-    print_table(rows, right=True)
+    print_table(rows, words=1)
     tau = ", ".join(_number(value) for value in forces.torque[:3])
     print(f"\ntorques {tau} N m, force of M4 {_number(forces.torque[3])} N\n")
     use = utilization(forces)
@@ -171,7 +171,7 @@ def _print_pose(forces: JointForces, sideways: SidewaysForces) -> None:
             cells.append(f"{PERCENT * use[leg, number]:.2f} %")
         rows.append((bar.upper(), *cells))
     print("largest N [N], V [N], M [N m] along the bars, stress over yield stress\n")
-    print_table(rows, right=True)
+    print_table(rows, words=1)
     tip = arm_tip(forces)
     bending = ", ".join(
         _number(value) for value in (tip.sideways * forces.design.geometry.arm_length).reshape(3)
@@ -194,7 +194,7 @@ def _print_motion(found: MotionLoads) -> None:
             values = (found.peak, found.rms, found.equivalent)
             cells += [_number(value[leg, index]) for value in values]
         rows.append((joint.label, *cells))
-    print_table(rows, right=True)
+    print_table(rows, words=1)
     rows = [("bar", *(f"{part} {leg}" for leg in (1, 2, 3) for part in (*COMPONENTS, "use")))]
     use = found.utilization.max(axis=0)
     for number, bar in enumerate(BARS):
@@ -204,7 +204,7 @@ def _print_motion(found: MotionLoads) -> None:
             cells.append(f"{PERCENT * use[leg, number]:.2f} %")
         rows.append((bar.upper(), *cells))
     print("\nlargest N [N], V [N], M [N m] along the bars, stress over yield stress\n")
-    print_table(rows, right=True)
+    print_table(rows, words=1)
 
 
 def _number(value: float) -> str:

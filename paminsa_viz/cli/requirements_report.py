@@ -95,7 +95,7 @@ def _print_volume(volume: Volume) -> None:
         removed = _percent(shares[cause]) if cause in shares else ""
         rows.append((_cause(volume, cause), surface, removed, alone, last))
     if len(rows) > 1:
-        print_table(rows, right=True)
+        print_table(rows, words=1)
 
 
 def _percent(share: float) -> str:

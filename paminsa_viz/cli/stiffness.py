@@ -102,7 +102,7 @@ class Stiffness(JsonFlags, PoseFlags, DesignFlags):
         print(f"{design.name}: tubes of [elastic], and the links' masses and inertias over theirs")
         rows = [("", "tube", "mass", "link/tube", "I_YY/(m l^2/12)", "I_YY/tube", "I_XX/tube")]
         rows += [_section_row(design, fit) for fit in fits]
-        print_table(rows, right=True)
+        print_table(rows, words=1)
         return 0
 
 
@@ -181,7 +181,7 @@ def _print(
         rows.append((name, format_ascii(float(found.along(axis)), unit, 3), rigid))
     rows.append(("softest horizontal", format_ascii(float(found.horizontal), "N/m", 3), ""))
     rows.append(("softest tilt", format_ascii(float(found.tilt), "N m/rad", 3), ""))
-    print_table(rows, right=True)
+    print_table(rows, words=1)
     axes, directions = found.ellipsoid()
     softest = " ".join(f"{value:.2f}" for value in directions[:, -1])
     if touching := contacts(design, found.pose).touching():
@@ -199,7 +199,7 @@ def _print(
     for i in order:
         if any(share[i] > 0 for share in shares.values()):
             rows.append((SHARES[i], *(f"{100 * share[i]:.1f} %" for share in shares.values())))
-    print_table(rows, right=True)
+    print_table(rows, words=1)
 
 
 def _frequencies(design: Design, pose: Array, *, shear: bool) -> dict[str, list[float | None]]:
@@ -230,7 +230,7 @@ def _print_deflection(design: Design, found: PlatformStiffness, moved: Compensat
         NAMES, wrench, units, twist, ("m",) * 3 + ("rad",) * 3, strict=True
     ):
         rows.append((name, format_ascii(load, unit), format_ascii(value, of, 3)))
-    print_table(rows, right=True)
+    print_table(rows, words=1)
     back = ", ".join(
         f"{name} {format_ascii(value, 'm' if name == 'M4' else 'rad', 3)}"
         for name, value in zip(ACTUATORS, actuators, strict=True)

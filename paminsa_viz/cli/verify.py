@@ -114,7 +114,7 @@ def _print(found: Verification) -> None:
     for check in found.engines:
         print(f"\nFormulas and {check.engine} {check.version}")
         print_table([HEAD, *_rows("at rest", check.static), *_rows("moving", check.dynamic)],
-                    indent=2, right=True)  # fmt: skip
+                    indent=2, words=1)  # fmt: skip
     for engine in found.missing:
         print(f"\n{EngineMissing(engine)}")
     print(f"\nFormulas as published and {found.engines[0].engine}, moving: relative differences")
@@ -123,7 +123,7 @@ def _print(found: Verification) -> None:
         for item, comparison in found.published.items()
     ]
     head = ("", "tau_1", "tau_2", "tau_3", "F_4")
-    print_table([head, *rows], indent=2, right=True)
+    print_table([head, *rows], indent=2, words=1)
     _print_simulation(found)
     verdict = "PASS" if found.passed else "FAIL"
     print(

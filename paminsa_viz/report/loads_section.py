@@ -13,8 +13,7 @@ from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.plots.series import SeriesSources
 from paminsa_viz.plots.series_builders import build_series
-from paminsa_viz.plots.series_figure import render_series
-from paminsa_viz.report.blocks import Block, Figure, Note, Section, Table, rows
+from paminsa_viz.report.blocks import Block, Note, Section, Table, rows, series_figure
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import NONE, number
 
@@ -53,8 +52,7 @@ def loads_section(analysis: TrajectoryAnalysis, pose: Sequence[float]) -> Sectio
         blocks.append(Note("Up to where the trajectory first fails:", "warn"))
     blocks += [_joints(loads), _bars(loads)]
     data = build_series("loads", SeriesSources(analysis))
-    svg = render_series(data, "svg", title=data.title, caption=False)
-    blocks.append(Figure(svg, f"{data.title} over time, six panels."))
+    blocks.append(series_figure(data, f"{data.title} over time, six panels."))
     return Section("loads", "Joint forces and bar loads", tuple(blocks))
 
 

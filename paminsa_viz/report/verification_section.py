@@ -7,9 +7,16 @@ from paminsa_viz.engines.verification import Verification, verify
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.plots.series_builders import SYMBOLS
-from paminsa_viz.plots.series_figure import render_series
 from paminsa_viz.plots.verified import verification_figures
-from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, actuator_rows
+from paminsa_viz.report.blocks import (
+    Block,
+    Note,
+    Row,
+    Section,
+    Table,
+    actuator_rows,
+    series_figure,
+)
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.units import format_value, number
 
@@ -53,9 +60,8 @@ def verification_section(found: Verification | str) -> Section:
     if found.missing:
         blocks.append(Note(f"Not installed: {', '.join(found.missing)}."))
     figures = [
-        Figure(
-            render_series(data, "svg", title=title, caption=False),
-            f"{title}: torques of both and their difference, over time.",
+        series_figure(
+            data, f"{title}: torques of both and their difference, over time.", title=title
         )
         for _, title, data in verification_figures(found)
     ]
