@@ -25,7 +25,7 @@ from paminsa_viz.model.statics import static_torques
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.studies.executors import Workers, here
-from paminsa_viz.synthesis.masses.space import ACTUATORS_OF, sampled_solution, within
+from paminsa_viz.synthesis.masses.space import ACTUATORS_OF, bound_margins, sampled_solution, within
 from paminsa_viz.synthesis.search.result import SynthesisResult
 from paminsa_viz.synthesis.volume.check import check_requirements
 from paminsa_viz.synthesis.volume.margins import Columns, headings
@@ -118,12 +118,6 @@ class AnswerMargins:
             )
             if most is not None
         ]
-
-
-def bound_margins(bound: Requirement, torque: Array) -> Array:
-    """Return margins to a bound of torques (n, 4), the least of its actuators (n,)."""
-    part = torque[:, list(ACTUATORS_OF[bound.quantity])]
-    return bound.margin(np.abs(part) if bound.quantity == "max_torque" else part).min(axis=1)
 
 
 Margins = Callable[[Design], Mapping[str, float]]

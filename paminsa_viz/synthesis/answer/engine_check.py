@@ -21,8 +21,8 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.parameters import BAR_ENDS
 from paminsa_viz.model.statics import static_torques
-from paminsa_viz.synthesis.answer.checks import AnswerMargins, bound_margins
-from paminsa_viz.synthesis.masses.space import ACTUATORS_OF, within
+from paminsa_viz.synthesis.answer.checks import AnswerMargins
+from paminsa_viz.synthesis.masses.space import ACTUATORS_OF, bound_margins, within
 
 POSES = 60
 """Poses of the workspace that are compared, besides the worst of each requirement."""
