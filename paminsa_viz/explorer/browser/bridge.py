@@ -48,6 +48,8 @@ class Bridge:
         self._inbox = client.gui.add_text("bridge", "", visible=False)
         self._inbox.on_update(self._receive)
         self._run = _script_channel(client)
+        if self._run is not None:
+            self._run(asset("marks.js"))  # before there is anything that is marked
         self.on("missing", _report_missing)
 
     def open(self) -> None:
