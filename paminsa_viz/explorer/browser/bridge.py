@@ -49,7 +49,8 @@ class Bridge:
         self._inbox.on_update(self._receive)
         self._run = _script_channel(client)
         if self._run is not None:
-            self._run(asset("marks.js"))  # before there is anything that is marked
+            for name in ("marks.js", "units.js"):  # before there is anything that is marked
+                self._run(asset(name))
         self.on("missing", _report_missing)
 
     def open(self) -> None:
