@@ -218,8 +218,8 @@ def export_entries(
                 if not each.missing
             },
             visible=lambda state: not state.recording.running,
-            hint="The motion in the 3D view as an animated picture or video, in true time; this tab of the "
-            "browser has to stay in front",
+            hint="The motion in the 3D view as an animated picture or a video, in true time; this "
+            "tab of the browser has to stay in front",
         ),
         *(
             Button(
