@@ -121,7 +121,7 @@ def print_report(results: Results, written: Sequence[Path]) -> None:
         for title, other in (("reference", results.reference), ("as published", results.printed)):
             if other is not None and other.summary:
                 rows += _rows(other, COMPARED, f"{title}: ")
-        print_table(rows, right=True)
+        print_table(rows, words=1)
         print()
     if check.first is not None:
         print(f"fails {check.first.explanation}")

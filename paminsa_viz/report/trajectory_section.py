@@ -4,8 +4,15 @@ from __future__ import annotations
 
 from paminsa_viz.plots.series import FigureKind, SeriesSources
 from paminsa_viz.plots.series_builders import build_series
-from paminsa_viz.plots.series_figure import render_series
-from paminsa_viz.report.blocks import Block, Figure, Note, Section, Table, actuator_rows, rows
+from paminsa_viz.report.blocks import (
+    Block,
+    Note,
+    Section,
+    Table,
+    actuator_rows,
+    rows,
+    series_figure,
+)
 from paminsa_viz.trajectory import TrajectoryAnalysis, escape_inertia
 from paminsa_viz.units import format_value
 
@@ -45,8 +52,8 @@ def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
         blocks.append(_table(analysis))
         for figure in FIGURES:
             data = build_series(figure, SeriesSources(analysis))
-            svg = render_series(data, "svg", title=data.title, caption=figure == "torques")
-            blocks.append(Figure(svg, f"{data.title} over time, four panels."))
+            alt = f"{data.title} over time, four panels."
+            blocks.append(series_figure(data, alt, caption=figure == "torques"))
     return Section("trajectory", "Trajectory", tuple(blocks))
 
 
