@@ -14,11 +14,11 @@ from paminsa_viz.balancing import CounterweightRange, SpringPlace, at_joint, bey
 from paminsa_viz.model import APPENDIX_4, backend
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.synthesis.engine_check import check_by_mujoco
-from paminsa_viz.synthesis.inner import solve_inner
-from paminsa_viz.synthesis.inner_case import InnerCase, MassFactor
-from paminsa_viz.synthesis.inner_space import sampled_solution
-from paminsa_viz.synthesis.robustness import built_robots
+from paminsa_viz.synthesis.answer.build_yield import built_robots
+from paminsa_viz.synthesis.answer.engine_check import check_by_mujoco
+from paminsa_viz.synthesis.masses.case import InnerCase, MassFactor
+from paminsa_viz.synthesis.masses.program import solve_inner
+from paminsa_viz.synthesis.masses.space import sampled_solution
 from paminsa_viz.trajectory import PRESET, solve_trajectory
 
 DESIGN = APPENDIX_4

@@ -15,12 +15,12 @@ from paminsa_viz.engines import EngineMissing
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.studies import Workers
 from paminsa_viz.synthesis import SynthesisCase, SynthesisResult, find_objective
-from paminsa_viz.synthesis.answer_checks import answer_yield, mujoco_check
-from paminsa_viz.synthesis.case_conflict import CaseConflict, case_conflict
-from paminsa_viz.synthesis.engine_check import MujocoCheck
-from paminsa_viz.synthesis.front import DesignFront
-from paminsa_viz.synthesis.prices import RequirementPrice, requirement_prices
-from paminsa_viz.synthesis.robustness import BuildYield
+from paminsa_viz.synthesis.answer.build_yield import BuildYield
+from paminsa_viz.synthesis.answer.checks import answer_yield, mujoco_check
+from paminsa_viz.synthesis.answer.engine_check import MujocoCheck
+from paminsa_viz.synthesis.answer.prices import RequirementPrice, requirement_prices
+from paminsa_viz.synthesis.search.case_conflict import CaseConflict, case_conflict
+from paminsa_viz.synthesis.search.front import DesignFront
 from paminsa_viz.units import format_ascii
 
 PERCENT = 100.0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -13,27 +12,13 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.reach import LEAST_MARGIN, Limit
-from paminsa_viz.quantities.quantity import Missing, Quantity, in_family
+from paminsa_viz.quantities.quantity import Missing, Quantity, in_family, kept_over_poses
 
 COST = 3e-4
 """Time for the first frequency of a pose of the whole robot [s]."""
 
 DRIVES_COST = 2e-5
 """The same with elastic drives alone [s]."""
-
-
-def _frequency(name: str, find: Callable[[Design, Array], Array]) -> Callable[..., Array]:
-    """Return frequencies over a field, kept until the design changes."""
-
-    def over(field: Field, design: Design) -> Array:
-        def solve() -> Array:
-            poses = field.grid.poses()
-            poses[field.status != Limit.OK] = np.nan
-            return find(replace(design, geometry=field.geometry), poses)
-
-        return field.keep(name, design, solve)
-
-    return over
 
 
 _TEXTS = ("", "not held: weight and load push the platform away harder than it is held")
@@ -50,8 +35,8 @@ def _not_held(over: Callable[[Field, Design], Array]) -> Callable[[Field, Design
     return missing
 
 
-_FIRST = _frequency("frequency_1", first_frequencies)
-_DRIVES = _frequency(
+_FIRST = kept_over_poses("frequency_1", first_frequencies)
+_DRIVES = kept_over_poses(
     "frequency_drives", lambda design, poses: drive_modes(design, poses).frequencies[..., 0]
 )
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from paminsa_viz.palette import ACTUATOR_COLORS
+
+if TYPE_CHECKING:
+    from paminsa_viz.plots.series import SeriesData
 
 
 @dataclass(frozen=True)
@@ -62,22 +66,27 @@ class Table:
     block: str = "table"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Figure:
-    """A figure as SVG.
+    """A figure as SVG, which is drawn when it is needed.
 
     Attributes:
-        svg: The image.
+        draw: Returns the image.
         alt: Alternative text.
         caption: Text below it; most figures contain their own caption.
         half: Whether it takes half the width.
     """
 
-    svg: bytes
+    draw: Callable[[], bytes]
     alt: str
     caption: str = ""
     half: bool = False
     block: str = "figure"
+
+    @cached_property
+    def svg(self) -> bytes:
+        """The image."""
+        return self.draw()
 
     @property
     def source(self) -> str:
@@ -124,6 +133,19 @@ class Section:
     key: str
     title: str
     blocks: tuple[Block, ...]
+
+
+def series_figure(
+    data: SeriesData, alt: str, *, title: str | None = None, caption: bool = False
+) -> Figure:
+    """Return the figure of some series; ``title`` and ``caption`` are those of `render_series`."""
+
+    def draw() -> bytes:
+        from paminsa_viz.plots.series_figure import render_series  # late: matplotlib
+
+        return render_series(data, "svg", title=title, caption=caption)
+
+    return Figure(draw, alt)
 
 
 def rows(*cells: Sequence[str]) -> tuple[Row, ...]:

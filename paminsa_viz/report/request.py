@@ -10,7 +10,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification.log import Log
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirements
-from paminsa_viz.synthesis.answer import SynthesisResult
+from paminsa_viz.synthesis.search.result import SynthesisResult
 from paminsa_viz.trajectory import Trajectory
 
 Progress = Callable[[str], None]

@@ -9,10 +9,10 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
 from paminsa_viz.report.blocks import Block, Note, Row, Section, Table
-from paminsa_viz.synthesis.check import Over, RequirementsCheck, check_requirements
-from paminsa_viz.synthesis.evidence import Evidence
-from paminsa_viz.synthesis.largest import largest_workspace
-from paminsa_viz.synthesis.volume import Volume, solve_volume
+from paminsa_viz.synthesis.proof.evidence import Evidence
+from paminsa_viz.synthesis.proof.largest import largest_workspace
+from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck, check_requirements
+from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
 from paminsa_viz.units import NONE, format_value, number
 
 TIME_LIMIT = 10.0

@@ -7,8 +7,8 @@ from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.report.blocks import Block, Note, Row, Section, Table
 from paminsa_viz.report.requirements_section import workspace_text
-from paminsa_viz.synthesis.answer import BoundOutcome, SynthesisResult
-from paminsa_viz.synthesis.objectives import find_objective
+from paminsa_viz.synthesis.search.objectives import find_objective
+from paminsa_viz.synthesis.search.result import BoundOutcome, SynthesisResult
 from paminsa_viz.units import format_value, percent_change
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 
@@ -41,7 +42,7 @@ def workspace_section(request: ReportRequest) -> Section:
     configuration = inverse_kinematics(design.geometry, request.pose)
     blocks: list[Block] = [
         Figure(
-            sketch(configuration),
+            partial(sketch, configuration),
             "The robot's joints and bars in the pose of the report, from above and from the side.",
             "The robot in the pose of the report, to scale. From above: thin circle through the "
             "leg axes; dashed circle of positions that are singular at this angle. From the side: "
@@ -152,5 +153,5 @@ def maps_section(request: ReportRequest) -> Section:
 def _map_figure(data: MapData, width: float, *, half: bool) -> Figure:
     kind = "linear" if data.signed or data.unit == "N" else "symlog"
     scales = choose_scales(data, ScaleChoice(shared=True, kind=kind))
-    svg = render(data, scales, "svg", width_mm=width, dpi=DPI, caption=not half)
-    return Figure(svg, f"Map over x and y: {data.title}.", half=half)
+    draw = partial(render, data, scales, "svg", width_mm=width, dpi=DPI, caption=not half)
+    return Figure(draw, f"Map over x and y: {data.title}.", half=half)

@@ -11,7 +11,7 @@ import pytest
 from paminsa_viz.balancing import SpringPlace, at_joint, on_slider
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis import Regime, RegimeState, SynthesisCase, SynthesisResult, synthesize
-from paminsa_viz.synthesis.answer_checks import AnswerMargins, answer_yield, mujoco_check
+from paminsa_viz.synthesis.answer.checks import AnswerMargins, answer_yield, mujoco_check
 from paminsa_viz.trajectory import Trajectory
 from tests.synthesis.test_inner_search import NUMBERS, looser
 from tests.synthesis.test_prices import one_length

@@ -20,7 +20,7 @@ from paminsa_viz.synthesis import (
     SearchRange,
     SynthesisCase,
 )
-from paminsa_viz.synthesis.case_file import EXAMPLES, load_case, read_case
+from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case, read_case
 from tests.synthesis.search_cases import CELL, CYLINDER
 
 HEAD = """schema_version = 1

@@ -10,8 +10,8 @@ import pytest
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.synthesis.engine_check import check_by_mujoco
-from paminsa_viz.synthesis.inner import solve_inner
+from paminsa_viz.synthesis.answer.engine_check import check_by_mujoco
+from paminsa_viz.synthesis.masses.program import solve_inner
 from tests.synthesis.inner_cases import case, motion, poses
 
 

@@ -14,9 +14,9 @@ from paminsa_viz.quantities.requirements import Requirements, Workspace, Workspa
 
 if TYPE_CHECKING:
     from paminsa_viz.explorer.state import Document
-    from paminsa_viz.synthesis.check import RequirementsCheck
-    from paminsa_viz.synthesis.largest import LargestWorkspace
-    from paminsa_viz.synthesis.volume import Volume
+    from paminsa_viz.synthesis.proof.largest import LargestWorkspace
+    from paminsa_viz.synthesis.volume.check import RequirementsCheck
+    from paminsa_viz.synthesis.volume.solve import Volume
 
 Placed = tuple[WorkspaceShape, tuple[float, float, float], tuple[float, float, float]]
 """Shape, size and center of a workspace [m]."""

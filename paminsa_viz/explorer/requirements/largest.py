@@ -60,7 +60,7 @@ def receive(state: State, outcome: LargestOutcome) -> State:
 
 def find_largest(job: LargestJob, report: Report) -> LargestOutcome:
     """Find the largest workspace; what is the robot's fault is no error."""
-    from paminsa_viz.synthesis.largest import Growth, largest_workspace
+    from paminsa_viz.synthesis.proof.largest import Growth, largest_workspace
 
     try:
         found = largest_workspace(

@@ -22,13 +22,13 @@ from paminsa_viz.explorer.synthesis.jobs import (
 from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.studies.executors import Workers, here, processes
-from paminsa_viz.synthesis.answer import SynthesisResult
-from paminsa_viz.synthesis.check import check_requirements
-from paminsa_viz.synthesis.evaluation import Evaluator
-from paminsa_viz.synthesis.objectives import find_objective
-from paminsa_viz.synthesis.outer import SearchProgress
-from paminsa_viz.synthesis.robustness import BuildYield, build_yield
-from paminsa_viz.synthesis.search import synthesize
+from paminsa_viz.synthesis.answer.build_yield import BuildYield, build_yield
+from paminsa_viz.synthesis.search.evaluation import Evaluator
+from paminsa_viz.synthesis.search.objectives import find_objective
+from paminsa_viz.synthesis.search.outer import SearchProgress
+from paminsa_viz.synthesis.search.result import SynthesisResult
+from paminsa_viz.synthesis.search.solve import synthesize
+from paminsa_viz.synthesis.volume.check import check_requirements
 
 PERIOD = 0.5
 """Time between two robots that are shown [s]: each is drawn with bodies of other lengths."""
@@ -134,7 +134,7 @@ def find_front(
     job: SynthesisJob, workers: Workers, shown: ProgressReport, start: float
 ) -> SynthesisOutcome:
     """Search for the Pareto front of two objectives."""
-    from paminsa_viz.synthesis.front import design_front
+    from paminsa_viz.synthesis.search.front import design_front
 
     front = design_front(
         job.case, (job.case.objective, job.against), points=POINTS, workers=workers,
@@ -149,7 +149,7 @@ def find_front(
 
 def find_prices(job: PriceJob, report: Report) -> PriceOutcome:
     """Work out what the requirements of an answer cost."""
-    from paminsa_viz.synthesis.prices import requirement_prices
+    from paminsa_viz.synthesis.answer.prices import requirement_prices
 
     try:
         with workers_for(job.effort) as workers:
