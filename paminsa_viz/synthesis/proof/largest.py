@@ -17,11 +17,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge, Nearest, nearest_violation
-from paminsa_viz.synthesis.proof.certificate import (
-    region_of,
-    sample_requirement,
-    sampled_evidence,
-)
+from paminsa_viz.synthesis.proof.certificate import region_of, sample_requirement, sampled_evidence
 from paminsa_viz.synthesis.proof.evidence import (
     Evidence,
     Pose,

@@ -66,8 +66,7 @@ def load_checkpoint(path: str | os.PathLike[str], case: SynthesisCase) -> tuple[
         raise FileError(name, "is no checkpoint of a search")
     if data.get("case") != fingerprint(case):
         raise FileError(
-            name,
-            "is a checkpoint of another case; remove it to start over, or name another file",
+            name, "is a checkpoint of another case; remove it to start over, or name another file"
         )
     try:
         return tuple(_state(item, len(case.ranges)) for item in data["states"])
