@@ -75,16 +75,11 @@ def load_checkpoint(path: str | os.PathLike[str], case: SynthesisCase) -> tuple[
 
 
 def _state(item: dict[str, Any], count: int) -> RegimeState:
-    population = tuple(_row(row, count) for row in item["population"])
     return RegimeState(
-        Regime[item["regime"]],
-        int(item["generation"]),
-        int(item["trials"]),
-        population,
-        _row(item["best"], count),
-        _row(item["history"], len(item["history"])),
-        bool(item["done"]),
-    )
+        Regime[item["regime"]], int(item["generation"]), int(item["trials"]),
+        tuple(_row(row, count) for row in item["population"]), _row(item["best"], count),
+        _row(item["history"], len(item["history"])), bool(item["done"]),
+    )  # fmt: skip
 
 
 def _row(values: list[Any], count: int) -> tuple[float, ...]:
