@@ -12,7 +12,7 @@ from paminsa_viz import palette
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.layout import lift_motor_height
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.scene.label_places import apart
+from paminsa_viz.explorer.scene.label_places import SpacedLabels
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.model import lift_constant, lumped_coefficients
 from paminsa_viz.model.design import Design, Geometry
@@ -187,16 +187,14 @@ class ActuatorLabels:
 
     def __init__(self, context: SceneContext) -> None:
         self._geometry: Geometry | None = None
-        self._camera = context.camera
-        if self._camera is not None:
-            self._camera.on_update(lambda _: self._arrange())
-        self._labels = [
+        labels = [
             context.scene.add_label(
                 f"/actuators/m{number}", f"M{number}", font_screen_scale=1.0,
                 anchor="bottom-center",
             )
             for number in (1, 2, 3, 4)
         ]  # fmt: skip
+        self._labels = SpacedLabels(labels, NAME_SIZE, context.camera)
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the actuators of the geometry."""
@@ -204,15 +202,5 @@ class ActuatorLabels:
         geometry = frame.shown_design.geometry
         if geometry is not self._geometry:
             self._geometry = geometry
-            self._arrange()
-        for label in self._labels:
-            label.visible = "labels" in frame.state.layers
-
-    def _arrange(self) -> None:
-        if self._geometry is None:
-            return
-        places = np.array(label_places(self._geometry))
-        if self._camera is not None:
-            places = apart(places, self._camera, NAME_SIZE)
-        for label, place in zip(self._labels, places, strict=True):
-            label.position = place
+            self._labels.place(np.array(label_places(geometry)))
+        self._labels.show("labels" in frame.state.layers)

@@ -7,12 +7,13 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from trimesh.creation import icosphere
-from viser import ArrowsHandle, BatchedMeshHandle, LabelHandle, LineSegmentsHandle
+from viser import ArrowsHandle, BatchedMeshHandle, LineSegmentsHandle
 
 from paminsa_viz import palette
 from paminsa_viz.dimensions.attached import payload_center
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.scene.curves import linear_colors
+from paminsa_viz.explorer.scene.label_places import SpacedLabels
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Configuration
@@ -29,6 +30,9 @@ BARS: Final = {"b4": (9, 5), "b3": (4, 7), "b7": (8, 7), "b8": (8, 9), "b2": (3,
 
 DOT: Final = 0.0085
 """Radius of a joint's dot [m]."""
+
+NUMBER_SIZE: Final = (16.0, 20.0)
+"""Width and height of a joint's number on the screen [px]."""
 
 
 def _directions(configuration: Configuration) -> tuple[Array, Array, Array]:
@@ -74,11 +78,11 @@ class Skeleton:
     """The layer ``skeleton``: stick figure and joint numbers; made when first shown."""
 
     def __init__(self, context: SceneContext) -> None:
-        self._scene = context.scene
+        self._scene, self._camera = context.scene, context.camera
         self._configuration: Configuration | None = None
         self._lines: LineSegmentsHandle | None = None
         self._dots: BatchedMeshHandle | None = None
-        self._numbers: list[LabelHandle] = []
+        self._numbers: SpacedLabels | None = None
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the configuration; nothing is sent while hidden."""
@@ -88,9 +92,11 @@ class Skeleton:
             self._configuration = frame.configuration
             self._draw_bars(frame.configuration)
             self._draw_joints(_joints(frame.configuration))
-        for node in (self._lines, self._dots, *self._numbers):
+        for node in (self._lines, self._dots):
             if node is not None:
                 node.visible = visible
+        if self._numbers is not None:
+            self._numbers.show(visible)
 
     def _draw_bars(self, configuration: Configuration) -> None:
         lines = sticks(configuration).reshape(-1, 2, 3).astype(np.float32)
@@ -102,7 +108,7 @@ class Skeleton:
         self._lines.points = lines
 
     def _draw_joints(self, joints: NDArray[np.float32]) -> None:
-        if self._dots is None:
+        if self._dots is None or self._numbers is None:
             ball = icosphere(subdivisions=2, radius=DOT)
             self._dots = self._scene.add_batched_meshes_simple(
                 "/skeleton/dots", ball.vertices, ball.faces,
@@ -112,7 +118,7 @@ class Skeleton:
                 ),
                 lod="off", cast_shadow=False, receive_shadow=False,
             )  # fmt: skip
-            self._numbers = [
+            labels = [
                 self._scene.add_label(
                     f"/skeleton/numbers/{leg}/{joint}", str(joint),
                     font_screen_scale=0.95, anchor="bottom-left",
@@ -120,9 +126,9 @@ class Skeleton:
                 for leg in (1, 2, 3)
                 for joint in JOINTS
             ]  # fmt: skip
+            self._numbers = SpacedLabels(labels, NUMBER_SIZE, self._camera)
         self._dots.batched_positions = joints
-        for number, joint in zip(self._numbers, joints, strict=True):
-            number.position = joint
+        self._numbers.place(joints.astype(np.float64))
 
 
 def _joints(configuration: Configuration) -> NDArray[np.float32]:

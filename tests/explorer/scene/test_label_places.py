@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import combinations
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,16 +13,18 @@ from hypothesis import strategies as st
 
 from paminsa_viz.explorer.scene.actuators import NAME_SIZE, label_places
 from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
-from paminsa_viz.explorer.scene.label_places import Projection, apart, lifts
+from paminsa_viz.explorer.scene.label_places import Projection, SpacedLabels, apart, lifts
+from paminsa_viz.explorer.scene.mechanism import JOINTS, NUMBER_SIZE
 from paminsa_viz.model import APPENDIX_4, KneeBranch
+from tests.support.scene import solved
 
 PLACES = st.lists(st.tuples(st.floats(-60, 60), st.floats(-60, 60)), min_size=1, max_size=8).map(
     np.array
 )
 
 
-def covering(places: np.ndarray) -> list[tuple[int, int]]:
-    width, height = NAME_SIZE
+def covering(places: np.ndarray, size: tuple[float, float] = NAME_SIZE) -> list[tuple[int, int]]:
+    width, height = size
     return [
         (i, j)
         for i, j in combinations(range(len(places)), 2)
@@ -83,3 +86,33 @@ def test_projection_agrees_with_the_picture() -> None:
     np.testing.assert_allclose(depth, [4, 4, -1])
     camera.image_height = 0
     assert Projection.of(camera) is None
+
+
+def test_numbers_of_joints_are_apart_while_the_camera_moves() -> None:
+    moved: list[Any] = []
+    camera = SimpleNamespace(image_height=720, on_update=moved.append)
+
+    def look(name: str) -> None:
+        view = preset(name, APPENDIX_4.geometry, aspect=0.7)
+        vars(camera).update(
+            position=view.position, look_at=view.look_at, up_direction=view.up, fov=view.fov
+        )
+        for call in moved:
+            call(None)
+
+    joints = np.concatenate([solved().points[joint] for joint in JOINTS])
+    labels: Any = [SimpleNamespace(visible=True, position=None) for _ in joints]
+    spaced = SpacedLabels(labels, NUMBER_SIZE, camera)
+    for name in CAMERAS:
+        look(name)
+        spaced.place(joints)
+        projection = Projection.of(camera)
+        assert projection is not None
+        assert covering(projection.seen(joints)[0], NUMBER_SIZE) != [], name
+        places = np.array([label.position for label in labels])
+        assert covering(projection.seen(places)[0], NUMBER_SIZE) == [], name
+    spaced.show(False)
+    look(next(iter(CAMERAS)))
+    assert np.array_equal(places, [label.position for label in labels])  # hidden ones stay
+    spaced.show(True)
+    assert not np.array_equal(places, [label.position for label in labels])
