@@ -13,7 +13,6 @@ from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_ending
 from paminsa_viz.cli.output import print_json, print_table, print_written
-from paminsa_viz.cli.tolerances_report import UNITS
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.errors import TableFileError
@@ -151,7 +150,7 @@ def _error_rows(found: Calibration) -> list[tuple[str, ...]]:
         ("", *(f"{name}: {kind}" for name, *_ in sets for kind in ("RMS before", "RMS", "largest")))
     ]
     for place in range(len(found.after.rms)):
-        unit = UNITS[place]
+        unit = "m:um" if COORDINATES[place] in "xyz" else "rad:arcsec"
         cells = [
             format_ascii(float(values[place]), unit, 4)
             for _, before, after in sets

@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.elastostatics.leg_compliance import LegCompliance, leg_compliance
 from paminsa_viz.elastostatics.leg_frame import LegFrame, leg_frame
 from paminsa_viz.elastostatics.leg_loads import PARTS
-from paminsa_viz.elastostatics.structure import joint5_map
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
@@ -134,7 +133,7 @@ def platform_stiffness(
         frame = leg_frame(design.geometry, flat[part])
         status[part], leg[part] = frame.status, frame.leg
         compliance = leg_compliance(frame, design.elastic, shear=shear).matrix
-        matrix[part] = _at_platform(design, joint5_map(frame)[..., 1:, :], compliance)
+        matrix[part] = _at_platform(design, frame.joint5_map[..., 1:, :], compliance)
     inverse, singular = _inverse(matrix, design.geometry.platform_radius)
     status[singular & (status == Limit.OK)] = Limit.SINGULAR
     shape = pose.shape[:-1]
@@ -247,7 +246,7 @@ def joint5_forces(
     Along w and z of each leg, for a twist of P; they follow from equilibrium, whatever the
     elasticity, if the twist is a deflection.
     """
-    moved = np.einsum("...kij,...j->...ki", joint5_map(frame)[..., 1:, :], twist)
+    moved = np.einsum("...kij,...j->...ki", frame.joint5_map[..., 1:, :], twist)
     design = found.design
     inverse = np.linalg.inv(np.where(np.isfinite(legs.matrix), legs.matrix, np.eye(2)))
     soft = design.geometry.magnification**2 / design.elastic.drive_linear

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.engines.verification import Verification, verify
 from paminsa_viz.errors import PaminsaError
@@ -33,8 +34,12 @@ def checked(request: ReportRequest) -> Verification | str:
 
 def verification_section(found: Verification | str) -> Section:
     """Return the section."""
-    if isinstance(found, str):
-        return Section("verification", "Verification", (Note(found, "warn"),))
+    blocks = [Note(found, "warn")] if isinstance(found, str) else verification_blocks(found)
+    return Section("verification", "Verification", tuple(blocks))
+
+
+def verification_blocks(found: Verification) -> list[Block]:
+    """Return the verdict, the differences from each engine, a simulation, and the misprints."""
     engines = " and ".join(f"{check.engine} {check.version}" for check in found.engines)
     verdict = Note(
         f"{'Passed' if found.passed else 'Failed'}: the largest difference between the formulas "
@@ -58,15 +63,14 @@ def verification_section(found: Verification | str) -> Section:
         )
         blocks.append(Table(head, rows, caption))
     if found.missing:
-        blocks.append(Note(f"Not installed: {', '.join(found.missing)}."))
+        blocks += [Note(str(EngineMissing(engine))) for engine in found.missing]
     figures = [
         series_figure(
             data, f"{title}: torques of both and their difference, over time.", title=title
         )
         for _, title, data in verification_figures(found)
     ]
-    blocks += [figures[0], _simulation(found), _misprints(found), figures[-1]]
-    return Section("verification", "Verification", tuple(blocks))
+    return [*blocks, figures[0], _simulation(found), _misprints(found), figures[-1]]
 
 
 def _rows(where: str, comparison: Comparison) -> list[Row]:

@@ -143,6 +143,55 @@ def test_keys_open_a_tab_and_move_a_slider(tab: Tab) -> None:
     until(lambda: tab.state.document.pose[0] > 0, "the slider moves the robot")
 
 
+SEEN = """element => {
+  const row = element.closest('[data-paminsa-mark~="row"]');
+  const label = row.querySelector('label');
+  const text = (of, pseudo) => JSON.parse(
+    (getComputedStyle(of, pseudo).content.match(/^"[^"]*"/) || ['""'])[0]);
+  const hidden = getComputedStyle(label).color === 'rgba(0, 0, 0, 0)';
+  return [text(label, '::before') || (hidden ? '' : label.textContent),
+    text(row.lastElementChild, '::after'), label.parentElement.clientHeight];
+}"""
+
+
+def test_unit_is_seen_behind_the_field_and_stays_in_the_name(tab: Tab) -> None:
+    def seen(label: str) -> list[Any]:
+        return tab.element(label).evaluate(SEEN)
+
+    until(lambda: seen("x  [mm]")[:2] == ["x", "mm"], "the unit is behind the field")
+    line = seen("x  [mm]")[2]
+    assert 12 < line < 25
+    handle = tab.handle("κ counts up to")
+    for label, name, unit in (
+        ("limit [N·m/rad]", "limit", "N·m/rad"),
+        ("as it was", "as it was", ""),
+        ("ends [no unit]", "ends [no unit]", ""),
+        ("again  [°]", "again", "°"),
+    ):
+        handle.label = label
+        until(lambda: seen(label)[:2] == [name, unit], label)  # noqa: B023
+        assert seen(label)[2] == line
+        assert tab.page.get_by_label(label.replace("  ", " "), exact=True).count() == 1
+    tab.page.emulate_media(color_scheme="dark")
+    wait_theme(tab, "dark")
+    assert seen("x  [mm]")[:2] == ["x", "mm"]
+    assert tab.page.get_by_role("slider", name="x [mm]").count() == 1
+
+
+def test_marks_come_and_go_with_what_they_stand_for(tab: Tab) -> None:
+    tab.page.evaluate("document.body.insertAdjacentHTML('beforeend', '<p id=box></p>')")
+    found = []
+    for inside in ("<div><img></div>", "<b></b>", "<div><img></div><i class=pv-heading></i>"):
+        tab.page.evaluate("html => document.getElementById('box').innerHTML = html", inside)
+        found.append(
+            tab.page.evaluate("() => new Promise(done => setTimeout(() => done("
+            "document.getElementById('box').dataset.paminsaMark), 50))")
+        )  # fmt: skip
+    assert [set((each or "").split()) for each in found] == [
+        {"picture"}, set(), {"picture", "heading"}
+    ]  # fmt: skip
+
+
 def tooltip(tab: Tab, target: Any) -> dict[str, float]:
     """Return where the tooltip of something is, once it is there."""
     tab.page.mouse.move(640, 5)
