@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from viser import LabelHandle
 
 from paminsa_viz.model.arrays import Array
 
@@ -80,38 +78,3 @@ def apart(places: Array, camera: Any, size: tuple[float, float]) -> Array:
     seen, depth = projection.seen(places)
     lift = lifts(seen, size) * np.maximum(depth, 0.0) / projection.focal
     return places + lift[:, None] * projection.up
-
-
-class SpacedLabels:
-    """Labels that are kept apart on the screen of a tab, whatever the camera does."""
-
-    def __init__(
-        self, labels: Sequence[LabelHandle], size: tuple[float, float], camera: Any
-    ) -> None:
-        """Take labels, the width and height of one [px], and the tab's camera or None."""
-        self._labels, self._size, self._camera = labels, size, camera
-        self._places: Array | None = None
-        if camera is not None:
-            camera.on_update(lambda _: self._arrange())
-
-    def place(self, places: Array) -> None:
-        """Put the labels next to places (n, 3) [m]."""
-        self._places = places
-        self._arrange()
-
-    def show(self, visible: bool) -> None:
-        """Show or hide the labels."""
-        appears = visible and not all(label.visible for label in self._labels)
-        for label in self._labels:
-            label.visible = visible
-        if appears:
-            self._arrange()
-
-    def _arrange(self) -> None:
-        if self._places is None or not any(label.visible for label in self._labels):
-            return
-        places = self._places
-        if self._camera is not None:
-            places = apart(places, self._camera, self._size)
-        for label, place in zip(self._labels, places, strict=True):
-            label.position = place
