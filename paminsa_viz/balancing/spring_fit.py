@@ -69,11 +69,7 @@ def springs_of(places: Sequence[SpringPlace], state: Array) -> tuple[Spring, ...
 
 
 def fit_springs(
-    design: Design,
-    places: Sequence[SpringPlace],
-    pose: ArrayLike,
-    *,
-    measure: str = "peak",
+    design: Design, places: Sequence[SpringPlace], pose: ArrayLike, *, measure: str = "peak"
 ) -> SpringFit:
     """Find the stiffnesses and free lengths that balance M1..M3 best over a workspace.
 

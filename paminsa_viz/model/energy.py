@@ -32,10 +32,7 @@ def potential_energy(design: Design, pose: ArrayLike) -> Array:
 
 @np.errstate(all="ignore")
 def kinetic_energy(
-    design: Design,
-    pose: ArrayLike,
-    velocity: ArrayLike,
-    misprints: Misprint = Misprint.NONE,
+    design: Design, pose: ArrayLike, velocity: ArrayLike, misprints: Misprint = Misprint.NONE
 ) -> Array:
     """Return T, (...) [J], term by term as in Eqs. 12-14 with Appendix 3, and the drives' share."""
     shape, (p, v) = together(pose=pose, velocity=velocity)
