@@ -29,8 +29,8 @@ from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.scene.actuators import ActuatorLabels
 from paminsa_viz.explorer.scene.bodies import Bodies, Position, Quaternion
 from paminsa_viz.explorer.scene.cameras import preset, raised
-from paminsa_viz.explorer.scene.curves import Curve
 from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.scene.nodes import Nodes, curves
 from paminsa_viz.explorer.scene.stage import SHADOW, Stage
 from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.server.viser_patch import quiet
@@ -208,7 +208,7 @@ def _draw_path(scene: viser.SceneApi, trajectory: Trajectory, end: float) -> Non
     ):
         if stop > start:
             path = trajectory.at(np.linspace(start, stop, _PATH_POINTS)).pose[:, PLACE]
-            Curve(scene, f"/path/{name}", color, thickness=3.0).draw([path])
+            Nodes(scene).show([curves(f"/path/{name}", [path], color, 3.0)])
 
 
 def _page(scene: str, analysis: TrajectoryAnalysis, times: Array, frames: Frames) -> str:

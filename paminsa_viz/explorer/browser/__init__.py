@@ -1,10 +1,11 @@
 """Everything that relies on a non-public name of viser, Plotly, uPlot or Mantine.
 
-``page.js``, ``number_fields.js``, ``tooltips.js``, ``names.js``, ``tour.js``, ``clipboard.js`` and
-the style sheets are the live page's, ``backdrop.js`` that of every page with the robot,
-``player.html`` and ``player.js`` that of a saved motion. What a release has moved is reported once
-(`Bridge` on this side, the self-test of ``page.js`` on the other) and costs one feature, not the
-page. The server's guard is the exception: where it does not fit, nothing is served.
+``page.js``, ``marks.js``, ``units.js``, ``number_fields.js``, ``tooltips.js``, ``names.js``,
+``tour.js``, ``clipboard.js`` and the style sheets are the live page's, ``backdrop.js`` that of
+every page with the robot, ``player.html`` and ``player.js`` that of a saved motion. What a release
+has moved is reported once (`Bridge` on this side, the self-test of ``page.js`` on the other) and
+costs one feature, not the page. The server's guard is the exception: where it does not fit, nothing
+is served.
 """
 
 from __future__ import annotations

@@ -48,6 +48,9 @@ class Bridge:
         self._inbox = client.gui.add_text("bridge", "", visible=False)
         self._inbox.on_update(self._receive)
         self._run = _script_channel(client)
+        if self._run is not None:
+            for name in ("marks.js", "units.js"):  # before there is anything that is marked
+                self._run(asset(name))
         self.on("missing", _report_missing)
 
     def open(self) -> None:
