@@ -98,10 +98,10 @@ class ModeShape:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the modes; nothing is sent while hidden."""
         view = frame.state.elastic_view
-        outcome, mode = view.outcome, view.mode
+        outcome, found, mode = view.outcome, view.result, view.mode
         shown = "mode_shape" in frame.state.layers and _belongs(outcome, frame)
-        lines = None if outcome is None or mode >= len(outcome.frequencies) else outcome.shapes
-        if not shown or outcome is None or lines is None:
+        lines = None if found is None or mode >= len(found.frequencies) else found.shapes
+        if not shown or outcome is None or found is None or lines is None:
             self._remove()
             return
         key = (outcome, mode)
@@ -114,7 +114,7 @@ class ModeShape:
         self._node = self._scene.add_glb(MODE_NODE, data, cast_shadow=False, receive_shadow=False)
         x, y, _, z = outcome.job.pose
         self._label = self._scene.add_label(
-            "/elastic/mode_label", mode_text(mode, outcome.frequencies[mode]),
+            "/elastic/mode_label", mode_text(mode, found.frequencies[mode]),
             position=(x, y, z - BELOW["mode"]), font_screen_scale=0.9, anchor="top-center",
         )  # fmt: skip
 
@@ -146,9 +146,10 @@ class Deflection:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the result; nothing is sent while hidden."""
         del dragging
-        outcome = frame.state.elastic_view.outcome
+        view = frame.state.elastic_view
+        outcome, found = view.outcome, view.result
         shown = "deflection" in frame.state.layers and _belongs(outcome, frame)
-        lines = None if outcome is None else outcome.deflected
+        lines = None if found is None else found.deflected
         shown = shown and lines is not None
         if shown and outcome is not None and lines is not None and outcome is not self._drawn:
             self._drawn = outcome
@@ -180,10 +181,10 @@ class ComplianceEllipsoid:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the result; nothing is sent while hidden."""
         del dragging
-        outcome = frame.state.elastic_view.outcome
+        view = frame.state.elastic_view
+        outcome, found = view.outcome, view.result
         shown = "compliance" in frame.state.layers and _belongs(outcome, frame)
-        found = None if outcome is None else outcome.stiffness
-        compliance = None if found is None else found.compliance
+        compliance = None if found is None else found.stiffness.compliance
         shown = shown and compliance is not None
         if shown and outcome is not None and compliance is not None and outcome is not self._drawn:
             self._drawn = outcome

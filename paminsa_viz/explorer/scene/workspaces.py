@@ -10,7 +10,7 @@ from viser import MeshHandle
 from paminsa_viz import palette
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.requirements.checking import placed_workspace
-from paminsa_viz.explorer.requirements.jobs import VolumeOutcome
+from paminsa_viz.explorer.requirements.jobs import SurfacePart, VolumeOutcome
 from paminsa_viz.explorer.scene.curves import Curve
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.model.arrays import Array
@@ -42,11 +42,11 @@ class VolumeLayer:
         shown = shown and outcome is not None and outcome.job.serves(frame.state.document)
         if shown and outcome is not None and outcome is not self._drawn and not dragging:
             self._drawn = outcome
-            self._draw(outcome)
+            self._draw(() if outcome.result is None else outcome.result.surface)
         for mesh in self._meshes:
             mesh.visible = shown and outcome is self._drawn
 
-    def _draw(self, outcome: VolumeOutcome) -> None:
+    def _draw(self, surface: tuple[SurfacePart, ...]) -> None:
         for mesh in self._meshes:
             mesh.remove()
         self._meshes = [
@@ -55,7 +55,7 @@ class VolumeLayer:
                 color=palette.rgb(part.color), opacity=OPACITY, side="double",
                 cast_shadow=False, receive_shadow=False,
             )
-            for index, part in enumerate(outcome.surface)
+            for index, part in enumerate(surface)
         ]  # fmt: skip
 
 
@@ -75,7 +75,7 @@ class WorkspaceOutlines:
         required = placed_workspace(state)
         proven = None
         largest = state.requiring.largest
-        if largest is not None and largest.job.serves(state.document):
+        if largest.outcome is not None and largest.outcome.job.serves(state.document):
             proven = largest.proven
         for key, curve, placed in (
             ("required_workspace", self._required, required),
