@@ -164,7 +164,7 @@ MANUFACTURE = (
         ),
     ),
     Folder(
-        "manufacture.robots", "Random robots (Monte Carlo)", entries=MONTE_CARLO,
+        "manufacture.random", "Random robots (Monte Carlo)", entries=MONTE_CARLO,
     ),
     Folder(
         "manufacture.legs", "Deviations of each leg", open=False,
