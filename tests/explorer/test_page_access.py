@@ -16,10 +16,9 @@ pytestmark = pytest.mark.browser
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
 
 CHECK = """([rules, name]) => {
-  const tab = [...document.querySelectorAll('[role=tab]')].find(e => e.innerText === name);
-  const panel = tab && document.getElementById(tab.getAttribute('aria-controls'));
-  const parts = tab ? {include: [tab, panel]} : document;
-  return axe.run(parts, {runOnly: rules, resultTypes: ['violations']});
+  const tab = name && [...document.querySelectorAll('[role=tab]')].find(e => e.innerText === name);
+  const part = name ? tab.closest('[role=tablist]').parentElement : document;
+  return axe.run(part, {runOnly: rules, resultTypes: ['violations']});
 }"""
 
 CANVAS = """() => {
@@ -75,6 +74,48 @@ def test_theme_follows_the_browser_until_one_is_chosen(open_tab: Callable[..., T
     tab.reload()
     until(lambda: tab.state.appearance is Appearance.LIGHT, "the choice is kept")
     wait_theme(tab, "light")
+
+
+SCHEMES = """
+  window.__schemes = [];
+  const look = () => {
+    const now = document.documentElement.getAttribute('data-mantine-color-scheme');
+    if (now !== window.__schemes.at(-1)) window.__schemes.push(now);
+    requestAnimationFrame(look);
+  };
+  requestAnimationFrame(look);
+"""
+
+
+@pytest.mark.parametrize(
+    ("asked", "chosen", "drawn"), [("dark", "", "dark"), ("dark", "light", "light")]
+)
+def test_first_picture_has_the_theme(
+    browser: Any, app: Any, asked: str, chosen: str, drawn: str
+) -> None:
+    context = browser.new_context(viewport={"width": 1280, "height": 720}, color_scheme=asked)
+    try:
+        page = context.new_page()
+        page.add_init_script(SCHEMES)
+        tab = Tab(page, app)
+        wait_theme(tab, asked)
+        if chosen:
+            tab.dispatch(lambda s: s.updated("", appearance=Appearance(chosen)))
+            wait_theme(tab, chosen)
+            tab.wait_saved()
+            tab.reload()
+        until(lambda: tab.state.theme.dark == (drawn == "dark"), "the state has the theme")
+        tab.wait_frames(500)
+        schemes = [each for each in page.evaluate("window.__schemes") if each]
+        assert schemes == [drawn]
+        other = Appearance.LIGHT if drawn == "dark" else Appearance.DARK
+        tab.dispatch(lambda s: s.updated("", appearance=other))
+        wait_theme(tab, other.value)
+        tab.wait_frames(300)
+        wait_theme(tab, other.value)  # it is not held any more
+        assert tab.errors == []
+    finally:
+        context.close()
 
 
 @pytest.mark.parametrize("appearance", [Appearance.LIGHT, Appearance.DARK], ids=lambda a: a.value)
