@@ -27,13 +27,12 @@ counterweights and springs that are chosen for each set of lengths are described
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NoReturn
 
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.files.atomic import as_file_error
 from paminsa_viz.files.design_file import LARGEST_FILE, content_of, decode_text, parse_toml
 from paminsa_viz.files.design_schema import KEYS, unit_suffix
@@ -165,10 +164,7 @@ class _Reader:
         raise DesignFileError(self.source, problem, line=line, key=path, value=value) from cause
 
     def unknown(self, table: str, key: str, known: Iterable[str]) -> NoReturn:
-        names = list(known)
-        near = difflib.get_close_matches(key[:100], names, 1, 0.5)
-        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"
-        self.refuse(f"{table}{key}", None, f"there is no such key; {hint}")
+        self.refuse(f"{table}{key}", None, f"there is no such key; {name_hint(key, known, 0.5)}")
 
     def check(self, table: dict[str, Any]) -> None:
         for key, value in table.items():
