@@ -179,7 +179,8 @@ class Nodes:
         before, handle = self._shown.get(node.name, (None, None))
         if before is not None and before.count == node.count:
             for name, value in node.live.items():
-                setattr(handle, name, value)  # viser sends only what is different
+                if value is not before.live[name]:
+                    setattr(handle, name, value)  # viser sends only what is different
             return handle
         if handle is not None:
             handle.remove()
