@@ -16,9 +16,8 @@ from paminsa_viz.dimensions.layout import lift_motor_height
 from paminsa_viz.dimensions.placement import about_z
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.scene.label_places import apart
-from paminsa_viz.explorer.scene.layers import LegendRow, SceneContext
-from paminsa_viz.explorer.scene.nodes import Node, mesh
+from paminsa_viz.explorer.scene.layers import LegendRow
+from paminsa_viz.explorer.scene.nodes import Node, label, mesh
 from paminsa_viz.model import lift_constant, lumped_coefficients
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES, LEG_AXES
@@ -162,37 +161,8 @@ NAME_SIZE: Final = (30.0, 21.0)
 """Width and height of a name on the screen [px]."""
 
 
-class ActuatorLabels:
-    """The layer ``labels``: the names M1..M4 next to their bodies, none over another."""
-
-    def __init__(self, context: SceneContext) -> None:
-        self._geometry: Geometry | None = None
-        self._camera = context.camera
-        if self._camera is not None:
-            self._camera.on_update(lambda _: self._arrange())
-        self._labels = [
-            context.scene.add_label(
-                f"/actuators/m{number}", f"M{number}", font_screen_scale=1.0,
-                anchor="bottom-center",
-            )
-            for number in (1, 2, 3, 4)
-        ]  # fmt: skip
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the actuators of the geometry."""
-        del dragging
-        geometry = frame.shown_design.geometry
-        if geometry is not self._geometry:
-            self._geometry = geometry
-            self._arrange()
-        for label in self._labels:
-            label.visible = "labels" in frame.state.layers
-
-    def _arrange(self) -> None:
-        if self._geometry is None:
-            return
-        places = np.array(label_places(self._geometry))
-        if self._camera is not None:
-            places = apart(places, self._camera, NAME_SIZE)
-        for label, place in zip(self._labels, places, strict=True):
-            label.position = place
+def actuator_labels(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+    """Draw the layer ``labels``: the names M1..M4 next to their bodies, none over another."""
+    for index, place in enumerate(label_places(frame.shown_design.geometry), start=1):
+        name = f"/actuators/m{index}"
+        yield label(name, f"M{index}", place, "bottom-center", 1.0, spaced=NAME_SIZE)
