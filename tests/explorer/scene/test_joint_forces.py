@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from paminsa_viz.elastostatics.bar_loads import utilization
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
-from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.explorer.scene.forces import BAR, scale_text
 from paminsa_viz.explorer.scene.joint_forces import (
     LONGEST,
