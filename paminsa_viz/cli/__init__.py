@@ -15,6 +15,7 @@ import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from io import TextIOWrapper
 from types import ModuleType
 
 from paminsa_viz import __version__, interrupts
@@ -61,6 +62,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     if arguments is None:
         interrupts.exit_on_interrupt(PROGRAM)
+        if isinstance(sys.stdout, TextIOWrapper):  # a code page may lack letters such as theta
+            sys.stdout.reconfigure(errors="replace")
         try:
             return _exit_code(sys.argv[1:])
         finally:

@@ -30,11 +30,11 @@ from paminsa_viz.elastostatics.leg_equilibrium import (
 )
 from paminsa_viz.model.arrays import Array, together, unfolded
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.dynamics import actuator_velocity, flat_load, friction_torque
-from paminsa_viz.model.jacobians import actuator_acceleration
+from paminsa_viz.model.dynamics import friction_torque
+from paminsa_viz.model.jacobians import actuator_acceleration, actuator_velocity
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import LegPosition, LegVector, mechanism
-from paminsa_viz.model.load import center_wrench
+from paminsa_viz.model.load import center_wrench, flat_load
 from paminsa_viz.model.reach import Limit, reach_status
 from paminsa_viz.model.robot import platform_determinant, solve_wrench
 

@@ -14,26 +14,19 @@ from paminsa_viz.model.drive import NO_DRIVES, Drive, OutputLimits
 from paminsa_viz.model.dynamics import (
     InverseDynamics,
     TorqueBreakdown,
-    actuator_power,
-    actuator_velocity,
     forward_dynamics,
     friction_torque,
     inverse_dynamics,
-    kinetic_energy,
     mass_matrix,
     platform_wrench,
     torque_breakdown,
 )
 from paminsa_viz.model.elastic import Elastic
-from paminsa_viz.model.grids import (
-    Field,
-    Grid,
-    rotary_torques,
-    solve_field,
-    xy_grid,
-)
+from paminsa_viz.model.energy import actuator_power, kinetic_energy, potential_energy
+from paminsa_viz.model.grids import Field, Grid, rotary_torques, solve_field, xy_grid
 from paminsa_viz.model.jacobians import (
     actuator_acceleration,
+    actuator_velocity,
     closure,
     closure_matrix,
     inverse_jacobian,
@@ -84,7 +77,6 @@ from paminsa_viz.model.statics import (
     StaticBreakdown,
     lift_constant,
     load_torques,
-    potential_energy,
     static_breakdown,
     static_imbalance,
     static_torques,

@@ -123,10 +123,10 @@ def _directions(design: Design, found: PlatformStiffness) -> list[Block]:
         unit, rigid = "N/m" if axis < 3 else "N m/rad", "rigid"
         if axis in ACTUATED:
             place = ACTUATED.index(axis)
-            rigid = format_value(float(1 / alone[place, place]), unit, 3)
-        rows.append(Row((name, format_value(float(found.along(axis)), unit, 3), rigid)))
-    rows.append(Row(("softest horizontal", format_value(float(found.horizontal), "N/m", 3))))
-    rows.append(Row(("softest tilt", format_value(float(found.tilt), "N m/rad", 3))))
+            rigid = format_value(float(1 / alone[place, place]), unit)
+        rows.append(Row((name, format_value(float(found.along(axis)), unit), rigid)))
+    rows.append(Row(("softest horizontal", format_value(float(found.horizontal), "N/m"))))
+    rows.append(Row(("softest tilt", format_value(float(found.tilt), "N m/rad"))))
     axes, directions = found.ellipsoid()
     softest = ", ".join(f"{value:.2f}" for value in directions[:, -1])
     text = (

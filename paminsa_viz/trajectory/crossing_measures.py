@@ -53,10 +53,7 @@ class CrossingDrift:
 
 
 def payload_drift(
-    design: Design,
-    found: CrossingPlan,
-    error: float,
-    clearance: float = SINGULAR_CLEARANCE,
+    design: Design, found: CrossingPlan, error: float, clearance: float = SINGULAR_CLEARANCE
 ) -> tuple[CrossingDrift, ...]:
     """Return how far an unknown payload takes the platform off at each crossing of a motion.
 
