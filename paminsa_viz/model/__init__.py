@@ -23,13 +23,7 @@ from paminsa_viz.model.dynamics import (
 )
 from paminsa_viz.model.elastic import Elastic
 from paminsa_viz.model.energy import actuator_power, kinetic_energy, potential_energy
-from paminsa_viz.model.grids import (
-    Field,
-    Grid,
-    rotary_torques,
-    solve_field,
-    xy_grid,
-)
+from paminsa_viz.model.grids import Field, Grid, rotary_torques, solve_field, xy_grid
 from paminsa_viz.model.jacobians import (
     actuator_acceleration,
     actuator_velocity,

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.elastostatics.bar_diagram import COMPONENTS
-from paminsa_viz.elastostatics.bar_loads import all_bar_loads, arm_tip
+from paminsa_viz.elastostatics.bar_loads import all_bar_loads, arm_tip, utilization
 from paminsa_viz.elastostatics.joint_forces import JOINTS, JointForces, joint_forces
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
 from paminsa_viz.elastostatics.sideways import SidewaysForces, sideways_forces
-from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.report.blocks import Block, Note, Section, Table, rows, series_figure

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from paminsa_viz.elastostatics.contacts import contacts
-from paminsa_viz.elastostatics.drive_modes import drive_modes
-from paminsa_viz.elastostatics.drive_stiffness import drive_stiffness
+from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
 from paminsa_viz.elastostatics.stiffness import (
     SHARES,
     PlatformStiffness,

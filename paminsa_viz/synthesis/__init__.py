@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from paminsa_viz.synthesis.proof.certificate import prove
     from paminsa_viz.synthesis.proof.evidence import Evidence, Proof, Verdict
-    from paminsa_viz.synthesis.proof.largest import Growth, LargestWorkspace, largest_workspace
+    from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace
+    from paminsa_viz.synthesis.proof.regions import Growth
     from paminsa_viz.synthesis.search.case import (
         DIMENSIONS,
         Effort,
@@ -98,7 +99,8 @@ __all__ = [
 _HOMES = {
     "proof.certificate": "prove",
     "proof.evidence": "Evidence Proof Verdict",
-    "proof.largest": "Growth LargestWorkspace largest_workspace",
+    "proof.largest": "LargestWorkspace largest_workspace",
+    "proof.regions": "Growth",
     "search.case": "DIMENSIONS Effort Guide ObjectiveLimit Regime SearchRange SynthesisCase",
     "search.case_file": "EXAMPLES load_case",
     "search.evaluation": "Evaluator TrialEvaluation",

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 
 import pytest
 
-from paminsa_viz.elastostatics.drive_modes import drive_modes
+from paminsa_viz.elastostatics.drive_stiffness import drive_modes
 from paminsa_viz.elastostatics.stiffness import platform_stiffness, strain_shares
 from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.model.design import APPENDIX_4, Design

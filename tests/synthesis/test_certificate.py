@@ -28,8 +28,7 @@ from paminsa_viz.quantities.requirements import (
 from paminsa_viz.synthesis.proof.certificate import prove
 from paminsa_viz.synthesis.proof.evidence import Proof, Verdict
 from paminsa_viz.synthesis.proof.families import Method
-from paminsa_viz.synthesis.proof.pose_search import random_poses
-from tests.synthesis.certificate_robots import robots
+from tests.synthesis.certificate_robots import random_poses, robots
 
 TURN = math.radians(30)
 BOUNDS = (

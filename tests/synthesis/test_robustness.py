@@ -12,7 +12,7 @@ from paminsa_viz.model import APPENDIX_4, Counterweight
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.tolerances import NO_TOLERANCES, Tolerances
 from paminsa_viz.studies.executors import processes
-from paminsa_viz.synthesis.answer.build_yield import build_yield, built_robots, fraction
+from paminsa_viz.synthesis.answer.checks import build_yield, built_robots, fraction
 
 
 def crank_margin(design: Design) -> dict[str, float]:

@@ -40,6 +40,15 @@ class SpringSettings:
     most: float = 0.0
 
     @property
+    def possible(self) -> bool:
+        """Whether the page can set all of it."""
+        (lowest, highest), (shortest, longest) = HEIGHTS, LENGTHS
+        lengths = (self.radius, self.least, self.most)
+        return lowest <= self.height <= highest and all(
+            shortest <= length <= longest for length in lengths
+        )
+
+    @property
     def place(self) -> SpringPlace:
         """The anchors and ranges of the fit."""
         slider = self.start is SpringsFrom.SLIDER

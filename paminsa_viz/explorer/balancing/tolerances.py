@@ -21,6 +21,9 @@ CELLS = 21
 ROBOTS = 200
 """Robots that are drawn."""
 
+MASSES, LENGTHS = (0.0, 0.5), (0.0, 0.1)
+"""Relative tolerances that can be set."""
+
 
 @dataclass(frozen=True)
 class ToleranceSettings:
@@ -33,6 +36,12 @@ class ToleranceSettings:
 
     mass: float = 0.02
     length: float = 0.001
+
+    @property
+    def possible(self) -> bool:
+        """Whether the page can set both."""
+        (low, high), (least, most) = MASSES, LENGTHS
+        return low <= self.mass <= high and least <= self.length <= most
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from paminsa_viz.explorer.background import BackgroundJob
+from paminsa_viz.explorer.balancing import tolerances
 from paminsa_viz.explorer.balancing.tolerances import LengthJob, LengthOutcome, of_masses, run
 from paminsa_viz.explorer.entries import Button, Custom, Entry, Html
 from paminsa_viz.explorer.frame import Frame
@@ -94,13 +95,13 @@ class RobotDrawer:
 TOLERANCES: tuple[Entry, ...] = (
     Custom("tolerance.drawer", make=RobotDrawer),
     Number(
-        "tolerance.mass", "Masses ± [%]", range=(0.0, 0.5), step=0.5, unit=PERCENT,
+        "tolerance.mass", "Masses ± [%]", range=tolerances.MASSES, step=0.5, unit=PERCENT,
         hint="Of every mass of joints, links and counterweights, in each leg by itself",
         **attribute("tolerating.settings.mass"),
     ),
     Html("tolerance.masses", content=masses_html, idle=True),
     Number(
-        "tolerance.length", "Lengths ± [%]", range=(0.0, 0.1), step=0.05, unit=PERCENT,
+        "tolerance.length", "Lengths ± [%]", range=tolerances.LENGTHS, step=0.05, unit=PERCENT,
         hint="Of k, R_b, R_pl, the bars, l_B5 and the places of counterweights, in all legs alike",
         **attribute("tolerating.settings.length"),
     ),

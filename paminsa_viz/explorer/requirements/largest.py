@@ -60,7 +60,8 @@ def receive(state: State, outcome: LargestOutcome) -> State:
 
 def find_largest(job: LargestJob, report: Report) -> LargestOutcome:
     """Find the largest workspace; what is the robot's fault is no error."""
-    from paminsa_viz.synthesis.proof.largest import Growth, largest_workspace
+    from paminsa_viz.synthesis.proof.largest import largest_workspace
+    from paminsa_viz.synthesis.proof.regions import Growth
 
     try:
         found = largest_workspace(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from paminsa_viz.model import Design
 
 if TYPE_CHECKING:
-    from paminsa_viz.synthesis.answer.build_yield import BuildYield
+    from paminsa_viz.synthesis.answer.checks import BuildYield
     from paminsa_viz.synthesis.answer.prices import RequirementPrice
     from paminsa_viz.synthesis.search.case import SynthesisCase
     from paminsa_viz.synthesis.search.front import DesignFront

@@ -19,16 +19,14 @@ from paminsa_viz.explorer.synthesis.jobs import (
     SynthesisJob,
     SynthesisOutcome,
 )
-from paminsa_viz.model import Design, PaminsaError
-from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.model import PaminsaError
 from paminsa_viz.studies.executors import Workers, here, processes
-from paminsa_viz.synthesis.answer.build_yield import BuildYield, build_yield
+from paminsa_viz.synthesis.answer.checks import AnswerMargins, BuildYield, build_yield
 from paminsa_viz.synthesis.search.evaluation import Evaluator
 from paminsa_viz.synthesis.search.objectives import find_objective
 from paminsa_viz.synthesis.search.outer import SearchProgress
 from paminsa_viz.synthesis.search.result import SynthesisResult
 from paminsa_viz.synthesis.search.solve import synthesize
-from paminsa_viz.synthesis.volume.check import check_requirements
 
 PERIOD = 0.5
 """Time between two robots that are shown [s]: each is drawn with bodies of other lengths."""
@@ -161,32 +159,13 @@ def find_prices(job: PriceJob, report: Report) -> PriceOutcome:
     return PriceOutcome(job, prices)
 
 
-class RequirementMargins:
-    """Margins of a robot to requirements by their names; can be sent to other processes."""
-
-    def __init__(self, requirements: Requirements) -> None:
-        self.requirements = requirements
-
-    def __call__(self, design: Design) -> dict[str, float]:
-        """Return the margins [SI]."""
-        items = check_requirements(design, self.requirements).items
-        return {item.label: item.margin for item in items}
-
-
 def tolerances(result: SynthesisResult, workers: Workers, report: Report) -> BuildYield:
     """Return which part of the robots built within tolerances meets the requirements."""
-    requirements = placed_requirements(result)
 
     def progress(done: int, count: int) -> bool:
         return report(SEARCH_SHARE + (1 - SEARCH_SHARE) * done / count)
 
     return build_yield(
-        result.design, RequirementMargins(requirements), samples=BUILT, workers=workers,
+        result.design, AnswerMargins.of(result), samples=BUILT, workers=workers,
         seed=result.case.seed, progress=progress,
     )  # fmt: skip
-
-
-def placed_requirements(result: SynthesisResult) -> Requirements:
-    """Return the requirements of a search with the workspace where it was found."""
-    held = result.case.requirements
-    return Requirements(held.bounds, held.theta, result.workspace)

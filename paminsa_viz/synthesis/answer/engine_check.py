@@ -6,12 +6,11 @@ friction is left out on both sides, see `engines.verification`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from paminsa_viz.balancing import Spring, spring_torques
+from paminsa_viz.balancing import spring_torques
 from paminsa_viz.engines.comparison import Comparison, torque_scale
 from paminsa_viz.engines.mujoco_model import load_mujoco
 from paminsa_viz.engines.spring_model import SprungMujocoRobot
@@ -22,9 +21,8 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.parameters import BAR_ENDS
 from paminsa_viz.model.statics import static_torques
-from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.synthesis.masses.space import ACTUATORS_OF, within
-from paminsa_viz.trajectory.sampled import Trajectory
+from paminsa_viz.synthesis.answer.checks import AnswerMargins
+from paminsa_viz.synthesis.masses.space import ACTUATORS_OF, bound_margins, within
 
 POSES = 60
 """Poses of the workspace that are compared, besides the worst of each requirement."""
@@ -80,13 +78,9 @@ class MujocoCheck:
 
 def check_by_mujoco(
     design: Design,
-    bounds: Sequence[Requirement],
-    pose: Array,
+    asked: AnswerMargins,
+    pose: Array | None = None,
     *,
-    springs: Sequence[Spring] = (),
-    motions: Sequence[Trajectory] = (),
-    motion_torque: float | None = None,
-    motion_force: float | None = None,
     count: int = POSES,
     seed: int = 0,
 ) -> MujocoCheck:
@@ -94,12 +88,10 @@ def check_by_mujoco(
 
     Args:
         design: The robot.
-        bounds: Requirements; those on torques and forces at rest are checked.
+        asked: Its requirements, of which those on torques and forces are checked, with its springs
+            and motions.
         pose: (n, 4) poses of the workspace, of which ``count`` random ones and the worst of each
-            bound are taken [m, m, rad, m].
-        springs: Springs of each leg.
-        motions: Motions along which torques are compared.
-        motion_torque, motion_force: Limits on them, as in `InnerCase` [N m], [N].
+            bound are taken [m, m, rad, m]; None for those of ``asked``.
         count: Random poses.
         seed: Of the random poses.
 
@@ -108,11 +100,12 @@ def check_by_mujoco(
         InvalidDesign: If there are motions, and a bar's inertias belong to no rigid body.
         InvalidInput: If there is no pose, or one is out of reach.
     """
-    design = design.without_friction()
-    pose = as_vectors(pose, "pose").reshape(-1, 4)
+    design, springs = design.without_friction(), asked.springs
+    pose = asked.poses() if pose is None else as_vectors(pose, "pose").reshape(-1, 4)
     held = static_torques(design, pose) + spring_torques(design.geometry, springs, pose)
     if not (len(pose) and np.isfinite(held).all()):
         raise InvalidInput("pose", "at least one pose, and none out of reach, is needed")
+    bounds = asked.requirements.bounds
     checked = [bound for bound in bounds if bound.quantity in ACTUATORS_OF]
     rng = np.random.default_rng(seed)
     chosen = {int(i) for i in rng.permutation(len(pose))[:count]}
@@ -121,7 +114,7 @@ def check_by_mujoco(
         order = inside[np.argsort(bound_margins(bound, held[inside]))]
         chosen |= set(order[:WORST].tolist())
     index = np.array(sorted(chosen), np.intp)
-    robot = SprungMujocoRobot(design if motions else _at_rest(design), springs)
+    robot = SprungMujocoRobot(design if asked.motions else _at_rest(design), springs)
     found = robot.static_torques(pose[index])
     compared = [Comparison(held[index], found, torque_scale(design, pose[index], found))]
     rows = []
@@ -133,23 +126,16 @@ def check_by_mujoco(
             rows.append(
                 _row(bound.entry.title, bound.entry.unit, len(at), ours, engine, limit or 0.0)
             )
-    for motion in motions:
+    for motion in asked.motions:
         states = motion.pose, motion.velocity, motion.acceleration
         more = spring_torques(design.geometry, springs, motion.pose)
         computed = inverse_dynamics(design, *states, load=motion.load).torque + more
         reference = robot.inverse_dynamics(*states, load=motion.load)
         scale = torque_scale(design, motion.pose, reference)
         compared.append(Comparison(computed, reference, scale))
-        for label, unit, part, most in (
-            ("torque of M1-M3 on", "N m", slice(0, 3), motion_torque),
-            ("force of M4 on", "N", slice(3, 4), motion_force),
-        ):
-            if most is not None:
-                ours, engine = (
-                    most - float(np.abs(t[:, part]).max()) for t in (computed, reference)
-                )
-                name = f"{label} {motion.name}"
-                rows.append(_row(name, unit, motion.size, ours, engine, most))
+        margins = (asked.motion_margins(motion, torque) for torque in (computed, reference))
+        for (label, unit, limit, ours), (*_, engine) in zip(*margins, strict=True):
+            rows.append(_row(label, unit, motion.size, ours, engine, limit))
     return MujocoCheck(
         load_mujoco().__version__,
         tuple(rows),
@@ -168,12 +154,6 @@ def _at_rest(design: Design) -> Design:
         axial, transverse = (f"inertias.{bar}_{axis}" for axis in ("axial", "transverse"))
         numbers[axial] = min(design.value(axial), 1.9 * design.value(transverse))
     return design.vary(numbers)
-
-
-def bound_margins(bound: Requirement, torque: Array) -> Array:
-    """Return margins to a bound of torques (n, 4), the least of its actuators (n,)."""
-    part = torque[:, list(ACTUATORS_OF[bound.quantity])]
-    return bound.margin(np.abs(part) if bound.quantity == "max_torque" else part).min(axis=1)
 
 
 def _row(

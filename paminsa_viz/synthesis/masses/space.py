@@ -219,6 +219,12 @@ def within(bound: Requirement, pose: Array) -> NDArray[np.intp]:
     return np.flatnonzero(inside)
 
 
+def bound_margins(bound: Requirement, torque: Array) -> Array:
+    """Return margins to a bound of torques (n, 4), the least of its actuators (n,)."""
+    part = torque[:, list(ACTUATORS_OF[bound.quantity])]
+    return bound.margin(np.abs(part) if bound.quantity == "max_torque" else part).min(axis=1)
+
+
 def limits_at_rest(space: InnerSpace, bound: Requirement, pose: Array) -> list[InnerLimit]:
     """Return a bound on torques at rest as limits of the program.
 

@@ -11,8 +11,6 @@ path from home into the region, whose boxes are proven in the same way.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
@@ -27,12 +25,12 @@ from paminsa_viz.synthesis.proof.evidence import (
     Proof,
     Verdict,
     home_path,
+    in_order,
     part_of,
-    pose_of,
     prove_reach,
     regions_of,
 )
-from paminsa_viz.synthesis.proof.families import Method, groups, method
+from paminsa_viz.synthesis.proof.families import BoundGroup, Method, groups, method
 from paminsa_viz.synthesis.proof.regions import PoseRegion
 from paminsa_viz.synthesis.volume.margins import Progress
 
@@ -65,12 +63,35 @@ def prove(
     center = workspace.center
     if None in center:
         raise InvalidInput("workspace.center", f"three numbers are needed for a proof: {center}")
-    return prove_region(
-        design,
-        requirements,
-        region_of(workspace, requirements),
-        Control(time_limit, progress),
-    )
+    region = region_of(workspace, requirements)
+    control = Control(time_limit, progress)
+    paths = [home_path(design.geometry, part) for part in regions_of(requirements, region)]
+    found = prove_reach(design, requirements, region)
+    # Without reach the quantities have no values.
+    reached = all(item.verdict is Verdict.PROVEN for item in found.values())
+    home = Verdict.PROVEN if all(map(len, paths)) else Verdict.UNDECIDED
+    found["home"] = Evidence("home", Method.CLOSED_FORM, home)
+    remaining = [np.zeros((0, 2, 4))]
+    if reached:
+        found |= {item.key: item for item in sampled_evidence(design, requirements, region)}
+    for group in groups(design, requirements):
+        if not reached or any(item.verdict is Verdict.REFUTED for item in found.values()):
+            items = [
+                Evidence.of(requirement, Method.BISECTION, Verdict.UNDECIDED)
+                for requirement in group.requirements
+            ]
+        else:
+            nearest = nearest_violation(group, Gauge(region, FIXED), 1.0, None, control)
+            remaining.append(nearest.remaining)
+            items = _bisected(group, nearest)
+        found |= {item.key: item for item in items}
+    evidence = in_order(found, requirements)
+    verdicts = {item.verdict for item in evidence}
+    worst = (v for v in (Verdict.REFUTED, Verdict.UNDECIDED) if v in verdicts)
+    return Proof(
+        next(worst, Verdict.PROVEN), region, evidence, paths[0], np.concatenate(remaining),
+        control.boxes, control.elapsed,
+    )  # fmt: skip
 
 
 def region_of(workspace: Workspace, requirements: Requirements) -> PoseRegion:
@@ -80,78 +101,19 @@ def region_of(workspace: Workspace, requirements: Requirements) -> PoseRegion:
     return PoseRegion(workspace.shape, (x, y, z), (a, b, c), requirements.theta)
 
 
-def prove_region(
-    design: Design, requirements: Requirements, region: PoseRegion, control: Control
-) -> Proof:
-    """Prove that requirements hold over a region; see `prove`."""
-    start, first = control.elapsed, control.boxes
-    paths = [home_path(design.geometry, part) for part in regions_of(requirements, region)]
-    found = prove_reach(design, requirements, region)
-    home = Verdict.PROVEN if all(map(len, paths)) else Verdict.UNDECIDED
-    found["home"] = Evidence("home", Method.CLOSED_FORM, home)
-    remaining = []
-    # Without reach the quantities have no values.
-    reached = all(item.verdict is Verdict.PROVEN for key, item in found.items() if key != "home")
-    if reached:
-        for item in sampled_evidence(design, requirements, region):
-            found[_key(item)] = item
-    for group in groups(design, requirements):
-        if not reached or any(item.verdict is Verdict.REFUTED for item in found.values()):
-            unknown = (
-                Evidence(r.quantity, Method.BISECTION, Verdict.UNDECIDED, requirement=r)
-                for r in group.requirements
-            )
-            found |= {_key(item): item for item in unknown}
-            continue
-        nearest = nearest_violation(group, Gauge(region, FIXED), 1.0, None, control)
-        remaining.append(nearest.remaining)
-        items = bisected(group.requirements, nearest, group.pose_margins)
-        found |= {_key(item): item for item in items}
-    order: list[Requirement | str] = ["reach", "singularity", "home", *requirements.bounds]
-    evidence = tuple(found[key] for key in dict.fromkeys(order) if key in found)
-    return Proof(
-        _verdict(evidence),
-        region,
-        evidence,
-        paths[0],
-        np.concatenate(remaining) if remaining else np.zeros((0, 2, 4)),
-        control.boxes - first,
-        control.elapsed - start,
-    )
-
-
-def _key(item: Evidence) -> Requirement | str:
-    return item.name if item.requirement is None else item.requirement
-
-
-def _verdict(evidence: tuple[Evidence, ...]) -> Verdict:
-    verdicts = {item.verdict for item in evidence}
-    for worst in (Verdict.REFUTED, Verdict.UNDECIDED):
-        if worst in verdicts:
-            return worst
-    return Verdict.PROVEN
-
-
-def bisected(
-    requirements: tuple[Requirement, ...],
-    nearest: Nearest,
-    pose_margins: Callable[[Array], Array],
-) -> list[Evidence]:
+def _bisected(group: BoundGroup, nearest: Nearest) -> list[Evidence]:
     """Return what a bisection says of the requirements of a group."""
     done = not len(nearest.remaining) and nearest.pose is None and nearest.lower >= nearest.upper
     found = []
-    for index, requirement in enumerate(requirements):
+    for index, requirement in enumerate(group.requirements):
         verdict = Verdict.PROVEN if done else Verdict.UNDECIDED
         margin, pose = float(nearest.margins[index]) if done else np.nan, None
         if nearest.pose is not None and nearest.requirement == index:
-            verdict, pose = Verdict.REFUTED, pose_of(nearest.pose)
-            margin = float(pose_margins(nearest.pose[None])[0, index])
+            verdict, pose = Verdict.REFUTED, nearest.pose
+            margin = float(group.pose_margins(pose[None])[0, index])
         found.append(
-            Evidence(
-                requirement.quantity, Method.BISECTION, verdict, margin, pose, requirement,
-                nearest.boxes,
-            )
-        )  # fmt: skip
+            Evidence.of(requirement, Method.BISECTION, verdict, margin, pose, nearest.boxes)
+        )
     return found
 
 
@@ -171,22 +133,12 @@ def sampled_evidence(
         if method(requirement) is not Method.SAMPLED:
             continue
         poses, margins = sample_requirement(design, requirements, requirement, region)
-        if not len(margins):
-            found.append(
-                Evidence(
-                    requirement.quantity, Method.SAMPLED, Verdict.SAMPLED, np.inf, None, requirement
-                )
-            )
-            continue
-        worst = int(np.argmin(np.nan_to_num(margins, nan=-np.inf)))
-        margin = float(margins[worst])
+        margin, pose = np.inf, None
+        if len(margins):
+            worst = int(np.argmin(np.nan_to_num(margins, nan=-np.inf)))
+            margin, pose = float(margins[worst]), poses[worst]
         verdict = Verdict.SAMPLED if margin >= 0.0 else Verdict.REFUTED
-        found.append(
-            Evidence(
-                requirement.quantity, Method.SAMPLED, verdict, margin, pose_of(poses[worst]),
-                requirement,
-            )
-        )  # fmt: skip
+        found.append(Evidence.of(requirement, Method.SAMPLED, verdict, margin, pose))
     return found
 
 

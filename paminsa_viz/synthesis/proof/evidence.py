@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from itertools import pairwise, permutations
@@ -13,7 +14,7 @@ from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.synthesis.proof.families import EVERYWHERE, Method, method
-from paminsa_viz.synthesis.proof.pose_search import freedom, lowest
+from paminsa_viz.synthesis.proof.pose_search import freedom, least_free, lowest
 from paminsa_viz.synthesis.proof.regions import Grows, PoseRegion, box, region_margins
 
 Pose = tuple[float, float, float, float]
@@ -50,6 +51,25 @@ class Evidence:
     pose: Pose | None = None
     requirement: Requirement | None = None
     boxes: int = 0
+
+    @classmethod
+    def of(
+        cls,
+        requirement: Requirement,
+        method: Method,
+        verdict: Verdict,
+        margin: float = np.nan,
+        pose: Array | None = None,
+        boxes: int = 0,
+    ) -> Evidence:
+        """Return what is known of a requirement, with a pose (4,) if there is one."""
+        place = None if pose is None else pose_of(pose)
+        return cls(requirement.quantity, method, verdict, margin, place, requirement, boxes)
+
+    @property
+    def key(self) -> Requirement | str:
+        """The requirement, or the name where there is none."""
+        return self.name if self.requirement is None else self.requirement
 
     @property
     def bound(self) -> float:
@@ -107,6 +127,14 @@ def pose_of(pose: Array) -> Pose:
     return x, y, theta, z
 
 
+def in_order(
+    found: Mapping[Requirement | str, Evidence], requirements: Requirements
+) -> tuple[Evidence, ...]:
+    """Return reach, singularity, home, then the requirements, each once, as far as found."""
+    keys = dict.fromkeys(["reach", "singularity", "home", *requirements.bounds])
+    return tuple(found[key] for key in keys if key in found)
+
+
 LARGEST = 50.0
 """No half extent is larger: half the longest bar [m]."""
 
@@ -142,27 +170,17 @@ def prove_reach(
         "reach": min(item.least_reach for item in margins),
         "singularity": min(min(item.circle, item.turn) for item in margins),
     }
-    found: dict[Requirement | str, Evidence] = {
-        name: Evidence(
-            name,
-            Method.CLOSED_FORM,
-            Verdict.PROVEN if margin > 0.0 else Verdict.UNDECIDED,
-            margin,
-        )
-        for name, margin in least.items()
-    }
+    found: dict[Requirement | str, Evidence] = {}
+    for name, margin in least.items():
+        verdict = Verdict.PROVEN if margin > 0.0 else Verdict.UNDECIDED
+        found[name] = Evidence(name, Method.CLOSED_FORM, verdict, margin)
     for part, item in zip(regions, margins, strict=True):
         if item.holds():
             continue
-        pose, value = lowest(lambda poses: freedom(design.geometry, poses).min(axis=0), part)
-        if value <= 0.0:
-            reach, singular = freedom(design.geometry, pose[None])[:, 0]
-            name = "reach" if reach <= singular else "singularity"
-            # a guide may be used to its end
-            if name == "singularity" or value < 0.0:
-                found[name] = Evidence(
-                    name, Method.CLOSED_FORM, Verdict.REFUTED, value, pose_of(pose)
-                )
+        pose, value, name = least_free(design.geometry, part)
+        # a guide may be used to its end
+        if value < 0.0 or (value == 0.0 and name == "singularity"):
+            found[name] = Evidence(name, Method.CLOSED_FORM, Verdict.REFUTED, value, pose_of(pose))
     for requirement in requirements.bounds:
         if requirement.quantity == "reach_margin" and method(requirement) is Method.CLOSED_FORM:
             found[requirement] = _reach_margin(design, requirements, requirement, region)
@@ -183,18 +201,14 @@ def _reach_margin(
     design: Design, requirements: Requirements, requirement: Requirement, region: PoseRegion
 ) -> Evidence:
     """Return what is known of a least margin of reach, over its own headings and heights."""
-    part = part_of(requirements, requirement, region)
     margin = reach_margin(design, requirements, requirement, region)
+    part = part_of(requirements, requirement, region)
     if part is None or margin >= 0.0:
-        return Evidence(
-            requirement.quantity, Method.CLOSED_FORM, Verdict.PROVEN, margin, None, requirement
-        )
+        return Evidence.of(requirement, Method.CLOSED_FORM, Verdict.PROVEN, margin)
     pose, value = lowest(lambda poses: freedom(design.geometry, poses)[0], part)
     value -= requirement.low or 0.0
     verdict = Verdict.REFUTED if value < 0.0 else Verdict.UNDECIDED
-    return Evidence(
-        requirement.quantity, Method.CLOSED_FORM, verdict, value, pose_of(pose), requirement
-    )
+    return Evidence.of(requirement, Method.CLOSED_FORM, verdict, value, pose)
 
 
 def reach_scale(

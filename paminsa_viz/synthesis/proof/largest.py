@@ -9,40 +9,190 @@ at any time.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from enum import Enum
 
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
-from paminsa_viz.synthesis.proof.bisection import Control
-from paminsa_viz.synthesis.proof.certificate import region_of
-from paminsa_viz.synthesis.proof.evidence import Pose, Proof, Verdict, home_path, pose_of
-from paminsa_viz.synthesis.proof.growing import GrowingRegion, ScaleBounds
-from paminsa_viz.synthesis.proof.placement import CenterSearch
-from paminsa_viz.synthesis.proof.regions import Grows, PoseRegion
+from paminsa_viz.synthesis.proof.bisection import Control, Gauge, Nearest, nearest_violation
+from paminsa_viz.synthesis.proof.certificate import (
+    region_of,
+    sample_requirement,
+    sampled_evidence,
+)
+from paminsa_viz.synthesis.proof.evidence import (
+    Evidence,
+    Pose,
+    Proof,
+    Verdict,
+    home_path,
+    in_order,
+    pose_of,
+    prove_reach,
+    reach_scale,
+    regions_of,
+)
+from paminsa_viz.synthesis.proof.families import BoundGroup, Method, groups, method
+from paminsa_viz.synthesis.proof.placement import CenterSearch, Place
+from paminsa_viz.synthesis.proof.pose_search import least_free
+from paminsa_viz.synthesis.proof.regions import Grows, Growth, PoseRegion
 from paminsa_viz.synthesis.volume.margins import Progress
 
 TOLERANCE = 1e-3
 """Difference of extents that is aimed at [m]."""
 
 
-class Growth(Enum):
-    """Which extents of a workspace are to be found; the others are kept."""
+FIRST_TOLERANCE = 0.064
+"""Difference of extents of the first stage [m]."""
 
-    ALL = "all extents, in proportion"
-    HORIZONTAL = "extents along x and y, in proportion"
-    VERTICAL = "height"
+_BISECTIONS = 56
+"""Binary digits of the scale of reach."""
+
+_INSIDE = 1.0 - 1e-9
+"""Share of the lower bound that is taken, so that rounding of the extents counts for nothing."""
+
+NOTHING = 1e-6
+"""Scale of a workspace that is none."""
+
+
+@dataclass(eq=False)
+class GrowingRegion:
+    """The search for the scale of the largest region about one center.
+
+    Attributes:
+        design: The robot.
+        requirements: What has to hold.
+        region: The region at scale 1.
+        grows: Which of its extents grow.
+        control: When to stop.
+        lower: Scale up to which everything is proven.
+        upper: Scale at which ``pose`` breaks a requirement, or reach ends.
+        pose: (4,) the pose; None if none was found.
+        cause: What it breaks: ``"reach"``, ``"singularity"`` or the key of a quantity.
+        requirement: The requirement that it breaks; None for reach and singularity.
+    """
+
+    design: Design
+    requirements: Requirements
+    region: PoseRegion
+    grows: Grows
+    control: Control
+    lower: float = 0.0
+    upper: float = 0.0
+    pose: Array | None = None
+    cause: str = ""
+    requirement: Requirement | None = None
+
+    def __post_init__(self) -> None:
+        self._gauge = Gauge(self.region, self.grows)
+        self._groups = groups(self.design, self.requirements)
+        self._nearest: list[Nearest | None] = [None] * len(self._groups)
+        self._extent = 2.0 * max(np.extract(self.grows, self.region.half).tolist())
+        if len(home_path(self.design.geometry, self.region.scaled(0.0, self.grows))):
+            self.lower = self.upper = reach_scale(
+                self.design, self.requirements, self.region, self.grows, _BISECTIONS
+            )
+
+    def run(self, tolerance: float) -> None:
+        """Bring the bounds together."""
+        if self.upper <= 0.0:
+            return
+        self._name_limit_of_reach()
+        self._sample()
+        self.lower = min(self.lower, self.upper)
+        # an answer of the first stage at once, and finer ones while there is time
+        step = min(FIRST_TOLERANCE, 0.25 * self.upper * self._extent)
+        while True:
+            step = max(step, tolerance)
+            for index, group in enumerate(self._groups):
+                self._advance(index, group, step / self._extent)
+            if self.control.over or step <= tolerance:
+                break
+            step *= 0.25
+        lowers = [found.lower for found in self._nearest if found is not None]
+        self.lower = min([self.lower, self.upper, *lowers])
+        self._sample_inside()
+
+    def _lower(self, upper: float, pose: Array, requirement: Requirement) -> None:
+        """Take an upper bound if it is a lower one."""
+        if upper < self.upper:
+            self.upper, self.pose = upper, pose
+            self.cause, self.requirement = requirement.quantity, requirement
+
+    def _advance(self, index: int, group: BoundGroup, tolerance: float) -> None:
+        control, before = self.control, self._nearest[index]
+        if before is not None and before.lower >= self.upper - tolerance:
+            return
+        # what is not known yet of the other requirements has to have its share of the time
+        waiting = sum(found is None for found in self._nearest)
+        share = control.left / max(1, waiting) if before is None else np.inf
+        found = nearest_violation(group, self._gauge, self.upper, tolerance, control, share)
+        if found.pose is not None:
+            self._lower(found.upper, found.pose, group.requirements[found.requirement])
+        if before is None or found.lower > before.lower:
+            self._nearest[index] = found
+
+    def _name_limit_of_reach(self) -> None:
+        """Find a pose just outside of the largest region of reach that cannot be taken."""
+        whole = self.region.scaled(self.upper * (1.0 + 1e-6), self.grows)
+        for part in regions_of(self.requirements, whole):
+            pose, value, cause = least_free(self.design.geometry, part)
+            if value <= 0.0:
+                self.pose, self.cause = pose, cause
+                return
+        low = [r for r in self.requirements.bounds if r.quantity == "reach_margin"]
+        if low:
+            self.cause, self.requirement = "reach_margin", low[0]
+
+    def _sample(self) -> None:
+        """Lower the upper bound to where samples break a requirement that cannot be proven."""
+        for requirement in self.requirements.bounds:
+            while method(requirement) is Method.SAMPLED and not self.control.over:
+                if not self._sampled(requirement, self.upper):
+                    break
+
+    def _sample_inside(self) -> None:
+        """Shrink what is proven until no sample in it breaks a requirement."""
+        for requirement in self.requirements.bounds:
+            while method(requirement) is Method.SAMPLED and self.lower > NOTHING:
+                if not self._sampled(requirement, self.lower * _INSIDE):
+                    break
+                self.lower = min(0.999 * self.lower, self.upper)
+
+    def _sampled(self, requirement: Requirement, scale: float) -> bool:
+        """Say whether a sample of a scale breaks a requirement; the upper bound then follows."""
+        whole = self.region.scaled(scale, self.grows)
+        poses, margins = sample_requirement(self.design, self.requirements, requirement, whole)
+        poses = poses[~(margins >= 0.0)]
+        scales = self._gauge.of_poses(poses)
+        found = bool((scales < self.upper).any())
+        if found:
+            row = int(np.argmin(scales))
+            self._lower(float(scales[row]), poses[row], requirement)
+        return found
 
     @property
-    def axes(self) -> Grows:
-        """Whether the extents along (x, y, z) grow."""
-        return (
-            self is not Growth.VERTICAL,
-            self is not Growth.VERTICAL,
-            self is not Growth.HORIZONTAL,
-        )
+    def found(self) -> PoseRegion | None:
+        """The largest region that is proven; None if none is."""
+        scale = self.lower * _INSIDE
+        return self.region.scaled(scale, self.grows) if scale > NOTHING else None
+
+    def evidence(self, region: PoseRegion) -> tuple[Evidence, ...]:
+        """Return what is proven over the region that was found, and how."""
+        found = prove_reach(self.design, self.requirements, region)
+        found["home"] = Evidence("home", Method.CLOSED_FORM, Verdict.PROVEN)
+        for group, nearest in zip(self._groups, self._nearest, strict=True):
+            if nearest is not None:
+                for requirement, margin in zip(
+                    group.requirements, nearest.margins.tolist(), strict=True
+                ):
+                    found[requirement] = Evidence.of(
+                        requirement, Method.BISECTION, Verdict.PROVEN, margin, boxes=nearest.boxes
+                    )
+        sampled = sampled_evidence(self.design, self.requirements, region)
+        return in_order(found | {item.key: item for item in sampled}, self.requirements)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,67 +262,40 @@ def largest_workspace(
         if not (np.isfinite(number) and number > 0.0):
             raise InvalidInput(name, f"a number above 0 is needed, not {number!r}")
     control = Control(time_limit, progress)
-    grows = growth.axes
-    region = region_of(workspace, requirements)
-    x, y, z = (place is None for place in workspace.center)
-    placed = np.inf
-    if x or y or z:
-        place = CenterSearch(design, requirements, region, grows, (x, y, z), both_sides).find(
-            control
-        )
-        if place is None:
-            return _nothing(requirements, region, control, "volume")
-        region, placed = replace(region, center=place.center), place.scale
-    growing = GrowingRegion(design, requirements, region, grows, control)
-    growing.run(tolerance)
-    bounds, found = growing.bounds, growing.found
-    upper = bounds.upper if placed == np.inf else max(bounds.upper, placed)
-    limit = _size(region.scaled(upper, grows))
-    if found is None:
-        cause = bounds.cause or "home"
-        return _nothing(requirements, region, control, cause, bounds, limit)
-    size = _size(found)
-    evidence, path = growing.evidence(found), home_path(design.geometry, found)
+    grows, region = growth.axes, region_of(workspace, requirements)
+    free = [place is None for place in workspace.center]
+    growing, place = None, Place(region.center, 0.0)
+    if any(free):
+        search = CenterSearch(design, requirements, region, grows, free, both_sides)
+        place = search.find(control)
+    found, limit = None, (0.0, 0.0, 0.0)
+    if place is not None:
+        region = replace(region, center=place.center)
+        growing = GrowingRegion(design, requirements, region, grows, control)
+        growing.run(tolerance)
+        found = growing.found
+        limit = _size(region.scaled(max(growing.upper, place.scale), grows))
+    if growing is None or found is None:
+        verdict = Verdict.UNDECIDED if max(limit) > 0.0 else Verdict.REFUTED
+        largest, size = None, (0.0, 0.0, 0.0)
+        proof = Proof(verdict, replace(region, half=size), ())
+        cause = "volume" if growing is None else growing.cause or "home"
+    else:
+        size, cause = _size(found), growing.cause
+        largest = Workspace(workspace.shape, size, found.center)
+        evidence, path = growing.evidence(found), home_path(design.geometry, found)
+        proof = Proof(Verdict.PROVEN, found, evidence, path)
+    boxes, seconds = control.boxes, control.elapsed
+    pose = growing and growing.pose
+    proof = replace(proof, boxes=boxes, seconds=seconds)
+    gap = max(a - b for a, b in zip(limit, size, strict=True))
     return LargestWorkspace(
-        Workspace(workspace.shape, size, found.center),
-        requirements.theta,
-        Proof(Verdict.PROVEN, found, evidence, path, boxes=control.boxes, seconds=control.elapsed),
-        limit,
-        max(a - b for a, b in zip(limit, size, strict=True)),
-        None if bounds.pose is None else pose_of(bounds.pose),
-        bounds.cause,
-        bounds.requirement,
-        control.boxes,
-        control.elapsed,
-    )
+        largest, requirements.theta, proof, limit, gap,
+        None if pose is None else pose_of(pose), cause,
+        growing and growing.requirement, boxes, seconds,
+    )  # fmt: skip
 
 
 def _size(region: PoseRegion) -> tuple[float, float, float]:
     a, b, c = (2.0 * half for half in region.half)
     return a, b, c
-
-
-def _nothing(
-    requirements: Requirements,
-    region: PoseRegion,
-    control: Control,
-    cause: str,
-    bounds: ScaleBounds | None = None,
-    limit: tuple[float, float, float] = (0.0, 0.0, 0.0),
-) -> LargestWorkspace:
-    """Return the answer that no such workspace is proven."""
-    pose = None if bounds is None or bounds.pose is None else pose_of(bounds.pose)
-    none = replace(region, half=(0.0, 0.0, 0.0))
-    verdict = Verdict.UNDECIDED if max(limit) > 0.0 else Verdict.REFUTED
-    return LargestWorkspace(
-        None,
-        requirements.theta,
-        Proof(verdict, none, (), boxes=control.boxes, seconds=control.elapsed),
-        limit,
-        max(limit),
-        pose,
-        cause,
-        None if bounds is None else bounds.requirement,
-        control.boxes,
-        control.elapsed,
-    )

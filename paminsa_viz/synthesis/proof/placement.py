@@ -7,6 +7,7 @@ that break one, until none is found (outer approximation).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +20,7 @@ from paminsa_viz.quantities.requirements import Requirements, WorkspaceShape
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge
 from paminsa_viz.synthesis.proof.evidence import reach_scale
 from paminsa_viz.synthesis.proof.families import groups
-from paminsa_viz.synthesis.proof.pose_search import FIRST, SEED, freedom, from_unit, lowest
+from paminsa_viz.synthesis.proof.pose_search import FIRST, SEED, freedom, from_unit, least_free
 from paminsa_viz.synthesis.proof.regions import Grows, PoseRegion
 from paminsa_viz.synthesis.volume.grid import Resolution
 from paminsa_viz.synthesis.volume.solve import solve_volume
@@ -77,7 +78,7 @@ class CenterSearch:
         requirements: Requirements,
         region: PoseRegion,
         grows: Grows,
-        free: tuple[bool, bool, bool],
+        free: Sequence[bool],
         both_sides: bool,
     ) -> None:
         self._design, self._region, self._grows = design, region, grows
@@ -153,12 +154,8 @@ class CenterSearch:
         cylinder = self._region.shape is WorkspaceShape.CYLINDER
         for part in np.array_split(centers, 1 + len(centers) * len(self._broken) // 200_000):
             u, v, w = part.T[..., None]
-            along_x, along_y = (x - u) / half[0], (y - v) / half[1]
-            plan = (
-                along_x * along_x + along_y * along_y
-                if cylinder
-                else np.maximum(along_x * along_x, along_y * along_y)
-            )
+            along_x, along_y = ((x - u) / half[0]) ** 2, ((y - v) / half[1]) ** 2
+            plan = along_x + along_y if cylinder else np.maximum(along_x, along_y)
             height = ((z - w) / half[2]) ** 2
             if grows[0] and grows[2]:
                 square = np.maximum(plan, height)
@@ -251,7 +248,7 @@ class CenterSearch:
         if most >= scale:
             return np.zeros((0, 3))
         whole = region.scaled(most * (1.0 + 0.2 * _NEAR), self._grows)
-        pose, value = lowest(lambda p: freedom(self._design.geometry, p).min(axis=0), whole)
+        pose, value, _ = least_free(self._design.geometry, whole)
         return pose[None, [0, 1, 3]] if value < 0.0 else np.zeros((0, 3))
 
     def _margins(self, poses: Array) -> Array:

@@ -49,16 +49,6 @@ def from_unit(region: PoseRegion, unit: Array) -> Array:
     )
 
 
-def random_poses(region: PoseRegion, count: int, rng: np.random.Generator) -> Array:
-    """Return random poses of a region, (n, 4); a quarter of each coordinate's are at its ends."""
-    unit = 1.3 * rng.uniform(-1.0, 1.0, (count, 4))
-    if region.shape is WorkspaceShape.CYLINDER:
-        angle = rng.uniform(0.0, 2.0 * np.pi, count)
-        radius = 1.15 * np.sqrt(rng.uniform(0.0, 1.0, count))
-        unit[:, 0], unit[:, 1] = radius * np.cos(angle), radius * np.sin(angle)
-    return from_unit(region, unit)
-
-
 def lowest(value: Callable[[Array], Array], region: PoseRegion) -> tuple[Array, float]:
     """Return the pose of a region at which a function is least, as far as sampling finds it.
 
@@ -68,7 +58,11 @@ def lowest(value: Callable[[Array], Array], region: PoseRegion) -> tuple[Array, 
     """
     rng = np.random.default_rng(SEED)
     unit = 1.3 * rng.uniform(-1.0, 1.0, (FIRST, 4))
-    found = _values(value, region, unit)
+
+    def values(unit: Array) -> Array:
+        return np.nan_to_num(value(from_unit(region, unit)), nan=-np.inf)
+
+    found = values(unit)
     width = 0.3
     for _ in range(_ROUNDS):
         best = np.argsort(found)[:KEPT]
@@ -76,14 +70,10 @@ def lowest(value: Callable[[Array], Array], region: PoseRegion) -> tuple[Array, 
         near = np.repeat(unit, KEPT, axis=0)
         near = np.clip(near, -1.0, 1.0) + width * rng.normal(size=near.shape)
         unit = np.concatenate([unit, near])
-        found = np.concatenate([found, _values(value, region, near)])
+        found = np.concatenate([found, values(near)])
         width *= _SHRINK
     best = int(np.argmin(found))
     return from_unit(region, unit[best : best + 1])[0], float(found[best])
-
-
-def _values(value: Callable[[Array], Array], region: PoseRegion, unit: Array) -> Array:
-    return np.nan_to_num(value(from_unit(region, unit)), nan=-np.inf)
 
 
 def freedom(geometry: Geometry, poses: Array) -> Array:
@@ -98,3 +88,10 @@ def freedom(geometry: Geometry, poses: Array) -> Array:
     difference = geometry.base_radius - geometry.platform_radius
     turn = geometry.base_radius * np.cos(theta) - geometry.platform_radius
     return np.stack([margin, np.minimum(circle, np.copysign(1.0, difference) * turn)])
+
+
+def least_free(geometry: Geometry, region: PoseRegion) -> tuple[Array, float, str]:
+    """Return the pose of a region with the least `freedom`, that [m], and what limits it."""
+    pose, value = lowest(lambda poses: freedom(geometry, poses).min(axis=0), region)
+    reach, singular = freedom(geometry, pose[None])[:, 0]
+    return pose, value, "reach" if reach <= singular else "singularity"

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +32,20 @@ Point = tuple[float, float, float]
 
 Grows = tuple[bool, bool, bool]
 """Which extents of a region along (x, y, z) grow."""
+
+
+class Growth(Enum):
+    """Which extents of a workspace are to be found; the others are kept."""
+
+    ALL = "all extents, in proportion"
+    HORIZONTAL = "extents along x and y, in proportion"
+    VERTICAL = "height"
+
+    @property
+    def axes(self) -> Grows:
+        """Whether the extents along (x, y, z) grow."""
+        flat = self is not Growth.VERTICAL
+        return flat, flat, self is not Growth.HORIZONTAL
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ refuse them; otherwise it is the answer of a search that found none.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.studies.executors import Workers, here
@@ -66,20 +66,17 @@ def case_conflict(
     )
 
 
+@dataclass
 class _Searches:
     """Searches for a robot that meets some of the requirements; each set is asked once."""
 
-    def __init__(
-        self,
-        case: SynthesisCase,
-        effort: Effort,
-        workers: Workers,
-        progress: Callable[[int, SearchProgress], bool | None] | None,
-    ) -> None:
-        self.case, self.effort, self.workers, self.progress = case, effort, workers, progress
-        self.known: dict[tuple[int, ...], bool] = {}
-        self.searches = 0
-        self.canceled = False
+    case: SynthesisCase
+    effort: Effort
+    workers: Workers
+    progress: Callable[[int, SearchProgress], bool | None] | None
+    known: dict[tuple[int, ...], bool] = field(default_factory=dict)
+    searches: int = 0
+    canceled: bool = False
 
     def feasible(self, chosen: tuple[int, ...]) -> bool:
         """Whether a robot is found; false once the search was canceled."""

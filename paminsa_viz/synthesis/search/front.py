@@ -9,7 +9,7 @@ the answers of the earlier ones.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import product
 
 import numpy as np
@@ -119,7 +119,7 @@ def design_front(
         problem = f"2 or more, for up to {MOST_POINTS} searches in all, are possible, not {points}"
         raise InvalidInput("points", problem)
     signs = np.array([entry.sign for entry in entries])
-    run = _Front(case, names, signs, workers, progress, found, total)
+    run = _Front(case, names, signs, total, workers, progress, found)
     # What is best in another objective alone may be bad in the first for nothing: such an answer
     # is no point of the front, it only says how far the front reaches.
     for name in names:
@@ -140,25 +140,22 @@ def design_front(
     return run.front()
 
 
+@dataclass
 class _Front:
     """A front as it grows."""
 
-    def __init__(
-        self,
-        case: SynthesisCase,
-        names: tuple[str, ...],
-        signs: Array,
-        workers: Workers,
-        progress: Callable[[int, int, SearchProgress], bool | None] | None,
-        found: Callable[[FrontPoint], None] | None,
-        total: int,
-    ) -> None:
-        self.case, self.names, self.signs = case, names, signs
-        self.workers, self.progress, self.found, self.total = workers, progress, found, total
-        self.answers: list[FrontPoint] = []
-        self.points: list[FrontPoint] = []
-        self.done = self.failed = 0
-        self.canceled = False
+    case: SynthesisCase
+    names: tuple[str, ...]
+    signs: Array
+    total: int
+    workers: Workers
+    progress: Callable[[int, int, SearchProgress], bool | None] | None
+    found: Callable[[FrontPoint], None] | None
+    answers: list[FrontPoint] = field(default_factory=list)
+    points: list[FrontPoint] = field(default_factory=list)
+    done: int = 0
+    failed: int = 0
+    canceled: bool = False
 
     def search(self, objective: str, limits: dict[str, float]) -> None:
         """Search a point; limits are signed as what is minimized."""

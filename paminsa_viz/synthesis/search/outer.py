@@ -20,7 +20,6 @@ from paminsa_viz.quantities.requirements import Workspace
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.synthesis.search.case import Regime, SynthesisCase
 from paminsa_viz.synthesis.search.evaluation import REFUSED, Evaluator, TrialEvaluation
-from paminsa_viz.synthesis.search.region import Density
 from paminsa_viz.synthesis.volume.margins import Canceled
 
 if TYPE_CHECKING:
@@ -81,32 +80,18 @@ class RegimeState:
         return self.cost < REFUSED
 
 
-@dataclass(frozen=True)
-class SearchProgress:
-    """How far a search is.
+SearchProgress = RegimeState
+"""What a progress function is called with after each generation."""
 
-    Attributes:
-        regime: What is searched.
-        generation: Generations done in this regime.
-        trials: Robots tried in this regime.
-        cost: Its best cost; the objective, with its sign turned where it is maximized.
-        feasible: Whether the best trial meets all requirements.
-        best: Numbers of the best trial, for `SynthesisCase.design` [SI].
-    """
-
-    regime: Regime
-    generation: int
-    trials: int
-    cost: float
-    feasible: bool
-    best: tuple[float, ...]
+OnGeneration = Callable[[SearchProgress], bool | None]
+"""Called after each generation; true ends the search."""
 
 
 def search_round(
     evaluator: Evaluator,
     state: RegimeState,
     workers: Workers = here,
-    progress: Callable[[SearchProgress], bool | None] | None = None,
+    progress: OnGeneration | None = None,
     *,
     generations: int = ROUND,
 ) -> RegimeState:
@@ -132,16 +117,19 @@ def search_round(
         parts = [listed[start : start + PART] for start in range(0, len(listed), PART)]
         return list(chain.from_iterable(workers.in_order(evaluator.costs, parts)))
 
+    def reached(found: OptimizeResult, generations: int) -> RegimeState:
+        return replace(
+            state,
+            generation=state.generation + generations,
+            trials=state.trials + int(found.nfev),
+            best=tuple((low + (high - low) * found.x).tolist()),
+            history=state.history + tuple(history),
+        )
+
     def after_generation(intermediate_result: OptimizeResult) -> None:
         nonlocal canceled
-        cost = float(intermediate_result.fun)
-        history.append(cost)
-        if progress is None:
-            return
-        best = tuple((low + (high - low) * intermediate_result.x).tolist())
-        trials = state.trials + int(intermediate_result.nfev)
-        count = state.generation + len(history)
-        if progress(SearchProgress(evaluator.regime, count, trials, cost, cost < REFUSED, best)):
+        history.append(float(intermediate_result.fun))
+        if progress is not None and progress(reached(intermediate_result, len(history))):
             canceled = True
             raise StopIteration
 
@@ -160,14 +148,8 @@ def search_round(
     )  # fmt: skip
     if canceled:
         raise Canceled
-    after = replace(
-        state,
-        generation=state.generation + int(found.nit),
-        trials=state.trials + int(found.nfev),
-        population=tuple(map(tuple, found.population.tolist())),
-        best=tuple((low + (high - low) * found.x).tolist()),
-        history=state.history + tuple(history),
-    )
+    population = tuple(map(tuple, found.population.tolist()))
+    after = replace(reached(found, int(found.nit)), population=population)
     return replace(after, done=_has_ended(case, after, bool(found.success)))
 
 
@@ -190,29 +172,14 @@ STEP = 15
 """Generations of a round."""
 
 
-@dataclass(frozen=True, eq=False)
-class LocalOptimum:
-    """The best robot near an answer.
-
-    Attributes:
-        numbers: What is searched, in the order of the case's paths [SI].
-        found: Its values.
-    """
-
-    numbers: tuple[float, ...]
-    found: TrialEvaluation
-
-    @property
-    def objective(self) -> float:
-        """What is minimized [SI]; NaN if the requirements are not met."""
-        return self.found.objective
-
-
 def cloud(
     case: SynthesisCase,
     answers: Sequence[Sequence[float]],
     spread: float = SPREAD,
     others: float = 0.0,
+    *,
+    count: int = 0,
+    turn: int = 0,
 ) -> tuple[tuple[float, ...], ...]:
     """Return trials about some answers, for `RegimeState.population`; the answers are among them.
 
@@ -221,11 +188,13 @@ def cloud(
         answers: Numbers in the order of the case's paths [SI].
         spread: Standard deviation, as a share of the ranges.
         others: Share of trials anywhere in the ranges.
+        count: How many there are; 0 for as many as the effort of the case says.
+        turn: Decides the trials with the seed; 0 for the number of answers.
     """
     low, high = case.bounds.T
     near = (np.atleast_2d(np.array(answers, np.float64)) - low) / (high - low)
-    count = max(case.effort.population * len(low), 2 * len(near))
-    rng = np.random.default_rng([case.seed, len(near)])
+    count = count or max(case.effort.population * len(low), 2 * len(near))
+    rng = np.random.default_rng([case.seed, turn or len(near)])
     rows = near[np.arange(count) % len(near)] + rng.normal(0.0, spread, (count, len(low)))
     rows[: len(near)] = near
     anywhere = int(others * count)
@@ -240,11 +209,8 @@ def refined(
     numbers: Sequence[float],
     *,
     rounds: int = 4,
-    spread: float = SPREAD,
-    density: Density | None = None,
     workers: Workers = here,
-    progress: Callable[[SearchProgress], bool | None] | None = None,
-) -> LocalOptimum:
+) -> TrialEvaluation:
     """Return the best robot near some numbers, by a few rounds of the same search.
 
     Args:
@@ -252,25 +218,18 @@ def refined(
         regime: The regime of the numbers.
         numbers: Where to start, in the order of the case's paths [SI].
         rounds: Most rounds of `STEP` generations; it ends when one makes no progress.
-        spread: Of the first trials, as a share of the ranges.
-        density: Of the poses; None for that of the search.
         workers: Where trials are computed.
-        progress: Called after each generation; true ends it.
-
-    Raises:
-        Canceled: If the progress function ended it.
     """
-    evaluator = Evaluator(case, regime) if density is None else Evaluator(case, regime, density)
+    evaluator = Evaluator(case, regime)
     # as late in the search as trials are made from the best as well
     late = int(np.ceil(EXPLORE * case.effort.generations))
-    state = RegimeState(regime, late, population=cloud(case, [numbers], spread))
+    state = RegimeState(regime, late, population=cloud(case, [numbers]))
     for _ in range(rounds):
         before = state.cost
-        state = search_round(evaluator, state, workers, progress, generations=STEP)
+        state = search_round(evaluator, state, workers, generations=STEP)
         if before - state.cost <= 0.1 * PROGRESS * abs(state.cost):
             break
-    found = evaluator.evaluate(np.array([state.best]))[0]
-    return LocalOptimum(state.best, found)
+    return evaluator.evaluate(np.array([state.best]))[0]
 
 
 def numbers_of(case: SynthesisCase, design: Design, workspace: Workspace) -> tuple[float, ...]:

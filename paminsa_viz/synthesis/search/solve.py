@@ -15,7 +15,7 @@ from paminsa_viz.synthesis.proof.evidence import Proof, Verdict
 from paminsa_viz.synthesis.search.case import ObjectiveLimit, Regime, SynthesisCase
 from paminsa_viz.synthesis.search.evaluation import Evaluator, TrialEvaluation
 from paminsa_viz.synthesis.search.objectives import find_objective
-from paminsa_viz.synthesis.search.outer import ROUND, RegimeState, SearchProgress, search_round
+from paminsa_viz.synthesis.search.outer import ROUND, OnGeneration, RegimeState, cloud, search_round
 from paminsa_viz.synthesis.search.refusals import refusal
 from paminsa_viz.synthesis.search.region import TRIAL
 from paminsa_viz.synthesis.search.result import RelaxedBound, SynthesisResult, limit_of, outcomes_of
@@ -60,7 +60,7 @@ class _Run:
 
     case: SynthesisCase
     workers: Workers
-    progress: Callable[[SearchProgress], bool | None] | None
+    progress: OnGeneration | None
     relaxed: int | None = None
     prove: float | None = None
 
@@ -106,7 +106,10 @@ class _Run:
                     excess[index] = max(excess[index], before - after)
             tighter = np.maximum(tighter, SLACK * excess)
             evaluator = replace(plain, tighter=tuple(tighter.tolist()))
-            state = replace(self._cloud(state), history=())
+            near = cloud(
+                self.case, [state.best], CLOUD, count=len(state.population), turn=state.generation
+            )
+            state = replace(state, population=near, history=())
             try:
                 state = search_round(
                     evaluator, state, self.workers, self.progress, generations=REPAIR_ROUND
@@ -127,22 +130,12 @@ class _Run:
             proof = prove_workspace(trial.design, required, time_limit=self.prove)
         return _Answer(state, found, self.case.requirements.bounds, proof)
 
-    def _cloud(self, state: RegimeState) -> RegimeState:
-        """Return a state with trials about its best one."""
-        low, high = self.case.bounds.T
-        best = (np.array(state.best) - low) / (high - low)
-        rng = np.random.default_rng([self.case.seed, state.generation])
-        spread = rng.normal(0.0, CLOUD, (len(state.population), len(low)))
-        spread[0] = 0.0
-        rows = np.clip(best + spread, 0.0, 1.0)
-        return replace(state, population=tuple(map(tuple, rows.tolist())))
-
 
 def synthesize(
     case: SynthesisCase,
     *,
     workers: Workers = here,
-    progress: Callable[[SearchProgress], bool | None] | None = None,
+    progress: OnGeneration | None = None,
     states: tuple[RegimeState, ...] = (),
     checkpoint: Callable[[tuple[RegimeState, ...]], None] | None = None,
     relax: bool = True,
@@ -199,7 +192,7 @@ def relaxations(
     case: SynthesisCase,
     regimes: tuple[Regime, ...],
     workers: Workers = here,
-    progress: Callable[[SearchProgress], bool | None] | None = None,
+    progress: OnGeneration | None = None,
 ) -> tuple[RelaxedBound, ...]:
     """Return for each bound and limit the nearest value at which the others can be met.
 
