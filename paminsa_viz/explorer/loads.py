@@ -7,11 +7,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from paminsa_viz.elastostatics.bar_loads import bar_loads
+from paminsa_viz.elastostatics.bar_loads import bar_loads, utilization
 from paminsa_viz.elastostatics.joint_forces import JointForces, joint_forces
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
 from paminsa_viz.elastostatics.sideways import sideways_forces
-from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.elastic import BARS

@@ -12,8 +12,7 @@ from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import ToleranceErrors, manufactured_pose, tolerance_errors
 from paminsa_viz.precision.monte_carlo import MonteCarlo
 from paminsa_viz.precision.unequal_legs import Closure
-from paminsa_viz.report.blocks import Block, Note, Row, Section, Table
-from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.report.blocks import Block, Note, ReportRequest, Row, Section, Table
 from paminsa_viz.studies.drive_accuracy import error_rows, region_errors, statistics
 from paminsa_viz.studies.metrics import RegionResults, default_region
 from paminsa_viz.units import format_value
