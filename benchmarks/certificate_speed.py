@@ -21,9 +21,10 @@ from paminsa_viz.quantities.requirements import (
     Workspace,
     WorkspaceShape,
 )
-from paminsa_viz.synthesis.certificate import prove
-from paminsa_viz.synthesis.enclosures import condition_bounds, static_bounds
-from paminsa_viz.synthesis.largest import Growth, largest_workspace
+from paminsa_viz.synthesis.proof.certificate import prove
+from paminsa_viz.synthesis.proof.enclosures import condition_bounds, static_bounds
+from paminsa_viz.synthesis.proof.largest import largest_workspace
+from paminsa_viz.synthesis.proof.regions import Growth
 
 TURN = math.radians(30)
 BOUNDS = (

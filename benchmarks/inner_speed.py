@@ -13,12 +13,12 @@ from benchmarks.measure import best, heading, number, table
 from paminsa_viz.balancing import CounterweightRange, SpringPlace, at_joint, beyond, on_slider
 from paminsa_viz.model import APPENDIX_4, backend
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.synthesis.engine_check import check_by_mujoco
-from paminsa_viz.synthesis.inner import solve_inner
-from paminsa_viz.synthesis.inner_case import InnerCase, MassFactor
-from paminsa_viz.synthesis.inner_space import sampled_solution
-from paminsa_viz.synthesis.robustness import built_robots
+from paminsa_viz.quantities.requirements import Requirement, Requirements
+from paminsa_viz.synthesis.answer.checks import AnswerMargins, built_robots
+from paminsa_viz.synthesis.answer.engine_check import check_by_mujoco
+from paminsa_viz.synthesis.masses.case import InnerCase, MassFactor
+from paminsa_viz.synthesis.masses.program import solve_inner
+from paminsa_viz.synthesis.masses.space import sampled_solution
 from paminsa_viz.trajectory import PRESET, solve_trajectory
 
 DESIGN = APPENDIX_4
@@ -76,7 +76,7 @@ def main() -> None:
         ),
         "100 robots built within tolerances": lambda: built_robots(DESIGN, 100),
         "MuJoCo's check, 60 poses and the motion": lambda: check_by_mujoco(
-            limited.design, bounds, pose, springs=limited.springs, motions=(motion,)
+            limited.design, AnswerMargins(Requirements(bounds), limited.springs, (motion,)), pose
         ),
     }
     heading("What goes with it")

@@ -14,8 +14,8 @@ import numpy as np
 from benchmarks.measure import best, heading, number, table
 from paminsa_viz.studies import here, processes
 from paminsa_viz.synthesis import Evaluator, Regime, SynthesisCase, synthesize
-from paminsa_viz.synthesis.case_file import EXAMPLES, load_case
-from paminsa_viz.synthesis.evaluation import STAGES
+from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case
+from paminsa_viz.synthesis.search.evaluation import STAGES
 
 PROTOTYPE = 20.0 / 33_000
 """Time of a trial in a first prototype on one core [s]."""

@@ -15,10 +15,11 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.grids import Grid, solve_field
 from paminsa_viz.quantities.requirement_text import parse_requirement
 from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
-from paminsa_viz.synthesis.check import check_requirements
-from paminsa_viz.synthesis.conflict import smallest_conflict
-from paminsa_viz.synthesis.surface import volume_surface
-from paminsa_viz.synthesis.volume import COARSE, FINE, Volume, solve_volume
+from paminsa_viz.synthesis.volume.check import check_requirements
+from paminsa_viz.synthesis.volume.conflict import smallest_conflict
+from paminsa_viz.synthesis.volume.grid import COARSE, FINE
+from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
+from paminsa_viz.synthesis.volume.surface import volume_surface
 
 TEXTS = ("condition <= 10", "max_torque <= 15 N m", "f_4 <= 450 N")
 TURN = math.radians(30.0)

@@ -11,17 +11,17 @@ import tyro
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
-from paminsa_viz.cli.output import print_json, print_table
-from paminsa_viz.cli.tolerances_report import (
-    manufacture_data,
-    manufacture_errors,
-    print_manufacture,
-)
-from paminsa_viz.model.accuracy import DriveAccuracy
+from paminsa_viz.cli.output import pose_text, print_blocks, print_json
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.reach import home_pose, require_reachable
 from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors
+from paminsa_viz.precision.leg_lengths import LENGTHS
+from paminsa_viz.precision.manufacture import manufactured_pose, tolerance_errors
+from paminsa_viz.precision.monte_carlo import MonteCarlo, monte_carlo
+from paminsa_viz.precision.unequal_legs import COORDINATES, Closure
+from paminsa_viz.report.accuracy_section import drive_blocks, manufacture_blocks
 from paminsa_viz.studies.drive_accuracy import (
     STATISTICS_OF,
     RegionErrors,
@@ -30,7 +30,7 @@ from paminsa_viz.studies.drive_accuracy import (
     statistics,
 )
 from paminsa_viz.studies.metrics import Region, RegionResults
-from paminsa_viz.units import MM, display_unit, format_ascii
+from paminsa_viz.units import MM
 
 DESCRIPTION = """\
 Errors of the platform's pose that the drives leave, at a pose and over the workspace; and those by
@@ -99,17 +99,18 @@ class Accuracy(JsonFlags, PoseFlags, DesignFlags):
             self.cells,
         )
         here = drive_errors(geometry, design.accuracy, pose)
-        made = None
-        if self.manufacture:
-            made = manufacture_errors(design, pose, robots=self.robots, seed=self.seed)
-        over = region_errors(RegionResults(design, region))
+        over = RegionResults(design, region)
+        drawn = None
+        if self.robots:
+            drawn = monte_carlo(design, pose, robots=self.robots, seed=self.seed)
         if self.json:
-            data = _data(design, here, region, over)
-            print_json(data if made is None else data | {"manufacture": manufacture_data(made)})
+            data = _data(design, here, region, region_errors(over))
+            more = {"manufacture": _manufacture_data(design, pose, drawn)}
+            print_json(data | more if self.manufacture else data)
         else:
-            _print(design, here, region, over)
-            if made is not None:
-                print_manufacture(design, made)
+            print(f'design "{design.name}", {pose_text(pose)}')
+            made = manufacture_blocks(design, pose, drawn) if self.manufacture else []
+            print_blocks([*drive_blocks(here, over), *made])
         return 0 if here.ok else 1
 
     def _design(self) -> Design:
@@ -173,52 +174,31 @@ def _key(name: str) -> str:
     return {"xy": "horizontal_m", "θ": "theta_rad"}.get(name, f"{name}_m")
 
 
-def _print(design: Design, here: DriveErrors, region: Region, over: RegionErrors) -> None:
-    accuracy, pose = design.accuracy, here.pose
-    print(f'design "{design.name}"')
-    print(f"M1 to M3: {_parts(accuracy, 'rotary', 'rad')}")
-    print(f"M4: {_parts(accuracy, 'linear', 'm:um')}")
-    place = ", ".join(
-        f"{name} {format_ascii(float(value), unit)}"
-        for name, value, unit in zip(
-            ("x", "y", "theta", "z"), pose, ("m", "m", "rad", "m"), strict=True
-        )
-    )
-    print(f"\nat {place}")
-    if not here.ok:
-        print(f"no bound: {Bound(int(here.bound)).reason(int(here.leg))}")
-    rows = [("", "worst", "linear", "RMS")]
-    rows += [
-        (f"{row.name} [{display_unit(row.unit).text}]",
-         *(_cell(getattr(row, kind)[0], row.unit) for kind in STATISTICS_OF))
-        for row in error_rows(here)
-    ]  # fmt: skip
-    print_table(rows, right=True)
-    angles = ", ".join(format_ascii(angle, "rad") for angle in region.theta)
-    heights = ", ".join(format_ascii(height, "m") for height in region.z)
-    print(
-        f"\nover {over.poses} poses within {format_ascii(region.radius, 'm')} of the axis, "
-        f"theta {angles}, z {heights}"
-    )
-    for bound, count in over.unbounded.items():
-        print(f"no bound at {count} of them: {bound.reason()}")
-    head = ("worst: median", "95 % below", "largest", "linear: median", "RMS: median")
-    rows: list[tuple[str, ...]] = [("", *head)]
-    for row in over.rows:
-        values = (*statistics(row.worst), statistics(row.linear)[0], statistics(row.rms)[0])
-        name = f"{row.name} [{display_unit(row.unit).text}]"
-        rows.append((name, *(_cell(value, row.unit) for value in values)))
-    print_table(rows, right=True)
+def _manufacture_data(
+    design: Design, pose: tuple[float, ...], robots: MonteCarlo | None
+) -> dict[str, Any]:
+    errors, actual = tolerance_errors(design, pose), manufactured_pose(design, pose)
+    keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in COORDINATES]
 
+    def named(values: Array) -> dict[str, float]:
+        return dict(zip(keys, values.tolist(), strict=True))
 
-def _parts(accuracy: DriveAccuracy, kind: str, unit: str) -> str:
-    """Return what an accuracy is made of."""
-    half = accuracy.half_widths[0 if kind == "rotary" else 3]
-    values = [getattr(accuracy, f"{name}_{kind}") for name in ("resolution", "backlash", "control")]
-    count, backlash, control = (format_ascii(value, unit) for value in values)
-    text = f"count {count}, backlash {backlash}, controller +-{control}"
-    return f"within +-{format_ascii(half, unit)} ({text})"
-
-
-def _cell(value: float, unit: str) -> str:
-    return "-" if np.isnan(value) else f"{value * display_unit(unit).factor:.4g}"
+    data: dict[str, Any] = {
+        "worst": named(errors.worst),
+        "clearance": named(errors.clearance),
+        "rms": named(errors.rms),
+        "worst_horizontal_m": float(errors.horizontal),
+        "worst_tilt_rad": float(errors.tilt),
+        "shares": {
+            key: {length.name: float(share) for length, share in zip(LENGTHS, row, strict=True)}
+            for key, row in zip(keys, errors.shares, strict=True)
+        },
+        "actual": named(actual.coordinates),
+        "actual_reason": Closure(int(actual.closure)).reason,
+    }
+    if robots:
+        data["robots"] = {
+            "count": len(robots.errors), "seed": robots.seed, "solved": float(robots.solved),
+            "rms": named(robots.rms), "p95": named(robots.quantile(0.95)),
+        }  # fmt: skip
+    return data

@@ -205,7 +205,7 @@ def _print(found: Optimum) -> None:
     for value in found.values:
         limit = "" if value.limit is None else f", at most {value.limit:.6g}"
         rows.append((value.label + limit, _number(value.before), _number(value.after), value.unit))
-    print_table(rows, right=True)
+    print_table(rows, words=1)
     print()
     rows = [("of each leg", "before", "after", "change", "unit")]
     for path, before, after in _changed(found):
@@ -213,7 +213,7 @@ def _print(found: Optimum) -> None:
         rows.append((path, _number(before), _number(after), f"{after - before:+.6g}", unit))
     for weight in found.after.counterweights[len(found.before.counterweights) :]:
         rows.append((weight.place, "", _number(weight.mass), f"{weight.mass:+.6g}", "kg"))
-    print_table(rows, right=True) if len(rows) > 1 else print("no mass changes")
+    print_table(rows, words=1) if len(rows) > 1 else print("no mass changes")
     costly = [item for item in found.active if item.price > 0]
     if costly:
         print("\nBounds that are reached, and what one unit more of room would save:")

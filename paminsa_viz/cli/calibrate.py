@@ -13,14 +13,13 @@ from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_ending
 from paminsa_viz.cli.output import print_json, print_table, print_written
-from paminsa_viz.cli.tolerances_report import UNITS
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.measurement_table import measurement_table, read_measurements
 from paminsa_viz.files.tables import table_bytes, table_endings
+from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.model.kinematics import inverse_kinematics
-from paminsa_viz.model.leg_deviations import LEG_NAMES
 from paminsa_viz.precision.calibration import Calibration, calibrate, describe
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
 from paminsa_viz.precision.measurements import InvalidMeasurement, Measurements, PredictionErrors
@@ -118,7 +117,7 @@ class Calibrate(JsonFlags, DesignFlags):
         fitted, held = found.after.poses, found.after_held.poses
         back = f", {held} held back" if held else ""
         print(f'design "{found.start.name}": {fitted} poses of {width} coordinates fitted{back}\n')
-        print_table(_error_rows(found), right=True)
+        print_table(_error_rows(found), words=1)
         count, rank = len(found.combinations), found.rank
         values = found.singular_values
         after = f", then {values[rank]:.2g}" if rank < len(values) else ""
@@ -151,7 +150,7 @@ def _error_rows(found: Calibration) -> list[tuple[str, ...]]:
         ("", *(f"{name}: {kind}" for name, *_ in sets for kind in ("RMS before", "RMS", "largest")))
     ]
     for place in range(len(found.after.rms)):
-        unit = UNITS[place]
+        unit = "m:um" if COORDINATES[place] in "xyz" else "rad:arcsec"
         cells = [
             format_ascii(float(values[place]), unit, 4)
             for _, before, after in sets

@@ -124,7 +124,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
         print(f'design "{design.name}", catalog {catalog.name}: {motions}\n')
         rows: list[tuple[str, ...]] = [_LOAD_HEAD]
         rows += [_load_row(load) for load in found.cycle.loads]
-        print_table(rows, right=True)
+        print_table(rows, words=1)
         own = size_design(found.cycle, design)
         if any(own):
             print("\nthe design's own drives")

@@ -165,7 +165,7 @@ class Excite(JsonFlags, DesignFlags):
             )
             for row in found.limits
         ]  # fmt: skip
-        print_table(rows, right=True)
+        print_table(rows, words=1)
         if self.out is not None:
             print_written([self.out])
 

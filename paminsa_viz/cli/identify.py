@@ -3,25 +3,31 @@
 from __future__ import annotations
 
 import math
+import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
+from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Pose
-from paminsa_viz.cli.identify_report import findings_data, print_findings
-from paminsa_viz.cli.output import print_json
+from paminsa_viz.cli.output import print_blocks, print_json, print_written
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.errors import FileError
 from paminsa_viz.files.example_logs import given_log
 from paminsa_viz.files.identification_table import estimate_table, residual_table
 from paminsa_viz.files.tables import table_bytes
+from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.columns import IdentificationSettings
 from paminsa_viz.identification.findings import Findings, investigate
 from paminsa_viz.identification.log import Log
+from paminsa_viz.identification.results import Estimate
+from paminsa_viz.identification.validation import PayloadEstimate
+from paminsa_viz.report.identification_section import identification_section
 from paminsa_viz.units import MM
 
 DESCRIPTION = """\
@@ -100,9 +106,11 @@ class Identify(JsonFlags, DesignFlags):
         )  # fmt: skip
         written = [] if self.out is None else self._write(self.out, found)
         if self.json:
-            print_json(findings_data(found, written))
+            print_json(_data(found, written))
         else:
-            print_findings(found, written)
+            print(f'design "{design.name}"')
+            print_blocks(identification_section(found).blocks)
+            print_written(written)
         wrong = bool(found.causes.named) or found.identification.identity.holds is False
         return 1 if wrong else 0
 
@@ -142,3 +150,71 @@ class Identify(JsonFlags, DesignFlags):
 
 
 FLAGS = Identify
+
+
+def _data(found: Findings, written: Sequence[Path]) -> dict[str, Any]:
+    """Return everything as data for JSON, in SI units."""
+    one, check = found.identification, found.validation
+    return {
+        "made_by": f"paminsa_viz {__version__}",
+        "design": one.design.name,
+        "log": {
+            "name": one.log.name, "rows": len(one.log.t), "rate_Hz": one.log.rate,
+            "duration_s": one.log.duration,
+        },
+        "notes": list(one.notes),
+        "parameters": [_estimate_data(item) for item in one.estimates],
+        "identity": {
+            "value_N": one.identity.value, "half_width_N": one.identity.half_width,
+            "z": one.identity.z, "holds": one.identity.holds,
+        },
+        "residual_rms": one.noise.tolist(),
+        "masses": [
+            {
+                "path": item.parameter.path, "unit": item.parameter.unit, "design": item.prior,
+                "nearest": item.value, "deviation_given_the_design": item.deviation,
+                "known": item.told,
+            }
+            for item in found.nearest.masses
+        ],
+        "misfit": found.nearest.misfit,
+        "causes": [_cause_data(item) for item in found.causes.ranked],
+        "named": [_cause_data(item) for item in found.causes.named],
+        "unseen": list(found.causes.unseen),
+        "validation": check and {
+            "log": check.log.name, "residual_rms": check.residual.tolist(),
+            "own_rms": check.own.tolist(), "ratio": check.ratio.tolist(),
+        },
+        "payload": found.payload and _payload_data(found.payload),
+        "files": [os.fspath(path) for path in written],
+    }  # fmt: skip
+
+
+def _estimate_data(item: Estimate) -> dict[str, Any]:
+    p = item.parameter
+    return {
+        "symbol": item.symbol, "label": p.label, "unit": p.unit, "value": item.value,
+        "half_width_95": item.half_width, "design": p.design, "known": item.known,
+        "reason": item.reason,
+    }  # fmt: skip
+
+
+def _cause_data(item: Cause) -> dict[str, Any]:
+    return {
+        "cause": item.label, "unit": item.unit, "value": item.value,
+        "half_width_95": item.half_width, "p_value": item.p_value, "explains": item.explains,
+        "detectable": item.detectable,
+    }  # fmt: skip
+
+
+def _payload_data(item: PayloadEstimate) -> dict[str, Any]:
+    gain = item.gain
+    return {
+        "mass_kg": item.mass, "half_width_kg": item.half_width,
+        "with_drift_of_F4": {
+            "mass_kg": item.free_mass, "half_width_kg": item.free_half_width,
+            "drift_N": item.drift, "drift_half_width_N": item.drift_half_width,
+        },
+        "known_kg": item.known,
+        "gain": None if gain is None else {"value": gain[0], "half_width": gain[1]},
+    }  # fmt: skip

@@ -16,11 +16,11 @@ from paminsa_viz.cli.requirement_flags import RequirementFlags
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirement_text import requirement_text
 from paminsa_viz.quantities.requirements import Requirements, WorkspaceShape
-from paminsa_viz.synthesis.certificate import prove
-from paminsa_viz.synthesis.evidence import Evidence, Pose, Proof, Verdict
-from paminsa_viz.synthesis.families import Method
-from paminsa_viz.synthesis.largest import Growth, LargestWorkspace, largest_workspace
-from paminsa_viz.synthesis.region_margins import PoseRegion
+from paminsa_viz.synthesis.proof.certificate import prove
+from paminsa_viz.synthesis.proof.evidence import Evidence, Pose, Proof, Verdict
+from paminsa_viz.synthesis.proof.families import Method
+from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace
+from paminsa_viz.synthesis.proof.regions import Growth, PoseRegion
 from paminsa_viz.units import DEGREES, MM, format_ascii
 
 _GROWTH = {"all": Growth.ALL, "horizontal": Growth.HORIZONTAL, "vertical": Growth.VERTICAL}

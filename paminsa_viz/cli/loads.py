@@ -12,9 +12,9 @@ import tyro
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PoseFlags, check_ending
-from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
+from paminsa_viz.cli.output import pose_text, print_blocks, print_error, print_json, print_written
 from paminsa_viz.elastostatics.bar_diagram import COMPONENTS
-from paminsa_viz.elastostatics.bar_loads import all_bar_loads, arm_tip
+from paminsa_viz.elastostatics.bar_loads import all_bar_loads, utilization
 from paminsa_viz.elastostatics.joint_forces import (
     JOINTS,
     NEEDS_STIFFNESS,
@@ -23,7 +23,6 @@ from paminsa_viz.elastostatics.joint_forces import (
 )
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
 from paminsa_viz.elastostatics.sideways import SidewaysForces, sideways_forces
-from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.loads_table import bar_table, bearing_table, joint_table, motion_loads_table
@@ -31,6 +30,7 @@ from paminsa_viz.files.tables import DataTable, table_bytes, table_endings
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.reach import Limit, home_pose, require_reachable, status_words
+from paminsa_viz.report.loads_section import motion_blocks, pose_blocks
 from paminsa_viz.trajectory import ImpossibleTrajectory, analyze
 
 DESCRIPTION = """\
@@ -48,11 +48,6 @@ the elasticity of the legs; those shares are given at rest, from the design's el
 
 Exit code: 0 done; 1 the pose is singular, or the robot cannot run the whole motion; 2 a wrong
 argument or file, or a pose out of reach."""
-
-PERCENT = 100.0
-
-ROUNDING = 1e-10
-"""Force [N] or moment [N m] that is printed as zero."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,7 +99,8 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
         if self.json:
             print_json(_pose_data(design, pose, forces, sideways))
         else:
-            _print_pose(forces, sideways)
+            print(pose_text(pose))
+            print_blocks(pose_blocks(forces, sideways))
         if self.bar is not None:
             self._write(bar_table(forces, pose, self.bar))
         elif self.out:
@@ -121,7 +117,9 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
         if self.json:
             print_json(_motion_data(found))
         else:
-            _print_motion(found)
+            t = found.trajectory
+            print(f'motion "{t.name}", {t.t[-1] - t.t[0]:.3g} s')
+            print_blocks(motion_blocks(found))
         if self.out:
             self._write(bearing_table(found) if self.bearings else motion_loads_table(found))
         if first is not None:
@@ -137,80 +135,6 @@ class ImpossiblePose(PaminsaError):
 
     def __init__(self, word: str) -> None:
         super().__init__(f"there are no joint forces in this pose: {word}")
-
-
-def _print_pose(forces: JointForces, sideways: SidewaysForces) -> None:
-    head = ("joint", *(f"{part} {leg}" for leg in (1, 2, 3) for part in ("r", "z", "M")))
-    rows: list[tuple[str, ...]] = [head]
-    for index, joint in enumerate(JOINTS):
-        cells = []
-        for leg in range(3):
-            force = forces.force[leg, index]
-            cells += [_number(force[0]), _number(force[2]), _number(forces.moment[leg, index])]
-        rows.append((joint.label, *cells))
-    print("forces [N] and moments [N m] in the planes of legs 1 to 3, at rest\n")
-    print_table(rows, right=True)
-    parts = ("w", "M_u", "M_z")
-    rows = [("joint", *(f"{part} {leg}" for leg in (1, 2, 3) for part in parts))]
-    for index, joint in enumerate(JOINTS):
-        cells = []
-        for leg in range(3):
-            moment = sideways.moment[leg, index]
-            cells += [_number(value) for value in (sideways.force[leg, index], *moment)]
-        rows.append((joint.label, *cells))
-    print("\nacross the planes, shared by elasticity: forces [N], moments [N m] about r and z\n")
-    print_table(rows, right=True)
-    tau = ", ".join(_number(value) for value in forces.torque[:3])
-    print(f"\ntorques {tau} N m, force of M4 {_number(forces.torque[3])} N\n")
-    use = utilization(forces)
-    rows = [("bar", *(f"{part} {leg}" for leg in (1, 2, 3) for part in (*COMPONENTS, "use")))]
-    for number, (bar, loads) in enumerate(all_bar_loads(forces).items()):
-        cells = []
-        for leg, inner in enumerate(loads.extremes()):
-            cells += [_number(value) for value in inner]
-            cells.append(f"{PERCENT * use[leg, number]:.2f} %")
-        rows.append((bar.upper(), *cells))
-    print("largest N [N], V [N], M [N m] along the bars, stress over yield stress\n")
-    print_table(rows, right=True)
-    tip = arm_tip(forces)
-    bending = ", ".join(
-        _number(value) for value in (tip.sideways * forces.design.geometry.arm_length).reshape(3)
-    )
-    torsion = ", ".join(_number(value) for value in tip.torsion.reshape(3))
-    print(
-        f"\nroots of the arms B1, without sideways shares: horizontal bending {bending} N m, "
-        f"torsion {torsion} N m"
-    )
-
-
-def _print_motion(found: MotionLoads) -> None:
-    t = found.trajectory
-    print(f'motion "{t.name}", {t.t[-1] - t.t[0]:.3g} s: forces [N] at legs 1 to 3\n')
-    parts = ("peak", "RMS", "eq.")
-    rows = [("joint", *(f"{part} {leg}" for leg in (1, 2, 3) for part in parts))]
-    for index, joint in enumerate(JOINTS):
-        cells = []
-        for leg in range(3):
-            values = (found.peak, found.rms, found.equivalent)
-            cells += [_number(value[leg, index]) for value in values]
-        rows.append((joint.label, *cells))
-    print_table(rows, right=True)
-    rows = [("bar", *(f"{part} {leg}" for leg in (1, 2, 3) for part in (*COMPONENTS, "use")))]
-    use = found.utilization.max(axis=0)
-    for number, bar in enumerate(BARS):
-        cells = []
-        for leg in range(3):
-            cells += [_number(value) for value in found.bar_peak[leg, number]]
-            cells.append(f"{PERCENT * use[leg, number]:.2f} %")
-        rows.append((bar.upper(), *cells))
-    print("\nlargest N [N], V [N], M [N m] along the bars, stress over yield stress\n")
-    print_table(rows, right=True)
-
-
-def _number(value: float) -> str:
-    if np.isnan(value):
-        return "-"
-    return "0" if abs(value) < ROUNDING else f"{value:.4g}"
 
 
 def _pose_data(

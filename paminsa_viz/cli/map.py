@@ -253,7 +253,7 @@ def _print(flags: Map, data: MapData, facts: dict[str, Any]) -> None:
             for name, found in facts["maps"].items()
         ),
     ]
-    print_table(rows, right=True)
+    print_table(rows, words=1)
     counted, limit = facts["counting_cells"], f"{flags.max_condition:g}"
     print(
         f"over the {counted} cells that count: not too close to a singularity "

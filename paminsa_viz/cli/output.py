@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Iterable, Sequence
 
 from paminsa_viz.cli import PROGRAM
+from paminsa_viz.report.blocks import Block, Note, Table
+from paminsa_viz.units import NONE, format_ascii
 
 
 def print_error(error: Exception) -> None:
@@ -25,18 +28,59 @@ def print_json(value: object) -> None:
     print(json.dumps(_finite(value), indent=2, ensure_ascii=False, allow_nan=False))
 
 
-def print_table(rows: Sequence[tuple[str, ...]], *, indent: int = 0, right: bool = False) -> None:
+def print_blocks(blocks: Iterable[Block]) -> None:
+    """Print the notes and tables of a report for people, with a star before rows that stand out."""
+    texts = [block for block in blocks if isinstance(block, (Note, Table))]
+    for before, block in zip([None, *texts], texts, strict=False):
+        if isinstance(before, Table) or (before is not None and isinstance(block, Table)):
+            print()
+        if isinstance(block, Note):
+            print(ascii_numbers(block.text))
+        else:
+            _print_report_table(block)
+
+
+def _print_report_table(table: Table) -> None:
+    if table.caption:
+        print(ascii_numbers(table.caption))
+    lines = [("", *table.head)] if any(table.head) else []
+    for row in table.rows:
+        mark = "*" if row.kind == "marked" else ""
+        missing = len(table.head) - len(row.cells)
+        lines.append((mark, *map(ascii_numbers, row.cells), *[""] * missing))
+    marked = any(line[0] for line in lines)
+    print_table(lines if marked else [line[1:] for line in lines], words=table.words + marked)
+
+
+def pose_text(pose: Sequence[float]) -> str:
+    """Return a pose [m, m, rad, m] as text for people."""
+    x, y, theta, z = (float(value) for value in pose)
+    place = f"x {format_ascii(x, 'm')}, y {format_ascii(y, 'm')}"
+    return f"{place}, theta {format_ascii(theta, 'rad')}, z {format_ascii(z, 'm')}"
+
+
+def ascii_numbers(text: str) -> str:
+    """Return a text whose numbers every terminal and program reads: ``-1.2e-13``, ``+-``."""
+    exponents = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+    text = re.sub(r"·10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)", lambda found: f"e{found[1].translate(exponents)}", text)
+    return text.replace("−", "-").replace("±", "+-").replace(NONE, "-")
+
+
+def print_table(
+    rows: Sequence[tuple[str, ...]], *, indent: int = 0, words: int | None = None
+) -> None:
     """Print rows with columns in line.
 
     Args:
         rows: Rows of as many cells each.
         indent: Spaces before each row.
-        right: Whether all columns but the first are aligned to the right: for numbers.
+        words: How many columns from the left hold words; the others hold numbers, which are
+            aligned to the right. None if all are words.
     """
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         cells = [
-            cell.rjust(width) if right and place else cell.ljust(width)
+            cell.ljust(width) if words is None or place < words else cell.rjust(width)
             for place, (cell, width) in enumerate(zip(row, widths, strict=True))
         ]
         print((" " * indent + "  ".join(cells)).rstrip())

@@ -20,10 +20,11 @@ from paminsa_viz.quantities.requirement_text import (
     EXAMPLE,
     ascii_unit,
 )
-from paminsa_viz.synthesis.check import check_requirements
-from paminsa_viz.synthesis.conflict import smallest_conflict
-from paminsa_viz.synthesis.volume import COARSE, FINE, solve_volume
-from paminsa_viz.synthesis.volume_files import VOLUME_FORMATS, volume_bytes
+from paminsa_viz.synthesis.volume.check import check_requirements
+from paminsa_viz.synthesis.volume.conflict import smallest_conflict
+from paminsa_viz.synthesis.volume.grid import COARSE, FINE
+from paminsa_viz.synthesis.volume.solve import solve_volume
+from paminsa_viz.synthesis.volume.surface import VOLUME_FORMATS, volume_bytes
 
 DESCRIPTION = """\
 Requirements: bounds on quantities, headings and a workspace, of a design file or as text.

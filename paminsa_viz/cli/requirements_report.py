@@ -13,11 +13,12 @@ from paminsa_viz.cli.output import print_table
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirement_text import ascii_unit, requirement_text
 from paminsa_viz.quantities.requirements import Requirements, WorkspaceShape
-from paminsa_viz.synthesis.causes import CauseKind, VolumeCause
-from paminsa_viz.synthesis.check import Over, RequirementCheck, RequirementsCheck
-from paminsa_viz.synthesis.conflict import Conflict, VolumeRelaxation
-from paminsa_viz.synthesis.surface import volume_surface
-from paminsa_viz.synthesis.volume import Volume
+from paminsa_viz.synthesis.volume.causes import CauseKind, VolumeCause
+from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck
+from paminsa_viz.synthesis.volume.conflict import Conflict, VolumeRelaxation
+from paminsa_viz.synthesis.volume.solve import Volume
+from paminsa_viz.synthesis.volume.surface import volume_surface
+from paminsa_viz.synthesis.volume.workspace import RequirementCheck
 from paminsa_viz.units import DEGREES, MM, DisplayUnit, format_ascii
 
 LITERS = 1e3
@@ -94,7 +95,7 @@ def _print_volume(volume: Volume) -> None:
         removed = _percent(shares[cause]) if cause in shares else ""
         rows.append((_cause(volume, cause), surface, removed, alone, last))
     if len(rows) > 1:
-        print_table(rows, right=True)
+        print_table(rows, words=1)
 
 
 def _percent(share: float) -> str:

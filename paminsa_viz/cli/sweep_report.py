@@ -77,7 +77,7 @@ def print_report(path: Path, summary: StudySummary, seconds: float) -> None:
         least, least_row = _cells(found.least, found.least_row)
         most, most_row = _cells(found.largest, found.largest_row)
         rows.append((name, least, least_row, most, most_row))
-    print_table(rows, right=True)
+    print_table(rows, words=1)
     before = f", {summary.found} of them found there" if summary.found else ""
     others = _others(summary.status, OK)
     print(f"{path}: {summary.rows} designs{before}{others}, {seconds:.1f} s")

@@ -29,9 +29,9 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.studies import Workers, cluster, processes
 from paminsa_viz.synthesis import SynthesisCase, SynthesisResult, synthesize
-from paminsa_viz.synthesis.case_file import EXAMPLES, load_case
-from paminsa_viz.synthesis.checkpoint import load_checkpoint, save_checkpoint
-from paminsa_viz.synthesis.front import design_front
+from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case
+from paminsa_viz.synthesis.search.checkpoint import load_checkpoint, save_checkpoint
+from paminsa_viz.synthesis.search.front import design_front
 
 DESCRIPTION = """\
 Find the lengths of the robot that meets requirements over a workspace and minimizes an objective.

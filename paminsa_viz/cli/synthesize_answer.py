@@ -15,12 +15,11 @@ from paminsa_viz.engines import EngineMissing
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.studies import Workers
 from paminsa_viz.synthesis import SynthesisCase, SynthesisResult, find_objective
-from paminsa_viz.synthesis.answer_checks import answer_yield, mujoco_check
-from paminsa_viz.synthesis.case_conflict import CaseConflict, case_conflict
-from paminsa_viz.synthesis.engine_check import MujocoCheck
-from paminsa_viz.synthesis.front import DesignFront
-from paminsa_viz.synthesis.prices import RequirementPrice, requirement_prices
-from paminsa_viz.synthesis.robustness import BuildYield
+from paminsa_viz.synthesis.answer.checks import AnswerMargins, BuildYield, build_yield
+from paminsa_viz.synthesis.answer.engine_check import MujocoCheck, check_by_mujoco
+from paminsa_viz.synthesis.answer.prices import RequirementPrice, requirement_prices
+from paminsa_viz.synthesis.search.case_conflict import CaseConflict, case_conflict
+from paminsa_viz.synthesis.search.front import DesignFront
 from paminsa_viz.units import format_ascii
 
 PERCENT = 100.0
@@ -64,9 +63,9 @@ class AnswerFlags:
         ok = result.feasible
         return AnswerChecks(
             requirement_prices(result, workers=workers) if ok and self.prices else None,
-            answer_yield(
-                result, samples=self.built, workers=workers, seed=result.case.seed,
-                mass_tolerance=self.mass_tolerance / PERCENT,
+            build_yield(
+                result.design, AnswerMargins.of(result), samples=self.built, workers=workers,
+                seed=result.case.seed, mass_tolerance=self.mass_tolerance / PERCENT,
             )
             if ok and self.built
             else None,
@@ -88,7 +87,7 @@ class AnswerChecks:
 def _mujoco(result: SynthesisResult) -> MujocoCheck | str:
     """Return what MuJoCo says, or why it has no such robot."""
     try:
-        return mujoco_check(result)
+        return check_by_mujoco(result.design, AnswerMargins.of(result))
     except (EngineMissing, InvalidDesign) as error:
         return str(error)
 

@@ -11,8 +11,14 @@ import tyro
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import ComparedDesignFlags, FilesFlags, MotionFlags
 from paminsa_viz.cli.output import print_error, print_json
-from paminsa_viz.cli.trajectory_files import PAGE, write_files
-from paminsa_viz.cli.trajectory_report import Results, SimulationStopped, print_report, report
+from paminsa_viz.cli.trajectory_report import (
+    PAGE,
+    Results,
+    SimulationStopped,
+    print_report,
+    report,
+    write_files,
+)
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import Misprint

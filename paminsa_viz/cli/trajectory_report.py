@@ -1,4 +1,4 @@
-"""What ``paminsa-viz trajectory`` prints: a table for people, the same as data for programs."""
+"""What ``paminsa-viz trajectory`` prints and writes: for people, for programs, and as files."""
 
 from __future__ import annotations
 
@@ -11,29 +11,33 @@ from typing import Any
 import numpy as np
 
 from paminsa_viz import __version__
-from paminsa_viz.cli.output import print_table, print_written
+from paminsa_viz.cli import command_module
+from paminsa_viz.cli.output import print_blocks, print_error, print_written
 from paminsa_viz.errors import PaminsaError
-from paminsa_viz.trajectory import MinimumTime, PathEvent, Simulation, TrajectoryAnalysis
+from paminsa_viz.files.atomic import write_bytes
+from paminsa_viz.files.errors import FileError
+from paminsa_viz.files.tables import table_bytes, table_endings
+from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
+from paminsa_viz.plots.formats import figure_endings
+from paminsa_viz.plots.series import FigureKind
+from paminsa_viz.report.trajectory_section import (
+    LOADS,
+    SPEED_UNITS,
+    TORQUE_UNITS,
+    trajectory_blocks,
+)
+from paminsa_viz.trajectory import (
+    ImpossibleTrajectory,
+    MinimumTime,
+    PathEvent,
+    Simulation,
+    TrajectoryAnalysis,
+)
 from paminsa_viz.trajectory.limits import ACTUATOR_NAMES
 from paminsa_viz.units import format_ascii
 
-TORQUE_UNITS = ("N m", "N m", "N m", "N")
-SPEED_UNITS = ("rad/s", "rad/s", "rad/s", "m/s")
-
-LOADS = (
-    ("peak", "peak", "peak", TORQUE_UNITS),
-    ("peak_t", "peak_t_s", "  at", ("s",) * 4),
-    ("rms", "rms", "RMS", TORQUE_UNITS),
-    ("top_speed", "top_speed", "largest speed", SPEED_UNITS),
-    ("top_power", "top_power_W", "peak power", ("W",) * 4),
-    ("top_power_t", "top_power_t_s", "  at", ("s",) * 4),
-    ("driven", "driven_J", "energy, driving", ("J",) * 4),
-    ("braked", "braked_J", "energy, braking", ("J",) * 4),
-)
-"""Loads of an actuator: field of `ActuatorSummary`, JSON key, text, units of the actuators."""
-
-COMPARED = ("peak", "rms", "top_power")
-"""Loads that are repeated for a reference and for the formulas as published."""
+PAGE = ".html"
+"""Ending of the file in which the motion is played."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,32 +110,12 @@ def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
 
 def print_report(results: Results, written: Sequence[Path]) -> None:
     """Print the same for people, lengths in mm and angles in degrees."""
-    analysis, check = results.analysis, results.analysis.check
-    t = analysis.trajectory
-    kind = f" ({t.kind})" if t.kind else ""
-    print(f"{t.name}{kind}: {t.duration:.4g} s, {t.size} samples")
+    analysis = results.analysis
     print(f'design "{analysis.design.name}", {analysis.solved.geometry.knee.label}')
-    for note in t.notes:
-        print(note)
     if results.quickest is not None:
         print(f"shortest duration, {results.quickest.explanation}")
-    print()
-    if analysis.summary:
-        rows = [("", *ACTUATOR_NAMES), *_rows(analysis)]
-        for title, other in (("reference", results.reference), ("as published", results.printed)):
-            if other is not None and other.summary:
-                rows += _rows(other, COMPARED, f"{title}: ")
-        print_table(rows, right=True)
-        print()
-    if check.first is not None:
-        print(f"fails {check.first.explanation}")
-        if analysis.summary:
-            print("the numbers are of the time before")
-    else:
-        near = check.closest
-        leg = f" of leg {near.leg + 1}" if near.leg >= 0 else ""
-        where = f"{format_ascii(near.margin, 'm', 3)} from {near.limit.word}{leg} at {near.t:.4g} s"
-        print(f"can be run; closest to a limit: {where}")
+    others = {"reference": results.reference, "as published": results.printed}
+    print_blocks(trajectory_blocks(analysis, others))
     if results.reference is not None:
         first = results.reference.check.first
         verdict = "can run it too" if first is None else f"fails {first.explanation}"
@@ -139,23 +123,6 @@ def print_report(results: Results, written: Sequence[Path]) -> None:
     if results.simulation is not None:
         _print_simulation(results.simulation)
     print_written(written)
-
-
-def _rows(
-    analysis: TrajectoryAnalysis, kept: Sequence[str] = (), prefix: str = ""
-) -> list[tuple[str, ...]]:
-    """Return rows of loads, all of them or those that are kept."""
-    return [
-        (
-            prefix + text,
-            *(
-                format_ascii(getattr(summary, load), unit, 3)
-                for summary, unit in zip(analysis.summary, units, strict=True)
-            ),
-        )
-        for load, _, text, units in LOADS
-        if not kept or load in kept
-    ]
 
 
 def _event(event: PathEvent) -> dict[str, Any]:
@@ -220,3 +187,77 @@ def _print_simulation(simulation: Simulation) -> None:
         print(f"it stopped {simulation.stopped.explanation}")
     drift = float(np.abs(simulation.energy_drift).max())
     print(f"energy drift of the solution: {format_ascii(drift, 'J', 3)}")
+
+
+def write_files(
+    results: Results,
+    paths: Sequence[Path],
+    *,
+    kind: FigureKind,
+    engine: str | None,
+    width_mm: float,
+    dpi: float,
+    simulated: bool,
+) -> list[Path]:
+    """Write files, each completely or not at all.
+
+    What cannot be shown, because the motion fails, is left out with a line on stderr.
+
+    Args:
+        results: What was worked out.
+        paths: Files of tables, figures and pages.
+        kind: What figures show.
+        engine: ``"mujoco"`` or ``"pinocchio"``, to compare with, or None.
+        width_mm: Width of figures [mm].
+        dpi: Pixels per inch of PNG.
+        simulated: Whether tables and figures of tracking are to show a simulated motion.
+
+    Returns:
+        Those that are written.
+
+    Raises:
+        FileError: If a file cannot be written.
+        EngineMissing: If the engine is not installed.
+        InvalidInput: If a figure's width or resolution is not possible.
+    """
+    from paminsa_viz.plots.verified import engine_torques  # late: what engines need
+
+    analysis, simulation = results.analysis, results.simulation
+    other = None if engine is None else engine_torques(analysis, engine, most=None)
+
+    def content(ending: str) -> bytes:
+        if ending in table_endings():
+            table = simulation_table(simulation) if simulation else analysis_table(analysis)
+            return table_bytes(table, ending[1:])
+        if ending == PAGE:
+            return command_module("start").motion_page(analysis.design, analysis.trajectory)
+        from paminsa_viz.plots.series_figure import figure_bytes  # late: matplotlib
+
+        return figure_bytes(
+            kind, analysis,
+            reference=results.reference, published=results.printed, simulation=simulation,
+            engine=other, format=ending[1:], width_mm=width_mm, dpi=dpi,
+        )  # fmt: skip
+
+    written = []
+    for path in paths:
+        ending = path.suffix.lower()
+        tracking = ending in figure_endings() and kind == "tracking"
+        simulated_table = ending in table_endings() and simulated
+        if simulation is None and (tracking or simulated_table):
+            print_error(_NotWritten(path, "there is no simulated motion"))
+            continue
+        try:
+            write_bytes(path, content(ending))
+        except ImpossibleTrajectory:
+            print_error(_NotWritten(path, "the motion fails at its start"))
+            continue
+        written.append(path)
+    return written
+
+
+class _NotWritten(FileError):
+    """A file that is left out."""
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(os.fspath(path), f"not written; {reason}")

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags
-from paminsa_viz.cli.output import print_json, print_table, print_written
-from paminsa_viz.engines import EngineMissing
-from paminsa_viz.engines.comparison import Comparison
-from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, misprint_name, verify
+from paminsa_viz.cli.output import print_blocks, print_json, print_written
+from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, verify
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import as_file_error, write_bytes
 from paminsa_viz.files.errors import FileError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
-from paminsa_viz.units import format_ascii
+from paminsa_viz.report.verification_section import verification_blocks
 
 DESCRIPTION = """\
 Check the formulas against MuJoCo and Pinocchio, two independent physics engines.
@@ -35,8 +32,6 @@ torque of the same actuator. Also: the formulas as published, and a simulation i
 MuJoCo moves under the calculated torques. Joint friction is left out.
 
 Exit code: 0 passed, 1 failed, 2 a wrong argument or no engine."""
-
-HEAD = ("", "largest torque", "largest difference", "RMS", "relative, largest", "RMS")
 
 FormatName = tyro.extras.literal_type_from_choices(FIGURE_FORMATS)
 
@@ -81,7 +76,9 @@ class Verify(JsonFlags, MotionFlags, DesignFlags):
             files = {"figures": [str(path) for path in drawn]} if drawn else {}
             print_json({"paminsa_viz": __version__, **found.to_dict(), "seed": self.seed, **files})
         else:
-            _print(found)
+            label = design.geometry.knee.label
+            print(f'{design.name}, {label}; "{motion.name}", {motion.duration:.3g} s')
+            print_blocks(verification_blocks(found))
             print_written(drawn)
         return 0 if found.passed else 1
 
@@ -102,61 +99,6 @@ def _mechanics(path: Path) -> str:
             if child.tag == "mesh" or child.get("type") == "mesh":
                 parent.remove(child)
     return ET.tostring(root, encoding="unicode")
-
-
-def _print(found: Verification) -> None:
-    motion = found.trajectory
-    print(
-        f"{found.design.name}, {found.design.geometry.knee.label}: "
-        f"{len(found.poses)} poses at rest, "
-        f'{motion.size} states of "{motion.name}" ({motion.duration:.3g} s)'
-    )
-    for check in found.engines:
-        print(f"\nFormulas and {check.engine} {check.version}")
-        print_table([HEAD, *_rows("at rest", check.static), *_rows("moving", check.dynamic)],
-                    indent=2, right=True)  # fmt: skip
-    for engine in found.missing:
-        print(f"\n{EngineMissing(engine)}")
-    print(f"\nFormulas as published and {found.engines[0].engine}, moving: relative differences")
-    rows = [
-        (misprint_name(item), *(f"{value:.1e}" for value in comparison.relative))
-        for item, comparison in found.published.items()
-    ]
-    head = ("", "tau_1", "tau_2", "tau_3", "F_4")
-    print_table([head, *rows], indent=2, right=True)
-    _print_simulation(found)
-    verdict = "PASS" if found.passed else "FAIL"
-    print(
-        f"\n{verdict}: the largest difference is {found.worst:.1e} of the largest torque; "
-        f"{found.tolerance:g} is allowed"
-    )
-
-
-def _rows(where: str, comparison: Comparison) -> list[tuple[str, ...]]:
-    return [
-        (
-            f"{where}, {row['actuator']} [{row['unit']}]",
-            f"{row['largest_torque']:.4g}",
-            f"{row['max_difference']:.1e}",
-            f"{row['rms_difference']:.1e}",
-            f"{row['max_relative']:.1e}",
-            f"{row['rms_relative']:.1e}",
-        )
-        for row in comparison.summary()
-    ]
-
-
-def _print_simulation(found: Verification) -> None:
-    run: dict[str, Any] = found.to_dict()["simulation"]
-    x, y, theta, z = run["drift_m_rad"]
-    end = "to the end" if run["complete"] else "until the unstable robot had strayed"
-    print(
-        f"\nMoved by the calculated torques alone, {run['engine']} ran {run['until_s']:.3g} s "
-        f"({end}); then off by\n"
-        f"  x {format_ascii(x, 'm', 2)}, y {format_ascii(y, 'm', 2)}, "
-        f"theta {math.degrees(theta):.2g} deg, z {format_ascii(z, 'm', 2)}; loops "
-        f"opened by at most {1e6 * run['largest_gap_m']:.2g} µm"
-    )
 
 
 def _figures(found: Verification, folder: Path, kind: str) -> list[Path]:

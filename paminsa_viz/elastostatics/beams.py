@@ -1,17 +1,59 @@
-"""Beam elements: the 12x12 stiffness matrix of a straight bar, Euler-Bernoulli or Timoshenko.
+"""Beam elements: stiffness and mass matrices of a straight bar, and of what is fixed to its nodes.
 
 Element axes: e along the bar from its first node, n in the plane of the leg, b = e x n across it. A
-node has the displacements along (e, n, b) and the rotations about them, in this order.
-Reference: Przemieniecki, Theory of Matrix Structural Analysis (1968), chapter 5.
+node has the displacements along (e, n, b) and the rotations about them, in this order. Bars are
+those of Euler and Bernoulli or Timoshenko. Masses are consistent and uniform; what a bar's
+transverse inertia has over m l^2/12 is spread as rotary inertia, so that the rigid bar has its
+design's inertia.
+Reference: Przemieniecki, Theory of Matrix Structural Analysis (1968), chapters 5 and 11.
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.elastic import BeamSection, Elastic
+
+_SPRING = np.array([[1, -1], [-1, 1]], float)
+_BENDING = np.array([[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]], float)
+"""Of E I/l^3, in (deflection, l slope) of both ends."""
+
+_SHEAR = np.array([[0, 0, 0, 0], [0, 1, 0, -1], [0, 0, 0, 0], [0, -1, 0, 1]], float)
+"""What the share of shear in the deflection adds to `_BENDING`."""
+
+_LINEAR = np.array([[2, 1], [1, 2]], float)
+"""Of m/6, in a linear coordinate of both ends."""
+
+_CUBIC = np.array(
+    [[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]], float
+)
+"""Of m/420, in (deflection, l slope) of both ends: cubic shapes."""
+
+_SLOPE = np.array([[36, 3, -36, 3], [3, 4, -3, -1], [-36, -3, 36, -3], [3, -1, -3, 4]], float)
+"""Of j/(30 l), j the rotary inertia per length: the squared slope of the same shapes."""
+
+_AXIAL, _ROLL = (0, 6), (3, 9)
+_IN_PLANE, _ACROSS = (1, 5, 7, 11), (2, 4, 8, 10)
+"""Coordinates of bending along n and along b, where a slope is minus the turn about n."""
+
+
+@cache
+def _block(places: tuple[int, ...]) -> Any:
+    """Return the index of the rows and columns of some coordinates."""
+    return (..., *np.ix_(places, places))
+
+
+def _bending(length: Array) -> Iterator[tuple[Any, Array]]:
+    """Yield the blocks of both planes, and what scales a matrix of (deflection, l slope) there."""
+    for places, sign in ((_IN_PLANE, 1.0), (_ACROSS, -1.0)):
+        scale = np.stack([np.ones_like(length), sign * length] * 2, axis=-1)
+        yield _block(places), scale[..., :, None] * scale[..., None, :]
 
 
 def beam_stiffness(
@@ -28,50 +70,72 @@ def beam_stiffness(
     Returns:
         Forces [N] and moments [N m] on the two nodes for displacements [m] and rotations [rad].
     """
-    length = np.asarray(length, dtype=np.float64)
+    length = np.asarray(length, dtype=np.float64)[..., None, None]
     young, rigidity = elastic.young_modulus, elastic.shear_modulus
-    k = np.zeros((*length.shape, 12, 12))
-    _add_pair(k, 0, 6, young * section.area / length)
-    _add_pair(k, 3, 9, rigidity * section.torsion / length)
-    stiff = rigidity * section.area * section.shear
-    # bending in the plane (e, n) turns about b, in (e, b) about -n
-    for across, turn, inertia, sign in (
-        (1, 5, section.inertia_in, 1.0),
-        (2, 4, section.inertia_out, -1.0),
-    ):
+    k = np.zeros((*length.shape[:-2], 12, 12))
+    k[_block(_AXIAL)] = young * section.area / length * _SPRING
+    k[_block(_ROLL)] = rigidity * section.torsion / length * _SPRING
+    inertias = section.inertia_in, section.inertia_out
+    for inertia, (block, scale) in zip(inertias, _bending(length[..., 0, 0]), strict=True):
         bending = young * inertia
-        soft = 12 * bending / (stiff * length**2) if shear else np.zeros_like(length)
-        unit = bending / (length**3 * (1 + soft))
-        index = [across, turn, across + 6, turn + 6]
-        lever = sign * length
-        near, far = (4 + soft) * length**2, (2 - soft) * length**2
-        block = np.empty((*length.shape, 4, 4))
-        block[..., 0, 0] = block[..., 2, 2] = 12.0
-        block[..., 0, 2] = block[..., 2, 0] = -12.0
-        block[..., 0, 1] = block[..., 0, 3] = block[..., 1, 0] = block[..., 3, 0] = 6 * lever
-        block[..., 1, 2] = block[..., 2, 1] = block[..., 2, 3] = block[..., 3, 2] = -6 * lever
-        block[..., 1, 1] = block[..., 3, 3] = near
-        block[..., 1, 3] = block[..., 3, 1] = far
-        k[..., np.ix_(index, index)[0], np.ix_(index, index)[1]] = unit[..., None, None] * block
+        soft = np.zeros_like(length)
+        if shear:
+            soft = 12 * bending / (rigidity * section.area * section.shear * length**2)
+        k[block] = bending / (length**3 * (1 + soft)) * (_BENDING + soft * _SHEAR) * scale
     return k
 
 
-def _add_pair(k: Array, first: int, second: int, stiffness: Array) -> None:
-    """Add a spring between two freedoms."""
-    k[..., first, first] += stiffness
-    k[..., second, second] += stiffness
-    k[..., first, second] -= stiffness
-    k[..., second, first] -= stiffness
-
-
-def rotated(matrix: Array, axes: Array) -> Array:
-    """Return an element's 12x12 matrix in the axes in which its own ones are given.
+def beam_mass(
+    length: Array | float, mass: Array | float, axial: Array | float, rotary: Array | float
+) -> Array:
+    """Return the consistent mass matrix of uniform beams, (..., 12, 12).
 
     Args:
-        matrix: (..., 12, 12) in element axes.
-        axes: (..., 3, 3) rows e, n, b.
+        length: l, (...) [m].
+        mass: Per length [kg/m].
+        axial: Inertia about the beam, per length [kg m].
+        rotary: Rotary inertia across the beam, per length [kg m]; it may be negative.
     """
-    shape = np.broadcast_shapes(matrix.shape[:-2], axes.shape[:-2])
-    split = np.broadcast_to(matrix, (*shape, 12, 12)).reshape(*shape, 4, 3, 4, 3)
-    turned = np.einsum("...ia,...piqj,...jb->...paqb", axes, split, axes, optimize=True)
-    return turned.reshape(*shape, 12, 12)
+    whole, m, j, r = (a[..., None, None] for a in np.broadcast_arrays(length, mass, axial, rotary))
+    out = np.zeros((*whole.shape[:-2], 12, 12))
+    out[_block(_AXIAL)] = m * whole / 6 * _LINEAR
+    out[_block(_ROLL)] = j * whole / 6 * _LINEAR
+    for block, scale in _bending(whole[..., 0, 0]):
+        out[block] = (m * whole / 420 * _CUBIC + r / (30 * whole) * _SLOPE) * scale
+    return out
+
+
+def point_mass(mass: float, ahead: float = 0.0) -> Array:
+    """Return the matrix of a point mass fixed to a node at some way ahead along e, (6, 6).
+
+    Args:
+        mass: [kg].
+        ahead: From the node [m].
+    """
+    return body_mass(mass, mass * ahead, mass * ahead**2)
+
+
+def body_mass(
+    mass: Array | float,
+    first: Array | float,
+    second: Array | float,
+    axial: Array | float = 0.0,
+    rotary: Array | float = 0.0,
+) -> Array:
+    """Return the matrix of a slender rigid body along e, fixed to a node, (..., 6, 6).
+
+    Args:
+        mass: [kg].
+        first, second: First and second moments of the mass along e, from the node [kg m, kg m^2].
+        axial: Inertia about e [kg m^2].
+        rotary: What it has across e on top of the second moment [kg m^2].
+    """
+    m, a, b, j, r = np.broadcast_arrays(mass, first, second, axial, rotary)
+    out = np.zeros((*m.shape, 6, 6))
+    for i in range(3):
+        out[..., i, i] = m
+    out[..., 3, 3] = j
+    out[..., 4, 4] = out[..., 5, 5] = b + r
+    out[..., 2, 4] = out[..., 4, 2] = -a
+    out[..., 1, 5] = out[..., 5, 1] = a
+    return out

@@ -8,14 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.elastostatics.leg_frame import LegFrame, leg_frame
-from paminsa_viz.elastostatics.leg_matrices import (
-    JOINTS,
-    RETAINED,
-    LegMatrices,
-    axes_of,
-    bar_masses,
-)
-from paminsa_viz.elastostatics.vibration import SHARED, shared_map
+from paminsa_viz.elastostatics.leg_matrices import JOINTS, LegMatrices, axes_of, bar_masses
+from paminsa_viz.elastostatics.leg_model import RETAINED
+from paminsa_viz.elastostatics.vibration import SHARED
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.kinematics import LEG_AXES
 
@@ -55,7 +50,7 @@ def center_lines(matrices: LegMatrices, pose: ArrayLike, vectors: Array) -> Cent
     """
     pose = as_vectors(pose, "pose")
     frame = leg_frame(matrices.design.geometry, pose)
-    ends, inside = shared_map(frame), matrices.size - RETAINED
+    ends, inside = frame.shared_map, matrices.size - RETAINED
     names: list[str] = []
     points, moves = [], []
     for leg in range(3):
@@ -90,36 +85,15 @@ def _bar(
     base = frame.axes[leg].T  # columns u, w, z in base axes
     foot = np.array([*(geometry.base_radius * LEG_AXES[leg]), 0.0])
     nodes = [node for node in matrices.model.nodes if node.bar == bar]
-    values = np.stack([local[matrices.places(node.freedoms)] for node in nodes])
+    values = np.stack([local[list(node.freedoms)] for node in nodes])
     values = np.einsum("ij,npim->npjm", axes, values.reshape(len(nodes), 2, 3, -1))
-    start = _joint(frame, leg, JOINTS[bar][0])
-    length = sum(bar_masses(matrices.design)[bar].spans)
-    reach = -frame.points[8][leg, 0] if bar == "b10" else length
-    at = _node_places(matrices, bar, reach)
-    where = np.linspace(0.0, length, POINTS)
-    moved = _cubic(where, at, values)
-    rest = start + where[:, None] * axes[:, 0]
+    joints = {joint: place[leg] for joint, place in frame.joints.items()}
+    places = np.array([joints[n.first] + n.share * (joints[n.second] - joints[n.first])
+                       for n in nodes])  # fmt: skip
+    where = np.linspace(0.0, sum(bar_masses(matrices.design)[bar].spans), POINTS)
+    moved = _cubic(where, np.linalg.norm(places - places[0], axis=1), values)
+    rest = places[0] + where[:, None] * axes[:, 0]
     return foot + rest @ base.T, np.einsum("ij,jk,pkm->pim", base, axes, moved)
-
-
-def _joint(frame: LegFrame, leg: int, joint: int) -> Array:
-    """Return a joint in the leg frame (3,); 0 is M_k and 1 the root of the arm."""
-    if joint == 0:
-        return np.zeros(3)
-    r, z = frame.points[2 if joint == 1 else joint][leg]
-    if joint == 1:
-        along = frame.geometry.arm_length * frame.arm[leg]
-        return np.array([r - along[0], -along[1], z])
-    return np.array([r, 0.0, z])
-
-
-def _node_places(matrices: LegMatrices, bar: str, length: float) -> Array:
-    """Return how far along a bar its nodes are (nodes,) [m]."""
-    spans = bar_masses(matrices.design)[bar].spans if bar != "b10" else (length,)
-    n, found = matrices.divisions, [0.0]
-    for span in spans:
-        found += (found[-1] + span * np.arange(1, n + 1) / n).tolist()
-    return np.array(found)
 
 
 def _cubic(where: Array, at: Array, values: Array) -> Array:

@@ -50,6 +50,34 @@ class LegFrame:
     points: dict[int, Array]
     platform: Array
 
+    @property
+    def joints(self) -> dict[int, Array]:
+        """The joints in the leg frame (..., 3 legs, 3), M_k on the guides as 0, B1's root as 1."""
+        found = {}
+        for joint, point in self.points.items():
+            found[joint] = np.insert(point, 1, 0.0, axis=-1)
+        found[0] = np.zeros_like(found[2]) * found[2]
+        found[1] = found[2].copy()
+        found[1][..., :2] -= self.geometry.arm_length * self.arm
+        return found
+
+    @property
+    def joint5_map(self) -> Array:
+        """G: displacements of joints 5 along u, w, z from the platform's twist at P.
+
+        (..., 3 legs, 3, 6); its transpose gives the wrench at P of forces on the joints 5.
+        """
+        # displacement t + turn x p: the rows of turn x p are p x u, p x w and p x z
+        return np.concatenate([self.axes, np.cross(self.platform[..., None, :], self.axes)], -1)
+
+    @property
+    def shared_map(self) -> Array:
+        """Joint 5 (u, w, z) and Z of each leg from the platform's twist and Z, (..., 3, 4, 7)."""
+        found = np.zeros((*self.rho.shape, 4, 7))
+        found[..., :3, :6] = self.joint5_map
+        found[..., 3, 6] = 1.0
+        return found
+
 
 @np.errstate(all="ignore")
 def leg_frame(geometry: Geometry, pose: ArrayLike) -> LegFrame:

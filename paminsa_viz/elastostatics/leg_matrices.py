@@ -5,31 +5,26 @@ matrices do not depend on the pose. So a leg's matrix is a sum of 16 constant on
 along B8, those along B4, the arm, and what never turns; all poses are one product of matrices. Only
 B10, whose length from leg axis to slider changes, is built pose by pose.
 
-Freedoms, elements and joints are those of `leg_model`, so that the stiffness is that of
-`structure`. The masses are Appendix 4's: bars uniform (`beam_mass`), pins, slider and
-counterweights as point masses. What of B10 is beyond the slider is rigid.
+Freedoms, elements and joints are those of `leg_model`. The masses are Appendix 4's: bars uniform
+(`beam_mass`), pins, slider and counterweights as point masses. What of B10 is beyond the slider is
+rigid.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from paminsa_viz.elastostatics.beam_mass import beam_mass, body_mass, point_mass
-from paminsa_viz.elastostatics.beams import beam_stiffness
+from paminsa_viz.elastostatics.beams import beam_mass, beam_stiffness, body_mass, point_mass
 from paminsa_viz.elastostatics.leg_frame import LegFrame
 from paminsa_viz.elastostatics.leg_model import FIXED, SPANS, LegModel, leg_model
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-
-RETAINED = 4
-"""First freedoms of a leg here: joint 5 along u, w, z, and the carriage's height Z."""
 
 MOST_DIVISIONS = 16
 """Most elements of a bar between two joints."""
@@ -93,11 +88,8 @@ def bar_masses(design: Design) -> dict[str, BarElementMass]:
 class LegMatrices:
     """A design's legs as sums of constant matrices.
 
-    The freedoms are those of the model, `RETAINED` ones first.
-
     Attributes:
-        design, model, divisions: What they were built for.
-        order: (size,) place of the model's freedoms here.
+        design, model, divisions, shear: What they were built for.
         stiffness, mass: (`TERMS`, size, size).
     """
 
@@ -105,7 +97,6 @@ class LegMatrices:
     model: LegModel
     divisions: int
     shear: bool
-    order: NDArray[np.intp]
     stiffness: Array
     mass: Array
 
@@ -113,10 +104,6 @@ class LegMatrices:
     def size(self) -> int:
         """Number of freedoms of a leg."""
         return self.model.size
-
-    def places(self, freedoms: tuple[int, ...]) -> NDArray[np.intp]:
-        """Return where freedoms of the model are here, `FIXED` where the base holds them."""
-        return np.array([f if f == FIXED else self.order[f] for f in freedoms], dtype=np.intp)
 
     def assemble(self, frame: LegFrame) -> tuple[Array, Array]:
         """Return stiffness and mass of the legs in their frames, (..., 3 legs, size, size) each."""
@@ -143,21 +130,16 @@ class LegMatrices:
         section = design.elastic.section("b10")
         stiff = turn @ beam_stiffness(step, section, design.elastic, shear=self.shear) @ turn.T
         heavy = turn @ beam_mass(step, own.mass, own.axial, own.rotary) @ turn.T
-        last = None
-        for bar, first, second in self.model.elements:
-            if bar == "b10":
-                nodes = self.model.nodes[first], self.model.nodes[second]
-                places = self.places((*nodes[0].freedoms, *nodes[1].freedoms))
-                add_matrix(k, places, stiff)
-                add_matrix(m, places, heavy)
-                last = places[6:]
-        assert last is not None
+        for element in self.model.elements:
+            if element.bar == "b10":
+                add_matrix(k, element.freedoms, stiff)
+                add_matrix(m, element.freedoms, heavy)
         rest = whole - length
         beyond = body_mass(
             own.mass * rest, own.mass * rest**2 / 2, own.mass * rest**3 / 3, own.axial * rest,
             own.rotary * rest,
         )  # fmt: skip
-        add_matrix(m, last, turn[:6, :6] @ beyond @ turn[:6, :6].T)
+        add_matrix(m, self.model.node("b10", 8).freedoms, turn[:6, :6] @ beyond @ turn[:6, :6].T)
 
 
 def leg_matrices(design: Design, divisions: int = 1, shear: bool = False) -> LegMatrices:
@@ -182,41 +164,34 @@ def leg_matrices(design: Design, divisions: int = 1, shear: bool = False) -> Leg
 @lru_cache(maxsize=16)
 def _built(design: Design, divisions: int, shear: bool) -> LegMatrices:
     model = leg_model(design.elastic, divisions)
-    kept = [*model.joint5, model.carriage]
-    order = np.empty(model.size, dtype=np.intp)
-    order[kept] = np.arange(RETAINED)
-    order[np.setdiff1d(np.arange(model.size), kept)] = np.arange(RETAINED, model.size)
     stiffness, mass = np.zeros((2, TERMS, model.size, model.size))
-    made = LegMatrices(design, model, divisions, shear, order, stiffness, mass)
     own = bar_masses(design)
-    for bar, first, second in model.elements:
+    for element in model.elements:
+        bar = element.bar
         if bar != "b10":
-            nodes = model.nodes[first], model.nodes[second]
-            places = made.places((*nodes[0].freedoms, *nodes[1].freedoms))
             # the second node is between two joints of the bar
-            length = own[bar].spans[JOINTS[bar].index(nodes[1].second) - 1] / divisions
+            length = own[bar].spans[JOINTS[bar].index(element.second.second) - 1] / divisions
             section = design.elastic.section(bar)
             stiff = beam_stiffness(length, section, design.elastic, shear=shear)
-            _add_turned(stiffness, bar, places, stiff)
-            _add_turned(mass, bar, places, beam_mass(length, *own[bar][1:]))
+            _add_turned(stiffness, bar, element.freedoms, stiff)
+            _add_turned(mass, bar, element.freedoms, beam_mass(length, *own[bar][1:]))
     for joint, bar in _PINS.items():
-        places = made.places(model.node(bar, joint).freedoms)
-        _add_turned(mass, bar, places, point_mass(getattr(design.joints, f"j{joint}")))
-    slider = made.places(model.node("slider", 8).freedoms)
-    add_matrix(mass[-1], slider, point_mass(design.joints.j8))
+        pin = point_mass(getattr(design.joints, f"j{joint}"))
+        _add_turned(mass, bar, model.node(bar, joint).freedoms, pin)
+    add_matrix(mass[-1], model.node("slider", 8).freedoms, point_mass(design.joints.j8))
     for weight in design.counterweights:
         ahead = weight.beyond if weight.joint == JOINTS[weight.bar][-1] else -weight.beyond
-        places = made.places(model.node(weight.bar, weight.joint).freedoms)
-        _add_turned(mass, weight.bar, places, point_mass(weight.mass, ahead))
-    for spring in model.springs:
-        stiff = getattr(design.elastic, spring.stiffness)
-        pair = made.places((spring.first, spring.second))
-        add_matrix(stiffness[-1], pair, stiff * np.array([[1.0, -1.0], [-1.0, 1.0]]))
-    return made
+        freedoms = model.node(weight.bar, weight.joint).freedoms
+        _add_turned(mass, weight.bar, freedoms, point_mass(weight.mass, ahead))
+    for name, *pair in model.springs:
+        stiff = getattr(design.elastic, name) * np.array([[1.0, -1.0], [-1.0, 1.0]])
+        add_matrix(stiffness[-1], pair, stiff)
+    return LegMatrices(design, model, divisions, shear, stiffness, mass)
 
 
-def add_matrix(out: Array, places: NDArray[np.intp], matrix: Array) -> None:
+def add_matrix(out: Array, freedoms: Sequence[int], matrix: Array) -> None:
     """Add matrices (..., n, n) to the larger ones (..., size, size) where their freedoms are."""
+    places = np.array(freedoms, dtype=np.intp)
     kept = np.flatnonzero(places != FIXED)
     target = places[kept]
     out[..., target[:, None], target] += matrix[..., kept[:, None], kept]
@@ -247,19 +222,19 @@ def _turned(bar: str, size: int) -> Array:
     return np.asarray(c + b if bar == "b2" else c - a)
 
 
-def _add_turned(terms: Array, bar: str, places: NDArray[np.intp], matrix: Array) -> None:
+def _add_turned(terms: Array, bar: str, freedoms: Sequence[int], matrix: Array) -> None:
     """Add a matrix in element axes to the terms of its bar."""
     size = len(matrix)
     if bar not in TURNS:
         turn = _turned(bar, size)
-        add_matrix(terms[-1], places, turn @ matrix @ turn.T)
+        add_matrix(terms[-1], freedoms, turn @ matrix @ turn.T)
         return
     a, b, c = _axes_parts(bar, size // 3)
     am, bm, cm = a @ matrix, b @ matrix, c @ matrix
     ab, ac, bc = am @ b.T, am @ c.T, bm @ c.T
     products = np.stack([am @ a.T, ab + ab.T, bm @ b.T, ac + ac.T, bc + bc.T])
-    add_matrix(terms[TURNS[bar] : TURNS[bar] + 5], places, products)
-    add_matrix(terms[-1], places, cm @ c.T)
+    add_matrix(terms[TURNS[bar] : TURNS[bar] + 5], freedoms, products)
+    add_matrix(terms[-1], freedoms, cm @ c.T)
 
 
 def axes_of(bar: str, frame: LegFrame) -> Array:

@@ -5,8 +5,8 @@ rotations about them. A joint makes freedoms of two nodes one where it is rigid,
 where it is released, and puts a spring between them where it is elastic, so that constraints hold
 exactly. Released are the rotation about w at joints 3, 4, 7, 8 (two pins) and 9, about the leg axis
 at joint 2 and M_k (where the drive is the spring), all rotations at joint 5, and the slider's
-motion along the guide. Carriage and platform are rigid; a leg meets them at the `carriage`'s
-height Z and at the three displacements of `joint5`.
+motion along the guide. Carriage and platform are rigid; a leg meets them at its first four
+freedoms, the displacements of joint 5 and the carriage's height Z.
 """
 
 from __future__ import annotations
@@ -14,14 +14,21 @@ from __future__ import annotations
 import itertools
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 from paminsa_viz.model.elastic import Elastic
 
 FIXED = -1
 """Index of a freedom that the base holds."""
 
-U, W, Z, TURN_U, TURN_W, TURN_Z = range(6)
-"""Freedoms of a node."""
+TURN_W, TURN_Z = 4, 5
+"""Freedoms of a node that revolutes release."""
+
+RETAINED = 4
+"""First freedoms of a leg: joint 5 along u, w, z on the platform's side, and Z of the carriage."""
+
+CARRIAGE = 3
+"""The freedom Z of the carriage."""
 
 JOINT_STIFFNESSES = ("bearing_radial", "bearing_axial", "bearing_tilt", "ball", "guide",
                      "guide_tilt")  # fmt: skip
@@ -58,8 +65,20 @@ class Node:
     freedoms: tuple[int, ...]
 
 
-@dataclass(frozen=True)
-class JointSpring:
+class LegElement(NamedTuple):
+    """A piece of a bar between two of its nodes."""
+
+    bar: str
+    first: Node
+    second: Node
+
+    @property
+    def freedoms(self) -> tuple[int, ...]:
+        """Those of the first node, then those of the second, (12,)."""
+        return self.first.freedoms + self.second.freedoms
+
+
+class JointSpring(NamedTuple):
     """An elastic joint: a spring between two freedoms, of the stiffness of a field of `Elastic`."""
 
     stiffness: str
@@ -74,20 +93,14 @@ class LegModel:
     Attributes:
         size: How many freedoms there are.
         nodes: Nodes of the bars.
-        elements: (bar, first node, second node) of each element, nodes by their index.
+        elements: Elements of the bars.
         springs: Elastic joints, the drive of M_k among them.
-        joint5: (3,) freedoms u, w, z of the platform's side of joint 5.
-        carriage: Freedom Z of the carriage.
-        drive: The two freedoms of the drive of M_k, the base's first.
     """
 
     size: int
     nodes: tuple[Node, ...]
-    elements: tuple[tuple[str, int, int], ...]
+    elements: tuple[LegElement, ...]
     springs: tuple[JointSpring, ...]
-    joint5: tuple[int, int, int]
-    carriage: int
-    drive: tuple[int, int]
 
     def node(self, bar: str, joint: int) -> Node:
         """Return the node of a bar at a joint."""
@@ -103,8 +116,7 @@ def leg_model(elastic: Elastic, divisions: int = 1) -> LegModel:
 @lru_cache(maxsize=32)
 def _leg_model(soft: frozenset[str], divisions: int) -> LegModel:
     made = _LegBuilder(soft)
-    carriage = made.new(1)[0]
-    joint5 = made.new(3)
+    joint5, carriage = made.new(3), *made.new(1)
     base = (FIXED,) * 6
     b10_root = made.revolute(base, TURN_Z, "drive_rotary")
     b10_tip = made.new(6)
@@ -130,21 +142,16 @@ def _leg_model(soft: frozenset[str], divisions: int) -> LegModel:
     nodes = [Node("slider", 8, 8, 0.0, slider)]
     elements = []
     for bar, joints in SPANS:
-        index = len(nodes)
         nodes.append(Node(bar, joints[0], joints[0], 0.0, at[bar, joints[0]]))
         for first, second in itertools.pairwise(joints):
             for part in range(1, divisions + 1):
+                before = nodes[-1]
                 if part == divisions:
                     nodes.append(Node(bar, second, second, 0.0, at[bar, second]))
                 else:
                     nodes.append(Node(bar, first, second, part / divisions, made.new(6)))
-                elements.append((bar, index, len(nodes) - 1))
-                index = len(nodes) - 1
-    drive = next(s for s in made.springs if s.stiffness == "drive_rotary")
-    return LegModel(
-        made.count, tuple(nodes), tuple(elements), tuple(made.springs),
-        (joint5[0], joint5[1], joint5[2]), carriage, (drive.first, drive.second),
-    )  # fmt: skip
+                elements.append(LegElement(bar, before, nodes[-1]))
+    return LegModel(made.count, tuple(nodes), tuple(elements), tuple(made.springs))
 
 
 class _LegBuilder:

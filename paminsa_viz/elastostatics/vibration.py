@@ -20,11 +20,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.elastostatics.drive_modes import geometric_stiffness
-from paminsa_viz.elastostatics.leg_frame import LegFrame, leg_frame
-from paminsa_viz.elastostatics.leg_matrices import RETAINED, LegMatrices, leg_matrices
+from paminsa_viz.elastostatics.drive_stiffness import geometric_stiffness
+from paminsa_viz.elastostatics.leg_frame import leg_frame
+from paminsa_viz.elastostatics.leg_matrices import LegMatrices, leg_matrices
+from paminsa_viz.elastostatics.leg_model import RETAINED
 from paminsa_viz.elastostatics.modes import Modes, natural_modes
-from paminsa_viz.elastostatics.structure import joint5_map
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import check_reach
@@ -55,14 +55,6 @@ def platform_mass(design: Design) -> Array:
     return found
 
 
-def shared_map(frame: LegFrame) -> Array:
-    """Return joint 5 (u, w, z) and Z of each leg from the shared coordinates, (..., 3, 4, 7)."""
-    found = np.zeros((*frame.rho.shape, RETAINED, SHARED))
-    found[..., :3, :6] = joint5_map(frame)
-    found[..., 3, 6] = 1.0
-    return found
-
-
 def _join(design: Design, pose: Array, stiffness: Array, mass: Array, loaded: bool = True) -> None:
     """Add what is not in the legs to matrices of the shared coordinates (..., 7, 7)."""
     if loaded:
@@ -88,7 +80,7 @@ class ReducedRobot:
         inner: (n, 3, 4, 4) Y^T F of every leg: F the inertia of its static shapes, Y = K^-1 F how
             it bends under it with its ends held.
         inner_mass: (n, 3, 4, 4) Y^T M Y.
-        ends: See `shared_map`.
+        ends: `LegFrame.shared_map`.
     """
 
     stiffness: Array
@@ -102,7 +94,7 @@ def reduced_robot(matrices: LegMatrices, pose: Array) -> ReducedRobot:
     """Condense the robot at poses (n, 4) that it can take."""
     frame = leg_frame(matrices.design.geometry, pose)
     k, m = matrices.assemble(frame)
-    ends, r = shared_map(frame), RETAINED
+    ends, r = frame.shared_map, RETAINED
     k_in, k_side = k[..., r:, r:], k[..., r:, :r]
     m_in, m_side = m[..., r:, r:], m[..., r:, :r]
     shape = -np.linalg.solve(k_in, k_side)
@@ -213,7 +205,7 @@ def whole_matrices(
     """
     pose = as_vectors(pose, "pose")
     frame = leg_frame(matrices.design.geometry, pose)
-    legs, ends = matrices.assemble(frame), shared_map(frame)
+    legs, ends = matrices.assemble(frame), frame.shared_map
     inside = matrices.size - RETAINED
     size = SHARED + 3 * inside
     found = np.zeros((2, size, size))

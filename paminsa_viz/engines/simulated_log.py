@@ -21,7 +21,8 @@ from paminsa_viz.engines.mujoco_model import MujocoRobot
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.dynamics import actuator_velocity, friction_torque
+from paminsa_viz.model.dynamics import friction_torque
+from paminsa_viz.model.jacobians import actuator_velocity
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.trajectory.sampled import Trajectory, sample_times
 

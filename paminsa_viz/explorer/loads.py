@@ -7,11 +7,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from paminsa_viz.elastostatics.bar_loads import BAR_NAMES, bar_loads
+from paminsa_viz.elastostatics.bar_loads import BAR_NAMES, bar_loads, utilization
 from paminsa_viz.elastostatics.joint_forces import JOINTS, JointForces, joint_forces
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
 from paminsa_viz.elastostatics.sideways import sideways_forces
-from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.explorer.settings import setting
 from paminsa_viz.explorer.tasks import Outcome
 from paminsa_viz.model import Design, PaminsaError

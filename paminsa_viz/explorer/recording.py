@@ -1,4 +1,4 @@
-"""A motion as an animated picture, as the page draws it: GIF or WebP.
+"""A motion as an animated picture or a video, as the page draws it; see `plots.animations`.
 
 The page renders frame after frame while the session's worker holds the robot at each instant. In
 between the worker does what it always does, so that the page stays alive and can cancel.
@@ -6,7 +6,6 @@ between the worker does what it always does, so that the page stays alive and ca
 
 from __future__ import annotations
 
-import io
 import math
 import threading
 from collections.abc import Callable, Iterator
@@ -27,9 +26,7 @@ from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import Recording, State
 from paminsa_viz.model import InvalidInput, PaminsaError
-
-FORMATS = {"gif": "GIF", "webp": "WebP"}
-"""What a motion is recorded as, by the ending of the file."""
+from paminsa_viz.plots.animations import ANIMATION_FORMATS
 
 RATE = 15.0
 """Pictures a second of the motion, as long as there are not too many."""
@@ -68,34 +65,6 @@ def size_of(view: tuple[float, float]) -> tuple[int, int]:
     return max(int(share * width) // 2 * 2, 64), max(int(share * height) // 2 * 2, 64)
 
 
-def encode(frames: Iterator[NDArray[np.uint8]], kind: str, step: float) -> bytes:
-    """Return pictures (h, w, 3) as one animated file that runs over and over.
-
-    Args:
-        frames: The pictures; each is compressed as it comes.
-        kind: One of `FORMATS`.
-        step: Time between two of them [s].
-    """
-    from PIL import Image
-
-    def images() -> Iterator[Any]:
-        for frame in frames:
-            image = Image.fromarray(frame)
-            yield (
-                image
-                if kind != "gif"
-                else image.quantize(255, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-            )
-
-    rest = images()
-    first = next(rest)
-    stream = io.BytesIO()
-    options: dict[str, Any] = {"duration": round(1e3 * step), "loop": 0, "save_all": True}
-    options |= {"disposal": 1, "optimize": False} if kind == "gif" else {"quality": 80, "method": 2}
-    first.save(stream, format=kind.upper(), append_images=rest, **options)
-    return stream.getvalue()
-
-
 class Recorder:
     """Records the motion of a session; one at a time."""
 
@@ -109,6 +78,11 @@ class Recorder:
 
     def record(self, session: Session, kind: str, legend: Legend = NO_LEGEND) -> File:
         """Return the motion as the page draws it; called on a thread of its own.
+
+        Args:
+            session: The session of the page.
+            kind: One of `ANIMATION_FORMATS`.
+            legend: Legend of the 3D view.
 
         Raises:
             PaminsaError: If there is no motion, it fails, it is too long, the page does not answer,
@@ -125,7 +99,7 @@ class Recorder:
         self._cancel.clear()
         try:
             frames = self._frames(session, state, times, legend)
-            content = encode(frames, kind, float(times[1] - times[0]))
+            content = ANIMATION_FORMATS[kind].encode(frames, float(times[1] - times[0]))
         finally:
             session.dispatch("recording", lambda s: replace(s, recording=Recording()), step=False)
         return File(motion_name(state, found, "", kind), content)

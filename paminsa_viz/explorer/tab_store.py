@@ -10,11 +10,14 @@ import json
 import math
 from contextlib import suppress
 from dataclasses import replace
+from operator import attrgetter
 from typing import Any
 
 import msgspec
 
 from paminsa_viz.explorer import actions, persistence
+from paminsa_viz.explorer.balancing.springs import SpringSettings
+from paminsa_viz.explorer.balancing.tolerances import ToleranceSettings
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.clearing import ClearanceSettings
 from paminsa_viz.explorer.docks import LARGEST_DOCK
@@ -36,13 +39,15 @@ VIEW: dict[str, Any] = {
     "table_at_rest": bool,
     "appearance": Appearance,
     "docks": Docks,
+    "springing.settings": SpringSettings,
+    "tolerating.settings": ToleranceSettings,
 }
 """Parts of the state that say how it is shown, and their types."""
 
 
 def dump(state: State) -> str:
     """Write what a tab keeps of a state."""
-    view = {name: msgspec.to_builtins(getattr(state, name)) for name in VIEW}
+    view = {name: msgspec.to_builtins(attrgetter(name)(state)) for name in VIEW}
     document = persistence.dump(state.document, state.identifying.settings)
     return json.dumps(json.loads(document) | {"view": view})
 
@@ -63,7 +68,8 @@ def restore(state: State, text: str) -> State:
         except (msgspec.ValidationError, LookupError, TypeError):
             continue
         if _possible(name, value):
-            state = replace(state, **{name: value})
+            part, _, attribute = name.rpartition(".")
+            state = state.updated(part, **{attribute: value})
     known = replace(state, layers=state.layers & frozenset(LAYERS))
     if known.document.reference is None and known.map_view.difference:
         return known.updated("map_view", difference=False)

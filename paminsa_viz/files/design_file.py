@@ -84,12 +84,20 @@ def load_content(path: str | os.PathLike[str]) -> DesignContent:
     Raises:
         DesignFileError: If the file cannot be read or is no valid design file.
     """
+    return read_content(read_bytes(path), os.fspath(path))
+
+
+def read_bytes(path: str | os.PathLike[str]) -> bytes:
+    """Return the content of a file, of a large one no more than shows that it is too large.
+
+    Raises:
+        DesignFileError: If the file cannot be read.
+    """
     try:
         with open(path, "rb") as file:
-            data = file.read(LARGEST_FILE + 1)
+            return file.read(LARGEST_FILE + 1)
     except (OSError, ValueError) as error:
         raise as_file_error(os.fspath(path), error, "read", DesignFileError) from error
-    return read_content(data, os.fspath(path))
 
 
 def save_design(

@@ -30,7 +30,8 @@ from paminsa_viz.identification.information import (
 from paminsa_viz.identification.multi_sine import MultiSineFamily
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.dynamics import actuator_velocity, inverse_dynamics
+from paminsa_viz.model.dynamics import inverse_dynamics
+from paminsa_viz.model.jacobians import actuator_velocity
 from paminsa_viz.model.reach import check_reach, workspace_height
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.trajectory import Plan, home

@@ -8,32 +8,25 @@ the paper's equations behind each function.
 from __future__ import annotations
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput, PaminsaError, UnreachablePose
-from paminsa_viz.model.accuracy import DriveAccuracy
+from paminsa_viz.model.accuracy import DriveAccuracy, LegDeviations, Tolerances
 from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, Geometry, KneeBranch
 from paminsa_viz.model.drive import NO_DRIVES, Drive, OutputLimits
 from paminsa_viz.model.dynamics import (
     InverseDynamics,
     TorqueBreakdown,
-    actuator_power,
-    actuator_velocity,
     forward_dynamics,
     friction_torque,
     inverse_dynamics,
-    kinetic_energy,
     mass_matrix,
     platform_wrench,
     torque_breakdown,
 )
 from paminsa_viz.model.elastic import Elastic
-from paminsa_viz.model.grids import (
-    Field,
-    Grid,
-    rotary_torques,
-    solve_field,
-    xy_grid,
-)
+from paminsa_viz.model.energy import actuator_power, kinetic_energy, potential_energy
+from paminsa_viz.model.grids import Field, Grid, rotary_torques, solve_field, xy_grid
 from paminsa_viz.model.jacobians import (
     actuator_acceleration,
+    actuator_velocity,
     closure,
     closure_matrix,
     inverse_jacobian,
@@ -49,7 +42,6 @@ from paminsa_viz.model.kinematics import (
     joint_rates,
     nearest_solution,
 )
-from paminsa_viz.model.leg_deviations import LegDeviations
 from paminsa_viz.model.load import LoadCase, LoadFrame, center_wrench, generalized_force
 from paminsa_viz.model.lumped import (
     COEFFICIENTS,
@@ -84,13 +76,11 @@ from paminsa_viz.model.statics import (
     StaticBreakdown,
     lift_constant,
     load_torques,
-    potential_energy,
     static_breakdown,
     static_imbalance,
     static_torques,
     unit_torques,
 )
-from paminsa_viz.model.tolerances import Tolerances
 
 __all__ = [
     "APPENDIX_4",

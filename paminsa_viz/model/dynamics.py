@@ -1,4 +1,4 @@
-"""Dynamics of the robot (Eqs. 9-21): torques for a motion, motion for torques, energies.
+"""Dynamics of the robot (Eqs. 9-21): torques for a motion, motion for torques.
 
 Lagrange's equations are set up in the paper's eight coordinates (x, y, theta, z, theta_1..3, Z);
 the first four give the multipliers of the closure equations, the last four the actuator torques.
@@ -11,16 +11,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import backend
-from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
-from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.jacobians import actuator_acceleration, inverse_jacobian
-from paminsa_viz.model.kinematics import LEG_AXES, leg_states
-from paminsa_viz.model.leg import leg_vector, mechanism
+from paminsa_viz.model.arrays import Array, as_vectors, together
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.jacobians import (
+    actuator_acceleration,
+    actuator_velocity,
+    inverse_jacobian,
+    leg_vectors,
+)
+from paminsa_viz.model.kinematics import leg_states
+from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.leg_forces import LegForces, leg_forces
-from paminsa_viz.model.load import NO_LOAD, generalized_force
-from paminsa_viz.model.lumped import EnergyTerms, Misprint, energy_terms, lumped_coefficients
+from paminsa_viz.model.load import NO_LOAD, flat_load, generalized_force
+from paminsa_viz.model.lumped import Misprint, term_factors
 from paminsa_viz.model.parameters import ActuatorFriction, Friction
 from paminsa_viz.model.reach import Limit, reach_status
 from paminsa_viz.model.statics import load_torques
@@ -69,11 +73,6 @@ class TorqueBreakdown:
         return self.gravity + self.inertial + self.velocity + self.friction + self.load
 
 
-def _terms(design: Design, misprints: Misprint) -> EnergyTerms:
-    terms = energy_terms(lumped_coefficients(design, misprints), misprints)
-    return EnergyTerms(*map(float, terms))
-
-
 @np.errstate(invalid="ignore")
 def _finite_rows(values: Array) -> NDArray[np.bool_]:
     """Whether all of a row is finite; zero times anything else is NaN. As fast as one pass."""
@@ -105,7 +104,9 @@ def inverse_dynamics(
     """
     shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
     m = mechanism(design.geometry)
-    result = backend.inverse_dynamics_kernel(m, _terms(design, misprints), design.gravity, p, v, a)
+    result = backend.inverse_dynamics_kernel(
+        m, term_factors(design, misprints), design.gravity, p, v, a
+    )
     status, leg = reach_status(design.geometry, p)
     lost = np.flatnonzero((status == Limit.OK) & ~_finite_rows(result))
     moves = _finite_rows(v[lost]) & _finite_rows(a[lost])
@@ -115,20 +116,29 @@ def inverse_dynamics(
     if design.load.acts or load is not None:
         against = load_torques(design.geometry, design.load, p, flat_load(load, shape))
         torque = torque + against
-        against[:, :3] /= -_distances(design.geometry, p)
+        against[:, :3] /= -np.sqrt(leg_vectors(design.geometry, p).rho2)
         multipliers = multipliers + against
-    if any(design.drive_inertia):
-        growth = actuator_acceleration(design.geometry, p, v, a)
-        torque = torque + np.array(design.drive_inertia) * growth
+    torque = _with_drives(design, torque, p, v, a)
     if not design.actuator_friction.zero:
-        speed = actuator_velocity(design, p, v)
-        torque = torque + friction_torque(design.actuator_friction, speed)
+        torque = torque + _friction(design, p, v)
     return InverseDynamics(
         torque=torque.reshape(*shape, 4),
         multipliers=multipliers.reshape(*shape, 4),
         status=status.reshape(shape),
         leg=leg.reshape(shape),
     )
+
+
+def _with_drives(design: Design, torque: Array, p: Array, v: Array, a: Array) -> Array:
+    """Return torques with those that accelerate the drives' own inertia."""
+    if not any(design.drive_inertia):
+        return torque
+    growth = actuator_acceleration(design.geometry, p, v, a)
+    return torque + np.array(design.drive_inertia) * growth
+
+
+def _friction(design: Design, p: Array, v: Array) -> Array:
+    return friction_torque(design.actuator_friction, actuator_velocity(design, p, v))
 
 
 @np.errstate(all="ignore")
@@ -144,13 +154,7 @@ def platform_wrench(
 
     The torques follow from F = G^T tau, G the inverse Jacobian. Unlike them it is finite at type-2
     singularities. The drives' inertia is part of it, the friction at the actuators is not.
-
-    Args:
-        design: The robot.
-        pose: (..., 4) [m, m, rad, m].
-        velocity: (..., 4) [m/s, m/s, rad/s, m/s].
-        acceleration: (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
-        load: (..., 6) a wrench on top of the design's load, see `load.center_wrench` [N, N m].
+    Arguments as in `inverse_dynamics`.
 
     Returns:
         In the coordinates x, y, theta, z [N, N, N m, N]; NaN where the bars cannot close.
@@ -159,40 +163,19 @@ def platform_wrench(
         InvalidInput: If shapes do not fit or values are not real.
     """
     shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
-    e, geometry = _terms(design, Misprint.NONE), design.geometry
+    e, geometry = term_factors(design, Misprint.NONE), design.geometry
     g, q = leg_states(geometry, p, v, a)
     f = LegForces(*np.broadcast_arrays(*leg_forces(mechanism(geometry), e, g, q)))
     x = f.radial * g.ux - f.tangential * g.uy
     y = f.radial * g.uy + f.tangential * g.ux
     on_point = np.stack([x, y, g.px * y - g.py * x, f.vertical], axis=-1).sum(axis=1)
     actuators = np.concatenate([f.torque, f.lift.sum(axis=1, keepdims=True)], axis=1)
-    if any(design.drive_inertia):
-        growth = actuator_acceleration(geometry, p, v, a)
-        actuators = actuators + np.array(design.drive_inertia) * growth
+    actuators = _with_drives(design, actuators, p, v, a)
     on_actuators = np.einsum("nji,nj->ni", inverse_jacobian(geometry, p), actuators)
     masses = np.array([e.mass, e.mass, e.inertia + 6.0 * e.turn, e.mass])
     weight = np.array([0.0, 0.0, 0.0, e.mass * design.gravity])
     held = generalized_force(design.load, p[:, 2], flat_load(load, shape))
     return (on_point + on_actuators + masses * a + weight - held).reshape(*shape, 4)
-
-
-def flat_load(load: ArrayLike | None, shape: tuple[int, ...]) -> Array | None:
-    """Return a load (..., 6) for every state of a batch, (n, 6)."""
-    if load is None:
-        return None
-    wrench = as_vectors(load, "load", 6)
-    try:
-        return np.broadcast_to(wrench, (*shape, 6)).reshape(-1, 6)
-    except ValueError:
-        raise InvalidInput("load", f"shape {wrench.shape} does not fit {(*shape, 6)}") from None
-
-
-def _distances(geometry: Geometry, pose: Array) -> Array:
-    """Return X_1, the distances of the joints 5 from their leg axes, (n, 3) [m]."""
-    x, y, theta, _ = pose.T[..., None]
-    axes = LEG_AXES.T
-    v = leg_vector(mechanism(geometry), axes[0], axes[1], x, y, np.cos(theta), np.sin(theta))
-    return np.sqrt(v.rho2)
 
 
 def torque_breakdown(
@@ -213,30 +196,19 @@ def torque_breakdown(
     plain = replace(design.without_friction(), load=NO_LOAD)
     weightless = replace(plain, gravity=0.0)
     still = np.zeros_like(p)
-    at_rest = inverse_dynamics(plain, p, still, still, misprints)
-    inertial = inverse_dynamics(weightless, p, still, a, misprints)
-    moving = inverse_dynamics(weightless, p, v, still, misprints)
-    friction = np.zeros_like(p)
+    friction, against = np.zeros_like(p), np.zeros_like(p)
     if not design.actuator_friction.zero:
-        speed = actuator_velocity(design, p, v)
-        friction = friction_torque(design.actuator_friction, speed)
-    against = np.zeros_like(p)
+        friction = _friction(design, p, v)
     if design.load.acts or load is not None:
         against = load_torques(design.geometry, design.load, p, flat_load(load, shape))
-    return TorqueBreakdown(
-        gravity=at_rest.torque.reshape(*shape, 4),
-        inertial=inertial.torque.reshape(*shape, 4),
-        velocity=moving.torque.reshape(*shape, 4),
-        friction=friction.reshape(*shape, 4),
-        load=against.reshape(*shape, 4),
+    parts = (
+        inverse_dynamics(plain, p, still, still, misprints).torque,
+        inverse_dynamics(weightless, p, still, a, misprints).torque,
+        inverse_dynamics(weightless, p, v, still, misprints).torque,
+        friction,
+        against,
     )
-
-
-@np.errstate(all="ignore")
-def actuator_velocity(design: Design, pose: ArrayLike, velocity: ArrayLike) -> Array:
-    """Return the actuators' speeds for a platform velocity, (..., 4) [rad/s, m/s]."""
-    p, v = aligned(pose=pose, velocity=velocity)
-    return np.einsum("...ij,...j->...i", inverse_jacobian(design.geometry, p), v)
+    return TorqueBreakdown(*(part.reshape(*shape, 4) for part in parts))
 
 
 @np.errstate(all="ignore")
@@ -252,11 +224,7 @@ def friction_torque(friction: Friction | ActuatorFriction, speed: ArrayLike) -> 
     return viscous * speed + coulomb * np.tanh(speed / friction.transition_speed)
 
 
-def mass_matrix(
-    design: Design,
-    pose: ArrayLike,
-    misprints: Misprint = Misprint.NONE,
-) -> Array:
+def mass_matrix(design: Design, pose: ArrayLike, misprints: Misprint = Misprint.NONE) -> Array:
     """Return M with T = v.M v/2, v = (x', y', theta', z'), (..., 4, 4) [kg, kg m, kg m^2].
 
     Symmetric positive definite wherever the pose can be taken, type-2 singularities included. NaN
@@ -264,7 +232,7 @@ def mass_matrix(
     """
     pose = as_vectors(pose, "pose")
     m = mechanism(design.geometry)
-    upper = backend.mass_matrix(m, _terms(design, misprints), pose.reshape(-1, 4))
+    upper = backend.mass_matrix(m, term_factors(design, misprints), pose.reshape(-1, 4))
     matrix = np.empty((len(upper), 4, 4))
     rows, columns = np.triu_indices(4)
     matrix[:, rows, columns] = upper
@@ -306,54 +274,3 @@ def forward_dynamics(
     acceleration = np.full_like(p, np.nan)
     acceleration[good] = np.linalg.solve(matrix[good], force[good, :, None])[..., 0]
     return acceleration.reshape(*shape, 4)
-
-
-@np.errstate(all="ignore")
-def kinetic_energy(
-    design: Design,
-    pose: ArrayLike,
-    velocity: ArrayLike,
-    misprints: Misprint = Misprint.NONE,
-) -> Array:
-    """Return T, (...) [J], term by term as in Eqs. 12-14 with Appendix 3, and the drives' share."""
-    shape, (p, v) = together(pose=pose, velocity=velocity)
-    e = _terms(design, misprints)
-    g, q = leg_states(design.geometry, p, v, np.zeros_like(p))
-    lift = v[:, 3:] / design.geometry.magnification
-    translation = (
-        e.xy5 * (q.rho_rate**2 + (g.rho * q.beta_rate) ** 2)
-        + e.z5 * q.zeta_rate**2
-        + e.p9 * (q.r9_rate**2 + (g.r9 * q.beta_rate) ** 2 + q.z9_rate**2)
-        + e.xy59 * (q.rho_rate * q.r9_rate + g.rho * g.r9 * q.beta_rate**2)
-        + e.z59 * q.zeta_rate * q.z9_rate
-        + e.lift * lift**2
-        + e.z5_lift * q.zeta_rate * lift
-        + e.lift_linear * lift
-        + e.turn * v[:, 2:3] ** 2
-    )
-    rotation = (
-        e.psi * q.psi_rate**2
-        + e.phi * q.phi_rate**2
-        + q.beta_rate**2
-        * (
-            e.spin
-            + e.spin_sin_psi * g.sin_psi**2
-            + e.spin_cos_psi * g.cos_psi**2
-            + e.spin_sin_phi * g.sin_phi**2
-            + e.spin_cos_phi * g.cos_phi**2
-        )
-    )
-    platform = e.mass * (v[:, 0] ** 2 + v[:, 1] ** 2 + v[:, 3] ** 2) + e.inertia * v[:, 2] ** 2
-    total = 0.5 * platform + (translation + rotation).sum(axis=-1)
-    if any(design.drive_inertia):
-        total = total + 0.5 * actuator_velocity(design, p, v) ** 2 @ np.array(design.drive_inertia)
-    return total.reshape(shape)
-
-
-@np.errstate(all="ignore")
-def actuator_power(
-    design: Design, pose: ArrayLike, velocity: ArrayLike, torque: ArrayLike
-) -> Array:
-    """Return the power of each actuator, Q_j q_j', (..., 4) [W]."""
-    p, v, q = aligned(pose=pose, velocity=velocity, torque=torque)
-    return q * actuator_velocity(design, p, v)

@@ -8,17 +8,28 @@ screw of 16 mm have them; joints and guides rigid.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, make_dataclass
+from typing import Any, NamedTuple
 
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.parameters import Group, parameter
 
-BARS = ("b1", "b2", "b3", "b4", "b7", "b8", "b10")
-"""Bars of a leg that bend: arm, shaft, the four of the pantograph, guide link."""
+TUBES = {
+    "b1": (0.05, 0.0251), "b2": (0.05, 0.039), "b3": (0.04, 0.0338), "b4": (0.04, 0.0331),
+    "b7": (0.03, 0.0257), "b8": (0.04, 0.0339), "b10": (0.04, 0.0322),
+}  # fmt: skip
+"""Outer and inner diameter of the tubes [m] of the bars of a leg that bend: arm, shaft, the four
+of the pantograph, guide link."""
 
-SECTION_VALUES = ("area", "inertia_in", "inertia_out", "torsion")
-"""Values of a section that may be given in place of those of the tube."""
+BARS = tuple(TUBES)
+
+SECTION_VALUES = {
+    "area": ("A_{}", "m^2", "area"),
+    "inertia_in": ("I_in^({})", "m^4", "second moment of area in plane"),
+    "inertia_out": ("I_out^({})", "m^4", "second moment of area out of plane"),
+    "torsion": ("J^({})", "m^4", "torsion constant"),
+}
+"""Values of a section that may be given in place of those of the tube: symbol, unit, name."""
 
 
 class BeamSection(NamedTuple):
@@ -42,31 +53,21 @@ class BeamSection(NamedTuple):
     radius: float
 
 
-def _outer(bar: str, value: float) -> float:
-    return parameter(value, f"D_{bar}", "m", f"{bar}, outer diameter of the tube", positive=True)
-
-
-def _inner(bar: str, value: float) -> float:
-    return parameter(value, f"d_{bar}", "m", f"{bar}, inner diameter of the tube")
-
-
-def _area(bar: str) -> float | None:
-    return parameter(None, f"A_{bar}", "m^2", f"{bar}, area (default: the tube's)", positive=True)
-
-
-def _in_plane(bar: str) -> float | None:
-    label = f"{bar}, second moment of area in plane (default: the tube's)"
-    return parameter(None, f"I_in^({bar})", "m^4", label, positive=True)
-
-
-def _out_of_plane(bar: str) -> float | None:
-    label = f"{bar}, second moment of area out of plane (default: the tube's)"
-    return parameter(None, f"I_out^({bar})", "m^4", label, positive=True)
-
-
-def _torsion(bar: str) -> float | None:
-    label = f"{bar}, torsion constant (default: the tube's)"
-    return parameter(None, f"J^({bar})", "m^4", label, positive=True)
+def _bar_fields() -> list[tuple[str, Any, Any]]:
+    """Return the fields of the bars: each tube's diameters, then what its section may have."""
+    found: list[tuple[str, Any, Any]] = []
+    for bar, (outer, inner) in TUBES.items():
+        name = bar.upper()
+        text = f"{name}, outer diameter of the tube"
+        value = parameter(outer, f"D_{name}", "m", text, positive=True)
+        found.append((f"{bar}_outer", float, value))
+        value = parameter(inner, f"d_{name}", "m", f"{name}, inner diameter of the tube")
+        found.append((f"{bar}_inner", float, value))
+        for key, (symbol, unit, label) in SECTION_VALUES.items():
+            text = f"{name}, {label} (default: the tube's)"
+            value = parameter(None, symbol.format(name), unit, text, positive=True)
+            found.append((f"{bar}_{key}", float | None, value))
+    return found
 
 
 def _rigid(symbol: str, unit: str, text: str) -> float | None:
@@ -74,15 +75,8 @@ def _rigid(symbol: str, unit: str, text: str) -> float | None:
 
 
 @dataclass(frozen=True)
-class Elastic(Group, path="elastic"):
-    """What bends and by how much: not in the paper, documented defaults.
-
-    A stiffness that is None is infinite; a drive's is a number, and 1e18 as good as infinite. The
-    values of a section are the tube's until they are given.
-
-    Raises:
-        InvalidDesign: If a value is not possible, or an inner diameter not below the outer one.
-    """
+class _Rigidities(Group, path="elastic"):
+    """What all bars have in common: material, drives, joints and guides."""
 
     young_modulus: float = parameter(69e9, "E", "Pa", "Young's modulus of the bars", positive=True)
     shear_modulus: float = parameter(26e9, "G", "Pa", "shear modulus of the bars", positive=True)
@@ -104,48 +98,20 @@ class Elastic(Group, path="elastic"):
         None, "I_tilt", "kg m^2", "platform, about x and y (default: I_pl/2)", positive=True
     )
 
-    b1_outer: float = _outer("B1", 0.05)
-    b1_inner: float = _inner("B1", 0.0251)
-    b1_area: float | None = _area("B1")
-    b1_inertia_in: float | None = _in_plane("B1")
-    b1_inertia_out: float | None = _out_of_plane("B1")
-    b1_torsion: float | None = _torsion("B1")
-    b2_outer: float = _outer("B2", 0.05)
-    b2_inner: float = _inner("B2", 0.039)
-    b2_area: float | None = _area("B2")
-    b2_inertia_in: float | None = _in_plane("B2")
-    b2_inertia_out: float | None = _out_of_plane("B2")
-    b2_torsion: float | None = _torsion("B2")
-    b3_outer: float = _outer("B3", 0.04)
-    b3_inner: float = _inner("B3", 0.0338)
-    b3_area: float | None = _area("B3")
-    b3_inertia_in: float | None = _in_plane("B3")
-    b3_inertia_out: float | None = _out_of_plane("B3")
-    b3_torsion: float | None = _torsion("B3")
-    b4_outer: float = _outer("B4", 0.04)
-    b4_inner: float = _inner("B4", 0.0331)
-    b4_area: float | None = _area("B4")
-    b4_inertia_in: float | None = _in_plane("B4")
-    b4_inertia_out: float | None = _out_of_plane("B4")
-    b4_torsion: float | None = _torsion("B4")
-    b7_outer: float = _outer("B7", 0.03)
-    b7_inner: float = _inner("B7", 0.0257)
-    b7_area: float | None = _area("B7")
-    b7_inertia_in: float | None = _in_plane("B7")
-    b7_inertia_out: float | None = _out_of_plane("B7")
-    b7_torsion: float | None = _torsion("B7")
-    b8_outer: float = _outer("B8", 0.04)
-    b8_inner: float = _inner("B8", 0.0339)
-    b8_area: float | None = _area("B8")
-    b8_inertia_in: float | None = _in_plane("B8")
-    b8_inertia_out: float | None = _out_of_plane("B8")
-    b8_torsion: float | None = _torsion("B8")
-    b10_outer: float = _outer("B10", 0.04)
-    b10_inner: float = _inner("B10", 0.0322)
-    b10_area: float | None = _area("B10")
-    b10_inertia_in: float | None = _in_plane("B10")
-    b10_inertia_out: float | None = _out_of_plane("B10")
-    b10_torsion: float | None = _torsion("B10")
+
+_WithBars: Any = make_dataclass("_WithBars", _bar_fields(), bases=(_Rigidities,), frozen=True)
+
+
+@dataclass(frozen=True)
+class Elastic(_WithBars, path="elastic"):
+    """What bends and by how much: not in the paper, documented defaults.
+
+    A stiffness that is None is infinite; a drive's is a number, and 1e18 as good as infinite. The
+    values of a section are the tube's until they are given.
+
+    Raises:
+        InvalidDesign: If a value is not possible, or an inner diameter not below the outer one.
+    """
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -6,10 +6,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
-from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import HEADINGS, LEG_AXES
-from paminsa_viz.model.leg import leg_vector, mechanism
+from paminsa_viz.model.leg import LegVector, leg_vector, mechanism
 from paminsa_viz.model.robot import platform_determinant
+
+
+@np.errstate(all="ignore")
+def leg_vectors(geometry: Geometry, pose: Array) -> LegVector:
+    """Return the legs' horizontal vectors at poses (..., 4), every field (..., 3) [m]."""
+    x, y, theta, _ = np.moveaxis(pose, -1, 0)[..., None]
+    return leg_vector(
+        mechanism(geometry), LEG_AXES[:, 0], LEG_AXES[:, 1], x, y, np.cos(theta), np.sin(theta)
+    )
 
 
 @np.errstate(all="ignore")
@@ -22,7 +31,7 @@ def closure(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) -> Array:
         actuators: (..., 4) [rad, rad, rad, m].
     """
     p, q = aligned(pose=pose, actuators=actuators)
-    d = _vectors(geometry, p)
+    d = leg_vectors(geometry, p)
     beta = q[..., :3] + HEADINGS
     s = d.dx * np.sin(beta) - d.dy * np.cos(beta)
     lift = (p[..., 3] + geometry.platform_joint_height) / geometry.magnification
@@ -33,7 +42,7 @@ def closure(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) -> Array:
 def closure_matrix(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) -> Array:
     """Return A_ij, the derivatives of s_i by (x, y, theta, z, theta_1..3, Z), (..., 4, 8)."""
     p, q = aligned(pose=pose, actuators=actuators)
-    d = _vectors(geometry, p)
+    d = leg_vectors(geometry, p)
     beta = q[..., :3] + HEADINGS
     sin_b, cos_b = np.sin(beta), np.cos(beta)
     a = np.zeros((*p.shape[:-1], 4, 8))
@@ -51,7 +60,7 @@ def closure_matrix(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) ->
 def inverse_jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
     """Return G with (theta_1', theta_2', theta_3', Z') = G (x', y', theta', z'), (..., 4, 4)."""
     pose = as_vectors(pose, "pose")
-    d = _vectors(geometry, pose)
+    d = leg_vectors(geometry, pose)
     g = np.zeros((*pose.shape[:-1], 4, 4))
     g[..., :3, 0] = -d.dy / d.rho2
     g[..., :3, 1] = d.dx / d.rho2
@@ -88,7 +97,7 @@ def inverse_jacobian_rate(geometry: Geometry, pose: ArrayLike, velocity: ArrayLi
     The actuator acceleration is then G a + (dG/dt) v, for platform velocity v, acceleration a.
     """
     shape, (p, v) = together(pose=pose, velocity=velocity)
-    d = _vectors(geometry, p)
+    d = leg_vectors(geometry, p)
     vx, vy, turn = v[:, 0:1], v[:, 1:2], v[:, 2:3]
     px_rate, py_rate = -turn * d.py, turn * d.px
     dx_rate, dy_rate = vx + px_rate, vy + py_rate
@@ -103,6 +112,13 @@ def inverse_jacobian_rate(geometry: Geometry, pose: ArrayLike, velocity: ArrayLi
 
 
 @np.errstate(all="ignore")
+def actuator_velocity(design: Design, pose: ArrayLike, velocity: ArrayLike) -> Array:
+    """Return the actuators' speeds for a platform velocity, (..., 4) [rad/s, m/s]."""
+    p, v = aligned(pose=pose, velocity=velocity)
+    return np.einsum("...ij,...j->...i", inverse_jacobian(design.geometry, p), v)
+
+
+@np.errstate(all="ignore")
 def actuator_acceleration(
     geometry: Geometry, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
 ) -> Array:
@@ -110,11 +126,3 @@ def actuator_acceleration(
     p, v, a = aligned(pose=pose, velocity=velocity, acceleration=acceleration)
     g, rate = inverse_jacobian(geometry, p), inverse_jacobian_rate(geometry, p, v)
     return np.einsum("...ij,...j->...i", g, a) + np.einsum("...ij,...j->...i", rate, v)
-
-
-@np.errstate(all="ignore")
-def _vectors(geometry: Geometry, pose: Array):  # type: ignore[no-untyped-def]
-    x, y, theta, _ = np.moveaxis(pose, -1, 0)[..., None]
-    return leg_vector(
-        mechanism(geometry), LEG_AXES[:, 0], LEG_AXES[:, 1], x, y, np.cos(theta), np.sin(theta)
-    )

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.errors import InvalidDesign
+from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.parameters import Group, parameter
 
@@ -139,3 +139,18 @@ def generalized_force(load: LoadCase, theta: ArrayLike, extra: ArrayLike | None 
     Arguments as in `center_wrench`.
     """
     return center_wrench(load, theta, extra)[..., [0, 1, 5, 2]]
+
+
+def flat_load(load: ArrayLike | None, shape: tuple[int, ...]) -> Array | None:
+    """Return a further wrench (..., 6) for every state of a batch, (n, 6).
+
+    Raises:
+        InvalidInput: If it does not fit the batch's shape.
+    """
+    if load is None:
+        return None
+    wrench = as_vectors(load, "load", 6)
+    try:
+        return np.broadcast_to(wrench, (*shape, 6)).reshape(-1, 6)
+    except ValueError:
+        raise InvalidInput("load", f"shape {wrench.shape} does not fit {(*shape, 6)}") from None

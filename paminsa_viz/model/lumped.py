@@ -269,6 +269,12 @@ def energy_terms(c: Array, misprints: Misprint = Misprint.NONE) -> EnergyTerms:
     )  # fmt: skip
 
 
+def term_factors(design: Design, misprints: Misprint = Misprint.NONE) -> EnergyTerms:
+    """Return the factors of a design's energy terms, as floats."""
+    terms = energy_terms(lumped_coefficients(design, misprints), misprints)
+    return EnergyTerms(*map(float, terms))
+
+
 def term_matrix(misprints: Misprint = Misprint.NONE) -> Array:
     """Return S, (21, 18), such that the energy terms are S @ c."""
     return np.array(energy_terms(np.eye(len(COEFFICIENTS)), misprints))

@@ -91,7 +91,7 @@ class Group:
     _path: ClassVar[str]
     _limits: ClassVar[tuple[float, float] | None]
 
-    def __init_subclass__(cls, path: str, limits: tuple[float, float] | None = None) -> None:
+    def __init_subclass__(cls, path: str = "", limits: tuple[float, float] | None = None) -> None:
         """Name the group in error messages, and give it a range of its own for any number."""
         cls._path, cls._limits = path, limits
 

@@ -1,4 +1,4 @@
-"""Torques that hold the robot's weight (Eqs. 1-8, Appendix 2) and load, and the energy behind them.
+"""Torques that hold the robot's weight (Eqs. 1-8, Appendix 2) and load.
 
 Sign: a torque is what the actuator has to deliver, Q_j = dV/dq_j; positive along theta_k and up.
 """
@@ -24,7 +24,6 @@ from paminsa_viz.model.lumped import (
     lumped_matrix,
     mass_vector,
     point_mass_column,
-    potential_constant,
 )
 
 UNIT_TORQUES = backend.Formula(robot.unit_torques, 4)
@@ -183,21 +182,3 @@ def torques_of_legs(
         rotary = np.einsum("...ij,...ki->...jk", j, gradient)
         lift = geometry.magnification * by_zeta
     return np.concatenate([rotary, lift[..., None, :]], axis=-2)
-
-
-def potential_energy(design: Design, pose: ArrayLike) -> Array:
-    """Return V, (...) [J] (Eq. 11): zero height is the plane of the guides.
-
-    As in the paper the joints 8 and the guide links, which never change height, do not count, and
-    the platform's mass center is at height z, a payload's at z + h_load. A load is no part of it:
-    one that turns with the platform has no potential.
-    """
-    configuration = inverse_kinematics(design.geometry, pose)
-    c = lumped_coefficients(design)
-    z5, z9 = configuration.points[5][..., 2], configuration.points[9][..., 2]
-    legs = (
-        c[0] * z5 + c[1] * z9 + c[2] * configuration.actuators[..., 3:] + potential_constant(design)
-    )
-    payload = design.payload
-    rest = c[16] * configuration.pose[..., 3] + payload.mass * payload.height
-    return design.gravity * rest + legs.sum(axis=-1)

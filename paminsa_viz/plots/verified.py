@@ -37,7 +37,9 @@ class VerificationFigure(NamedTuple):
     data: SeriesData
 
 
-def engine_torques(analysis: TrajectoryAnalysis, engine: str = "MuJoCo") -> EngineTorques:
+def engine_torques(
+    analysis: TrajectoryAnalysis, engine: str = "MuJoCo", *, most: int | None = MOST_STATES
+) -> EngineTorques:
     """Return an engine's torques along an analyzed trajectory, to be drawn next to its own.
 
     Engines here have no joint friction; the design's is added, so that the rest can be compared.
@@ -46,17 +48,17 @@ def engine_torques(analysis: TrajectoryAnalysis, engine: str = "MuJoCo") -> Engi
     Args:
         analysis: The design on the trajectory.
         engine: ``"MuJoCo"`` or ``"Pinocchio"``, in any case.
+        most: Most samples; None for any number.
 
     Raises:
         EngineMissing: If the engine is not installed.
         InvalidDesign: If a bar's inertias belong to no rigid body.
-        InvalidInput: If there is no such engine, or the trajectory has more than `MOST_STATES`
-            samples.
+        InvalidInput: If there is no such engine, or the trajectory has more samples.
     """
     t = analysis.trajectory
-    if t.size > MOST_STATES:
+    if most is not None and t.size > most:
         raise InvalidInput(
-            "trajectory", f"an engine computes at most {MOST_STATES:,} samples, not {t.size:,}"
+            "trajectory", f"an engine computes at most {most:,} samples, not {t.size:,}"
         )
     found = next((name for name in _ENGINES if name.lower() == engine.lower()), None)
     if found is None:

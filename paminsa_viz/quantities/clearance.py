@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Hashable
 from dataclasses import replace
 
 import numpy as np
 
 from paminsa_viz.clearance import PairGroup, clearance, group_clearance, shapes_of
-from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.reach import LEAST_MARGIN, Limit
-from paminsa_viz.quantities.quantity import Missing, Quantity, in_family
+from paminsa_viz.quantities.quantity import Missing, Quantity, in_family, kept_over_poses
 
 COST = 3e-5
 """Time for the least clearance of a pose [s]."""
@@ -21,22 +20,13 @@ GROUPS_COST = 2e-4
 """Time for that of every group of pairs [s]."""
 
 
-def _kept(name: str, find: Callable[[Design, Array], Array]) -> Callable[[Field, Design], Array]:
-    """Return values over a field, kept until the sizes of payload or counterweights change."""
-
-    def over(field: Field, design: Design) -> Array:
-        def solve() -> Array:
-            poses = field.grid.poses()
-            poses[field.status != Limit.OK] = np.nan
-            return find(replace(design, geometry=field.geometry), poses)
-
-        return field.keep(name, (design.payload.mass, design.counterweights), solve)
-
-    return over
+def _sizes(design: Design) -> Hashable:
+    """Return what the sizes of payload and counterweights follow from."""
+    return design.payload.mass, design.counterweights
 
 
-_LEAST = _kept("clearance", lambda design, poses: clearance(design, poses).least)
-_GROUPS = _kept("clearance_groups", lambda design, poses: group_clearance(design, poses))
+_LEAST = kept_over_poses("clearance", lambda design, poses: clearance(design, poses).least, _sizes)
+_GROUPS = kept_over_poses("clearance_groups", group_clearance, _sizes)
 
 _TEXTS = ("", "no such bodies: there is no payload, or no counterweight")
 _WORDS = ("", "no-such-bodies")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -87,6 +87,27 @@ class Quantity:
 def reached(field: Field, formula: Formula) -> Array:
     """Return the results of a formula (results, ...), NaN where a pose cannot be taken."""
     return np.where(field.status == Limit.OK, field.solve(formula), np.nan)
+
+
+def kept_over_poses(
+    name: str,
+    find: Callable[[Design, Array], Array],
+    key: Callable[[Design], Hashable] = lambda design: design,
+) -> Callable[[Field, Design], Array]:
+    """Return values of a list of poses as those over a field, kept until the key changes.
+
+    ``find(design, poses)`` gets NaN for poses (..., 4) that cannot be taken.
+    """
+
+    def over(field: Field, design: Design) -> Array:
+        def solve() -> Array:
+            poses = field.grid.poses()
+            poses[field.status != Limit.OK] = np.nan
+            return find(replace(design, geometry=field.geometry), poses)
+
+        return field.keep(name, key(design), solve)
+
+    return over
 
 
 def in_family(family: str, *quantities: Quantity) -> tuple[Quantity, ...]:

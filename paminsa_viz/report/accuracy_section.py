@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from paminsa_viz.model.accuracy import DriveAccuracy
-from paminsa_viz.model.leg_deviations import NO_DEVIATIONS
+from paminsa_viz.model.accuracy import NO_DEVIATIONS, DriveAccuracy
+from paminsa_viz.model.design import Design
 from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import ToleranceErrors, manufactured_pose, tolerance_errors
+from paminsa_viz.precision.monte_carlo import MonteCarlo
 from paminsa_viz.precision.unequal_legs import Closure
-from paminsa_viz.report.blocks import Block, Note, Row, Section, Table
-from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.report.blocks import Block, Note, ReportRequest, Row, Section, Table
 from paminsa_viz.studies.drive_accuracy import error_rows, region_errors, statistics
 from paminsa_viz.studies.metrics import RegionResults, default_region
 from paminsa_viz.units import format_value
@@ -28,29 +29,44 @@ MOST_LENGTHS = 4
 
 def accuracy_section(request: ReportRequest) -> Section:
     """Return the section."""
-    return Section("accuracy", "Accuracy", (*_drives(request), *_manufacture(request)))
+    design, pose = request.design, request.pose
+    here = drive_errors(design.geometry, design.accuracy, pose)
+    over = RegionResults(design, default_region(design))
+    blocks = [*drive_blocks(here, over), *manufacture_blocks(design, pose)]
+    return Section("accuracy", "Accuracy", tuple(blocks))
 
 
-def _drives(request: ReportRequest) -> list[Block]:
-    design = request.design
-    here = drive_errors(design.geometry, design.accuracy, request.pose)
-    region = default_region(design)
-    over = region_errors(RegionResults(design, region))
-    rows = []
-    for row, wide in zip(error_rows(here), over.rows, strict=True):
-        values = (row.worst[0], row.linear[0], row.rms[0], *statistics(wide.worst))
-        cells = (format_value(float(value), row.unit, 3) for value in values)
-        rows.append(Row(("in the plane" if row.name == "xy" else row.name, *cells)))
-    caption = (
-        "Errors from the drives: at the report's pose the largest by exact kinematics, the linear "
-        "estimate and the RMS; and median, 95 % and largest of the exact one over the poses "
-        f"within {format_value(region.radius, 'm')} of the axis at θ "
-        f"{', '.join(format_value(angle, 'rad') for angle in region.theta)}."
+def drive_blocks(here: DriveErrors, over: RegionResults) -> list[Block]:
+    """Return the errors that the drives of a design leave at a pose and over a region."""
+    region, errors = over.region, region_errors(over)
+    at, wide = [], []
+    for row, rows in zip(error_rows(here), errors.rows, strict=True):
+        name = "in the plane" if row.name == "xy" else row.name
+        known = (row.worst[0], row.linear[0], row.rms[0])
+        spread = (*statistics(rows.worst), statistics(rows.linear)[0], statistics(rows.rms)[0])
+        for values, found in ((known, at), (spread, wide)):
+            texts = (format_value(float(value), row.unit, 3) for value in values)
+            found.append(Row((name, *texts)))
+    where = (
+        f"{errors.poses} poses within {format_value(region.radius, 'm')} of the axis at θ "
+        f"{', '.join(format_value(angle, 'rad') for angle in region.theta)} and z "
+        f"{', '.join(format_value(z, 'm') for z in region.z)}"
     )
-    head = ("Error of", "Worst", "Linear", "RMS", "Median", "95 %", "Largest")
-    blocks: list[Block] = [Note(_parts(design.accuracy)), Table(head, tuple(rows), caption)]
-    blocks += [Note(text, "warn") for text in _unbounded(here, over.unbounded, over.poses)]
-    return blocks
+    blocks: list[Block] = [
+        Note(_parts(over.design.accuracy)),
+        Table(
+            ("Error of", "Worst", "Linear", "RMS"), tuple(at),
+            "Errors from the drives at the pose: the largest by exact kinematics, the linear "
+            "estimate and the RMS.",
+        ),
+        Table(
+            ("Error of", "Median", "95 %", "Largest", "Linear: median", "RMS: median"), tuple(wide),
+            f"Of the exact errors, the estimates and the RMS over {where}.",
+        ),
+    ]  # fmt: skip
+    return blocks + [
+        Note(text, "warn") for text in _unbounded(here, errors.unbounded, errors.poses)
+    ]
 
 
 def _parts(accuracy: DriveAccuracy) -> str:
@@ -74,30 +90,41 @@ def _unbounded(here: DriveErrors, counts: dict[Bound, int], poses: int) -> list[
     texts = []
     if not here.ok:
         reason = Bound(int(here.bound)).reason(int(here.leg))
-        texts.append(f"No bound at the report's pose: {reason}. The linear estimate is none.")
+        texts.append(f"No bound at the pose: {reason}. The linear estimate is none.")
     for bound, count in counts.items():
         texts.append(f"No bound at {count} of the {poses} poses: {bound.reason()}.")
     return texts
 
 
-def _manufacture(request: ReportRequest) -> list[Block]:
-    found = tolerance_errors(request.design, request.pose)
-    own = [] if request.design.deviations == NO_DEVIATIONS else [Note(_own_legs(request))]
+def manufacture_blocks(
+    design: Design, pose: ArrayLike, robots: MonteCarlo | None = None
+) -> list[Block]:
+    """Return the errors by manufacture at a pose (4,), with those of robots drawn at random."""
+    found = tolerance_errors(design, pose)
+    own = [] if design.deviations == NO_DEVIATIONS else [Note(_own_legs(design, pose))]
     if not np.isfinite(found.worst).all():
         text = "it is singular, or the loops of the legs do not close"
         return [Note(f"Errors by manufacture have no value at this pose: {text}.", "warn"), *own]
+    columns = {"Worst": found.worst, "Clearances": found.clearance, "RMS": found.rms}
+    drawn = ""
+    if robots is not None:
+        columns |= {"RMS of robots": robots.rms, "95 % below": robots.quantile(0.95)}
+        lost = int((robots.closure != Closure.OK).sum())
+        drawn = f" {lost} of {len(robots.closure)} robots cannot be assembled." if lost else ""
     rows = []
     for index, (name, unit) in enumerate(COORDINATES):
-        parts = (found.worst[index], found.clearance[index], found.rms[index])
-        cells = (format_value(float(value), unit, 3) for value in parts)
+        cells = (format_value(float(values[index]), unit) for values in columns.values())
         rows.append(Row((name, *cells, _dominating(found, index))))
     caption = (
-        "Errors by the tolerances of the lengths and the clearances at the report's pose, to first "
+        "Errors by the tolerances of the lengths and the clearances at the pose, to first "
         "order: the largest, the part of the clearances in it, the RMS, and which lengths the "
         "variance comes from."
     )
-    head = ("Error of", "Worst", "Clearances", "RMS", "Lengths")
-    return [Table(head, tuple(rows), caption), *own]
+    largest = (
+        f"At most {format_value(float(found.horizontal), 'm:um')} in the plane, and a tilt of "
+        f"{format_value(float(found.tilt), 'rad:arcsec')}.{drawn}"
+    )
+    return [Table(("Error of", *columns, "Lengths"), tuple(rows), caption), Note(largest), *own]
 
 
 def _dominating(found: ToleranceErrors, index: int) -> str:
@@ -107,12 +134,12 @@ def _dominating(found: ToleranceErrors, index: int) -> str:
     return ", ".join(f"{LENGTHS[i].symbol} {100 * share[i]:.0f} %" for i in order)
 
 
-def _own_legs(request: ReportRequest) -> str:
+def _own_legs(design: Design, pose: ArrayLike) -> str:
     """Return where the design's own legs put the platform."""
-    found = manufactured_pose(request.design, request.pose)
+    found = manufactured_pose(design, pose)
     if not found.ok:
         return f"The design's own legs have no position: {Closure(int(found.closure)).reason}."
-    off = [*(found.pose - np.array(request.pose)), *found.tilt]
+    off = [*(found.pose - np.asarray(pose)), *found.tilt]
     texts = (
         f"{name} {format_value(float(value), unit, 3)}"
         for (name, unit), value in zip(COORDINATES, off, strict=True)

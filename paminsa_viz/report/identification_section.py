@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.findings import Findings
 from paminsa_viz.model.drive import ACTUATORS
-from paminsa_viz.plots.identification_series import log_series
-from paminsa_viz.plots.series_figure import render_series
-from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table
-from paminsa_viz.units import NONE, interval_text, number, unit_text
+from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, rows
+from paminsa_viz.units import NONE, format_value, interval_text, number, unit_text
 
 TRIED = 5
 """Causes that are listed with those that are named."""
@@ -25,11 +25,15 @@ def identification_section(findings: Findings) -> Section:
         ),
         _verdict(findings),
     ]
-    data = log_series(findings)
-    svg = render_series(data, "svg", title=data.title, caption=False)
-    blocks.append(Figure(svg, "Measured and predicted torques over time, with their differences."))
+    alt = "Measured and predicted torques over time, with their differences."
+    blocks.append(Figure(partial(_torques, findings), alt))
+    rest = ", ".join(
+        f"{name} {format_value(float(rms), unit, 3)}"
+        for name, rms, unit in zip(ACTUATORS, one.noise, ("N m", "N m", "N m", "N"), strict=True)
+    )
+    blocks.append(Note(f"RMS of what is left: {rest}."))
     head = ("", "Parameter", "Log, 95 %", "Unit", "Design")
-    rows = tuple(
+    numbers = tuple(
         Row(
             (
                 item.symbol, item.parameter.label,
@@ -42,15 +46,23 @@ def identification_section(findings: Findings) -> Section:
         for item in one.estimates
     )  # fmt: skip
     caption = "Numbers that the log tells; marked where the design's is outside the interval."
-    blocks.append(Table(head, rows, caption, words=2))
+    blocks.append(Table(head, numbers, caption, words=2))
     if one.unknown:
-        text = "; ".join(f"{item.symbol}: {item.reason}" for item in one.unknown)
-        blocks.append(Note(f"Unknown: {text}."))
+        reasons = rows(*((item.symbol, item.reason) for item in one.unknown))
+        blocks.append(Table(("", "Why"), reasons, "Unknown parameters.", words=2))
     blocks.append(_causes(findings))
-    blocks.append(Note(f"Cannot be seen in this log: {'; '.join(findings.causes.unseen)}."))
+    unseen = rows(*((text,) for text in findings.causes.unseen))
+    blocks.append(Table(("",), unseen, "What cannot be seen in this log."))
     blocks += _checks(findings)
     blocks.append(_masses(findings))
     return Section("identification", "Identification", tuple(blocks))
+
+
+def _torques(findings: Findings) -> bytes:
+    from paminsa_viz.plots.identification_series import log_series  # late: matplotlib
+    from paminsa_viz.plots.series_figure import render_series
+
+    return render_series(log_series(findings), "svg", caption=False)
 
 
 def _differs(value: float, half_width: float, design: float, known: bool) -> bool:
@@ -63,7 +75,9 @@ def _verdict(findings: Findings) -> Note:
     named = ", ".join(item.label for item in findings.causes.named)
     check = NONE
     if identity.holds is not None:
-        check = f"{'holds' if identity.holds else 'fails'}, z = {number(identity.z, 2)}"
+        size = interval_text(identity.value, identity.half_width)
+        verdict = "holds" if identity.holds else "fails"
+        check = f"{verdict}, {size} N, z = {number(identity.z, 2)}"
     if named or identity.holds is False:
         what = f"What may be wrong: {named}." if named else "A spring may be."
         text = f"Masses and friction do not explain the log. {what} Identity of the masses: {check}"
@@ -113,6 +127,7 @@ def _checks(findings: Findings) -> list[Block]:
         trusted = interval_text(payload.mass, payload.half_width)
         free = interval_text(payload.free_mass, payload.free_half_width)
         text = f"Payload {trusted} kg; {free} kg if F_4 may have drifted between the logs."
+        text += f" The drift is then {interval_text(payload.drift, payload.drift_half_width)} N."
         if payload.gain is not None:
             text += f" Common gain of the torques {interval_text(*payload.gain)}."
         found.append(Note(text))

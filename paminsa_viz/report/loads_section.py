@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from paminsa_viz.elastostatics.joint_forces import JOINTS, joint_forces
+from paminsa_viz.elastostatics.bar_diagram import COMPONENTS
+from paminsa_viz.elastostatics.bar_loads import all_bar_loads, arm_tip, utilization
+from paminsa_viz.elastostatics.joint_forces import JOINTS, JointForces, joint_forces
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
+from paminsa_viz.elastostatics.sideways import SidewaysForces, sideways_forces
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.plots.series import SeriesSources
-from paminsa_viz.plots.series_builders import build_series
-from paminsa_viz.plots.series_figure import render_series
-from paminsa_viz.report.blocks import Block, Figure, Note, Section, Table, rows
+from paminsa_viz.report.blocks import Block, Note, Section, Table, rows, series_figure
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import NONE, number
 
@@ -24,75 +25,99 @@ ROUNDING = 1e-9
 
 def loads_section(analysis: TrajectoryAnalysis, pose: Sequence[float]) -> Section:
     """Return the section."""
-    blocks: list[Block] = [
-        Note(
-            "Forces in the legs' planes, at joint 5 in space, from equilibrium; each is on the "
-            "first body, from the second. r is toward the platform, z up. Sideways shares of the "
-            "other joints are statically indeterminate and are not in them."
-        )
-    ]
-    forces = joint_forces(analysis.design, pose)
+    title, design = "Joint forces and bar loads", analysis.design
+    forces = joint_forces(design, pose)
     if forces.status == Limit.OK:
-        found = [
-            (
-                joint.label, f"{joint.on}, {joint.by}",
-                *(_text(forces.force[leg, i, part]) for leg in range(3) for part in (0, 2)),
-            )
-            for i, joint in enumerate(JOINTS)
-        ]  # fmt: skip
-        head = ("Joint", "Bodies", *(f"{part}, leg {leg}" for leg in (1, 2, 3) for part in "rz"))
-        blocks.append(Table(head, rows(*found), "Forces at rest at the pose [N].", 2, literal=True))
+        blocks = pose_blocks(forces, sideways_forces(design, pose))
     else:
         explanation = Limit(int(forces.status)).explanation
-        blocks.append(Note(f"There are no joint forces at the pose: {explanation}.", "bad"))
+        blocks = [Note(f"There are no joint forces at the pose: {explanation}.", "bad")]
     loads = motion_loads(analysis)
     if loads is None:
         blocks.append(Note("The robot cannot run the trajectory from its start.", "bad"))
-        return Section("loads", "Joint forces and bar loads", tuple(blocks))
+        return Section("loads", title, tuple(blocks))
     if analysis.check.first is not None:
         blocks.append(Note("Up to where the trajectory first fails:", "warn"))
-    blocks += [_joints(loads), _bars(loads)]
-    data = build_series("loads", SeriesSources(analysis))
-    svg = render_series(data, "svg", title=data.title, caption=False)
-    blocks.append(Figure(svg, f"{data.title} over time, six panels."))
-    return Section("loads", "Joint forces and bar loads", tuple(blocks))
+    alt = "Forces at the joints and in the bars over time, six panels."
+    figure = series_figure("loads", analysis, alt)
+    return Section("loads", title, (*blocks, *motion_blocks(loads), figure))
 
 
-def _joints(loads: MotionLoads) -> Table:
-    found = []
-    for i, joint in enumerate(JOINTS):
-        leg = int(loads.peak[:, i].argmax())
-        equivalent = loads.equivalent[:, i]
-        worst = math.nan if np.isnan(equivalent).all() else float(np.nanmax(equivalent))
-        found.append(
-            (
-                joint.label, str(leg + 1), _text(loads.peak[leg, i]),
-                number(float(loads.peak_time[leg, i]), 3), _text(loads.rms[:, i].max()),
-                _text(worst),
-            )
-        )  # fmt: skip
-    head = ("Joint", "Leg", "Peak [N]", "At [s]", "RMS [N]", "Equivalent load [N]")
-    text = (
-        "Forces on the trajectory: the leg with the largest peak, and the largest RMS and "
-        "equivalent load of all legs, weighted by relative rotation with exponent 3."
-    )
-    return Table(head, rows(*found), text, 1, literal=True)
-
-
-def _bars(loads: MotionLoads) -> Table:
-    size = np.abs(loads.bar_peak).max(axis=0)
-    use = loads.utilization.max(axis=(0, 1))
-    found = [
-        (bar.upper(), *map(_text, size[i]), f"{100 * use[i]:.2g} %") for i, bar in enumerate(BARS)
+def pose_blocks(forces: JointForces, sideways: SidewaysForces) -> list[Block]:
+    """Return the forces at rest in one pose, and the shares of the joints across the planes."""
+    joint = range(len(JOINTS))
+    plane = [
+        np.column_stack([forces.force[:, i, 0], forces.force[:, i, 2], forces.moment[:, i]])
+        for i in joint
     ]
-    head = ("Bar", "|N| [N]", "|V| [N]", "|M| [N m]", "Stress over yield stress")
-    return Table(
-        head, rows(*found), "Largest loads along the bars on the trajectory.", 1, literal=True
+    across = [np.column_stack([sideways.force[:, i], sideways.moment[:, i]]) for i in joint]
+    labels = [item.label for item in JOINTS]
+    named = [f"{item.label}: {item.on}, {item.by}" for item in JOINTS]
+    inner = np.stack([loads.extremes() for loads in all_bar_loads(forces).values()], axis=1)
+    tip = arm_tip(forces)
+    bending = map(_text, (tip.sideways * forces.design.geometry.arm_length).reshape(3))
+    torsion = map(_text, tip.torsion.reshape(3))
+    torques = map(_text, forces.torque[:3])
+    return [
+        Note(
+            "Forces in the legs' planes at rest, at joint 5 in space, from equilibrium; each is on "
+            "the first body of the joint, from the second. r is toward the platform, z up."
+        ),
+        _of_legs(
+            "Forces [N] and moments [N m] at the pose, in the planes of legs 1 to 3.",
+            "Joint", named, ("r", "z", "M"), plane,
+        ),
+        _of_legs(
+            "Across the planes, shared by elasticity: forces [N], moments [N m] about r and z.",
+            "Joint", labels, ("w", "M_u", "M_z"), across,
+        ),
+        _bars(inner, utilization(forces)),
+        Note(
+            f"Torques {', '.join(torques)} N m, force of M4 {_text(forces.torque[3])} N. Roots of "
+            f"the arms B1, without sideways shares: horizontal bending {', '.join(bending)} N m, "
+            f"torsion {', '.join(torsion)} N m."
+        ),
+    ]  # fmt: skip
+
+
+def motion_blocks(loads: MotionLoads) -> list[Block]:
+    """Return peak, RMS and equivalent load of the joints on a motion, and the bars' loads."""
+    kinds = (loads.peak, loads.rms, loads.equivalent)
+    values = [np.column_stack([kind[:, i] for kind in kinds]) for i in range(len(JOINTS))]
+    caption = (
+        "Forces [N] at legs 1 to 3 on the trajectory: peak, RMS and equivalent load, weighted by "
+        "relative rotation with exponent 3."
     )
+    labels = [item.label for item in JOINTS]
+    return [
+        _of_legs(caption, "Joint", labels, ("peak", "RMS", "eq."), values),
+        _bars(loads.bar_peak, loads.utilization.max(axis=0)),
+    ]
+
+
+def _bars(inner: ArrayLike, use: ArrayLike) -> Table:
+    """Return the table of the largest loads (3 legs, bars, 3) and the utilization of the bars."""
+    cells = np.concatenate([np.asarray(inner), 100 * np.asarray(use)[..., None]], axis=-1)
+    caption = "Largest N [N], V [N], M [N m] along the bars, and stress over yield stress [%]."
+    labels = [bar.upper() for bar in BARS]
+    return _of_legs(caption, "Bar", labels, (*COMPONENTS, "use"), np.swapaxes(cells, 0, 1))
+
+
+def _of_legs(
+    caption: str,
+    what: str,
+    labels: Sequence[str],
+    parts: Sequence[str],
+    values: Iterable[ArrayLike],
+) -> Table:
+    """Return a table with a row a label, whose values are (3 legs, parts)."""
+    head = (what, *(f"{part} {leg}" for leg in (1, 2, 3) for part in parts))
+    found = [(label, *map(_text, np.ravel(row))) for label, row in zip(labels, values, strict=True)]
+    return Table(head, rows(*found), caption, literal=True)
 
 
 def _text(value: float) -> str:
     value = float(value)
     if math.isnan(value):
         return NONE
-    return number(0.0 if abs(value) < ROUNDING else value, 3)
+    return number(0.0 if abs(value) < ROUNDING else value)

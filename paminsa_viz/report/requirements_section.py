@@ -1,19 +1,21 @@
-"""Requirements: which hold, the volume where all do, and the largest proven workspace."""
+"""Requirements: which hold, the volume, the largest proven workspace; and the robot of a search."""
 
 from __future__ import annotations
 
 import math
 
 from paminsa_viz.errors import PaminsaError
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.quantities.requirement_text import requirement_label
-from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.report.blocks import Block, Note, Row, Section, Table
-from paminsa_viz.synthesis.check import Over, RequirementsCheck, check_requirements
-from paminsa_viz.synthesis.evidence import Evidence
-from paminsa_viz.synthesis.largest import largest_workspace
-from paminsa_viz.synthesis.volume import Volume, solve_volume
-from paminsa_viz.units import NONE, format_value, number
+from paminsa_viz.synthesis.proof.evidence import Evidence
+from paminsa_viz.synthesis.proof.largest import largest_workspace
+from paminsa_viz.synthesis.search.objectives import find_objective
+from paminsa_viz.synthesis.search.result import BoundOutcome, SynthesisResult
+from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck, check_requirements
+from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
+from paminsa_viz.units import NONE, format_value, number, percent_change
 
 TIME_LIMIT = 10.0
 """How long the proof of the largest workspace may take [s]."""
@@ -133,3 +135,52 @@ def _evidence(item: Evidence) -> tuple[str, ...]:
     if item.requirement is not None:
         label, unit = requirement_label(item.requirement), item.requirement.entry.unit
     return label, item.verdict.value, item.method.value, format_value(float(item.bound), unit)
+
+
+def synthesis_section(result: SynthesisResult) -> Section:
+    """Return the section."""
+    objective = find_objective(result.case.objective)
+    if result.feasible:
+        text = (
+            f"Least {objective.label} found: {format_value(result.objective, objective.unit)}, "
+            f"with {'' if result.regime is None else result.regime.value}, for the "
+            f"{workspace_text(result.workspace)}. The search tried {result.trials} robots and has "
+            f"no proof that there is none better; requirements were verified on {result.poses} "
+            "poses."
+        )
+        blocks: list[Block] = [Note(text, "ok")]
+    else:
+        blocks = [Note(f"None of {result.trials} robots meets all requirements.", "bad")]
+    blocks += [
+        Note(f"{regime.value} is excluded: {reason}.") for regime, reason in result.refused.items()
+    ]
+    rows = tuple(_outcome(one) for one in result.outcomes)
+    if rows:
+        caption = "Requirements at the robot that was found; active ones decide it."
+        head = ("Requirement", "Decides", "Worst value", "Margin")
+        blocks.append(Table(head, rows, caption, words=2))
+    lengths = _lengths(result.case.reference, result.design)
+    if lengths:
+        head = ("Symbol", "Length", "Before", "Found", "Change")
+        blocks.append(Table(head, lengths, "Lengths that changed.", words=2))
+    return Section("synthesis", "Synthesis", tuple(blocks))
+
+
+def _outcome(one: BoundOutcome) -> Row:
+    if isinstance(one.bound, Requirement):
+        label, unit = requirement_label(one.bound), one.bound.entry.unit
+    else:
+        objective = find_objective(one.bound.objective)
+        label, unit = objective.label, objective.unit
+    values = (format_value(value, unit) for value in (one.value, one.margin))
+    return Row((label, "active" if one.active else "", *values))
+
+
+def _lengths(before: Design, after: Design) -> tuple[Row, ...]:
+    rows = []
+    for item in PARAMETER.values():
+        old, new = before.value(item.path), after.value(item.path)
+        if item.path.startswith("geometry.") and old != new:
+            values = (format_value(value, item.unit or "1") for value in (old, new))
+            rows.append(Row((item.symbol, item.label, *values, percent_change(old, new))))
+    return tuple(rows)

@@ -4,27 +4,31 @@ from __future__ import annotations
 
 import numpy as np
 
-from paminsa_viz.elastostatics.drive_modes import drive_modes
+from paminsa_viz.elastostatics.contacts import contacts
+from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
 from paminsa_viz.elastostatics.stiffness import (
     SHARES,
+    PlatformStiffness,
     compensate,
     load_wrench,
     platform_stiffness,
     strain_shares,
 )
 from paminsa_viz.elastostatics.vibration import robot_modes
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS
-from paminsa_viz.model.grids import Grid, solve_field
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.quantities import find
-from paminsa_viz.report.blocks import Block, Note, Row, Section, Table
-from paminsa_viz.report.request import ReportRequest
-from paminsa_viz.studies.metrics import RegionResults, default_region, global_indices
+from paminsa_viz.report.blocks import Block, Note, ReportRequest, Row, Section, Table
 from paminsa_viz.units import MM, NONE, format_value, number
 
 MODES = 6
 """Natural frequencies of the table."""
+
+AXES = ("x", "y", "z", "about x", "about y", "about z")
+ACTUATED = (0, 1, 5, 2)
+"""Places of x, y, theta, z among them."""
 
 KEYS = ("stiffness_x", "stiffness_y", "stiffness_z", "stiffness_theta", "stiffness_tilt",
         "stiffness_horizontal", "frequency_1")  # fmt: skip
@@ -33,12 +37,45 @@ KEYS = ("stiffness_x", "stiffness_y", "stiffness_z", "stiffness_theta", "stiffne
 
 def stiffness_section(request: ReportRequest) -> Section:
     """Return the section."""
-    blocks = [_data(request), *_here(request)]
+    design, pose = request.design, np.array(request.pose)
+    blocks: list[Block] = [_data(design)]
+    found = platform_stiffness(design, pose)
+    if found.status != Limit.OK:
+        reason = Limit(int(found.status)).reason(int(found.leg))
+        blocks.append(Note(f"The stiffness has no value at this pose: {reason}.", "warn"))
+    else:
+        # Late: a command does without, and the registry of quantities takes half a second to load.
+        from paminsa_viz.report.forces_section import index_table
+
+        about = "Stiffness of the whole robot, motors locked, everything else free. "
+        table = index_table(design, pose, KEYS, about)
+        blocks += [table, *stiffness_blocks(design, found)]
     return Section("stiffness", "Stiffness", tuple(blocks))
 
 
-def _data(request: ReportRequest) -> Table:
-    design = request.design
+def stiffness_blocks(
+    design: Design, found: PlatformStiffness, *, shear: bool = False
+) -> list[Block]:
+    """Return stiffness, deflection, shares of the parts and natural frequencies at a pose."""
+    return [
+        *_directions(design, found),
+        *_loaded(design, found.pose, shear=shear),
+        *_vibration(design, found.pose, shear=shear),
+    ]
+
+
+def strain_cases(design: Design, pose: Array, *, shear: bool) -> dict[str, Array]:
+    """Return the parts' shares under the load, or under unit forces where there is none."""
+    if np.any(load_wrench(design, pose)):
+        return {"load": strain_shares(design, pose, shear=shear).share}
+    units = {"force x": 0, "force y": 1, "force z": 2, "moment z": 5}
+    return {
+        name: strain_shares(design, pose, np.eye(6)[axis], shear=shear).share
+        for name, axis in units.items()
+    }
+
+
+def _data(design: Design) -> Table:
     elastic = design.elastic
     rows = [
         Row(("E", "Young's modulus", format_value(elastic.young_modulus, "Pa"))),
@@ -61,33 +98,36 @@ def _data(request: ReportRequest) -> Table:
     return Table(("Part", "What", "Value"), tuple(rows), caption, words=2)
 
 
-def _here(request: ReportRequest) -> list[Block]:
-    design, pose = request.design, np.array(request.pose)
-    found = platform_stiffness(design, pose)
-    if found.status != Limit.OK:
-        reason = Limit(int(found.status)).reason(int(found.leg))
-        return [Note(f"The stiffness has no value at this pose: {reason}.", "warn")]
-    region = default_region(design)
-    over, here = RegionResults(design, region), solve_field(design.geometry, Grid.over(pose))
-    values = [metric.value(over) for metric in global_indices(KEYS)]
+def _directions(design: Design, found: PlatformStiffness) -> list[Block]:
+    """Return the stiffness along and about the axes, and the ellipsoid of compliance."""
+    alone = np.linalg.inv(drive_stiffness(design, found.pose))
     rows = []
-    for place, quantity in enumerate(find(KEYS)):
-        shown = quantity.display.format(float(quantity.over(here, design)))
-        indices = values[3 * place : 3 * place + 3]
-        cells = (quantity.display.format(value) for value in indices)
-        rows.append(Row((quantity.symbol, quantity.title, shown, *cells)))
-    head = ("Symbol", "Quantity", "Here", "Mean", "Least", "Spread")
-    caption = (
-        f"Stiffness of the whole robot, motors locked, everything else free: at the report's pose, "
-        f"and over the poses within {format_value(region.radius, 'm')} of the axis."
+    for axis, name in enumerate(AXES):
+        unit, rigid = "N/m" if axis < 3 else "N m/rad", "rigid"
+        if axis in ACTUATED:
+            place = ACTUATED.index(axis)
+            rigid = format_value(float(1 / alone[place, place]), unit)
+        rows.append(Row((name, format_value(float(found.along(axis)), unit), rigid)))
+    rows.append(Row(("softest horizontal", format_value(float(found.horizontal), "N/m"))))
+    rows.append(Row(("softest tilt", format_value(float(found.tilt), "N m/rad"))))
+    axes, directions = found.ellipsoid()
+    softest = ", ".join(f"{value:.2f}" for value in directions[:, -1])
+    text = (
+        f"Compliance ellipsoid: {', '.join(f'{MM * axis:.3g}' for axis in axes)} mm/N, softest "
+        f"along ({softest})."
     )
-    return [Table(head, tuple(rows), caption, words=2), *_loaded(request), *_vibration(request)]
+    if touching := contacts(design, found.pose).touching():
+        text += (
+            f" Center lines in one plane: {', '.join(touching)} would touch and are let through."
+        )
+    caption = "Stiffness at the pose, motors locked: of the whole robot, and with rigid bars."
+    head = ("Direction", "Whole robot", "Drives alone")
+    return [Table(head, tuple(rows), caption), Note(text)]
 
 
-def _vibration(request: ReportRequest) -> list[Block]:
+def _vibration(design: Design, pose: Array, *, shear: bool) -> list[Block]:
     """Return the natural frequencies of the whole robot and with elastic drives alone."""
-    design, pose = request.design, np.array(request.pose)
-    modes = robot_modes(design, pose, MODES)
+    modes = robot_modes(design, pose, MODES, shear=shear)
     if not modes.stable:
         text = "Weight and load push the platform away harder than drives and bars hold it"
         return [Note(f"{text}: there are no natural frequencies.", "warn")]
@@ -97,21 +137,15 @@ def _vibration(request: ReportRequest) -> list[Block]:
         rigid = format_value(float(alone[place]), "Hz") if place < alone.size else NONE
         rows.append(Row((f"{place + 1}", format_value(float(frequency), "Hz"), rigid)))
     caption = (
-        "Natural frequencies at the report's pose, motors locked: of the whole robot, and with "
-        "rigid bars and elastic drives."
+        "Natural frequencies at the pose, motors locked: of the whole robot, and with rigid bars "
+        "and elastic drives."
     )
-    return [Table(("Mode", "Whole robot", "Drives alone"), tuple(rows), caption, words=1)]
+    return [Table(("Mode", "Whole robot", "Drives alone"), tuple(rows), caption)]
 
 
-def _loaded(request: ReportRequest) -> list[Block]:
+def _loaded(design: Design, pose: Array, *, shear: bool) -> list[Block]:
     """Return deflection, compensation and shares under payload and load, or under unit forces."""
-    design, pose = request.design, np.array(request.pose)
-    loaded = bool(np.any(load_wrench(design, pose)))
-    cases = {"Under the load": None} if loaded else {"1 N along x": 0, "1 N along z": 2}
-    shares = {
-        name: strain_shares(design, pose, None if axis is None else np.eye(6)[axis]).share
-        for name, axis in cases.items()
-    }
+    shares = strain_cases(design, pose, shear=shear)
     order = np.argsort(-np.max(list(shares.values()), axis=0))
     rows = tuple(
         Row((SHARES[i], *(f"{100 * share[i]:.1f} %" for share in shares.values())))
@@ -119,17 +153,29 @@ def _loaded(request: ReportRequest) -> list[Block]:
         if any(share[i] > 0 for share in shares.values())
     )
     caption = "Shares of the parts in the strain energy: the largest is what to stiffen first."
-    table = Table(("Part", *shares), rows, caption, words=1)
-    if not loaded:
+    table = Table(("Part", *shares), rows, caption)
+    wrench = load_wrench(design, pose)
+    if not np.any(wrench):
         return [Note("There is no payload and no load, so nothing is deflected."), table]
-    moved = compensate(design, pose)
-    x, y, z = (format_value(value, "m", 3) for value in moved.deflection[:3])
+    moved = compensate(design, pose, shear=shear)
+    twist, back = _rounded(moved.deflection), _rounded(moved.actuators)
+    units = (("N", "m"),) * 3 + (("N m", "rad"),) * 3
+    deflections = tuple(
+        Row((name, format_value(float(load), of), format_value(float(value), unit, 3)))
+        for name, load, value, (of, unit) in zip(AXES, wrench, twist, units, strict=True)
+    )
     motors = ", ".join(
         f"{name} {format_value(value, 'm' if name == 'M4' else 'rad', 3)}"
-        for name, value in zip(ACTUATORS, moved.actuators, strict=True)
+        for name, value in zip(ACTUATORS, back, strict=True)
     )
     text = (
-        f"Payload and load move the platform's center by {x}, {y}, {z}. The motors bring x, y, θ "
-        f"and z back with {motors}; a tilt of {format_value(float(moved.tilt), 'rad', 3)} remains."
+        f"The motors bring x, y, θ and z back with {motors}; a tilt of "
+        f"{format_value(float(np.hypot(*twist[3:5])), 'rad', 3)} remains."
     )
-    return [Note(text), table]
+    caption = "Deflection of the platform's center under payload and load."
+    return [Table(("", "Load", "Deflection"), deflections, caption), Note(text), table]
+
+
+def _rounded(values: Array) -> Array:
+    """Return values with zeros for what is rounding beside the largest."""
+    return np.where(np.abs(values) < 1e-9 * np.abs(values).max(), 0.0, values)

@@ -2,34 +2,79 @@
 
 from __future__ import annotations
 
-from paminsa_viz.plots.series import FigureKind, SeriesSources
-from paminsa_viz.plots.series_builders import build_series
-from paminsa_viz.plots.series_figure import render_series
-from paminsa_viz.report.blocks import Block, Figure, Note, Section, Table, actuator_rows, rows
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from paminsa_viz.report.blocks import (
+    Block,
+    Note,
+    Row,
+    Section,
+    Table,
+    actuator_rows,
+    rows,
+    series_figure,
+)
 from paminsa_viz.trajectory import TrajectoryAnalysis, escape_inertia
 from paminsa_viz.units import format_value
 
-FIGURES: tuple[FigureKind, ...] = ("pose", "torques", "breakdown", "power")
+if TYPE_CHECKING:
+    from paminsa_viz.plots.series import FigureKind
+
+TORQUE_UNITS = ("N m", "N m", "N m", "N")
+SPEED_UNITS = ("rad/s", "rad/s", "rad/s", "m/s")
+
+LOADS = (
+    ("peak", "peak", "Peak", TORQUE_UNITS),
+    ("peak_t", "peak_t_s", "At", ("s",) * 4),
+    ("rms", "rms", "RMS", TORQUE_UNITS),
+    ("top_speed", "top_speed", "Top speed", SPEED_UNITS),
+    ("top_power", "top_power_W", "Peak power", ("W",) * 4),
+    ("top_power_t", "top_power_t_s", "At", ("s",) * 4),
+    ("driven", "driven_J", "Energy driving", ("J",) * 4),
+    ("braked", "braked_J", "Braking", ("J",) * 4),
+)
+"""Loads of an actuator: field of `ActuatorSummary`, JSON key, heading, units of the actuators."""
+
+FIGURES: dict[FigureKind, str] = {
+    "pose": "Motion of the platform",
+    "torques": "Actuator torques and force",
+    "breakdown": "Actuator torques by cause",
+    "power": "Power of the actuators",
+}
+"""Figures and what they show."""
 
 
 def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
     """Return the section."""
+    blocks = trajectory_blocks(analysis)
+    for kind, what in FIGURES.items() if analysis.summary else ():
+        alt = f"{what} over time, four panels."
+        blocks.append(series_figure(kind, analysis, alt, caption=kind == "torques"))
+    return Section("trajectory", "Trajectory", tuple(blocks))
+
+
+def trajectory_blocks(
+    analysis: TrajectoryAnalysis, others: Mapping[str, TrajectoryAnalysis | None] | None = None
+) -> list[Block]:
+    """Return a motion, whether it can be run, and its torques next to those of other analyses."""
     t, check = analysis.trajectory, analysis.check
     kind = f" ({t.kind})" if t.kind else ""
     text = f"“{t.name}”{kind}: {t.duration:.4g} s, {t.size} samples. {' '.join(t.notes)}"
     blocks: list[Block] = [Note(text.strip())]
     if check.first is not None:
-        blocks.append(Note(f"The robot cannot run all of it: {check.first.explanation}.", "bad"))
+        text = f"The robot cannot run all of it: it fails {check.first.explanation}."
+        if analysis.summary:
+            text += " The numbers are of the time before."
+        blocks.append(Note(text, "bad"))
     else:
         near = check.closest
         leg = f", leg {near.leg + 1}" if near.leg >= 0 else ""
-        blocks.append(
-            Note(
-                f"The robot can run it. It comes nearest to a limit ({near.limit.noun}{leg}) at "
-                f"{near.t:.4g} s, with {format_value(near.margin, 'm', 3)} to spare.",
-                "ok",
-            )
+        text = (
+            f"The robot can run it. It comes nearest to a limit ({near.limit.noun}{leg}) at "
+            f"{near.t:.4g} s, with {format_value(near.margin, 'm', 3)} to spare."
         )
+        blocks.append(Note(text, "ok"))
     blocks += [
         Note(
             f"At {item.t:.4g} s this robot's torques have no bound: the motion crosses the "
@@ -41,13 +86,24 @@ def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
     ]
     if analysis.crossings:
         blocks.append(_crossings(analysis))
+    known = {name: other for name, other in (others or {}).items() if other and other.summary}
     if analysis.summary:
-        blocks.append(_table(analysis))
-        for figure in FIGURES:
-            data = build_series(figure, SeriesSources(analysis))
-            svg = render_series(data, "svg", title=data.title, caption=figure == "torques")
-            blocks.append(Figure(svg, f"{data.title} over time, four panels."))
-    return Section("trajectory", "Trajectory", tuple(blocks))
+        found = [row for each in ({"": analysis} | known).items() for row in _loads(*each)]
+        head = ("", *(heading for _, _, heading, _ in LOADS))
+        blocks.append(Table(head, tuple(found), "Required actuator torques on the motion."))
+    return blocks
+
+
+def _loads(name: str, analysis: TrajectoryAnalysis) -> tuple[Row, ...]:
+    """Return the rows of M1 to M4 of one analysis."""
+    cells = (
+        (
+            f"M{j + 1}{f', {name}' if name else ''}",
+            *(format_value(getattr(summary, load), units[j]) for load, _, _, units in LOADS),
+        )
+        for j, summary in enumerate(analysis.summary)
+    )
+    return actuator_rows(*cells)
 
 
 def _crossings(analysis: TrajectoryAnalysis) -> Table:
@@ -77,26 +133,3 @@ def _crossings(analysis: TrajectoryAnalysis) -> Table:
         "along it, against the inertia t_sᵀ M t_s only."
     )
     return Table(head, rows(*found), text)
-
-
-def _table(analysis: TrajectoryAnalysis) -> Table:
-    found = []
-    for j, summary in enumerate(analysis.summary):
-        unit, speed = ("N m", "rad/s") if j < 3 else ("N", "m/s")
-        found.append(
-            (
-                f"M{j + 1}",
-                format_value(summary.peak, unit),
-                format_value(summary.peak_t, "s", 3),
-                format_value(summary.rms, unit),
-                format_value(summary.top_speed, speed),
-                format_value(summary.top_power, "W"),
-                format_value(summary.driven, "J"),
-                format_value(summary.braked, "J"),
-            )
-        )
-    head = (
-        "", "Peak torque, force", "At", "RMS", "Top speed", "Peak power", "Energy driving",
-        "Braking",
-    )  # fmt: skip
-    return Table(head, actuator_rows(*found), "Required actuator torques on the motion.")

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+from functools import partial
+
+from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.engines.verification import Verification, verify
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.plots.series_builders import SYMBOLS
-from paminsa_viz.plots.series_figure import render_series
-from paminsa_viz.plots.verified import verification_figures
-from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, actuator_rows
-from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.plots.verified import VerificationFigure, verification_figures
+from paminsa_viz.report.blocks import (
+    Block,
+    Figure,
+    Note,
+    ReportRequest,
+    Row,
+    Section,
+    Table,
+    actuator_rows,
+)
 from paminsa_viz.units import format_value, number
 
 
@@ -26,8 +36,12 @@ def checked(request: ReportRequest) -> Verification | str:
 
 def verification_section(found: Verification | str) -> Section:
     """Return the section."""
-    if isinstance(found, str):
-        return Section("verification", "Verification", (Note(found, "warn"),))
+    blocks = [Note(found, "warn")] if isinstance(found, str) else verification_blocks(found)
+    return Section("verification", "Verification", tuple(blocks))
+
+
+def verification_blocks(found: Verification) -> list[Block]:
+    """Return the verdict, the differences from each engine, a simulation, and the misprints."""
     engines = " and ".join(f"{check.engine} {check.version}" for check in found.engines)
     verdict = Note(
         f"{'Passed' if found.passed else 'Failed'}: the largest difference between the formulas "
@@ -51,16 +65,20 @@ def verification_section(found: Verification | str) -> Section:
         )
         blocks.append(Table(head, rows, caption))
     if found.missing:
-        blocks.append(Note(f"Not installed: {', '.join(found.missing)}."))
+        blocks += [Note(str(EngineMissing(engine))) for engine in found.missing]
     figures = [
         Figure(
-            render_series(data, "svg", title=title, caption=False),
-            f"{title}: torques of both and their difference, over time.",
+            partial(_figure, figure), f"{figure.title}: torques and their difference, over time."
         )
-        for _, title, data in verification_figures(found)
+        for figure in verification_figures(found)
     ]
-    blocks += [figures[0], _simulation(found), _misprints(found), figures[-1]]
-    return Section("verification", "Verification", tuple(blocks))
+    return [*blocks, figures[0], _simulation(found), _misprints(found), figures[-1]]
+
+
+def _figure(figure: VerificationFigure) -> bytes:
+    from paminsa_viz.plots.series_figure import render_series  # late: matplotlib
+
+    return render_series(figure.data, "svg", title=figure.title, caption=False)
 
 
 def _rows(where: str, comparison: Comparison) -> list[Row]:

@@ -12,8 +12,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from paminsa_viz.synthesis.answer import BoundOutcome, RelaxedBound, SynthesisResult
-    from paminsa_viz.synthesis.case import (
+    from paminsa_viz.synthesis.proof.certificate import prove
+    from paminsa_viz.synthesis.proof.evidence import Evidence, Proof, Verdict
+    from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace
+    from paminsa_viz.synthesis.proof.regions import Growth
+    from paminsa_viz.synthesis.search.case import (
         DIMENSIONS,
         Effort,
         Guide,
@@ -22,27 +25,31 @@ if TYPE_CHECKING:
         SearchRange,
         SynthesisCase,
     )
-    from paminsa_viz.synthesis.causes import CauseKind, VolumeCause
-    from paminsa_viz.synthesis.certificate import prove
-    from paminsa_viz.synthesis.check import RequirementsCheck, check_requirements
-    from paminsa_viz.synthesis.conflict import Conflict, smallest_conflict
-    from paminsa_viz.synthesis.evaluation import Evaluator, TrialEvaluation
-    from paminsa_viz.synthesis.evidence import Evidence, Proof, Verdict
-    from paminsa_viz.synthesis.largest import Growth, LargestWorkspace, largest_workspace
-    from paminsa_viz.synthesis.objectives import OBJECTIVES, Objective, find_objective
-    from paminsa_viz.synthesis.outer import RegimeState, SearchProgress
-    from paminsa_viz.synthesis.refusals import refusal
-    from paminsa_viz.synthesis.samples import Density
-    from paminsa_viz.synthesis.search import relaxations, synthesize
-    from paminsa_viz.synthesis.slices import cause_slice
-    from paminsa_viz.synthesis.surface import VolumeSurface, volume_surface
-    from paminsa_viz.synthesis.trial import TrialRobot
-    from paminsa_viz.synthesis.volume import COARSE, FINE, Resolution, Volume, solve_volume
-    from paminsa_viz.synthesis.volume_files import volume_bytes, volume_table
+    from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case
+    from paminsa_viz.synthesis.search.evaluation import Evaluator, TrialEvaluation
+    from paminsa_viz.synthesis.search.objectives import OBJECTIVES, Objective, find_objective
+    from paminsa_viz.synthesis.search.outer import RegimeState, SearchProgress
+    from paminsa_viz.synthesis.search.refusals import refusal
+    from paminsa_viz.synthesis.search.region import Density
+    from paminsa_viz.synthesis.search.result import BoundOutcome, RelaxedBound, SynthesisResult
+    from paminsa_viz.synthesis.search.solve import relaxations, synthesize
+    from paminsa_viz.synthesis.search.trial import TrialRobot
+    from paminsa_viz.synthesis.volume.causes import CauseKind, VolumeCause, cause_slice
+    from paminsa_viz.synthesis.volume.check import RequirementsCheck, check_requirements
+    from paminsa_viz.synthesis.volume.conflict import Conflict, smallest_conflict
+    from paminsa_viz.synthesis.volume.grid import COARSE, FINE, Resolution
+    from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
+    from paminsa_viz.synthesis.volume.surface import (
+        VolumeSurface,
+        volume_bytes,
+        volume_surface,
+        volume_table,
+    )
 
 __all__ = [
     "COARSE",
     "DIMENSIONS",
+    "EXAMPLES",
     "FINE",
     "OBJECTIVES",
     "BoundOutcome",
@@ -77,6 +84,7 @@ __all__ = [
     "check_requirements",
     "find_objective",
     "largest_workspace",
+    "load_case",
     "prove",
     "refusal",
     "relaxations",
@@ -89,79 +97,26 @@ __all__ = [
 ]
 
 _HOMES = {
-    "answer": (
-        "BoundOutcome",
-        "RelaxedBound",
-        "SynthesisResult",
-    ),
-    "case": (
-        "DIMENSIONS",
-        "Effort",
-        "Guide",
-        "ObjectiveLimit",
-        "Regime",
-        "SearchRange",
-        "SynthesisCase",
-    ),
-    "causes": (
-        "VolumeCause",
-        "CauseKind",
-    ),
-    "certificate": ("prove",),
-    "check": (
-        "RequirementsCheck",
-        "check_requirements",
-    ),
-    "conflict": (
-        "Conflict",
-        "smallest_conflict",
-    ),
-    "evaluation": (
-        "TrialEvaluation",
-        "Evaluator",
-    ),
-    "evidence": (
-        "Evidence",
-        "Proof",
-        "Verdict",
-    ),
-    "largest": (
-        "Growth",
-        "LargestWorkspace",
-        "largest_workspace",
-    ),
-    "objectives": (
-        "OBJECTIVES",
-        "Objective",
-        "find_objective",
-    ),
-    "outer": (
-        "RegimeState",
-        "SearchProgress",
-    ),
-    "refusals": ("refusal",),
-    "samples": ("Density",),
-    "search": (
-        "relaxations",
-        "synthesize",
-    ),
-    "slices": ("cause_slice",),
-    "surface": (
-        "VolumeSurface",
-        "volume_surface",
-    ),
-    "trial": ("TrialRobot",),
-    "volume": (
-        "COARSE",
-        "FINE",
-        "Resolution",
-        "Volume",
-        "solve_volume",
-    ),
-    "volume_files": (
-        "volume_bytes",
-        "volume_table",
-    ),
+    "proof.certificate": "prove",
+    "proof.evidence": "Evidence Proof Verdict",
+    "proof.largest": "LargestWorkspace largest_workspace",
+    "proof.regions": "Growth",
+    "search.case": "DIMENSIONS Effort Guide ObjectiveLimit Regime SearchRange SynthesisCase",
+    "search.case_file": "EXAMPLES load_case",
+    "search.evaluation": "Evaluator TrialEvaluation",
+    "search.objectives": "OBJECTIVES Objective find_objective",
+    "search.outer": "RegimeState SearchProgress",
+    "search.refusals": "refusal",
+    "search.region": "Density",
+    "search.result": "BoundOutcome RelaxedBound SynthesisResult",
+    "search.solve": "relaxations synthesize",
+    "search.trial": "TrialRobot",
+    "volume.causes": "CauseKind VolumeCause cause_slice",
+    "volume.check": "RequirementsCheck check_requirements",
+    "volume.conflict": "Conflict smallest_conflict",
+    "volume.grid": "COARSE FINE Resolution",
+    "volume.solve": "Volume solve_volume",
+    "volume.surface": "VolumeSurface volume_bytes volume_surface volume_table",
 }
 """Modules of the names. They are imported on first use: the search brings the compiler, which a
 check does not need."""
@@ -169,7 +124,7 @@ check does not need."""
 
 def __getattr__(name: str) -> object:
     for module, names in _HOMES.items():
-        if name in names:
+        if name in names.split():
             found = getattr(import_module(f"{__name__}.{module}"), name)
             globals()[name] = found
             return found

@@ -10,9 +10,9 @@ import numpy as np
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.dynamics import TorqueBreakdown, kinetic_energy
+from paminsa_viz.model.dynamics import TorqueBreakdown
+from paminsa_viz.model.energy import kinetic_energy, potential_energy
 from paminsa_viz.model.lumped import Misprint
-from paminsa_viz.model.statics import potential_energy
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, PathCheck
 from paminsa_viz.trajectory.crossing_measures import CrossingLoad, crossing_loads
 from paminsa_viz.trajectory.integrals import rms, running_integral

@@ -18,7 +18,7 @@ from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.leg import Mechanism, mechanism
-from paminsa_viz.model.lumped import EnergyTerms, energy_terms, lumped_coefficients
+from paminsa_viz.model.lumped import EnergyTerms, term_factors
 from paminsa_viz.trajectory import plant
 from paminsa_viz.trajectory.sampled import Trajectory
 
@@ -94,7 +94,7 @@ def load_kernel() -> None:
 def robot_numbers(design: Design) -> plant.Robot:
     """Return the numbers of a robot; the guides have no end, so that motions reach it smoothly."""
     m = mechanism(design.geometry)._replace(rho2_min=-np.inf, rho2_max=np.inf)
-    e = EnergyTerms(*map(float, energy_terms(lumped_coefficients(design))))
+    e = term_factors(design)
     f = design.actuator_friction
     drivetrain = plant.Drivetrain(
         design.gravity,

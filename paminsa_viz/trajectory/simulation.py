@@ -19,8 +19,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.dynamics import kinetic_energy
-from paminsa_viz.model.statics import potential_energy
+from paminsa_viz.model.energy import kinetic_energy, potential_energy
 from paminsa_viz.trajectory.check import (
     GUIDES,
     SINGULAR_CLEARANCE,

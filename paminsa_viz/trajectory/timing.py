@@ -22,8 +22,8 @@ from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import NO_DRIVES
-from paminsa_viz.model.dynamics import actuator_velocity, inverse_dynamics
-from paminsa_viz.model.jacobians import actuator_acceleration
+from paminsa_viz.model.dynamics import inverse_dynamics
+from paminsa_viz.model.jacobians import actuator_acceleration, actuator_velocity
 from paminsa_viz.model.load import NO_LOAD
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, check_path

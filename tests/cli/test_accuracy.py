@@ -21,20 +21,8 @@ FOLD = float(np.degrees(singular_rotation(APPENDIX_4.geometry)))
 
 
 def test_numbers_are_those_of_the_pose_in_si_units(capsys) -> None:
-    words = (
-        "--pose",
-        "50",
-        "0",
-        "40",
-        "-500",
-        "--backlash",
-        "0.02",
-        "5",
-        "--control",
-        "0.001",
-        "1",
-    )
-    found = run_json("accuracy", capsys, *words)
+    words = "--pose 50 0 40 -500 --backlash 0.02 5 --control 0.001 1"
+    found = run_json("accuracy", capsys, *words.split())
     accuracy = DriveAccuracy(
         backlash_rotary=np.radians(0.02), backlash_linear=5e-6,
         control_rotary=np.radians(0.001), control_linear=1e-6,
@@ -64,8 +52,8 @@ def test_no_bound_near_the_fold_has_its_reason_and_exit_code_1(capsys) -> None:
     assert 0 < region["unbounded"]["not-assembled"] < region["poses"]
     assert region["errors"]["x_m"]["worst"]["largest"] > 0
     _, printed, _ = run("accuracy", capsys, *words)
-    assert "no bound: within the drives' errors" in printed
-    assert "no bound at" in printed
+    assert "No bound at the pose: within the drives' errors" in printed
+    assert "No bound at 1" in printed
 
 
 def test_encoders_of_the_drives_give_the_resolution(capsys, tmp_path: Path) -> None:
@@ -108,10 +96,10 @@ def test_manufacture_has_tolerances_robots_and_the_design_s_own_legs(capsys) -> 
         assert sum(found["shares"][name].values()) == pytest.approx(1.0)
     code, out, _ = run("accuracy", capsys, *words, "--robots", "20", "--cells", "5")
     assert code == 0
-    assert "by tolerances and clearances" in out
-    assert "if the controller takes the legs as equal" in out
+    assert "Errors by the tolerances of the lengths" in out
+    assert "With drives set for equal legs" in out
     code, out, _ = run("accuracy", capsys, "--manufacture", "--cells", "5")
-    assert "takes the legs as equal" not in out
+    assert "set for equal legs" not in out
     assert "RMS of robots" not in out
 
 

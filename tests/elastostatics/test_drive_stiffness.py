@@ -9,10 +9,11 @@ import pytest
 
 from paminsa_viz.elastostatics.drive_stiffness import drive_stiffness, gravity_stiffness
 from paminsa_viz.model.design import APPENDIX_4
+from paminsa_viz.model.energy import potential_energy
 from paminsa_viz.model.jacobians import inverse_jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.load import LoadFrame
-from paminsa_viz.model.statics import potential_energy, static_torques
+from paminsa_viz.model.statics import static_torques
 from tests.elastostatics.robots import POSE, elastic_design, poses_of
 from tests.elastostatics.test_stiffness import relative
 

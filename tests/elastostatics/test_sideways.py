@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from paminsa_viz.elastostatics.beams import beam_stiffness, rotated
+from paminsa_viz.elastostatics.beams import beam_stiffness
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS
-from paminsa_viz.elastostatics.leg_model import FIXED
+from paminsa_viz.elastostatics.leg_matrices import axes_of
+from paminsa_viz.elastostatics.leg_model import FIXED, RETAINED, LegElement
 from paminsa_viz.elastostatics.sideways import sideways_forces
 from paminsa_viz.elastostatics.structure import Structure, structure
 from paminsa_viz.model.design import APPENDIX_4, Design
@@ -25,26 +26,36 @@ PIN_MASS = {"j2": ("b2", 2), "j3": ("b3", 3), "j4": ("b4", 4), "j5": ("b4", 5), 
             "j8": ("slider", 8), "j9": ("b8", 9)}  # fmt: skip
 
 
+def along(built: Structure, element: LegElement) -> np.ndarray:
+    """Return the way from the first to the second node of an element, (3 legs, 3) [m]."""
+    joints = built.frame.joints
+    first, second = (
+        joints[node.first] + node.share * (joints[node.second] - joints[node.first])
+        for node in element[1:]
+    )
+    return second - first
+
+
 def weights(design: Design, built: Structure) -> tuple[np.ndarray, list[np.ndarray]]:
     """Loads of the weight on the freedoms (3, size), and equivalent end loads of each element."""
-    model = built.model
+    model = built.matrices.model
     load = np.zeros((3, model.size))
-    ends = []
-    for index, (bar, first, second) in enumerate(model.elements):
-        length = built.lengths[:, index]
-        along = built.positions[:, second] - built.positions[:, first]
-        whole = sum(built.lengths[:, i] for i, e in enumerate(model.elements) if e[0] == bar)
-        mass = design.value(f"links.{bar}") * length / whole
-        if bar == "b10":  # what is beyond the slider does not bend anything
+    ends, ways = [], [along(built, element) for element in model.elements]
+    lengths = [np.linalg.norm(way, axis=-1) for way in ways]
+    for element, way, length in zip(model.elements, ways, lengths, strict=True):
+        whole = sum(
+            other for e, other in zip(model.elements, lengths, strict=True) if e.bar == element.bar
+        )
+        mass = design.value(f"links.{element.bar}") * length / whole
+        if element.bar == "b10":  # what is beyond the slider does not bend anything
             mass = np.zeros(3)
         force = np.zeros((3, 12))
         force[:, [2, 8]] = -0.5 * (mass * design.gravity)[:, None]
         # end moments of a uniform load: r x F / 12 L at the two ends
-        couple = np.cross(along, [0.0, 0.0, -1.0]) * (mass * design.gravity)[:, None] / 12
+        couple = np.cross(way, [0.0, 0.0, -1.0]) * (mass * design.gravity)[:, None] / 12
         force[:, 3:6], force[:, 9:12] = couple, -couple
         ends.append(force)
-        index_of = [*model.nodes[first].freedoms, *model.nodes[second].freedoms]
-        for row, target in enumerate(index_of):
+        for row, target in enumerate(element.freedoms):
             if target != FIXED:
                 load[:, target] += force[:, row]
     for joint, place in PIN_MASS.items():
@@ -56,12 +67,11 @@ def weights(design: Design, built: Structure) -> tuple[np.ndarray, list[np.ndarr
 def reference(design: Design, pose: np.ndarray, *, shear: bool) -> np.ndarray:
     """Forces and moments (3 legs, 10 joints, 6) in leg frames from the assembled structure."""
     built = structure(design, pose, shear=shear)
-    model, maps = built.model, built.platform_map
+    model, maps = built.matrices.model, built.frame.shared_map
     load, ends = weights(design, built)
-    inner, kept = built.split
+    inner, kept = slice(RETAINED, None), slice(0, RETAINED)
     k = built.stiffness
-    kii = k[:, inner[:, None], inner]
-    kir = k[:, inner[:, None], kept]
+    kii, kir = k[:, inner, inner], k[:, inner, kept]
     pulled = np.linalg.solve(kii, load[:, inner, None])[..., 0]
     at_kept = load[:, kept] - np.einsum("kir,ki->kr", kir, pulled)
     right = np.einsum("krj,kr->j", maps, at_kept)
@@ -69,25 +79,21 @@ def reference(design: Design, pose: np.ndarray, *, shear: bool) -> np.ndarray:
     wrench[2] -= (design.payload.mass + design.platform.mass) * design.gravity
     right[:6] += wrench
     twist = np.linalg.solve(built.joined(), right)
-    u = np.zeros((3, model.size + 1))
-    u[:, kept] = maps @ twist
-    u[:, inner] = pulled - np.linalg.solve(kii, kir @ u[:, kept, None])[..., 0]
+    u = np.zeros((3, model.size + 1))  # what the base holds is last
+    u[:, :RETAINED] = maps @ twist
+    u[:, RETAINED:-1] = pulled - np.linalg.solve(kii, kir @ u[:, :RETAINED, None])[..., 0]
     found = np.zeros((3, len(JOINTS), 6))
     for key, (bar, joint, sign) in ENDS.items():
-        for index, (name, first, second) in enumerate(model.elements):
-            at = [n for n in (first, second) if model.nodes[n].first == joint]
-            if name != bar or not at:
+        for element, load in zip(model.elements, ends, strict=True):
+            at = [n.first == joint for n in element[1:]]
+            if element.bar != bar or not any(at):
                 continue
-            block = rotated(
-                beam_stiffness(
-                    built.lengths[:, index], design.elastic.section(bar), design.elastic,
-                    shear=shear,
-                ),
-                built.axes[:, index],
-            )  # fmt: skip
-            freedoms = [*model.nodes[first].freedoms, *model.nodes[second].freedoms]
-            force = np.einsum("kij,kj->ki", block, u[:, freedoms]) - ends[index]
-            half = slice(0, 6) if at[0] == first else slice(6, 12)
+            length = np.linalg.norm(along(built, element), axis=-1)
+            own = design.elastic.section(bar), design.elastic
+            turn = np.kron(np.eye(4), axes_of(bar, built.frame))
+            block = turn @ beam_stiffness(length, *own, shear=shear) @ np.swapaxes(turn, -1, -2)
+            force = np.einsum("kij,kj->ki", block, u[:, element.freedoms]) - load
+            half = slice(0, 6) if at[0] else slice(6, 12)
             found[:, JOINT_INDEX[key]] = sign * force[:, half]
     return found
 

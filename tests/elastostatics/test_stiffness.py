@@ -8,6 +8,7 @@ import pytest
 from paminsa_viz.elastostatics.drive_stiffness import drive_stiffness
 from paminsa_viz.elastostatics.leg_compliance import leg_compliance
 from paminsa_viz.elastostatics.leg_frame import leg_frame
+from paminsa_viz.elastostatics.leg_model import CARRIAGE, RETAINED
 from paminsa_viz.elastostatics.stiffness import (
     SHARES,
     compensate,
@@ -15,7 +16,7 @@ from paminsa_viz.elastostatics.stiffness import (
     platform_stiffness,
     strain_shares,
 )
-from paminsa_viz.elastostatics.structure import joint5_map, structure
+from paminsa_viz.elastostatics.structure import Structure, structure
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.reach import Limit
@@ -93,6 +94,12 @@ def test_mirrored_robot_has_the_mirrored_stiffness(knee: KneeBranch) -> None:
     assert relative(flip @ mirrored @ flip, k) < 1e-10
 
 
+def drive_of(built: Structure) -> int:
+    """Return the freedom that the drive of M_k turns."""
+    springs = built.matrices.model.springs
+    return next(spring.second for spring in springs if spring.stiffness == "drive_rotary")
+
+
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("young", [1e9, 7e10, 1e13])
 def test_drive_torques_are_those_of_statics_at_any_young_modulus(seed: int, young: float) -> None:
@@ -103,9 +110,8 @@ def test_drive_torques_are_those_of_statics_at_any_young_modulus(seed: int, youn
     wrench = np.random.default_rng(seed).normal(size=(3, 6))
     twist = np.linalg.solve(built.platform_stiffness(), wrench[..., None])[..., 0]
     moved = built.displacements(twist)
-    _, drive = built.model.drive
-    rotary = design.elastic.drive_rotary * moved[..., drive]
-    lift = design.elastic.drive_linear * moved[:, 0, built.model.carriage]
+    rotary = design.elastic.drive_rotary * moved[..., drive_of(built)]
+    lift = design.elastic.drive_linear * moved[:, 0, CARRIAGE]
     carried = np.concatenate([rotary, lift[:, None]], axis=-1)
     j = jacobian(design.geometry, poses)
     expected = np.einsum("nij,ni->nj", j, wrench[:, ACTUATED])
@@ -208,19 +214,15 @@ def test_moved_motors_strain_no_bar() -> None:
     design = elastic_design(4)
     pose = poses_of(design, 1, 4)[0]
     built = structure(design, pose)
-    k, model = built.stiffness, built.model
+    k = built.stiffness
     # the base's side of a drive is fixed: turning the motor by d loads the leg with k d
     motors = np.array([1e-3, -2e-3, 5e-4])
-    inner, kept = built.split
-    at = list(inner).index(model.drive[1])
-    pull = np.zeros((3, len(inner)))
-    pull[:, at] = design.elastic.drive_rotary * motors
-    kept_force = -np.einsum(
-        "kij,kj->ki",
-        np.swapaxes(k[:, inner[:, None], kept], -1, -2),
-        np.linalg.solve(k[:, inner[:, None], inner], pull[..., None])[..., 0],
-    )
-    right = np.einsum("kij,ki->j", built.platform_map, kept_force)
+    inner, kept = slice(RETAINED, None), slice(0, RETAINED)
+    pull = np.zeros(k.shape[:2])
+    pull[:, drive_of(built)] = design.elastic.drive_rotary * motors
+    bent = np.linalg.solve(k[:, inner, inner], pull[:, inner, None])
+    kept_force = -(k[:, kept, inner] @ bent)[..., 0]
+    right = np.einsum("kij,ki->j", built.frame.shared_map, kept_force)
     twist = np.linalg.solve(built.joined(), right)
     expected = jacobian(design.geometry, pose)[:, :3] @ motors
     np.testing.assert_allclose(twist[ACTUATED], expected, atol=1e-7 * np.abs(expected).max())
@@ -243,7 +245,7 @@ def test_ellipsoid_bounds_what_unit_forces_do() -> None:
 def test_maps_of_joint5_are_transposed_equilibrium() -> None:
     frame = leg_frame(APPENDIX_4.geometry, POSE)
     force = np.random.default_rng(1).normal(size=3)
-    for leg, g in enumerate(joint5_map(frame)):
+    for leg, g in enumerate(frame.joint5_map):
         world = frame.axes[leg].T @ force
         np.testing.assert_allclose(g.T @ force, [*world, *np.cross(frame.platform[leg], world)])
 

@@ -52,6 +52,16 @@ def test_only_browser_and_server_know_names_that_are_not_public() -> None:
     assert found == set()
 
 
+def test_style_sheets_have_no_selector_that_looks_down() -> None:
+    # With `:has()` every frame of a drag costs a fifth more; marks.js is there for it.
+    sheets = (PACKAGE / "explorer" / "browser").glob("*.css")
+    assert [
+        path.name
+        for path in sheets
+        if ":has(" in re.sub(r"/\*.*?\*/", "", path.read_text(), flags=re.S)
+    ] == []
+
+
 @pytest.fixture(autouse=True)
 def forget_reports() -> Iterator[None]:
     """A name is reported once in a program's life."""

@@ -18,8 +18,9 @@ from paminsa_viz.explorer.panels.clearance_panel import CLEARANCE, clearance_htm
 from paminsa_viz.explorer.panels.motion_panel import status_html as motion_status
 from paminsa_viz.explorer.panels.motion_plots import drawn_charts
 from paminsa_viz.explorer.panels.pose_panel import status_html
-from paminsa_viz.explorer.scene.clearance import ClearanceView
-from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.scene.contacts import nearest_bodies
+from paminsa_viz.explorer.scene.layers import LAYERS, SceneContext
+from paminsa_viz.explorer.scene.nodes import LayerView
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.files.example_designs import ExampleDesign, example_design
@@ -109,7 +110,7 @@ def test_motion_warns_with_the_time_and_has_a_curve(state: State) -> None:
 def test_line_joins_the_nearest_points(server: viser.ViserServer, state: State) -> None:
     page = RawPage(server)
     scene = page.client.scene
-    view = ClearanceView(SceneContext(scene))
+    view = LayerView(LAYERS["clearance"], nearest_bodies, SceneContext(scene))
     view.draw(compute(known(state)), False)
     nodes = scene._handle_from_node_name
     assert "/clearance/label" not in nodes
@@ -117,12 +118,12 @@ def test_line_joins_the_nearest_points(server: viser.ViserServer, state: State) 
     view.draw(compute(shown), False)
     found = clearing.nearest(shown)
     assert found is not None
-    points = nodes["/clearance/enough"].points
+    points = nodes["/clearance/line"].points
     np.testing.assert_allclose(points[0], found.points, atol=1e-6)
     assert "the platform" in nodes["/clearance/label"].text
     assert "11.5 mm" in nodes["/clearance/label"].text
     view.draw(compute(actions.move(shown, x=0.0)), False)
-    assert not nodes["/clearance/label"].visible
+    assert "/clearance/label" not in nodes
     page.socket.close()
 
 

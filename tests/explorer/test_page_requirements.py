@@ -11,7 +11,7 @@ from paminsa_viz.explorer.synthesis import cases
 from paminsa_viz.explorer.synthesis.jobs import EffortChoice
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
-from paminsa_viz.synthesis.case import Effort
+from paminsa_viz.synthesis.search.case import Effort
 from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser

@@ -12,9 +12,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from paminsa_viz.explorer import recording
+from paminsa_viz.explorer.entries import ButtonGroup, given
+from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind, Timing
+from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.recording import (
     LARGEST,
     LONGEST,
@@ -22,13 +24,14 @@ from paminsa_viz.explorer.recording import (
     RATE,
     Recorder,
     RecordingCanceled,
-    encode,
     instants,
     size_of,
 )
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.plots import animations
+from paminsa_viz.plots.animations import ANIMATION_FORMATS
 from tests.support.desk import SilentPage, stop
 
 
@@ -75,7 +78,7 @@ def frames_of(content: bytes) -> list[Image.Image]:
     return found
 
 
-@pytest.mark.parametrize("kind", recording.FORMATS)
+@pytest.mark.parametrize("kind", ["gif", "webp"])
 def test_every_instant_is_rendered_at_its_pose(session: Any, kind: str) -> None:
     before = session.state
     file = Recorder().record(session, kind)
@@ -129,6 +132,47 @@ def test_pictures_are_few_and_small_enough() -> None:
     assert size_of((412.0, 705.0)) == (412, 704)
     assert max(size_of((4000.0, 1000.0))) == LARGEST
     pictures = iter([np.full((64, 64, 3), value, np.uint8) for value in (0, 99, 200)])
-    image = Image.open(io.BytesIO(encode(pictures, "gif", 0.1)))
+    image = Image.open(io.BytesIO(ANIMATION_FORMATS["gif"].encode(pictures, 0.1)))
     assert image.info["duration"] == 100
     assert image.info["loop"] == 0
+
+
+def test_video_has_every_picture_in_true_time(session: Any) -> None:
+    av = pytest.importorskip("av")
+    file = Recorder().record(session, "mp4")
+    trajectory = motions.planned(session.state).trajectory
+    assert trajectory is not None
+    times = instants(trajectory.duration)
+    assert file.name.endswith(".mp4")
+    with av.open(io.BytesIO(file.content)) as container:
+        video = container.streams.video[0]
+        assert (video.codec_context.name, video.pix_fmt) == ("h264", "yuv420p")
+        frames = list(container.decode(video))
+        seconds = float(video.duration * video.time_base)
+    assert len(frames) == times.size
+    assert seconds == pytest.approx(trajectory.duration + times[1], abs=1e-3)
+    brightness = [frame.to_ndarray(format="rgb24")[5, 5, 0] for frame in frames]
+    expected = np.clip(128 + 1000 * trajectory.at(times).pose[:, 0], 0, 255)
+    np.testing.assert_allclose(brightness, expected, atol=4)
+
+
+def test_video_cuts_odd_sides() -> None:
+    av = pytest.importorskip("av")
+    pictures = iter(np.zeros((3, 65, 101, 3), np.uint8))
+    with av.open(io.BytesIO(ANIMATION_FORMATS["mp4"].encode(pictures, 1 / 15))) as container:
+        first = next(container.decode(video=0))
+    assert (first.width, first.height) == (100, 64)
+
+
+def test_format_that_is_not_installed_is_disabled_with_the_reason(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(animations, "find_spec", lambda name: None)
+    entries = {entry.key: entry for entry in export_entries(MapStore())}
+    group, button = entries["export.record"], entries["export.mp4"]
+    assert isinstance(group, ButtonGroup)
+    assert list(given(group.choices, initial_state())) == ["GIF", "WebP"]
+    assert button.disabled is not None
+    assert button.disabled(initial_state())
+    assert "av" in str(button.label)
+    assert "paminsa-viz[video]" in str(button.hint)

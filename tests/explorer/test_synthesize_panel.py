@@ -28,10 +28,10 @@ from paminsa_viz.explorer.synthesis.solving import search
 from paminsa_viz.explorer.tasks import Outcome, receive, solve, stop
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
-from paminsa_viz.synthesis.answer import SynthesisResult
-from paminsa_viz.synthesis.case import Effort, Regime
-from paminsa_viz.synthesis.front import DesignFront, FrontPoint
-from paminsa_viz.synthesis.prices import RequirementPrice
+from paminsa_viz.synthesis.answer.prices import RequirementPrice
+from paminsa_viz.synthesis.search.case import Effort, Regime
+from paminsa_viz.synthesis.search.front import DesignFront, FrontPoint
+from paminsa_viz.synthesis.search.result import SynthesisResult
 from tests.support.desk import Desk
 
 PANEL = SYNTHESIZE

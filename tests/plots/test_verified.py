@@ -7,7 +7,6 @@ import pytest
 
 from paminsa_viz.engines.verification import verify
 from paminsa_viz.model import APPENDIX_4, InvalidInput
-from paminsa_viz.plots import verified
 from paminsa_viz.plots.verified import engine_torques, verification_figures
 from paminsa_viz.trajectory import Trajectory, analyze, paper_like
 
@@ -33,10 +32,9 @@ def test_where_the_motion_fails_there_is_no_torque() -> None:
     assert 0 < np.isnan(found.torque).sum() < found.torque.size
 
 
-def test_engine_samples_are_limited(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(verified, "MOST_STATES", 10)
+def test_engine_samples_are_limited() -> None:
     with pytest.raises(InvalidInput, match="at most 10 samples"):
-        engine_torques(analyze(APPENDIX_4, MOTION))
+        engine_torques(analyze(APPENDIX_4, MOTION), most=10)
 
 
 def test_a_verification_has_a_figure_for_each_engine_and_for_the_published_formulas() -> None:

@@ -12,8 +12,7 @@ from paminsa_viz.model import APPENDIX_4, Design, DriveAccuracy, singular_rotati
 from paminsa_viz.precision.drive_errors import drive_errors
 from paminsa_viz.precision.manufacture import tolerance_errors
 from paminsa_viz.report.accuracy_section import accuracy_section
-from paminsa_viz.report.blocks import Note, Section, Table
-from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.report.blocks import Note, ReportRequest, Section, Table
 from paminsa_viz.trajectory import PRESET
 from paminsa_viz.units import format_value
 
@@ -38,12 +37,12 @@ def notes(found: Section) -> str:
 
 def test_tables_have_the_numbers_of_the_library() -> None:
     found = section()
-    drives, manufacture = tables(found)
+    drives, _, manufacture = tables(found)
     here = drive_errors(APPENDIX_4.geometry, APPENDIX_4.accuracy, POSE)
     assert drives.rows[0].cells[1] == format_value(float(here.worst[0]), "m:um", 3)
     assert drives.rows[4].cells[3] == format_value(float(here.rms[2]), "rad:arcsec", 3)
     tolerance = tolerance_errors(APPENDIX_4, POSE)
-    assert manufacture.rows[3].cells[1] == format_value(float(tolerance.worst[3]), "m:um", 3)
+    assert manufacture.rows[3].cells[1] == format_value(float(tolerance.worst[3]), "m:um")
     assert "%" in manufacture.rows[4].cells[4]
     for table in (drives, manufacture):
         assert all(len(row.cells) == len(table.head) for row in table.rows)
@@ -54,7 +53,7 @@ def test_tables_have_the_numbers_of_the_library() -> None:
 def test_unbounded_poses_and_unequal_legs_are_named() -> None:
     coarse = replace(APPENDIX_4, accuracy=DriveAccuracy(resolution_rotary=np.radians(3.0)))
     text = notes(section(coarse.vary({"leg1.shaft": 2e-4}), (0.0, 0.0, FOLD - 0.05, -0.3)))
-    assert "No bound at the report's pose: within the drives' errors" in text
+    assert "No bound at the pose: within the drives' errors" in text
     assert "With drives set for equal legs" in text
     assert "tilt about x" in text
     assert "No bound at" in notes(
@@ -66,7 +65,7 @@ def test_unbounded_poses_and_unequal_legs_are_named() -> None:
 
 def test_a_singular_pose_has_reasons_in_place_of_numbers() -> None:
     found = section(pose=(0.0, 0.0, FOLD, -0.3))
-    assert len(tables(found)) == 1
+    assert len(tables(found)) == 2
     assert "it is singular" in notes(found)
     assert tables(found)[0].rows[0].cells[1] == "–"
 

@@ -23,11 +23,13 @@ def findings():
 
 def test_section_holds_numbers_figure_causes_and_masses(findings) -> None:
     section = identification_section(findings)
-    numbers, causes, masses = (b for b in section.blocks if isinstance(b, Table))
+    numbers, why, causes, unseen, masses = (b for b in section.blocks if isinstance(b, Table))
     estimates = findings.identification.estimates
     assert [row.cells[0] for row in numbers.rows] == [item.symbol for item in estimates]
     unknown = [row.cells[0] for row in numbers.rows if row.cells[2] == "unknown"]
+    assert unknown == [row.cells[0] for row in why.rows]
     assert unknown == [item.symbol for item in findings.identification.unknown]
+    assert [row.cells[0] for row in unseen.rows] == list(findings.causes.unseen)
     marked = {row.cells[0] for row in numbers.rows if row.kind == "marked"}
     assert "M_p2" in marked
     assert all(row.cells[3] == "no" for row in causes.rows)

@@ -15,10 +15,11 @@ from paminsa_viz.quantities.requirements import (
 )
 from paminsa_viz.report import requirements_section as section
 from paminsa_viz.report.blocks import Note, Table
-from paminsa_viz.report.synthesis_section import synthesis_section
+from paminsa_viz.report.requirements_section import synthesis_section
 from paminsa_viz.synthesis import Effort, SearchRange, SynthesisCase, synthesize
-from paminsa_viz.synthesis.check import COARSE, check_requirements
-from paminsa_viz.synthesis.volume import solve_volume
+from paminsa_viz.synthesis.volume.check import check_requirements
+from paminsa_viz.synthesis.volume.grid import COARSE
+from paminsa_viz.synthesis.volume.solve import solve_volume
 
 NEEDS = Requirements(
     (Requirement("condition", high=10.0), Requirement("f_4", high=200.0)),

@@ -6,13 +6,12 @@ from datetime import UTC, datetime
 
 import pytest
 
-from paminsa_viz.elastostatics.drive_modes import drive_modes
+from paminsa_viz.elastostatics.drive_stiffness import drive_modes
 from paminsa_viz.elastostatics.stiffness import platform_stiffness, strain_shares
 from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.singularity import singular_radius
-from paminsa_viz.report.blocks import Note, Table
-from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.report.blocks import Note, ReportRequest, Table
 from paminsa_viz.report.stiffness_section import stiffness_section
 from paminsa_viz.trajectory import PRESET
 from paminsa_viz.units import NONE, format_value
@@ -30,7 +29,7 @@ def blocks(design: Design, pose=POSE) -> tuple[list[Table], list[Note]]:
 
 def test_stiffness_and_shares_are_the_librarys() -> None:
     design = APPENDIX_4.vary({"payload.mass": 10.0, "elastic.b4_outer": 0.05})
-    (data, stiffness, shares, modes), (note,) = blocks(design)
+    (data, stiffness, directions, deflection, shares, modes), (_, note) = blocks(design)
     assert ("B4", "tube 50/33.1 mm") in [row.cells[:2] for row in data.rows]
     found = platform_stiffness(design, POSE)
     shown = {row.cells[0]: row.cells[2] for row in stiffness.rows}
@@ -39,7 +38,8 @@ def test_stiffness_and_shares_are_the_librarys() -> None:
     assert all(len(row.cells) == len(stiffness.head) for row in stiffness.rows)
     best = strain_shares(design, POSE).share.max()
     assert shares.rows[0].cells == ("B1", f"{100 * best:.1f} %")
-    assert format_value(float(found.deflection()[2]), "m", 3) in note.text
+    assert directions.rows[2].cells[1] == format_value(float(found.along(2)), "N/m")
+    assert deflection.rows[2].cells[2] == format_value(float(found.deflection()[2]), "m", 3)
     assert "a tilt of" in note.text
     first = robot_modes(design, POSE).frequencies[0]
     alone = drive_modes(design, POSE).frequencies[0]
@@ -55,10 +55,10 @@ def test_without_a_hold_there_is_no_frequency() -> None:
 
 
 def test_without_a_load_nothing_is_deflected() -> None:
-    (_, _, shares, _), (note,) = blocks(APPENDIX_4)
+    (_, _, _, shares, _), (_, note) = blocks(APPENDIX_4)
     assert "nothing is deflected" in note.text
-    assert shares.head == ("Part", "1 N along x", "1 N along z")
-    for column in (1, 2):
+    assert shares.head == ("Part", "force x", "force y", "force z", "moment z")
+    for column in range(1, 5):
         total = sum(float(row.cells[column].removesuffix(" %")) for row in shares.rows)
         assert total == pytest.approx(100, abs=0.5)
 

@@ -61,6 +61,11 @@ class Scene:
         """The nodes of the scene by their names, as they are now."""
         return dict(self._scene._handle_from_node_name)
 
+    @property
+    def shown(self) -> set[str]:
+        """The names of the nodes that are visible themselves."""
+        return {name for name, node in self.nodes.items() if node.visible}
+
     @contextmanager
     def sent(self) -> Iterator[list[Any]]:
         """Collect the messages that are queued for the browser."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from paminsa_viz.synthesis import SynthesisCase
-from paminsa_viz.synthesis.case_file import EXAMPLES, load_case
+from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case
 
 
 @cache

@@ -9,7 +9,11 @@ import numpy as np
 from hypothesis import strategies as st
 
 from paminsa_viz.model import Design, KneeBranch, LoadCase, LoadFrame, check_reach
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.reach import home_pose
+from paminsa_viz.quantities.requirements import WorkspaceShape
+from paminsa_viz.synthesis.proof.pose_search import from_unit
+from paminsa_viz.synthesis.proof.regions import PoseRegion
 from tests.support.samples import random_design
 
 
@@ -49,3 +53,13 @@ def poses_of_boxes(middle: Any, half: Any, seed: int) -> Any:
     """Return a random pose of each box (n, 4), often on its faces."""
     rng = np.random.default_rng(seed)
     return middle + half * np.clip(rng.uniform(-1.5, 1.5, middle.shape), -1, 1)
+
+
+def random_poses(region: PoseRegion, count: int, rng: np.random.Generator) -> Array:
+    """Return random poses of a region, (n, 4); a quarter of each coordinate's are at its ends."""
+    unit = 1.3 * rng.uniform(-1.0, 1.0, (count, 4))
+    if region.shape is WorkspaceShape.CYLINDER:
+        angle = rng.uniform(0.0, 2.0 * np.pi, count)
+        radius = 1.15 * np.sqrt(rng.uniform(0.0, 1.0, count))
+        unit[:, 0], unit[:, 1] = radius * np.cos(angle), radius * np.sin(angle)
+    return from_unit(region, unit)

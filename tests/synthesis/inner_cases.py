@@ -10,7 +10,7 @@ from paminsa_viz.balancing import SpringPlace, at_joint, beyond, on_slider
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.synthesis.inner_case import InnerCase, MassFactor
+from paminsa_viz.synthesis.masses.case import InnerCase, MassFactor
 from paminsa_viz.trajectory import PRESET, Trajectory
 
 MASSES = tuple(MassFactor(f"links.{bar}", 0.5, 2.0) for bar in ("b3", "b4", "b8"))

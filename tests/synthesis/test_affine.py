@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.synthesis.affine import Affine, cosine_and_sine, lower, upper
-from paminsa_viz.synthesis.enclosures import block_condition
+from paminsa_viz.synthesis.proof.affine import Affine, cosine_and_sine, lower, upper
+from paminsa_viz.synthesis.proof.enclosures import block_condition
 
 PLACES = np.stack(np.meshgrid(*[[-1.0, -0.3, 1.0]] * 4), axis=-1).reshape(-1, 4)
 UNKNOWN = np.array([-1.0, 0.4, 1.0])

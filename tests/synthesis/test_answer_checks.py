@@ -11,7 +11,8 @@ import pytest
 from paminsa_viz.balancing import SpringPlace, at_joint, on_slider
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis import Regime, RegimeState, SynthesisCase, SynthesisResult, synthesize
-from paminsa_viz.synthesis.answer_checks import AnswerMargins, answer_yield, mujoco_check
+from paminsa_viz.synthesis.answer.checks import AnswerMargins, build_yield
+from paminsa_viz.synthesis.answer.engine_check import check_by_mujoco
 from paminsa_viz.trajectory import Trajectory
 from tests.synthesis.test_inner_search import NUMBERS, looser
 from tests.synthesis.test_prices import one_length
@@ -45,9 +46,10 @@ def sprung() -> SynthesisCase:
 @pytest.mark.slow
 def test_a_bound_that_is_reached_is_broken_by_half_of_the_robots():
     # the crank is as short as the reach allows: with no margin about every second is too short
+    answers = [synthesize(one_length(margin=margin)) for margin in (0.0, 0.005)]
     found = [
-        answer_yield(synthesize(one_length(margin=margin)), samples=60).fraction
-        for margin in (0.0, 0.005)
+        build_yield(answer.design, AnswerMargins.of(answer), samples=60).fraction
+        for answer in answers
     ]
     assert 0.2 < found[0].value < 0.8
     assert found[1].value == 1.0
@@ -77,17 +79,18 @@ def test_margins_count_springs_and_motions():
 
 def test_mujoco_confirms_an_answer_with_springs_and_motions():
     result = sprung_answer()
-    checked = mujoco_check(result)
+    asked = AnswerMargins.of(result)
+    checked = check_by_mujoco(result.design, asked)
     assert checked.passed
     assert checked.left_out == ("condition",)
     assert len(checked.rows) == 4
     heavier = replace(result.design, links=replace(result.design.links, b8=5.0))
-    assert not mujoco_check(replace(result, design=heavier)).passed
+    assert not check_by_mujoco(heavier, asked).passed
 
 
 @pytest.mark.slow
 def test_built_robots_miss_what_the_answer_reaches():
     result = sprung_answer()
-    found = answer_yield(result, samples=20, seed=1)
+    found = build_yield(result.design, AnswerMargins.of(result), samples=20, seed=1)
     assert 0 < found.fraction.value < 1
     assert any("0.4" in name for name in found.missed)

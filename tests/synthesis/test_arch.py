@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.synthesis import Density, Regime
-from paminsa_viz.synthesis.evaluation import Evaluator
+from paminsa_viz.synthesis.search.evaluation import Evaluator
 from paminsa_viz.trajectory import analyze, check_path
 from paminsa_viz.trajectory.planners import arch, round_trip
 from tests.synthesis.arch_case import arch_case

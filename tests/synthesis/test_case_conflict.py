@@ -9,7 +9,7 @@ import pytest
 
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis import Effort, ObjectiveLimit, synthesize
-from paminsa_viz.synthesis.case_conflict import case_conflict
+from paminsa_viz.synthesis.search.case_conflict import case_conflict
 from tests.synthesis.search_cases import CYLINDER
 from tests.synthesis.test_front import two_numbers
 

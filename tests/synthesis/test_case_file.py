@@ -20,7 +20,7 @@ from paminsa_viz.synthesis import (
     SearchRange,
     SynthesisCase,
 )
-from paminsa_viz.synthesis.case_file import EXAMPLES, load_case, read_case
+from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case, read_case
 from tests.synthesis.search_cases import CELL, CYLINDER
 
 HEAD = """schema_version = 1
@@ -93,14 +93,14 @@ RANGES = "[synthesis.ranges]\nbase_radius_m = [0.1, 0.6]\n"
         ("[synthesis]\nguide = 'x'\n" + RANGES, 8, '"follows" or "kept"'),
         ("[synthesis]\nregimes = ['x']\n" + RANGES, 8, '"smaller" or "larger"'),
         ("[synthesis]\nregimes = []\n" + RANGES, 8, "at least one"),
-        ("[synthesis]\nseed = true\n", 8, "a number is needed"),
+        ("[synthesis]\nseed = true\n", 8, "whole number is needed"),
         ("[synthesis]\nmargin_m = -1.0\n" + RANGES, 8, "at least 0"),
         ("[synthesis]\ngenerations = 0\n" + RANGES, 8, "1 to 100000"),
         ("[synthesis]\n", 7, "at least one length"),
         ("[synthesis.ranges]\nbase_radius = [0.1, 0.6]\n", 8, "did you mean base_radius_m?"),
         ("[synthesis.ranges]\nbase_radius_m = [0.6, 0.1]\n", 8, "low < high"),
         ("[synthesis.ranges]\nbase_radius_m = [0.1]\n", 8, "[least, largest]"),
-        ("[synthesis.ranges]\nbase_radius_m = [0.1, 'b']\n", 8, "a number is needed"),
+        ("[synthesis.ranges]\nbase_radius_m = [0.1, 'b']\n", 8, "two numbers are needed"),
         ("[synthesis.ranges]\nguide_link_length_m = [0.1, 0.2]\n", 8, 'guide = "kept"'),
         ("[synthesis.ranges]\narm_length_m = [0.1, 0.2]\n", 8, "arm_follows = false"),
         ("[synthesis]\n" + RANGES + "[synthesis.limits]\nfootprint = 0.5\n", 11, "footprint_m"),

@@ -25,11 +25,10 @@ from paminsa_viz.quantities.requirements import (
     Workspace,
     WorkspaceShape,
 )
-from paminsa_viz.synthesis.certificate import prove
-from paminsa_viz.synthesis.evidence import Proof, Verdict
-from paminsa_viz.synthesis.families import Method
-from paminsa_viz.synthesis.pose_search import random_poses
-from tests.synthesis.certificate_robots import robots
+from paminsa_viz.synthesis.proof.certificate import prove
+from paminsa_viz.synthesis.proof.evidence import Proof, Verdict
+from paminsa_viz.synthesis.proof.families import Method
+from tests.synthesis.certificate_robots import random_poses, robots
 
 TURN = math.radians(30)
 BOUNDS = (

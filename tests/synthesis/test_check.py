@@ -13,9 +13,10 @@ from paminsa_viz.model.reach import check_reach
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
-from paminsa_viz.synthesis.check import Over, check_requirements
-from paminsa_viz.synthesis.volume import COARSE, Resolution, solve_volume
-from paminsa_viz.synthesis.workspace_samples import best_center, sample_workspace
+from paminsa_viz.synthesis.volume.check import Over, check_requirements
+from paminsa_viz.synthesis.volume.grid import COARSE, Resolution
+from paminsa_viz.synthesis.volume.solve import solve_volume
+from paminsa_viz.synthesis.volume.workspace import best_center, sample_workspace
 from tests.synthesis.robots import TURN, needs
 
 CYLINDER = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.3), (0.0, 0.0, -0.55))

@@ -9,9 +9,10 @@ import pytest
 
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
-from paminsa_viz.synthesis.check import check_requirements
-from paminsa_viz.synthesis.conflict import smallest_conflict
-from paminsa_viz.synthesis.volume import COARSE, solve_volume
+from paminsa_viz.synthesis.volume.check import check_requirements
+from paminsa_viz.synthesis.volume.conflict import smallest_conflict
+from paminsa_viz.synthesis.volume.grid import COARSE
+from paminsa_viz.synthesis.volume.solve import solve_volume
 from tests.synthesis.robots import needs
 
 

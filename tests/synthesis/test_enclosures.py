@@ -18,8 +18,8 @@ from paminsa_viz.model import (
     static_torques,
 )
 from paminsa_viz.model.leg import mechanism
-from paminsa_viz.synthesis.affine import box_variables, lower, size, upper
-from paminsa_viz.synthesis.enclosures import (
+from paminsa_viz.synthesis.proof.affine import box_variables, lower, size, upper
+from paminsa_viz.synthesis.proof.enclosures import (
     condition_bounds,
     determinant_bounds,
     inverse_jacobian_rows,

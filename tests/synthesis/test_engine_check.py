@@ -9,9 +9,10 @@ import pytest
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.synthesis.engine_check import check_by_mujoco
-from paminsa_viz.synthesis.inner import solve_inner
+from paminsa_viz.quantities.requirements import Requirement, Requirements
+from paminsa_viz.synthesis.answer.checks import AnswerMargins
+from paminsa_viz.synthesis.answer.engine_check import check_by_mujoco
+from paminsa_viz.synthesis.masses.program import solve_inner
 from tests.synthesis.inner_cases import case, motion, poses
 
 
@@ -21,10 +22,10 @@ def test_mujoco_confirms_the_optimum_and_its_active_bounds(springs):
     found = solve_inner(APPENDIX_4, asked, poses())
     short = motion().take(np.arange(0, motion().size, 4))
     bounds = (*asked.bounds, Requirement("condition", high=10.0))
-    checked = check_by_mujoco(
-        found.design, bounds, poses(), springs=found.springs, motions=(short,),
-        motion_torque=found.objective, motion_force=asked.motion_force, count=10,
-    )  # fmt: skip
+    margins = AnswerMargins(
+        Requirements(bounds), found.springs, (short,), found.objective, asked.motion_force
+    )
+    checked = check_by_mujoco(found.design, margins, poses(), count=10)
     assert checked.passed
     assert checked.difference < 1e-6
     assert checked.left_out == ("condition",)
@@ -32,10 +33,13 @@ def test_mujoco_confirms_the_optimum_and_its_active_bounds(springs):
     assert all(row.engine == pytest.approx(row.computed, abs=1e-4) for row in checked.rows)
     # a bound that is reached has no margin by MuJoCo's torques either
     assert abs(checked.rows[0].engine) < 1e-4
-    tighter = [replace(b, high=0.99 * b.high) for b in asked.bounds]
-    assert not check_by_mujoco(found.design, tighter, poses(), springs=found.springs).passed
+    tighter = tuple(replace(b, high=0.99 * b.high) for b in asked.bounds)
+    margins = AnswerMargins(Requirements(tighter), found.springs)
+    assert not check_by_mujoco(found.design, margins, poses()).passed
 
 
 def test_poses_out_of_reach_are_refused():
     with pytest.raises(InvalidInput, match="out of reach"):
-        check_by_mujoco(APPENDIX_4, (), np.array([[0.0, 0.0, 0.0, -3.0]]))
+        check_by_mujoco(
+            APPENDIX_4, AnswerMargins(Requirements()), np.array([[0.0, 0.0, 0.0, -3.0]])
+        )

@@ -12,7 +12,7 @@ from hypothesis.extra.numpy import arrays
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.synthesis import ObjectiveLimit, SearchRange, SynthesisCase
-from paminsa_viz.synthesis.front import DesignFront, design_front, nondominated
+from paminsa_viz.synthesis.search.front import DesignFront, design_front, nondominated
 from tests.synthesis.test_prices import RADIUS, one_length
 
 

@@ -28,10 +28,10 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.synthesis.inner import inner_program, solve_inner
-from paminsa_viz.synthesis.inner_case import InnerCase, linear_bounds
-from paminsa_viz.synthesis.inner_limits import InnerInfeasible
-from paminsa_viz.synthesis.inner_space import (
+from paminsa_viz.synthesis.masses.case import InnerCase, linear_bounds
+from paminsa_viz.synthesis.masses.program import inner_program, solve_inner
+from paminsa_viz.synthesis.masses.space import (
+    InnerInfeasible,
     inner_space,
     motion_rows,
     sampled_solution,

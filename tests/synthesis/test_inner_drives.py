@@ -11,9 +11,9 @@ from paminsa_viz.actuation.catalog import generic_catalog
 from paminsa_viz.actuation.selection import size_design
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.synthesis.inner import solve_inner
-from paminsa_viz.synthesis.inner_case import InnerCase
-from paminsa_viz.synthesis.inner_drives import solve_with_drives
+from paminsa_viz.synthesis.masses.case import InnerCase
+from paminsa_viz.synthesis.masses.drives import solve_with_drives
+from paminsa_viz.synthesis.masses.program import solve_inner
 from paminsa_viz.trajectory import analyze
 from tests.synthesis.inner_cases import MASSES, SPRING, WEIGHTS, motion, poses
 

@@ -7,8 +7,8 @@ import pytest
 
 from paminsa_viz.balancing import MassRange, at_joint, on_bar, on_slider
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.synthesis.case_file import EXAMPLES, read_case
-from paminsa_viz.synthesis.inner_case import MassFactor
+from paminsa_viz.synthesis.masses.case import MassFactor
+from paminsa_viz.synthesis.search.case_file import EXAMPLES, read_case
 from tests.synthesis.arch_case import arch_case
 
 TEXT = EXAMPLES["arch"].read_text("utf-8")

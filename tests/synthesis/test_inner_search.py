@@ -11,9 +11,9 @@ from paminsa_viz.balancing import CounterweightRange, SpringPlace, at_joint, on_
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import static_torques
 from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.synthesis.case import ObjectiveLimit, Regime, SynthesisCase
-from paminsa_viz.synthesis.evaluation import Evaluator
-from paminsa_viz.synthesis.inner_case import InnerCase, MassFactor
+from paminsa_viz.synthesis.masses.case import InnerCase, MassFactor
+from paminsa_viz.synthesis.search.case import ObjectiveLimit, Regime, SynthesisCase
+from paminsa_viz.synthesis.search.evaluation import Evaluator
 from paminsa_viz.trajectory import analyze
 from tests.synthesis.arch_case import arch_case
 from tests.synthesis.search_cases import CYLINDER

@@ -16,12 +16,13 @@ from paminsa_viz.quantities.requirements import (
     Workspace,
     WorkspaceShape,
 )
-from paminsa_viz.synthesis.bisection import Gauge
-from paminsa_viz.synthesis.certificate import prove, region_of
-from paminsa_viz.synthesis.evidence import Verdict
-from paminsa_viz.synthesis.families import Method
-from paminsa_viz.synthesis.largest import Growth, LargestWorkspace, largest_workspace
-from paminsa_viz.synthesis.pose_search import random_poses
+from paminsa_viz.synthesis.proof.bisection import Gauge
+from paminsa_viz.synthesis.proof.certificate import prove, region_of
+from paminsa_viz.synthesis.proof.evidence import Verdict
+from paminsa_viz.synthesis.proof.families import Method
+from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace
+from paminsa_viz.synthesis.proof.regions import Growth
+from tests.synthesis.certificate_robots import random_poses
 
 TURN = math.radians(30)
 NEEDED = Requirements(

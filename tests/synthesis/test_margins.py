@@ -13,8 +13,13 @@ from paminsa_viz.model.load import LoadCase
 from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirements import Requirement, Requirements
-from paminsa_viz.synthesis.columns import Columns, solve_columns
-from paminsa_viz.synthesis.margins import heading_margins, headings, time_per_position
+from paminsa_viz.synthesis.volume.margins import (
+    Columns,
+    heading_margins,
+    headings,
+    solve_columns,
+    time_per_position,
+)
 
 DESIGN = replace(
     APPENDIX_4,

@@ -21,8 +21,8 @@ from paminsa_viz.synthesis import (
     SynthesisCase,
     synthesize,
 )
-from paminsa_viz.synthesis.local_search import refined
-from paminsa_viz.synthesis.prices import requirement_prices
+from paminsa_viz.synthesis.answer.prices import requirement_prices
+from paminsa_viz.synthesis.search.outer import refined
 
 HEIGHT, RADIUS = 0.2, 0.1
 

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.reach import check_reach
-from paminsa_viz.synthesis.causes import FIRST_REACH
-from paminsa_viz.synthesis.distance import reach_distances
-from paminsa_viz.synthesis.reach_bounds import ReachBounds, contains, cosine_range, reach_bounds
+from paminsa_viz.synthesis.volume.causes import FIRST_REACH, reach_distances
+from paminsa_viz.synthesis.volume.reach import ReachBounds, contains, cosine_range, reach_bounds
 from tests.support.cases import Case, cases
 
 ANGLES = st.floats(-8.0, 8.0)

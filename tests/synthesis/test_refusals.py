@@ -11,7 +11,7 @@ import pytest
 from paminsa_viz.model import APPENDIX_4, measure_singularity
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
 from paminsa_viz.synthesis import Evaluator, Guide, ObjectiveLimit, Regime, SynthesisCase, refusal
-from paminsa_viz.synthesis.refusals import critical_radius, least_footprint
+from paminsa_viz.synthesis.search.refusals import critical_radius, least_footprint
 from tests.synthesis.search_cases import CELL, CYLINDER
 from tests.synthesis.test_trials import random_numbers
 

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from paminsa_viz.model import APPENDIX_4, Design, Geometry, check_reach, singular_radius
 from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.quantities.requirements import WorkspaceShape
-from paminsa_viz.synthesis.pose_search import freedom, from_unit, lowest, random_poses
-from paminsa_viz.synthesis.region_margins import PoseRegion, leg_distances, region_margins
-from tests.synthesis.certificate_robots import robots
+from paminsa_viz.synthesis.proof.pose_search import freedom, from_unit, lowest
+from paminsa_viz.synthesis.proof.regions import PoseRegion, leg_distances, region_margins
+from tests.synthesis.certificate_robots import random_poses, robots
 
 LENGTHS = st.floats(0.0, 0.3)
 PLACES = st.floats(-0.4, 0.4)

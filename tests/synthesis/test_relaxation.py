@@ -11,14 +11,11 @@ from hypothesis import strategies as st
 from paminsa_viz.balancing import CounterweightRange
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.synthesis.inner import inner_program, solve_inner
-from paminsa_viz.synthesis.inner_case import InnerCase
-from paminsa_viz.synthesis.inner_limits import InnerInfeasible
-from paminsa_viz.synthesis.relaxation import (
-    inner_contradiction,
-    irreducible_set,
-    smallest_set,
-)
+from paminsa_viz.synthesis.masses.case import InnerCase
+from paminsa_viz.synthesis.masses.contradiction import inner_contradiction
+from paminsa_viz.synthesis.masses.program import inner_program, solve_inner
+from paminsa_viz.synthesis.masses.space import InnerInfeasible
+from paminsa_viz.synthesis.volume.conflict import irreducible_set, smallest_set
 from tests.synthesis.inner_cases import MASSES, WEIGHTS, case, poses
 
 

@@ -27,9 +27,9 @@ from paminsa_viz.synthesis import (
     SynthesisResult,
     synthesize,
 )
-from paminsa_viz.synthesis.checkpoint import load_checkpoint, save_checkpoint
-from paminsa_viz.synthesis.evaluation import REFUSED
-from paminsa_viz.synthesis.evidence import Verdict
+from paminsa_viz.synthesis.proof.evidence import Verdict
+from paminsa_viz.synthesis.search.checkpoint import load_checkpoint, save_checkpoint
+from paminsa_viz.synthesis.search.evaluation import REFUSED
 from tests.synthesis.search_cases import CELL, CYLINDER, TURN
 from tests.synthesis.test_trials import poses_of
 

@@ -9,8 +9,7 @@ from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.reach import Limit, check_reach
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques
-from paminsa_viz.synthesis.causes import FIRST_REQUIREMENT, CauseKind
-from paminsa_viz.synthesis.slices import cause_slice
+from paminsa_viz.synthesis.volume.causes import FIRST_REQUIREMENT, CauseKind, cause_slice
 from tests.synthesis.robots import needs
 
 X = np.linspace(-0.35, 0.35, 36)

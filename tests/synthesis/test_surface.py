@@ -10,11 +10,18 @@ import trimesh
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.synthesis.causes import CauseKind
-from paminsa_viz.synthesis.columns import Columns, solve_columns
-from paminsa_viz.synthesis.surface import VolumeSurface, cause_color, volume_surface
-from paminsa_viz.synthesis.volume import COARSE, Resolution, Volume, solve_volume
-from paminsa_viz.synthesis.volume_files import VOLUME_FORMATS, volume_bytes, volume_table
+from paminsa_viz.synthesis.volume.causes import CauseKind
+from paminsa_viz.synthesis.volume.grid import COARSE, Resolution
+from paminsa_viz.synthesis.volume.margins import Columns, solve_columns
+from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
+from paminsa_viz.synthesis.volume.surface import (
+    VOLUME_FORMATS,
+    VolumeSurface,
+    cause_color,
+    volume_bytes,
+    volume_surface,
+    volume_table,
+)
 from tests.synthesis.robots import TURN, needs
 
 

@@ -12,11 +12,9 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4, Design, LoadCase
 from paminsa_viz.quantities.requirements import Requirement, Requirements, WorkspaceShape
-from paminsa_viz.synthesis import symmetry as module
-from paminsa_viz.synthesis.bisection import Control, Gauge, nearest_violation
-from paminsa_viz.synthesis.families import groups
-from paminsa_viz.synthesis.region_margins import PoseRegion
-from paminsa_viz.synthesis.symmetry import NONE, Symmetry, symmetry
+from paminsa_viz.synthesis.proof.bisection import Control, Gauge, nearest_violation
+from paminsa_viz.synthesis.proof.families import NONE, Symmetry, groups, symmetry
+from paminsa_viz.synthesis.proof.regions import PoseRegion
 from tests.synthesis.certificate_robots import boxes, robots
 
 BOUNDS = (
@@ -104,9 +102,9 @@ def test_bounds_are_those_of_all_poses(monkeypatch: pytest.MonkeyPatch) -> None:
     (group,) = groups(APPENDIX_4, needed)
     gauge = Gauge(CENTERED, (True, True, False))
     part = nearest_violation(group, gauge, 1.5, 0.005, Control(60.0))
-    monkeypatch.setattr("paminsa_viz.synthesis.bisection.symmetry", lambda *_: NONE)
+    monkeypatch.setattr("paminsa_viz.synthesis.proof.bisection.symmetry", lambda *_: NONE)
     whole = nearest_violation(group, gauge, 1.5, 0.005, Control(60.0))
-    assert module.symmetry(group, CENTERED).any
+    assert symmetry(group, CENTERED).any
     assert part.lower == pytest.approx(whole.lower, abs=0.006)
     assert part.lower <= whole.upper
     assert whole.lower <= part.upper

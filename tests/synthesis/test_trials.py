@@ -22,8 +22,8 @@ from paminsa_viz.model import (
 from paminsa_viz.model.lumped import lumped_coefficients, mass_vector
 from paminsa_viz.quantities.requirements import Requirement, Workspace, WorkspaceShape
 from paminsa_viz.synthesis import Evaluator, Guide, Regime, SynthesisCase
-from paminsa_viz.synthesis.evaluation import STAGES
-from paminsa_viz.synthesis.region import reach_margins, spans
+from paminsa_viz.synthesis.search.evaluation import STAGES
+from paminsa_viz.synthesis.search.region import reach_margins, spans
 from tests.synthesis.search_cases import CELL, CYLINDER
 
 GOOD = {

@@ -19,13 +19,11 @@ from typing import Any
 
 import viser
 
-from paminsa_viz.explorer.browser import asset
+from paminsa_viz.explorer.browser import STORE_KEY, asset
 from paminsa_viz.explorer.inputs import finite
 from paminsa_viz.explorer.session import Session
 
 log = logging.getLogger(__name__)
-
-STORE_KEY = "paminsa_viz"
 
 MESSAGE_LIMIT = 64_000
 """Longest message that is read [characters]; a saved state is a tenth of it."""
@@ -48,6 +46,9 @@ class Bridge:
         self._inbox = client.gui.add_text("bridge", "", visible=False)
         self._inbox.on_update(self._receive)
         self._run = _script_channel(client)
+        if self._run is not None:
+            for name in ("marks.js", "units.js"):  # before there is anything that is marked
+                self._run(asset(name))
         self.on("missing", _report_missing)
 
     def open(self) -> None:

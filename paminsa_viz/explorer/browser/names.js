@@ -4,49 +4,51 @@
  */
 (() => {
   "use strict";
-  clearInterval(window.paminsaNames);
-  const nameless = (element) => !element.getAttribute("aria-label") && !element.labels?.length;
+  const { watch } = window.paminsaMarks;
+  const named = new WeakSet(); // what has its name from here
+  const nameless = (element) =>
+    named.has(element) || (!element.getAttribute("aria-label") && !element.labels?.length);
+  const plain = (text) => text?.replace(/\s+/g, " ").trim();
   const set = (element, name) => {
-    const text = name?.replace(/\s+/g, " ").trim();
-    if (text && element.getAttribute("aria-label") !== text) element.setAttribute("aria-label", text);
+    const text = plain(name);
+    if (!text) return;
+    named.add(element);
+    if (element.getAttribute("aria-label") !== text) element.setAttribute("aria-label", text);
   };
-  const ICONS = [["search", "Commands"], ["adjust", "Viewer settings"], ["x", "Close"]];
 
-  const nameInputs = () => {
-    for (const label of document.querySelectorAll("label[for]")) {
-      const row = label.closest(".mantine-Flex-root");
-      const fields = row?.querySelectorAll('[role="slider"], input:not([type="hidden"]), textarea');
-      const found = [...(fields || [])].filter(nameless);
-      const boxes = found.filter((field) => field.matches(".mantine-NumberInput-input"));
-      const thumbs = found.some((field) => field.matches('[role="slider"]'));
-      for (const field of found) {
-        const place = thumbs ? -1 : boxes.indexOf(field);
-        const ending = boxes.length > 1 && place >= 0 ? `, ${place + 1} of ${boxes.length}` : "";
-        set(field, label.textContent + ending);
-      }
+  const ROW = '[data-paminsa-mark~="row"]';
+  const FIELD = '[role="slider"], input:not([type="hidden"]), textarea';
+  const nameFields = (label) => {
+    const found = [...(label.closest(ROW)?.querySelectorAll(FIELD) || [])].filter(nameless);
+    const boxes = found.filter((field) => field.matches(".mantine-NumberInput-input"));
+    const thumbs = found.some((field) => field.matches('[role="slider"]'));
+    for (const field of found) {
+      const place = thumbs ? -1 : boxes.indexOf(field);
+      const ending = boxes.length > 1 && place >= 0 ? `, ${place + 1} of ${boxes.length}` : "";
+      set(field, label.textContent + ending);
     }
   };
-  const nameButtons = () => {
-    for (const button of document.querySelectorAll("button:not([aria-label]):not([aria-hidden])")) {
-      if (button.textContent.trim()) continue;
-      if (button.matches(".mantine-Notification-closeButton")) set(button, "Close");
-      const icon = button.querySelector("svg")?.getAttribute("class") || "";
-      const known = ICONS.find(([part]) => icon.includes(part));
-      set(button, known?.[1]);
-    }
-  };
+  watch("label[for]", nameFields);
+  watch(FIELD, (field) => {
+    const label = field.closest(ROW)?.querySelector("label[for]");
+    if (label) nameFields(label);
+  });
+
+  const ICONS = [["search", "Commands"], ["adjust", "Viewer settings"], ["x", "Close"]];
+  watch("button:not([aria-label]):not([aria-hidden])", (button) => {
+    if (button.textContent.trim()) return;
+    if (button.matches(".mantine-Notification-closeButton")) set(button, "Close");
+    const icon = button.querySelector("svg")?.getAttribute("class") || "";
+    set(button, ICONS.find(([part]) => icon.includes(part))?.[1]);
+  });
+
+  // A picture is named by its caption, which changes with every frame of a drag.
+  let timer = 0;
   const namePictures = () => {
-    for (const picture of document.querySelectorAll('[role="tabpanel"] img, div > div > img')) {
-      const host = picture.closest("div:has(> div > [data-paminsa-slot])");
-      const text = host?.querySelector(".pv-map-caption")?.textContent.replace(/\s+/g, " ").trim();
-      if (text && picture.alt !== text) picture.alt = text;
-    }
+    timer = 0;
+    for (const caption of document.querySelectorAll(".pv-map-caption"))
+      for (const picture of caption.parentElement.parentElement.querySelectorAll("img"))
+        if (picture.alt !== plain(caption.textContent)) picture.alt = plain(caption.textContent);
   };
-  const name = () => {
-    nameInputs();
-    nameButtons();
-    namePictures();
-  };
-  name();
-  window.paminsaNames = setInterval(name, 700);
+  watch(".pv-map-caption, img", () => { timer ||= setTimeout(namePictures, 700); });
 })();

@@ -18,8 +18,8 @@ from paminsa_viz.explorer.panels.balance_charts import (
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.palette import INK, MUTED
-from paminsa_viz.synthesis.front import DesignFront
-from paminsa_viz.synthesis.objectives import find_objective
+from paminsa_viz.synthesis.search.front import DesignFront
+from paminsa_viz.synthesis.search.objectives import find_objective
 from paminsa_viz.units import symbols_html
 
 DESIGN_FRONT = "design front"

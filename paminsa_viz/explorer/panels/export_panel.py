@@ -15,7 +15,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, Number, attribute
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.panels import render
-from paminsa_viz.explorer.recording import FORMATS, Recorder
+from paminsa_viz.explorer.recording import Recorder
 from paminsa_viz.explorer.requirements.files import VOLUME_KINDS, volume_file
 from paminsa_viz.explorer.requirements.saved import asked
 from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
@@ -23,6 +23,7 @@ from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import Appearance, State
 from paminsa_viz.files.tables import TABLE_FORMATS, DataTable
 from paminsa_viz.model import PaminsaError
+from paminsa_viz.plots.animations import ANIMATION_FORMATS
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.quantities import QUANTITIES
 
@@ -209,15 +210,25 @@ def export_entries(
         ButtonGroup(
             "export.record", "picture",
             choices={
-                label: exporter.run(
-                    f"the motion as {label}",
+                each.label: exporter.run(
+                    f"the motion as {each.label}",
                     lambda session, kind=kind: recorder.record(session, kind, legend()),
                 )
-                for kind, label in FORMATS.items()
+                for kind, each in ANIMATION_FORMATS.items()
+                if not each.missing
             },
             visible=lambda state: not state.recording.running,
-            hint="The motion in the 3D view as an animated picture, in true time; this tab of the "
-            "browser has to stay in front",
+            hint="The motion in the 3D view as an animated picture or a video, in true time; this "
+            "tab of the browser has to stay in front",
+        ),
+        *(
+            Button(
+                f"export.{kind}", f"{each.label}: needs {each.package}", color="gray",
+                effect=Run(lambda session: None), hint=each.missing, disabled=lambda state: True,
+                visible=lambda state: not state.recording.running,
+            )
+            for kind, each in ANIMATION_FORMATS.items()
+            if each.missing
         ),
         Progress(
             "export.recorded", read=lambda state: state.recording.done,

@@ -16,8 +16,9 @@ from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state import State
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
-from paminsa_viz.synthesis.evidence import Evidence, Verdict
-from paminsa_viz.synthesis.largest import Growth, LargestWorkspace
+from paminsa_viz.synthesis.proof.evidence import Evidence, Verdict
+from paminsa_viz.synthesis.proof.largest import LargestWorkspace
+from paminsa_viz.synthesis.proof.regions import Growth
 from paminsa_viz.units import format_value, number
 
 

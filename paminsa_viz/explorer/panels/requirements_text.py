@@ -14,8 +14,9 @@ from paminsa_viz.explorer.requirements.saved import asked
 from paminsa_viz.explorer.state import State
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirements
-from paminsa_viz.synthesis.check import Over, RequirementCheck, RequirementsCheck
-from paminsa_viz.synthesis.volume import Volume
+from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck
+from paminsa_viz.synthesis.volume.solve import Volume
+from paminsa_viz.synthesis.volume.workspace import RequirementCheck
 from paminsa_viz.units import NONE, format_value, number
 
 NEAR = 0.05

@@ -37,8 +37,8 @@ from paminsa_viz.explorer.synthesis.jobs import (
 from paminsa_viz.explorer.synthesis.solving import find_prices, search
 from paminsa_viz.explorer.tasks import Report
 from paminsa_viz.model import PARAMETER
-from paminsa_viz.synthesis.case import DEFAULT_PATHS
-from paminsa_viz.synthesis.objectives import OBJECTIVES
+from paminsa_viz.synthesis.search.case import DEFAULT_PATHS
+from paminsa_viz.synthesis.search.objectives import OBJECTIVES
 from paminsa_viz.units import symbol_text
 
 LARGEST = 100.0

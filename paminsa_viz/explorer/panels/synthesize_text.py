@@ -15,10 +15,10 @@ from paminsa_viz.model import PARAMETER, Design, InvalidInput, PaminsaError
 from paminsa_viz.model.parameters import Parameter
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement, Workspace
-from paminsa_viz.synthesis.answer import BoundOutcome, SynthesisResult
-from paminsa_viz.synthesis.case import ObjectiveLimit
-from paminsa_viz.synthesis.objectives import find_objective
-from paminsa_viz.synthesis.prices import STEP
+from paminsa_viz.synthesis.answer.prices import STEP
+from paminsa_viz.synthesis.search.case import ObjectiveLimit
+from paminsa_viz.synthesis.search.objectives import find_objective
+from paminsa_viz.synthesis.search.result import BoundOutcome, SynthesisResult
 from paminsa_viz.units import format_value, number, percent_change
 
 

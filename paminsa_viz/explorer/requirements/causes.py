@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.synthesis.causes import CauseKind, VolumeCause
-from paminsa_viz.synthesis.surface import cause_color
+from paminsa_viz.synthesis.volume.causes import CauseKind, VolumeCause
+from paminsa_viz.synthesis.volume.surface import cause_color
 
 
 class CauseGroup(NamedTuple):

@@ -15,9 +15,10 @@ from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.tasks import Report
 from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.quantities.requirements import Requirements
-from paminsa_viz.synthesis.check import COARSE, FINE, RequirementsCheck, check_requirements
-from paminsa_viz.synthesis.margins import Canceled
-from paminsa_viz.synthesis.volume import solve_volume
+from paminsa_viz.synthesis.volume.check import RequirementsCheck, check_requirements
+from paminsa_viz.synthesis.volume.grid import COARSE, FINE
+from paminsa_viz.synthesis.volume.margins import Canceled
+from paminsa_viz.synthesis.volume.solve import solve_volume
 
 CHEAP = 3e-6
 """Cost of all quantities [s a pose] up to which a given workspace is checked at once: some 5 ms."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Workspace
-from paminsa_viz.synthesis.conflict import smallest_conflict
-from paminsa_viz.synthesis.volume import Volume
+from paminsa_viz.synthesis.volume.conflict import smallest_conflict
+from paminsa_viz.synthesis.volume.solve import Volume
 
 
 def conflict_text(volume: Volume, workspace: Workspace | None) -> str:

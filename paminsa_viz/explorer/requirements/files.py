@@ -16,8 +16,8 @@ def volume_file(state: State, kind: str) -> File:
     Raises:
         InvalidInput: If it is empty and has no surface to write.
     """
-    from paminsa_viz.synthesis.volume import solve_volume
-    from paminsa_viz.synthesis.volume_files import volume_bytes  # loads SciPy
+    from paminsa_viz.synthesis.volume.solve import solve_volume
+    from paminsa_viz.synthesis.volume.surface import volume_bytes  # loads SciPy
 
     document, known = state.document, state.requiring.fine
     if known is not None and known.result is not None and known.job.serves(document):

@@ -16,8 +16,8 @@ from paminsa_viz.quantities.requirements import Requirements, Workspace, Workspa
 
 if TYPE_CHECKING:
     from paminsa_viz.explorer.state import Document
-    from paminsa_viz.synthesis.check import RequirementsCheck
-    from paminsa_viz.synthesis.volume import Volume
+    from paminsa_viz.synthesis.volume.check import RequirementsCheck
+    from paminsa_viz.synthesis.volume.solve import Volume
 
 Placed = tuple[WorkspaceShape, tuple[float, float, float], tuple[float, float, float]]
 """Shape, size and center of a workspace [m]."""
@@ -85,7 +85,7 @@ class LargestJob:
         design: The robot.
         requirements: What it has to do.
         workspace: Its proportions, and its center as far as it is given.
-        growth: Name of the extents that grow, of `synthesis.largest.Growth`.
+        growth: Name of the extents that grow, of `synthesis.proof.regions.Growth`.
         seconds: Time limit [s].
     """
 

@@ -14,7 +14,7 @@ from paminsa_viz.model import InvalidInput
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
 
 if TYPE_CHECKING:
-    from paminsa_viz.synthesis.largest import LargestWorkspace
+    from paminsa_viz.synthesis.proof.largest import LargestWorkspace
 
 
 def proportions(document: Document, shape: WorkspaceShape, free: bool) -> Workspace:
@@ -43,7 +43,8 @@ def start(state: State) -> State:
 
 def find_largest(job: LargestJob, report: Report) -> LargestWorkspace:
     """Find the largest workspace."""
-    from paminsa_viz.synthesis.largest import Growth, largest_workspace
+    from paminsa_viz.synthesis.proof.largest import largest_workspace
+    from paminsa_viz.synthesis.proof.regions import Growth
 
     return largest_workspace(
         job.design, job.requirements, job.workspace, growth=Growth[job.growth],

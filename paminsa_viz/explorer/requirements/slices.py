@@ -8,7 +8,7 @@ from paminsa_viz.model.grids import Field
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.plots.outside import Outside
 from paminsa_viz.quantities.requirements import Requirements
-from paminsa_viz.synthesis.slices import cause_slice
+from paminsa_viz.synthesis.volume.causes import cause_slice
 
 
 def outside_of(field: Field, design: Design, requirements: Requirements) -> Outside:

@@ -6,8 +6,8 @@ import numpy as np
 
 from paminsa_viz.explorer.requirements.causes import group_of
 from paminsa_viz.explorer.requirements.jobs import SurfacePart
-from paminsa_viz.synthesis.surface import volume_surface
-from paminsa_viz.synthesis.volume import Volume
+from paminsa_viz.synthesis.volume.solve import Volume
+from paminsa_viz.synthesis.volume.surface import volume_surface
 
 MOST_FACES = 6000
 """Triangles that are sent: some 100 kB, and what a browser without a graphics card can draw."""

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from viser import MeshHandle
 
 from paminsa_viz import palette
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.layout import lift_motor_height
+from paminsa_viz.dimensions.placement import about_z
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.scene.label_places import apart
-from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.motion.results import MotionStore
+from paminsa_viz.explorer.scene.layers import LegendRow
+from paminsa_viz.explorer.scene.nodes import Node, label, mesh
 from paminsa_viz.model import lift_constant, lumped_coefficients
 from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.kinematics import AXIS_ANGLES
+from paminsa_viz.model.kinematics import AXIS_ANGLES, LEG_AXES
+from paminsa_viz.units import number
 
 Array = NDArray[np.float64]
 
@@ -33,6 +38,9 @@ THIN, THICK = 0.0045, 0.0095
 
 NEXT_TO_LIFT: Final = 0.072 * np.array([np.cos(np.pi / 6), np.sin(np.pi / 6)])
 """Place of the force arrow next to the lift's axis, (x, y) [m]."""
+
+ARROW_TURNS: Final = (*about_z(np.array([*AXIS_ANGLES, 0.0])),)
+"""Quaternions of the four arrows."""
 
 _RINGS, _SIDES = 24, 8
 
@@ -57,50 +65,41 @@ FACES: Final = _skin()
 """Triangles of every arrow."""
 
 
-def _rings(fraction: float, length: float, scale: float) -> tuple[Array, Array]:
-    """Return where the rings of an arrow lie along it and how wide they are, both (rings,).
+def _rings(fraction: float, largest: float, scale: float) -> tuple[Array, Array, Array]:
+    """Return the rings of an arrow along an axis, for a fraction of full scale.
 
-    The shaft is ``length`` long, the head follows; ``scale`` turns meters into units of length.
+    Its shaft is that fraction of ``largest`` long, the head follows; ``scale`` turns meters into
+    units of its length. Values beyond full scale are drawn as full.
+
+    Returns:
+        Places along the axis (rings, 1), and the two coordinates across it (rings, sides) [m].
     """
-    radius = THIN + (THICK - THIN) * abs(fraction)
-    along = np.empty(_RINGS)
-    along[0] = 0.0
-    along[1:-2] = np.linspace(0.0, length, _RINGS - 3)
-    along[-2:] = length, length + 4.5 * radius * scale
-    wide = np.full(_RINGS, radius)
-    wide[0] = wide[-1] = 0.0
-    wide[-2] = 2.7 * radius
-    return along, wide
+    size = min(abs(fraction), 1.0)
+    length, radius = max(size * largest, 1e-3), THIN + (THICK - THIN) * size
+    tip = length + 4.5 * radius * scale
+    along = np.array([0.0, *np.linspace(0.0, length, _RINGS - 3), length, tip])
+    wide = np.full((_RINGS, 1), radius)
+    wide[[0, -2, -1], 0] = 0.0, 2.7 * radius, 0.0
+    return along[:, None], wide * _COS, wide * _SIN
 
 
 def arc_arrow(fraction: float) -> Array:
     """Return the corners of an arc arrow about z for a torque as a fraction of full scale.
 
     Positive values turn counter-clockwise seen from above. The arc's shaft is centered on the
-    direction x; values beyond full scale are drawn as full.
+    direction x.
     """
-    fraction = float(np.clip(fraction, -1.0, 1.0))
-    sweep = max(abs(fraction) * FULL_TURN, 1e-3)
-    along, wide = _rings(fraction, sweep, 1 / ARC_RADIUS)
-    turning = 1.0 if fraction >= 0 else -1.0
-    angle = turning * (along - sweep / 2)
-    out = np.empty((_RINGS, _SIDES, 3))
-    distance = ARC_RADIUS + wide[:, None] * _COS
-    out[..., 0] = distance * np.cos(angle)[:, None]
-    out[..., 1] = distance * np.sin(angle)[:, None]
-    out[..., 2] = wide[:, None] * _SIN
-    return out.reshape(-1, 3)
+    along, outward, up = _rings(fraction, FULL_TURN, 1 / ARC_RADIUS)
+    angle = (along - along[-2] / 2) * (1.0 if fraction >= 0 else -1.0)
+    distance = ARC_RADIUS + outward
+    return np.stack([distance * np.cos(angle), distance * np.sin(angle), up], -1).reshape(-1, 3)
 
 
 def force_arrow(fraction: float) -> Array:
     """Return the corners of a vertical arrow from the origin for a force as a fraction, + up."""
-    fraction = float(np.clip(fraction, -1.0, 1.0))
-    along, wide = _rings(fraction, max(abs(fraction) * FULL_LENGTH, 1e-3), 1.0)
-    out = np.empty((_RINGS, _SIDES, 3))
-    out[..., 0] = wide[:, None] * _COS
-    out[..., 1] = wide[:, None] * _SIN
-    out[..., 2] = (along if fraction >= 0 else -along)[:, None]
-    return out.reshape(-1, 3)
+    along, across, aside = _rings(fraction, FULL_LENGTH, 1.0)
+    height = np.broadcast_to(along if fraction >= 0 else -along, across.shape)
+    return np.stack([across, aside, height], axis=-1).reshape(-1, 3)
 
 
 def arrow_scales(design: Design) -> tuple[float, float]:
@@ -115,59 +114,39 @@ def arrow_scales(design: Design) -> tuple[float, float]:
     return max(torque, 1e-6), max(1.5 * lift_constant(design), 1e-6)
 
 
-class TorqueArrows:
-    """The layer ``torques``: torques of M1..M3 and the force of M4; made when first shown.
+@lru_cache(maxsize=8)
+def _arc_places(geometry: Geometry) -> tuple[tuple[float, ...], ...]:
+    height = ARC_HEIGHT * geometry.knee.sign
+    return tuple((*geometry.base_radius * axis, height) for axis in LEG_AXES)
+
+
+def torque_arrows(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+    """Draw the layer ``torques``: torques of M1..M3 and the force of M4.
 
     The longest arrow is a full scale, see `arrow_scales`; greater values are drawn as
     long, and values that are not finite are not drawn.
     """
-
-    def __init__(self, context: SceneContext) -> None:
-        self._scene = context.scene
-        self._nodes: list[MeshHandle] = []
-        self._fractions = np.full(4, np.nan)
-        self._geometry: Geometry | None = None
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the torques and the arms; nothing is sent while hidden."""
-        del dragging
-        if "torques" not in frame.state.layers:
-            for node in self._nodes:
-                node.visible = False
-            return
-        torque, force = arrow_scales(frame.shown_design)
-        with np.errstate(all="ignore"):
-            fractions = frame.torques / [torque, torque, torque, force]
-        if not self._nodes or not np.array_equal(fractions, self._fractions, equal_nan=True):
-            self._fractions = fractions
-            self._draw_arrows()
-        for node, fraction in zip(self._nodes, fractions, strict=True):
-            node.visible = bool(np.isfinite(fraction) and abs(fraction) > 1e-4)
-        geometry = frame.shown_design.geometry
-        if geometry is not self._geometry:
-            self._geometry = geometry
-            for node, angle in zip(self._nodes, AXIS_ANGLES, strict=False):
-                x, y = geometry.base_radius * np.array([np.cos(angle), np.sin(angle)])
-                node.position = (float(x), float(y), ARC_HEIGHT * geometry.knee.sign)
-        if frame.drawable:
-            self._nodes[3].position = (*NEXT_TO_LIFT.tolist(), frame.configuration.actuators[3])
-
-    def _draw_arrows(self) -> None:
-        drawn = np.nan_to_num(self._fractions, nan=0.0, posinf=1.0, neginf=-1.0)
-        shapes = [*map(arc_arrow, drawn[:3]), force_arrow(drawn[3])]
-        for index, corners in enumerate(shapes):
-            vertices = corners.astype(np.float32)
-            if index < len(self._nodes):
-                self._nodes[index].vertices = vertices
-                continue
-            turn = AXIS_ANGLES[index] / 2 if index < 3 else 0.0
-            node = self._scene.add_mesh_simple(
-                f"/efforts/m{index + 1}", vertices, FACES,
-                color=palette.rgb(palette.ACTUATOR_COLORS[index]), side="double",
-                cast_shadow=False, receive_shadow=False,
-                wxyz=(float(np.cos(turn)), 0.0, 0.0, float(np.sin(turn))),
+    torque, force = arrow_scales(frame.shown_design)
+    with np.errstate(all="ignore"):
+        fractions = frame.torques / [torque, torque, torque, force]
+    lift = (*NEXT_TO_LIFT, frame.configuration.actuators[3])
+    places = (*_arc_places(frame.shown_design.geometry), lift)
+    for index, fraction in enumerate(fractions):
+        if np.isfinite(fraction) and abs(fraction) > 1e-4:
+            shape = arc_arrow(fraction) if index < 3 else force_arrow(fraction)
+            color = palette.ACTUATOR_COLORS[index]
+            yield mesh(
+                f"/efforts/m{index + 1}", shape, FACES, color,
+                place=places[index], turn=ARROW_TURNS[index],
             )  # fmt: skip
-            self._nodes.append(node)
+
+
+def torques_meaning(frame: Frame) -> LegendRow:
+    """Explain the arrows of the actuators."""
+    torque, force = arrow_scales(frame.shown_design)
+    turn = f"{math.degrees(FULL_TURN):.0f}° = {number(torque, 3)} N·m"
+    length = f"{1e3 * FULL_LENGTH:.0f} mm = {number(force, 3)} N"
+    return palette.ACTUATOR_COLORS, f"static torques, arc {turn}; F₄ {length}"
 
 
 def label_places(geometry: Geometry) -> list[tuple[float, float, float]]:
@@ -182,37 +161,8 @@ NAME_SIZE: Final = (30.0, 21.0)
 """Width and height of a name on the screen [px]."""
 
 
-class ActuatorLabels:
-    """The layer ``labels``: the names M1..M4 next to their bodies, none over another."""
-
-    def __init__(self, context: SceneContext) -> None:
-        self._geometry: Geometry | None = None
-        self._camera = context.camera
-        if self._camera is not None:
-            self._camera.on_update(lambda _: self._arrange())
-        self._labels = [
-            context.scene.add_label(
-                f"/actuators/m{number}", f"M{number}", font_screen_scale=1.0,
-                anchor="bottom-center",
-            )
-            for number in (1, 2, 3, 4)
-        ]  # fmt: skip
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the actuators of the geometry."""
-        del dragging
-        geometry = frame.shown_design.geometry
-        if geometry is not self._geometry:
-            self._geometry = geometry
-            self._arrange()
-        for label in self._labels:
-            label.visible = "labels" in frame.state.layers
-
-    def _arrange(self) -> None:
-        if self._geometry is None:
-            return
-        places = np.array(label_places(self._geometry))
-        if self._camera is not None:
-            places = apart(places, self._camera, NAME_SIZE)
-        for label, place in zip(self._labels, places, strict=True):
-            label.position = place
+def actuator_labels(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+    """Draw the layer ``labels``: the names M1..M4 next to their bodies, none over another."""
+    for index, place in enumerate(label_places(frame.shown_design.geometry), start=1):
+        name = f"/actuators/m{index}"
+        yield label(name, f"M{index}", place, "bottom-center", 1.0, spaced=NAME_SIZE)

@@ -1,64 +1,58 @@
-"""Where bars of a leg would touch if their center lines lay in one plane: balls and labels."""
+"""Where bodies meet: bars whose center lines would touch, and the two nearest bodies."""
 
 from __future__ import annotations
 
-from typing import Any, Final
+from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
-from trimesh.creation import icosphere
 
-from paminsa_viz import palette
 from paminsa_viz.elastostatics.contacts import contacts, pair_name
+from paminsa_viz.explorer import clearing
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.motion.results import MotionStore
+from paminsa_viz.explorer.scene.nodes import Node, ball, curves, label, mesh
+from paminsa_viz.palette import BAD, INK, WARN
+from paminsa_viz.units import format_value
 
 RADIUS: Final = 0.028
 """Radius of a ball [m]: more than that of a bar, so that it can be seen."""
 
-COLOR: Final = palette.BAD
+ABOVE: Final = 0.012
+"""Height of the label of the nearest bodies over the line between them [m]."""
 
 
-class ContactView:
-    """The layer ``contacts``: balls where two bars would touch, and a label for each leg."""
+def contact_marks(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+    """Draw the layer ``contacts``: a ball where two bars would touch, and a label for each leg."""
+    design, pose = frame.shown_design, frame.configuration.pose
+    if not np.isfinite(pose).all():
+        return
+    found, shape = contacts(design, pose), ball(RADIUS)
+    for leg, gap in enumerate(found.gap):
+        pairs = np.flatnonzero(gap < 0)
+        for pair in pairs:
+            yield mesh(
+                f"/contacts/{leg + 1}-{pair}", shape.vertices, shape.faces, BAD,
+                place=found.point[leg, pair], opacity=0.5, side="front",
+            )  # fmt: skip
+        if pairs.size:
+            top = max(found.point[leg, pairs], key=lambda place: place[2])
+            text = ", ".join(map(pair_name, pairs.tolist()))
+            place = top + np.array([0.0, 0.0, RADIUS])
+            yield label(f"/contacts/{leg + 1}", text, place, "bottom-center", 0.8)
 
-    def __init__(self, context: SceneContext) -> None:
-        self._scene = context.scene
-        self._drawn: tuple[object, ...] = ()
-        self._nodes: list[Any] = []
-        self._ball = icosphere(subdivisions=2, radius=RADIUS)
 
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow pose, lengths and tubes; nothing is sent while hidden."""
-        del dragging
-        shown = "contacts" in frame.state.layers
-        design, pose = frame.shown_design, frame.configuration.pose
-        key = (shown, *((design.geometry, design.elastic, tuple(pose.tolist())) if shown else ()))
-        if key == self._drawn:
-            return
-        self._drawn = key
-        for node in self._nodes:
-            node.remove()
-        self._nodes.clear()
-        if not shown or not np.isfinite(pose).all():
-            return
-        found = contacts(design, pose)
-        for leg, gap in enumerate(found.gap):
-            pairs = np.flatnonzero(gap < 0)
-            for pair in pairs:
-                self._nodes.append(
-                    self._scene.add_mesh_simple(
-                        f"/contacts/{leg + 1}-{pair}", np.asarray(self._ball.vertices, np.float32),
-                        np.asarray(self._ball.faces, np.uint32), color=palette.rgb(COLOR),
-                        opacity=0.5, position=found.point[leg, pair], cast_shadow=False,
-                        receive_shadow=False,
-                    )
-                )  # fmt: skip
-            if pairs.size:
-                top = max(found.point[leg, pairs], key=lambda place: place[2])
-                self._nodes.append(
-                    self._scene.add_label(
-                        f"/contacts/{leg + 1}", ", ".join(map(pair_name, pairs.tolist())),
-                        font_screen_scale=0.8, anchor="bottom-center",
-                        position=top + np.array([0.0, 0.0, RADIUS]),
-                    )
-                )  # fmt: skip
+def nearest_bodies(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+    """Draw the layer ``clearance``: a line between the two nearest bodies, with the distance.
+
+    A pose whose clearance is not known yet has none.
+    """
+    found = clearing.nearest(frame.state)
+    if found is None:
+        return
+    little = WARN if found.distance < frame.state.clearance_view.required else INK
+    color = BAD if found.distance < 0 else little
+    yield curves("/clearance/line", [found.points], color, 4.0)
+    text = f"{found.names[0]} – {found.names[1]}: {format_value(found.distance, 'm', 3)}"
+    place = found.points.mean(axis=0) + np.array([0.0, 0.0, ABOVE])
+    yield label("/clearance/label", text, place, "bottom-center")

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from viser import LineSegmentsHandle, SceneApi
 
-from paminsa_viz import palette
 from paminsa_viz.meshes.part import srgb_to_linear
 
 Array = NDArray[np.float64]
@@ -66,68 +62,3 @@ def _at(lines: Array, ends: Array, step: Array, distance: float) -> Array:
     i = min(int(np.searchsorted(ends, distance)), len(lines) - 1)
     part = 1.0 - (ends[i] - distance) / max(step[i], 1e-12)
     return lines[i, 0] + part * (lines[i, 1] - lines[i, 0])
-
-
-class Curve:
-    """One or several curves drawn as one node, made when first drawn.
-
-    Args:
-        scene: Scene of a client or a server.
-        name: Scene name of the node.
-        color: ``#rrggbb``.
-        thickness: On the screen [px].
-        dash: Length of a dash and of a gap [m]; None draws a full line.
-    """
-
-    def __init__(
-        self,
-        scene: SceneApi,
-        name: str,
-        color: str = palette.INK,
-        thickness: float = 2.0,
-        dash: float | None = None,
-    ) -> None:
-        self._scene = scene
-        self._name = name
-        self._color = linear_colors(color)[0]
-        self._thickness = thickness
-        self._dash = dash
-        self._node: LineSegmentsHandle | None = None
-        self._visible = True
-        self._empty = True
-
-    def draw(self, curves: Iterable[ArrayLike], height: float = 0.0) -> None:
-        """Draw curves (n, 2) at a height, or (n, 3) in space [m], in place of the last ones."""
-        parts = [segments(curve, height) for curve in curves]
-        if self._dash is not None:
-            parts = [dashes(part, self._dash) for part in parts]
-        lines = np.concatenate([np.zeros((0, 2, 3)), *parts]).astype(np.float32)
-        self._empty = len(lines) == 0
-        if self._empty:
-            self.visible = self._visible
-            return
-        if self._node is None:
-            self._node = self._scene.add_line_segments(
-                self._name, lines, self._color,
-                thickness=self._thickness, thickness_units="screen", visible=self._visible,
-            )  # fmt: skip
-            return
-        self._node.points = lines
-        self.visible = self._visible
-
-    def recolor(self, color: str) -> None:
-        """Draw in another color ``#rrggbb``."""
-        self._color = linear_colors(color)[0]
-        if self._node is not None:
-            self._node.colors = self._color
-
-    @property
-    def visible(self) -> bool:
-        """Whether the curve is shown (once it has something to show)."""
-        return self._visible
-
-    @visible.setter
-    def visible(self, visible: bool) -> None:
-        self._visible = visible
-        if self._node is not None:
-            self._node.visible = visible and not self._empty

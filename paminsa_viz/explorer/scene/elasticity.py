@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
-from viser import GlbHandle, LabelHandle, MeshHandle
 
-from paminsa_viz import palette
+from paminsa_viz.elastostatics.center_lines import CenterLines
 from paminsa_viz.explorer.elasticity import CASES, ElasticOutcome
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.scene.curves import Curve
-from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.motion.description import Pose
+from paminsa_viz.explorer.motion.results import MotionStore
+from paminsa_viz.explorer.scene.nodes import NO_SHADOWS, Node, ball, curves, label, mesh
 from paminsa_viz.meshes.vibrating import vibrating_glb
-from paminsa_viz.model.arrays import Array
 from paminsa_viz.units import number
 
 MODE_COLOR: Final = "#CC79A7"
@@ -44,8 +44,6 @@ LONGEST_AXIS: Final = 0.3
 BELOW: Final = {"mode": 0.16, "deflection": 0.23, "compliance": 0.3}
 """Distances of the labels below the platform [m]."""
 
-_LATITUDES, _LONGITUDES = 13, 24
-
 
 def nice_scale(largest: float, longest: float) -> float:
     """Return 1, 2 or 5 times a power of ten by which ``largest`` is at most ``longest`` long."""
@@ -54,76 +52,37 @@ def nice_scale(largest: float, longest: float) -> float:
     return next(step * power for step in (5, 2, 1) if step * power <= most * (1 + 1e-9))
 
 
-def sphere() -> tuple[Array, NDArray[np.uint32]]:
-    """Return vertices (n, 3) and triangles of a unit sphere."""
-    up = np.pi * np.arange(_LATITUDES) / (_LATITUDES - 1)
-    around = 2 * np.pi * np.arange(_LONGITUDES) / _LONGITUDES
-    vertices = np.stack(
-        [
-            np.outer(np.sin(up), np.cos(around)),
-            np.outer(np.sin(up), np.sin(around)),
-            np.outer(np.cos(up), np.ones(_LONGITUDES)),
-        ],
-        axis=-1,
-    ).reshape(-1, 3)
-    low = _LONGITUDES * np.arange(_LATITUDES - 1)[:, None]
-    i = np.arange(_LONGITUDES)
-    j = (i + 1) % _LONGITUDES
-    high = low + _LONGITUDES
-    faces = np.stack([low + i, high + i, high + j, low + i, high + j, low + j], axis=-1)
-    return vertices, faces.reshape(-1, 3).astype(np.uint32)
+def _outcome(frame: Frame) -> ElasticOutcome | None:
+    """Return the result about the pose and the lengths that are shown, or None."""
+    outcome, last = frame.state.elastic_view.outcome, frame.state.last_reachable
+    if outcome is None or outcome.job.pose != last.pose:
+        return None
+    return outcome if outcome.job.design.geometry == last.geometry else None
 
 
-def _belongs(outcome: ElasticOutcome | None, frame: Frame) -> bool:
-    """Whether a result is about the pose and the lengths that are shown."""
-    if outcome is None:
-        return False
-    job, last = outcome.job, frame.state.last_reachable
-    return job.pose == last.pose and job.design.geometry == last.geometry
-
-
-class ModeShape:
-    """The layer ``mode_shape``: the chosen mode as tubes that swing about the center lines.
+def mode_shape(frame: Frame, _motions: MotionStore) -> tuple[Node, ...]:
+    """Draw the layer ``mode_shape``: the chosen mode as tubes that swing about the center lines.
 
     The browser plays the animation by itself. A new one is sent when the page is idle, and the old
     one is removed as soon as the robot moves.
     """
+    outcome, mode = _outcome(frame), frame.state.elastic_view.mode
+    found = None if outcome is None else outcome.result
+    if outcome is None or found is None or mode >= len(found.frequencies) or not found.shapes:
+        return ()
+    text = mode_text(mode, found.frequencies[mode])
+    return _animated(outcome.job.pose, found.shapes, mode, text)
 
-    def __init__(self, context: SceneContext) -> None:
-        self._scene = context.scene
-        self._drawn: tuple[object, ...] = ()
-        self._node: GlbHandle | None = None
-        self._label: LabelHandle | None = None
 
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the modes; nothing is sent while hidden."""
-        view = frame.state.elastic_view
-        outcome, found, mode = view.outcome, view.result, view.mode
-        shown = "mode_shape" in frame.state.layers and _belongs(outcome, frame)
-        lines = None if found is None or mode >= len(found.frequencies) else found.shapes
-        if not shown or outcome is None or found is None or lines is None:
-            self._remove()
-            return
-        key = (outcome, mode)
-        if key == self._drawn or (dragging and self._node is not None):
-            return
-        self._remove()
-        self._drawn = key
-        moves = lines.moves[..., mode] * LONGEST_SWING / lines.largest[mode]
-        data = vibrating_glb(lines.points, moves, radius=TUBE, color=MODE_COLOR, period=PERIOD)
-        self._node = self._scene.add_glb(MODE_NODE, data, cast_shadow=False, receive_shadow=False)
-        x, y, _, z = outcome.job.pose
-        self._label = self._scene.add_label(
-            "/elastic/mode_label", mode_text(mode, found.frequencies[mode]),
-            position=(x, y, z - BELOW["mode"]), font_screen_scale=0.9, anchor="top-center",
-        )  # fmt: skip
-
-    def _remove(self) -> None:
-        for node in (self._node, self._label):
-            if node is not None:
-                node.remove()
-        self._node = self._label = None
-        self._drawn = ()
+@lru_cache(maxsize=2)
+def _animated(pose: Pose, shapes: CenterLines, mode: int, text: str) -> tuple[Node, ...]:
+    moves = shapes.moves[..., mode] * LONGEST_SWING / shapes.largest[mode]
+    data = vibrating_glb(shapes.points, moves, radius=TUBE, color=MODE_COLOR, period=PERIOD)
+    x, y, _, z = pose
+    return (
+        Node(MODE_NODE, "glb", {"glb_data": data}, NO_SHADOWS),
+        label("/elastic/mode_label", text, (x, y, z - BELOW["mode"])),
+    )
 
 
 def mode_text(mode: int, frequency: float) -> str:
@@ -134,83 +93,34 @@ def mode_text(mode: int, frequency: float) -> str:
     )
 
 
-class Deflection:
-    """The layer ``deflection``: center lines under the load case, their displacements enlarged."""
-
-    def __init__(self, context: SceneContext) -> None:
-        self._scene = context.scene
-        self._curve = Curve(context.scene, "/elastic/deflected", DEFLECTED_COLOR, 4.0)
-        self._drawn: ElasticOutcome | None = None
-        self._label: LabelHandle | None = None
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the result; nothing is sent while hidden."""
-        del dragging
-        view = frame.state.elastic_view
-        outcome, found = view.outcome, view.result
-        shown = "deflection" in frame.state.layers and _belongs(outcome, frame)
-        lines = None if found is None else found.deflected
-        shown = shown and lines is not None
-        if shown and outcome is not None and lines is not None and outcome is not self._drawn:
-            self._drawn = outcome
-            scale = nice_scale(float(lines.largest[0]), LARGEST)
-            self._curve.draw(list(lines.points + scale * lines.moves[..., 0]))
-            place = lines.points[lines.names.index("platform"), 0] - [0, 0, BELOW["deflection"]]
-            text = f"deflection × {number(scale, 3)}: {CASES[outcome.job.case][0]}"
-            if self._label is None:
-                self._label = self._scene.add_label(
-                    "/elastic/deflected_label", text, font_screen_scale=0.9, anchor="top-center"
-                )
-            self._label.text, self._label.position = text, place
-        self._curve.recolor(frame.state.theme.shown(DEFLECTED_COLOR))
-        self._curve.visible = shown
-        if self._label is not None:
-            self._label.visible = shown
+def deflection(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+    """Draw the layer ``deflection``: center lines under the load case, displacements enlarged."""
+    outcome = _outcome(frame)
+    found = None if outcome is None or outcome.result is None else outcome.result.deflected
+    if outcome is None or found is None:
+        return
+    scale = nice_scale(float(found.largest[0]), LARGEST)
+    moved = found.points + scale * found.moves[..., 0]
+    yield curves("/elastic/deflected", moved, frame.state.theme.shown(DEFLECTED_COLOR), 4.0)
+    place = found.points[found.names.index("platform"), 0] - [0, 0, BELOW["deflection"]]
+    text = f"deflection × {number(scale, 3)}: {CASES[outcome.job.case][0]}"
+    yield label("/elastic/deflected_label", text, place)
 
 
-class ComplianceEllipsoid:
-    """The layer ``compliance``: displacements of P by a force of one size in every direction."""
-
-    def __init__(self, context: SceneContext) -> None:
-        self._scene = context.scene
-        self._drawn: ElasticOutcome | None = None
-        self._mesh: MeshHandle | None = None
-        self._label: LabelHandle | None = None
-        self._sphere = sphere()
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the result; nothing is sent while hidden."""
-        del dragging
-        view = frame.state.elastic_view
-        outcome, found = view.outcome, view.result
-        shown = "compliance" in frame.state.layers and _belongs(outcome, frame)
-        compliance = None if found is None else found.stiffness.compliance
-        shown = shown and compliance is not None
-        if shown and outcome is not None and compliance is not None and outcome is not self._drawn:
-            self._drawn = outcome
-            self._draw(outcome, compliance[:3, :3])
-        for node in (self._mesh, self._label):
-            if node is not None:
-                node.visible = shown
-
-    def _draw(self, outcome: ElasticOutcome, compliance: Array) -> None:
-        vertices, faces = self._sphere
-        scale = nice_scale(float(np.linalg.norm(compliance, 2)), LONGEST_AXIS)
-        shape = (scale * vertices @ compliance.T).astype(np.float32)
-        if self._mesh is None:
-            self._mesh = self._scene.add_mesh_simple(
-                "/elastic/ellipsoid", shape, faces, color=palette.rgb(ELLIPSOID_COLOR),
-                opacity=0.45, side="double", cast_shadow=False, receive_shadow=False,
-            )  # fmt: skip
-            self._label = self._scene.add_label(
-                "/elastic/ellipsoid_label", "", font_screen_scale=0.9, anchor="top-center"
-            )
-        self._mesh.vertices = shape
-        x, y, _, z = outcome.job.pose
-        self._mesh.position = (x, y, z)
-        if self._label is not None:
-            self._label.text = ellipsoid_text(scale)
-            self._label.position = (x, y, z - BELOW["compliance"])
+def compliance(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+    """Draw the layer ``compliance``: displacements of P by a force of one size, all around."""
+    outcome = _outcome(frame)
+    if outcome is None or outcome.result is None:
+        return
+    found = outcome.result.stiffness.compliance
+    scale = nice_scale(float(np.linalg.norm(found[:3, :3], 2)), LONGEST_AXIS)
+    shape = scale * ball(1.0).vertices @ found[:3, :3].T
+    x, y, _, z = outcome.job.pose
+    yield mesh(
+        "/elastic/ellipsoid", shape, ball(1.0).faces, ELLIPSOID_COLOR, place=(x, y, z), opacity=0.45
+    )
+    place = (x, y, z - BELOW["compliance"])
+    yield label("/elastic/ellipsoid_label", ellipsoid_text(scale), place)
 
 
 def ellipsoid_text(scale: float) -> str:

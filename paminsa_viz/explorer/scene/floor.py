@@ -11,16 +11,18 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from trimesh.creation import annulus
 
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, half_width
 from paminsa_viz.explorer.motion.points import click_map
-from paminsa_viz.explorer.scene.curves import Curve, thinned
+from paminsa_viz.explorer.scene.curves import thinned
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.scene.legend import color_bar
+from paminsa_viz.explorer.scene.nodes import Nodes, curves, mesh
 from paminsa_viz.explorer.state import State
-from paminsa_viz.palette import INK, rgb
+from paminsa_viz.palette import INK
 from paminsa_viz.plots import contours
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.scale import Scale, map_pixels
@@ -42,13 +44,15 @@ OUTLINE: Final = 120
 """Most points of the workspace's boundary on the floor."""
 RING: Final = 0.032
 """Radius of the mark below the platform [m]."""
+THICKNESS: Final = 2e-5
+"""Thickness of its rings [m]."""
 
-
-POSE_MARK: Final = {
-    "back": (((0.0, RING),), "#ffffff", 0.0),
-    "mark": (((0.0, 0.28 * RING), (0.64 * RING, 0.86 * RING)), INK, 0.0006),
-}
-"""The mark below the platform: rings (inner and outer radius), color, and height [m]."""
+MARK: Final = (
+    ("back", "#ffffff", (0.0, RING, 0.0)),
+    ("dot", INK, (0.0, 0.28 * RING, 0.0006)),
+    ("mark", INK, (0.64 * RING, 0.86 * RING, 0.0006)),
+)
+"""The mark below the platform: name, color; inner and outer radius and height of its rings [m]."""
 
 
 class FloorMap:
@@ -70,15 +74,12 @@ class FloorMap:
         self._legend = context.legend
         self._ring = scene.add_frame("/floor/pose", show_axes=False, visible=False)
         # Solid, not pictures: what is clear in a picture still hides what lies below it.
-        for name, (parts, color, height) in POSE_MARK.items():
-            points, faces = rings(parts)
-            points[:, 2] = height
-            scene.add_mesh_simple(
-                f"/floor/pose/{name}", points, faces, color=rgb(color), side="double",
-                cast_shadow=False, receive_shadow=False,
-            )  # fmt: skip
-        self._boundary = Curve(scene, "/floor/workspace", INK, 2.5)
-        self._circle = Curve(scene, "/floor/singularity", INK, 2.5, dash=DASH)
+        mark = Nodes(scene)
+        mark.show(
+            mesh(f"/floor/pose/{name}", *ring(*sizes), color, flat_shading=True)
+            for name, color, sizes in MARK
+        )
+        self._curves = Nodes(scene)
         self._key: tuple[Any, ...] = ()
         self._curves_key: tuple[Any, ...] = ()
 
@@ -93,12 +94,9 @@ class FloorMap:
             self._due = time.monotonic() + (PERIOD if "fine" in layers else PERIOD_PLAIN)
             if "floor_map" in layers:
                 self._draw_map(state, dragging)
-            if layers & {"workspace", "singularity"}:
-                self._draw_curves(state, dragging)
+            self._draw_curves(state, dragging)
         for node in (self._map, self._ring):
             node.visible = "floor_map" in layers
-        self._boundary.visible = "workspace" in layers
-        self._circle.visible = "singularity" in layers
 
     def _stand(self, height: float) -> None:
         if height == self._height:
@@ -124,19 +122,29 @@ class FloorMap:
         self._key = (shown, not dragging)
 
     def _draw_curves(self, state: State, dragging: bool) -> None:
-        document = state.document
+        document, seen = state.document, state.layers & {"workspace", "singularity"}
         theta, z = document.pose[2:]
-        shown = (document.design.geometry, theta, z)
+        shown = (document.design.geometry, theta, z, seen)
         if self._curves_key and self._curves_key[0] == shown and (dragging or self._curves_key[1]):
+            return
+        self._curves_key = (shown, not dragging)
+        if not seen:
+            self._curves.show(())
             return
         # Shapes of the reach alone: the same for every quantity, and without a reference.
         cells = COARSE if dragging else FULL
         data = self._store.current(state, cells, ("reach_margin",))
-        outline = [thinned(line, OUTLINE) for line in contours.pieces(contours.boundary(data))]
-        self._boundary.draw(outline, self._height + ABOVE["boundary"])
-        circle = contours.pieces(contours.singular_circle(data))
-        self._circle.draw(circle, self._height + ABOVE["circle"])
-        self._curves_key = (shown, not dragging)
+        nodes = []
+        if "workspace" in seen:
+            boundary = contours.pieces(contours.boundary(data))
+            outline = [thinned(line, OUTLINE) for line in boundary]
+            height = self._height + ABOVE["boundary"]
+            nodes.append(curves("/floor/workspace", outline, INK, 2.5, height=height))
+        if "singularity" in seen:
+            circle = contours.pieces(contours.singular_circle(data))
+            height = self._height + ABOVE["circle"]
+            nodes.append(curves("/floor/singularity", circle, INK, 2.5, height=height, dash=DASH))
+        self._curves.show(nodes)
 
     def _click(self, event: Any) -> None:
         place = where_on_floor(event.ray_origin, event.ray_direction, self._height + ABOVE["map"])
@@ -151,23 +159,10 @@ def floor_image(data: MapData, scale: Scale, opacity: float) -> NDArray[np.uint8
     return pixels
 
 
-def rings(parts: tuple[tuple[float, float], ...], count: int = 40) -> tuple[Any, Any]:
-    """Return flat rings about the origin as points (n, 3) [m] and faces (m, 3).
-
-    Args:
-        parts: Inner and outer radius of each [m].
-        count: Corners around.
-    """
-    angle = 2 * np.pi * np.arange(count) / count
-    around = np.stack([np.cos(angle), np.sin(angle), np.zeros(count)], axis=1)
-    points = np.concatenate([radius * around for part in parts for radius in part])
-    i = np.arange(count)
-    j = (i + 1) % count
-    strip = np.concatenate(
-        [np.stack([i, i + count, j], axis=1), np.stack([j, i + count, j + count], axis=1)]
-    )
-    faces = np.concatenate([strip + 2 * count * k for k in range(len(parts))])
-    return points, faces.astype(np.uint32)
+def ring(inner: float, outer: float, height: float) -> tuple[Any, Any]:
+    """Return the vertices and faces of a flat ring about the origin at a height [m]."""
+    found = annulus(inner, outer, height=THICKNESS, sections=40)
+    return found.vertices + np.array([0.0, 0.0, height]), found.faces
 
 
 def where_on_floor(

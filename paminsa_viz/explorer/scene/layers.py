@@ -1,7 +1,7 @@
 """The registry of scene layers: switches, commands, defaults and views all come from here.
 
-A layer is one entry and the class that draws it. Entries are plain data, so that the state can
-read the defaults without importing the viewer; a view is imported when the scene is built.
+A layer is one entry and what draws it. Entries are plain data, so that the state can read the
+defaults without importing the viewer; what draws them is imported when the scene is built.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 if TYPE_CHECKING:
     from viser import SceneApi
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from paminsa_viz.explorer.motion.results import MotionStore
     from paminsa_viz.explorer.scene.legend import SceneLegend
     from paminsa_viz.explorer.session import View
-
-    ViewFactory = Callable[["SceneContext"], View]
 
 
 def _ignore(source: str, action: Callable[[Any], Any]) -> None:
@@ -55,12 +53,14 @@ class Layer:
         key: Name in the state; a view shows itself where `State.layers` holds it.
         label: Name on the page.
         hint: What it shows, for the switch's tooltip.
-        view: What draws it: a class or function of a `SceneContext`, or its place as
-            ``"module:name"``. Layers with the same view share one object.
+        view: What draws it, or its place as ``"module:name"``: a function that returns its nodes,
+            see `paminsa_viz.explorer.scene.nodes.Draw`, or a class of views made of a
+            `SceneContext`. Layers with the same class share one view.
         default: Whether a new session shows it.
         shortcut: Key that toggles it, or None.
         animated: Whether it moves with the robot, and so is drawn first, in every frame. The
             others are built with the rest of the page and drawn last, with the maps.
+        idle: Whether what is new of it waits until nothing is dragged.
         legend: Place of a function of a `Frame`, as ``"module:name"``, that returns the color and
             the meaning of the layer's arrows, or None; empty if it has none.
     """
@@ -68,12 +68,16 @@ class Layer:
     key: str
     label: str
     hint: str
-    view: str | ViewFactory
+    view: str | Callable[..., Any]
     default: bool = False
     shortcut: str | None = None
     animated: bool = True
+    idle: bool = False
     legend: str = ""
 
+
+LegendRow: TypeAlias = "tuple[tuple[str, ...], str] | None"
+"""Colors ``#rrggbb`` of a layer's arrows and what they mean; None where there are none."""
 
 LAYERS: Final[dict[str, Layer]] = {}
 """Every layer by its key, in the order of the page's switches."""
@@ -110,64 +114,72 @@ def with_layers(shown: frozenset[str], visible: dict[str, bool]) -> frozenset[st
 
 
 def build_views(context: SceneContext, *, animated: bool) -> list[View]:
-    """Make the views of the animated layers, or of the others; each view once."""
-    chosen = (layer.view for layer in LAYERS.values() if layer.animated is animated)
-    return [_factory(view)(context) for view in dict.fromkeys(chosen)]
+    """Make the views of the animated layers, or of the others; each class of views once."""
+    from paminsa_viz.explorer.scene.nodes import LayerView  # brings trimesh and the viewer
+
+    views: dict[object, View] = {}
+    for layer in LAYERS.values():
+        if layer.animated is not animated:
+            continue
+        view = found_at(layer.view)
+        if not isinstance(view, type):
+            views[layer.key] = LayerView(layer, view, context)
+        elif view not in views:
+            views[view] = view(context)
+    return list(views.values())
 
 
-def _factory(view: str | ViewFactory) -> ViewFactory:
-    if not isinstance(view, str):
-        return view
-    module, _, name = view.partition(":")
+def found_at(place: Any) -> Any:
+    """Return what is at a place of this folder, ``"module:name"``; anything else as it is."""
+    if not isinstance(place, str):
+        return place
+    module, _, name = place.partition(":")
     return getattr(import_module(f"{__package__}.{module}"), name)
 
 
-_POLYTOPE = "forces:PolytopeView"
 _FLOOR = "floor:FloorMap"
-_WORKSPACES = "workspaces:WorkspaceOutlines"
-_JOINT_FORCES = "joint_forces:JointForceView"
-_MASSES = "mechanism:PointMassView"
 
 register(
     Layer("mesh", "Robot", "The machine itself", "bodies:Bodies", default=True),
     Layer(
         "skeleton", "Skeleton", "Bars as lines, with the paper's joint numbers",
-        "mechanism:Skeleton", shortcut="K",
+        "mechanism:skeleton", shortcut="K",
     ),
     Layer(
-        "mass_centers", "Mass centers", "A ball for each mass, its volume in proportion", _MASSES,
-        shortcut="C",
+        "mass_centers", "Mass centers", "A ball for each mass, its volume in proportion",
+        "mechanism:mass_balls", shortcut="C",
     ),
-    Layer("gravity", "Weights", "The weight of each body as an arrow", _MASSES,
-          legend="arrow_meanings:weights"),
+    Layer("gravity", "Weights", "The weight of each body as an arrow", "mechanism:weights",
+          legend="mechanism:weights_meaning"),
     Layer(
         "torques", "Actuator torques", "Static torques as arrows about the leg axes, and F₄",
-        "actuators:TorqueArrows", default=True, legend="arrow_meanings:torques",
+        "actuators:torque_arrows", default=True, legend="actuators:torques_meaning",
     ),
     Layer("load", "Load", "The external force and moment, to a stated scale",
-          "forces:LoadView", default=True, legend="arrow_meanings:load"),
+          "forces:load_arrows", default=True, legend="forces:load_meaning"),
     Layer("force_polygon", "Force polygon",
-          "Horizontal forces that the actuators hold with no moment", _POLYTOPE),
+          "Horizontal forces that the actuators hold with no moment", "forces:force_polygon"),
     Layer("wrench_solid", "Wrench polytope",
-          "Horizontal forces and M_z / R_pl that the actuators hold", _POLYTOPE),
+          "Horizontal forces and M_z / R_pl that the actuators hold", "forces:wrench_solid"),
     Layer("joint_forces", "Joint forces",
           "Forces at the joints in the legs' planes, at rest or of the motion, to a stated scale",
-          _JOINT_FORCES, legend="arrow_meanings:joint_forces"),
-    Layer("utilization", "Bars by load", "Stress of the bars over the yield stress", _JOINT_FORCES),
+          "joint_forces:joint_arrows", legend="joint_forces:arrows_meaning"),
+    Layer("utilization", "Bars by load", "Stress of the bars over the yield stress",
+          "joint_forces:bar_sleeves"),
     Layer("drive_errors", "Drive errors",
           "Where the platform's center may be within the drives' errors, to a stated scale",
-          "drive_errors:DriveErrorView"),
+          "drive_errors:drive_error_nodes"),
     Layer("mode_shape", "Mode shape", "The natural mode chosen in the tab Stiffness, animated",
-          "elasticity:ModeShape"),
+          "elasticity:mode_shape", idle=True),
     Layer("deflection", "Deflection", "Displaced by the load case of the tab Stiffness, enlarged",
-          "elasticity:Deflection"),
+          "elasticity:deflection"),
     Layer("compliance", "Compliance ellipsoid", "Displacements by a force in every direction",
-          "elasticity:ComplianceEllipsoid"),
+          "elasticity:compliance"),
     Layer("contacts", "Contacts", "Where bars would touch, their center lines in the leg's plane",
-          "contacts:ContactView"),
+          "contacts:contact_marks"),
     Layer("clearance", "Clearance", "The two nearest bodies, and their distance",
-          "clearance:ClearanceView"),
-    Layer("labels", "Labels", "Names of the actuators", "actuators:ActuatorLabels",
+          "contacts:nearest_bodies"),
+    Layer("labels", "Labels", "Names of the actuators", "actuators:actuator_labels",
           default=True),
     Layer(
         "workspace", "Workspace boundary", "Positions within reach at the current θ and z", _FLOOR,
@@ -182,16 +194,16 @@ register(
         default=True, shortcut="F", animated=False,
     ),
     Layer("volume", "Volume of requirements",
-          "Where all requirements hold, colored by what ends it there", "workspaces:VolumeLayer",
-          default=True, animated=False),
-    Layer("required_workspace", "Required workspace", "Its outline", _WORKSPACES, default=True,
-          animated=False),
+          "Where all requirements hold, colored by what ends it there", "workspaces:volume",
+          default=True, animated=False, idle=True),
+    Layer("required_workspace", "Required workspace", "Its outline",
+          "workspaces:required_workspace", default=True, animated=False),
     Layer("proven_workspace", "Proven workspace",
-          "Outline of the largest one, see the tab Requirements", _WORKSPACES, default=True,
-          animated=False),
+          "Outline of the largest one, see the tab Requirements",
+          "workspaces:proven_workspace", default=True, animated=False),
     Layer("best_so_far", "Best robot so far", "Of the search of the tab Synthesize, as lines",
-          "best_robot:BestRobot", default=True),
-    Layer("path", "Path of the motion", "Colored by torque, and on the maps", "path:MotionPath"),
+          "mechanism:best_robot", default=True),
+    Layer("path", "Path of the motion", "Colored by torque, and on the maps", "path:motion_path"),
     Layer("points", "Points of the motion",
           "The poses that a motion is built from: click one, then drag it",
           "pose_handles:MotionPoints"),
@@ -207,7 +219,7 @@ register(
     Layer(
         "escape_twist", "Escape twist",
         "Where the motion crosses a singularity: the platform's motion that no actuator feels",
-        "escape:EscapeTwist", default=True, legend="arrow_meanings:escape",
+        "escape:escape_arrows", default=True, legend="escape:escape_meaning",
     ),
     Layer(
         "gizmo", "Platform handle", "Drag the platform in the scene", "pose_handles:Gizmo",

@@ -6,7 +6,6 @@ the view that are exported get it too.
 
 from __future__ import annotations
 
-from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels import render
-from paminsa_viz.explorer.scene.layers import LAYERS
+from paminsa_viz.explorer.scene.layers import LAYERS, found_at
 from paminsa_viz.palette import LIGHT, rgb
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.scale import OVER, UNDER, Scale, color_table
@@ -81,8 +80,7 @@ def arrow_rows(frame: Frame) -> tuple[tuple[tuple[str, ...], str], ...]:
     rows = []
     for key, layer in LAYERS.items():
         if layer.legend and key in frame.state.layers:
-            module, _, name = layer.legend.partition(":")
-            row = getattr(import_module(f"{__package__}.{module}"), name)(frame)
+            row = found_at(layer.legend)(frame)
             if row is not None:
                 rows.append(row)
     return tuple(rows)

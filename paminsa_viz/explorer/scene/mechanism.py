@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from trimesh.creation import icosphere
-from viser import ArrowsHandle, BatchedMeshHandle, LabelHandle, LineSegmentsHandle
 
 from paminsa_viz import palette
 from paminsa_viz.dimensions.attached import payload_center
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.scene.curves import linear_colors
-from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.scene.layers import LegendRow
+from paminsa_viz.explorer.scene.nodes import Node, arrows, ball, copies, label, lines
+from paminsa_viz.explorer.synthesis.jobs import Shown
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.kinematics import Configuration
+from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
 from paminsa_viz.model.leg_points import bar_length
 from paminsa_viz.model.parameters import Counterweight
+from paminsa_viz.units import number
 
 Array = NDArray[np.float64]
 
@@ -29,6 +32,15 @@ BARS: Final = {"b4": (9, 5), "b3": (4, 7), "b7": (8, 7), "b8": (8, 9), "b2": (3,
 
 DOT: Final = 0.0085
 """Radius of a joint's dot [m]."""
+
+NUMBER_SIZE: Final = (16.0, 20.0)
+"""Width and height of a joint's number on the screen [px]."""
+
+BEST_COLOR: Final = "#CC79A7"
+"""A hue of the Okabe-Ito set that no leg has."""
+
+BEST_NODE: Final = "/synthesis/best"
+"""Scene name of the best robot of a search."""
 
 
 def _directions(configuration: Configuration) -> tuple[Array, Array, Array]:
@@ -51,14 +63,14 @@ def sticks(configuration: Configuration) -> Array:
     guide = axis - geometry.guide_link_length * heading
     below = points[5].copy()
     below[:, 2] = configuration.pose[3]
-    lines = [np.stack([points[a], points[b]], axis=1) for a, b in BARS.values()]
-    lines += [
+    bars = [np.stack([points[a], points[b]], axis=1) for a, b in BARS.values()]
+    bars += [
         np.stack(pair, axis=1)
         for pair in (
             (arm, points[2]), (axis, guide), (points[5], below), (below, np.roll(below, 1, axis=0)),
         )
     ]  # fmt: skip
-    return np.stack(lines, axis=1)
+    return np.stack(bars, axis=1)
 
 
 def stick_colors() -> NDArray[np.uint8]:
@@ -70,68 +82,33 @@ def stick_colors() -> NDArray[np.uint8]:
     return out
 
 
-class Skeleton:
-    """The layer ``skeleton``: stick figure and joint numbers; made when first shown."""
-
-    def __init__(self, context: SceneContext) -> None:
-        self._scene = context.scene
-        self._configuration: Configuration | None = None
-        self._lines: LineSegmentsHandle | None = None
-        self._dots: BatchedMeshHandle | None = None
-        self._numbers: list[LabelHandle] = []
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the configuration; nothing is sent while hidden."""
-        del dragging
-        visible = "skeleton" in frame.state.layers and frame.drawable
-        if visible and frame.configuration is not self._configuration:
-            self._configuration = frame.configuration
-            self._draw_bars(frame.configuration)
-            self._draw_joints(_joints(frame.configuration))
-        for node in (self._lines, self._dots, *self._numbers):
-            if node is not None:
-                node.visible = visible
-
-    def _draw_bars(self, configuration: Configuration) -> None:
-        lines = sticks(configuration).reshape(-1, 2, 3).astype(np.float32)
-        if self._lines is None:
-            self._lines = self._scene.add_line_segments(
-                "/skeleton/lines", lines, stick_colors().reshape(-1, 2, 3),
-                thickness=3.5, thickness_units="screen",
-            )  # fmt: skip
-        self._lines.points = lines
-
-    def _draw_joints(self, joints: NDArray[np.float32]) -> None:
-        if self._dots is None:
-            ball = icosphere(subdivisions=2, radius=DOT)
-            self._dots = self._scene.add_batched_meshes_simple(
-                "/skeleton/dots", ball.vertices, ball.faces,
-                np.tile([1.0, 0.0, 0.0, 0.0], (len(joints), 1)), joints,
-                batched_colors=np.repeat(
-                    linear_colors(*palette.LEG_COLORS), len(JOINTS), axis=0
-                ),
-                lod="off", cast_shadow=False, receive_shadow=False,
-            )  # fmt: skip
-            self._numbers = [
-                self._scene.add_label(
-                    f"/skeleton/numbers/{leg}/{joint}", str(joint),
-                    font_screen_scale=0.95, anchor="bottom-left",
-                )
-                for leg in (1, 2, 3)
-                for joint in JOINTS
-            ]  # fmt: skip
-        self._dots.batched_positions = joints
-        for number, joint in zip(self._numbers, joints, strict=True):
-            number.position = joint
+def skeleton(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+    """Draw the layer ``skeleton``: stick figure and joint numbers."""
+    if not frame.drawable:
+        return
+    points = frame.configuration.points
+    bars = sticks(frame.configuration).reshape(-1, 2, 3)
+    yield lines("/skeleton/lines", bars, stick_colors().reshape(-1, 2, 3), 3.5)
+    joints = np.stack([points[joint] for joint in JOINTS], axis=1)
+    colors = linear_colors(*palette.LEG_COLORS).repeat(len(JOINTS), axis=0)
+    yield copies("/skeleton/dots", ball(DOT), joints.reshape(-1, 3), batched_colors=colors)
+    for leg, places in enumerate(joints, 1):
+        for joint, place in zip(JOINTS, places, strict=True):
+            name = f"/skeleton/numbers/{leg}/{joint}"
+            yield label(name, str(joint), place, "bottom-left", 0.95, spaced=NUMBER_SIZE)
 
 
-def _joints(configuration: Configuration) -> NDArray[np.float32]:
-    """Return the joints of legs 1, 2, 3 in the order of `JOINTS`, (21, 3) [m]."""
-    points = np.stack([configuration.points[joint] for joint in JOINTS], axis=1)
-    return points.reshape(-1, 3).astype(np.float32)
+def best_robot(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+    """Draw the layer ``best_so_far``: the best robot of a search, as lines next to the robot."""
+    synthesizing = frame.state.synthesizing
+    best = synthesizing.best
+    ghost = synthesizing.settings.shown is Shown.GHOST and synthesizing.running is not None
+    if not ghost or best is None or best.design is None:
+        return
+    x, y, z = best.center
+    bars = sticks(inverse_kinematics(best.design.geometry, (x, y, 0.0, z)))
+    yield lines(BEST_NODE, bars.reshape(-1, 2, 3), BEST_COLOR, 4.0)
 
-
-Array = NDArray[np.float64]
 
 LINKS: Final = ("b1", "b2", "b3", "b4", "b7", "b8", "b10")
 
@@ -177,13 +154,13 @@ def mass_centers(design: Design, configuration: Configuration) -> PointMasses:
     load = platform + payload_center(geometry, design.payload.mass)
     leg_colors = linear_colors(*palette.LEG_COLORS)
     ends = linear_colors(palette.INK, palette.WARN)
-    weights = design.counterweights
-    attached = [_counterweight_places(configuration, weight) for weight in weights]
-    added = np.stack(attached, axis=1).reshape(-1, 3) if attached else np.empty((0, 3))
+    added = design.counterweights
+    attached = [_counterweight_places(configuration, weight) for weight in added]
+    places = np.stack(attached, axis=1).reshape(-1, 3) if attached else np.empty((0, 3))
     return PointMasses(
-        np.vstack([legs, platform, load, added]),
+        np.vstack([legs, platform, load, places]),
         np.array(
-            [*masses * 3, design.platform.mass, design.payload.mass, *[w.mass for w in weights] * 3]
+            [*masses * 3, design.platform.mass, design.payload.mass, *[w.mass for w in added] * 3]
         ),
         np.vstack(
             [leg_colors.repeat(len(masses), axis=0), ends, leg_colors.repeat(len(attached), axis=0)]
@@ -213,57 +190,29 @@ def gravity_arrows(points: PointMasses, gravity: float) -> Array:
     return np.stack([points.center, tips], axis=1)
 
 
-class PointMassView:
-    """The layers ``mass_centers`` and ``gravity``; the nodes are made when first shown."""
-
-    def __init__(self, context: SceneContext) -> None:
-        self._scene = context.scene
-        self._drawn: tuple[object, ...] = ()
-        self._configuration: Configuration | None = None
-        self._balls: BatchedMeshHandle | None = None
-        self._arrows: ArrowsHandle | None = None
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow masses and configuration; nothing is sent while hidden."""
-        del dragging
-        shown = frame.state.layers & {"mass_centers", "gravity"} if frame.drawable else frozenset()
-        design, configuration = frame.shown_design, frame.configuration
-        key = (shown, design)
-        if shown and (key != self._drawn or configuration is not self._configuration):
-            self._drawn, self._configuration = key, configuration
-            points = mass_centers(design, configuration)
-            if "mass_centers" in shown:
-                self._draw_balls(points)
-            if "gravity" in shown:
-                self._draw_arrows(points, design.gravity)
-        if self._balls is not None:
-            self._balls.visible = "mass_centers" in shown
-        if self._arrows is not None:
-            self._arrows.visible = "gravity" in shown
-            self._arrows.colors = linear_colors(frame.state.theme.ink)[0]
-
-    def _draw_balls(self, points: PointMasses) -> None:
-        centers = points.center.astype(np.float32)
+def mass_balls(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+    """Draw the layer ``mass_centers``."""
+    if frame.drawable:
+        points = mass_centers(frame.shown_design, frame.configuration)
         scales = np.cbrt(points.mass).astype(np.float32)
-        if self._balls is not None and len(self._balls.batched_positions) != len(centers):
-            self._balls.remove()
-            self._balls = None
-        if self._balls is None:
-            ball = icosphere(subdivisions=2, radius=BALL)
-            self._balls = self._scene.add_batched_meshes_simple(
-                "/masses/centers", ball.vertices, ball.faces,
-                np.tile([1.0, 0.0, 0.0, 0.0], (len(centers), 1)), centers,
-                batched_scales=scales, batched_colors=points.color,
-                lod="off", cast_shadow=False, receive_shadow=False,
-            )  # fmt: skip
-        self._balls.batched_positions = centers
-        self._balls.batched_scales = scales
+        yield copies(
+            "/masses/centers", ball(BALL), points.center, batched_scales=scales,
+            batched_colors=points.color,
+        )  # fmt: skip
 
-    def _draw_arrows(self, points: PointMasses, gravity: float) -> None:
-        arrows = gravity_arrows(points, gravity).astype(np.float32)
-        if self._arrows is None:
-            self._arrows = self._scene.add_arrows(
-                "/masses/gravity", arrows, linear_colors(palette.INK)[0],
-                shaft_radius=0.0028, head_radius=0.0075, head_length=0.018,
-            )  # fmt: skip
-        self._arrows.points = arrows
+
+def weights(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+    """Draw the layer ``gravity``."""
+    if frame.drawable:
+        points = mass_centers(frame.shown_design, frame.configuration)
+        found = gravity_arrows(points, frame.shown_design.gravity)
+        yield arrows("/masses/gravity", found, frame.state.theme.ink, (0.0028, 0.0075, 0.018))
+
+
+def weights_meaning(frame: Frame) -> LegendRow:
+    """Explain the arrows of the bodies' weights."""
+    design = frame.shown_design
+    if not np.isfinite(frame.configuration.pose).all() or not frame.drawable:
+        return None
+    scale = newtons_per_bar(mass_centers(design, frame.configuration), design.gravity)
+    return (palette.INK,), f"weights, 100 mm = {number(scale, 3)} N"

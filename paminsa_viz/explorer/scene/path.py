@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from viser import LineSegmentsHandle
 
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.results import MotionStore, split_path
-from paminsa_viz.explorer.scene.curves import Curve, linear_colors, segments
-from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.scene.curves import linear_colors, segments
+from paminsa_viz.explorer.scene.nodes import Node, curves, lines
 from paminsa_viz.palette import BAD, INK
 from paminsa_viz.plots import colors
 from paminsa_viz.trajectory import TrajectoryAnalysis
@@ -104,53 +103,22 @@ def pieces(analysis: TrajectoryAnalysis, actuator: int) -> Pieces:
     )
 
 
-class MotionPath:
-    """Draws the path of a session's motion, in space and as a line on the ground below it."""
+def motion_path(frame: Frame, motions: MotionStore) -> tuple[Node, ...]:
+    """Draw the layer ``path``, in space and as a line on the ground below it."""
+    state = frame.state
+    analysis = motions.analysis(state)
+    if analysis is None:
+        return ()
+    height = layout(state.last_reachable.geometry).ground + ABOVE
+    return _drawn(analysis, state.plots.color, height)
 
-    def __init__(self, context: SceneContext) -> None:
-        self._scene = context.scene
-        self._store = context.motions or MotionStore()
-        self._way: LineSegmentsHandle | None = None
-        self._failing = Curve(self._scene, "/path/failing", BAD, WIDTH, dash=DASH)
-        self._below = Curve(self._scene, "/path/below", INK, 2.0)
-        self._key: tuple[object, ...] = ()
 
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Draw what has changed; nothing is worked out for a path that is hidden."""
-        del dragging
-        state = frame.state
-        analysis = self._store.analysis(state) if "path" in state.layers else None
-        height = layout(state.last_reachable.geometry).ground + ABOVE
-        key = (analysis, state.plots.color, height)
-        if key == self._key:
-            return
-        self._key = key
-        if analysis is None:
-            self._show(False)
-            return
-        found = pieces(analysis, state.plots.color)
-        self._draw_way(found, path_scale(analysis, state.plots.color))
-        self._failing.draw(found.bad)
-        self._below.draw([found.above], height)
-        self._show(True)
-
-    def _draw_way(self, found: Pieces, scale: PathScale) -> None:
-        color = _drawn_hues()[hue(found.values, scale)]
-        points = found.good.astype(np.float32)
-        if len(points) == 0:
-            points, color = np.zeros((1, 2, 3), np.float32), np.zeros((1, 2, 3), np.uint8)
-        if self._way is not None:
-            if self._way.points.shape == points.shape:
-                self._way.points = points
-                self._way.colors = color
-                return
-            self._way.remove()
-        self._way = self._scene.add_line_segments(
-            "/path/way", points, color, thickness=WIDTH, thickness_units="screen"
-        )
-
-    def _show(self, visible: bool) -> None:
-        if self._way is not None:
-            self._way.visible = visible
-        for curve in (self._failing, self._below):
-            curve.visible = visible
+@lru_cache(maxsize=4)
+def _drawn(analysis: TrajectoryAnalysis, actuator: int, height: float) -> tuple[Node, ...]:
+    found = pieces(analysis, actuator)
+    colors = _drawn_hues()[hue(found.values, path_scale(analysis, actuator))]
+    return (
+        lines("/path/way", found.good, colors, WIDTH),
+        curves("/path/failing", found.bad, BAD, WIDTH, dash=DASH),
+        curves("/path/below", [found.above], INK, height=height),
+    )

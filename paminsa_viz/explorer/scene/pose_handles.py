@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any, ClassVar
 
@@ -15,6 +15,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import points
 from paminsa_viz.explorer.motion.description import Pose
 from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.scene.nodes import Node, Nodes, label
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.palette import INK, REFERENCE, rgb
@@ -129,38 +130,27 @@ class MotionPoints:
     """Of a ball [m]."""
 
     def __init__(self, context: SceneContext) -> None:
-        self._scene, self._dispatch = context.scene, context.dispatch
+        self._dispatch = context.dispatch
         self._handle = PointHandle(context)
-        self._balls: list[viser.IcosphereHandle] = []
-        self._labels: list[viser.LabelHandle] = []
-        self._key: tuple[object, ...] = ()
+        self._nodes = Nodes(context.scene)
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the motion's description."""
         state = frame.state
         self._handle.draw(frame, dragging)
         found = points.listed(state) if "points" in state.layers else ()
-        chosen = points.selected(state)
-        if (found, chosen) == self._key:
-            return
-        self._key = (found, chosen)
-        while len(self._balls) < len(found):
-            self._add(len(self._balls))
-        for i, (ball, label) in enumerate(zip(self._balls, self._labels, strict=True)):
-            ball.visible = label.visible = i < len(found)
-            if i >= len(found):
-                continue
-            x, y, _, z = found[i].pose
-            ball.position, label.position = (x, y, z), (x, y, z + 2 * self.RADIUS)
-            ball.color = rgb(REFERENCE if i == chosen else INK)
-            label.text = found[i].name
+        self._nodes.show(self._marks(found, points.selected(state)))
 
-    def _add(self, index: int) -> None:
-        ball = self._scene.add_icosphere(
-            f"/points/{index}", self.RADIUS, subdivisions=2, cast_shadow=False
-        )
-        ball.on_click(lambda _: self._dispatch("motion.point", partial(points.select, index=index)))
-        self._balls.append(ball)
-        self._labels.append(
-            self._scene.add_label(f"/point_names/{index}", "", anchor="bottom-center")
-        )
+    def _marks(self, found: Sequence[points.Point], chosen: int | None) -> Iterator[Node]:
+        for index, point in enumerate(found):
+            x, y, _, z = point.pose
+            color = rgb(REFERENCE if index == chosen else INK)
+            live = {"position": (x, y, z), "color": color}
+            fixed = {"radius": self.RADIUS, "subdivisions": 2, "cast_shadow": False}
+            click = partial(self._select, index)
+            yield Node(f"/points/{index}", "icosphere", live, fixed, click=click)
+            place = (x, y, z + 2 * self.RADIUS)
+            yield label(f"/point_names/{index}", point.name, place, "bottom-center", 1.0)
+
+    def _select(self, index: int, _event: Any) -> None:
+        self._dispatch("motion.point", partial(points.select, index=index))

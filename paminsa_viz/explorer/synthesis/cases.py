@@ -5,7 +5,7 @@ from __future__ import annotations
 from paminsa_viz.explorer.synthesis.jobs import BOTH, EffortChoice, Range, SynthesisSettings
 from paminsa_viz.model import Design
 from paminsa_viz.quantities.requirements import Requirements
-from paminsa_viz.synthesis.case import (
+from paminsa_viz.synthesis.search.case import (
     DEFAULT_PATHS,
     DIMENSIONS,
     Effort,

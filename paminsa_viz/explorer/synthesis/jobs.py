@@ -11,11 +11,11 @@ from paminsa_viz.explorer.tasks import TaskState
 from paminsa_viz.model import Design
 
 if TYPE_CHECKING:
-    from paminsa_viz.synthesis.answer import SynthesisResult
-    from paminsa_viz.synthesis.case import SynthesisCase
-    from paminsa_viz.synthesis.front import DesignFront
-    from paminsa_viz.synthesis.prices import RequirementPrice
-    from paminsa_viz.synthesis.robustness import BuildYield
+    from paminsa_viz.synthesis.answer.checks import BuildYield
+    from paminsa_viz.synthesis.answer.prices import RequirementPrice
+    from paminsa_viz.synthesis.search.case import SynthesisCase
+    from paminsa_viz.synthesis.search.front import DesignFront
+    from paminsa_viz.synthesis.search.result import SynthesisResult
 
 Range = tuple[float, float]
 

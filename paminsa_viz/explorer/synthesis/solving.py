@@ -19,19 +19,17 @@ from paminsa_viz.explorer.synthesis.jobs import (
     SynthesisJob,
 )
 from paminsa_viz.explorer.tasks import Report
-from paminsa_viz.model import Design, PaminsaError
-from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.model import PaminsaError
 from paminsa_viz.studies.executors import Workers, here, processes
-from paminsa_viz.synthesis.answer import SynthesisResult
-from paminsa_viz.synthesis.check import check_requirements
-from paminsa_viz.synthesis.evaluation import Evaluator
-from paminsa_viz.synthesis.objectives import find_objective
-from paminsa_viz.synthesis.outer import SearchProgress
-from paminsa_viz.synthesis.robustness import BuildYield, build_yield
-from paminsa_viz.synthesis.search import synthesize
+from paminsa_viz.synthesis.answer.checks import AnswerMargins, BuildYield, build_yield
+from paminsa_viz.synthesis.search.evaluation import Evaluator
+from paminsa_viz.synthesis.search.objectives import find_objective
+from paminsa_viz.synthesis.search.outer import SearchProgress
+from paminsa_viz.synthesis.search.result import SynthesisResult
+from paminsa_viz.synthesis.search.solve import synthesize
 
 if TYPE_CHECKING:
-    from paminsa_viz.synthesis.prices import RequirementPrice
+    from paminsa_viz.synthesis.answer.prices import RequirementPrice
 
 PERIOD = 0.5
 """Time between two robots that are shown [s]: each is drawn with bodies of other lengths."""
@@ -139,7 +137,7 @@ def find_front(job: SynthesisJob, workers: Workers, shown: ProgressReport) -> Se
     Raises:
         PaminsaError: If it has no points.
     """
-    from paminsa_viz.synthesis.front import design_front
+    from paminsa_viz.synthesis.search.front import design_front
 
     front = design_front(
         job.case, (job.case.objective, job.against), points=POINTS, workers=workers,
@@ -153,7 +151,7 @@ def find_front(job: SynthesisJob, workers: Workers, shown: ProgressReport) -> Se
 
 def find_prices(job: PriceJob, report: Report) -> tuple[RequirementPrice, ...]:
     """Work out what the requirements of an answer cost."""
-    from paminsa_viz.synthesis.prices import requirement_prices
+    from paminsa_viz.synthesis.answer.prices import requirement_prices
 
     with workers_for(job.effort) as workers:
         return requirement_prices(
@@ -161,32 +159,13 @@ def find_prices(job: PriceJob, report: Report) -> tuple[RequirementPrice, ...]:
         )
 
 
-class RequirementMargins:
-    """Margins of a robot to requirements by their names; can be sent to other processes."""
-
-    def __init__(self, requirements: Requirements) -> None:
-        self.requirements = requirements
-
-    def __call__(self, design: Design) -> dict[str, float]:
-        """Return the margins [SI]."""
-        items = check_requirements(design, self.requirements).items
-        return {item.label: item.margin for item in items}
-
-
 def tolerances(result: SynthesisResult, workers: Workers, report: Report) -> BuildYield:
     """Return which part of the robots built within tolerances meets the requirements."""
-    requirements = placed_requirements(result)
 
     def progress(done: int, count: int) -> bool:
         return report(SEARCH_SHARE + (1 - SEARCH_SHARE) * done / count)
 
     return build_yield(
-        result.design, RequirementMargins(requirements), samples=BUILT, workers=workers,
+        result.design, AnswerMargins.of(result), samples=BUILT, workers=workers,
         seed=result.case.seed, progress=progress,
     )  # fmt: skip
-
-
-def placed_requirements(result: SynthesisResult) -> Requirements:
-    """Return the requirements of a search with the workspace where it was found."""
-    held = result.case.requirements
-    return Requirements(held.bounds, held.theta, result.workspace)

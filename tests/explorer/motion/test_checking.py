@@ -32,8 +32,9 @@ from paminsa_viz.explorer.panels.motion_plots import (
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.model import InvalidInput, KneeBranch, Misprint, PaminsaError
-from paminsa_viz.plots.series_uplot import chart_shape, shown_curve, uplot_data
+from paminsa_viz.plots.series_uplot import chart_shape, uplot_data
 from paminsa_viz.units import power_of_ten
+from tests.support.charts import shown_curve
 from tests.support.raw_page import TIMEOUT
 
 needs_mujoco = pytest.mark.usefixtures("mujoco")

@@ -21,6 +21,7 @@ from paminsa_viz.plots import series_uplot
 from paminsa_viz.plots.series import SeriesKind, Trace, runs, statistics
 from paminsa_viz.plots.series_uplot import Chart
 from paminsa_viz.trajectory import analyze
+from tests.support.charts import shown_curve
 
 
 @pytest.fixture
@@ -101,7 +102,7 @@ def test_drawn_points_are_few_and_keep_peaks_and_gaps(failing: State) -> None:
         assert series[0].size <= 1.1 * series_uplot.MOST_POINTS
         drawn = np.isin(chart.t, series[0])
         for number, trace in enumerate(chart.traces):
-            curve = series_uplot.shown_curve(series, shape, number)
+            curve = shown_curve(series, shape, number)
             np.testing.assert_array_equal(curve, trace.values[drawn])
             assert np.nanmax(curve) == np.nanmax(trace.values)
             assert np.nanmin(curve) == np.nanmin(trace.values)

@@ -19,7 +19,7 @@ from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.files.design_file import write_design
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.synthesis.volume_files import VOLUME_FORMATS
+from paminsa_viz.synthesis.volume.surface import VOLUME_FORMATS
 
 
 def solved(state: State) -> State:

@@ -109,9 +109,10 @@ def test_change_of_the_design_remakes_its_bodies_only(
 
 
 def test_other_knee_remakes_the_frame_upside_down(scene: Scene) -> None:
-    scene.draw()
+    layers = ["mesh"]
+    scene.draw(layers=layers)
     before = {name: getattr(node, "glb_data", None) for name, node in scene.nodes.items()}
-    scene.draw((0.0, 0.0, 0.0, 0.4), UPPER)
+    scene.draw((0.0, 0.0, 0.0, 0.4), UPPER, layers)
     assert set(scene.nodes) == set(before)
     for name in (*map(node_name, ("base", "m1", "m2", "m3", "m4", "carriage")), "/stage/ground"):
         assert scene.nodes[name].glb_data != before[name]

@@ -20,8 +20,8 @@ from paminsa_viz.explorer.scene.elasticity import (
     LONGEST_SWING,
     MODE_NODE,
     nice_scale,
-    sphere,
 )
+from paminsa_viz.explorer.scene.nodes import ball
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.meshes.vibrating import KEYS, SIDES, vibrating_glb
@@ -55,7 +55,7 @@ def test_layers_show_the_result_and_leave_with_the_pose(
     draw(scene, moved.updated("elastic_view", outcome=outcome), dragging=True)
     assert MODE_NODE not in scene.nodes
     for name in ("deflected", "ellipsoid"):
-        assert not scene.nodes[f"/elastic/{name}"].visible
+        assert f"/elastic/{name}" not in scene.shown
     draw(scene, replace(shown, layers=frozenset()))
     assert MODE_NODE not in scene.nodes
 
@@ -66,9 +66,11 @@ def test_a_new_animation_waits_until_nothing_is_dragged(
     state = frame_at(POSE, layers=LAYERS).state.updated("elastic_view", outcome=outcome)
     draw(scene, state)
     before = scene.nodes[MODE_NODE].glb_data
+    draw(scene, state, dragging=True)
+    assert scene.nodes[MODE_NODE].glb_data == before
     other = state.updated("elastic_view", mode=1)
     draw(scene, other, dragging=True)
-    assert scene.nodes[MODE_NODE].glb_data == before
+    assert MODE_NODE not in scene.nodes
     draw(scene, other)
     assert scene.nodes[MODE_NODE].glb_data != before
     assert "mode 2" in scene.nodes["/elastic/mode_label"].text
@@ -80,8 +82,9 @@ def test_ellipsoid_is_where_a_force_of_one_size_moves_the_platform(
     draw(scene, frame_at(POSE, layers=LAYERS).state.updated("elastic_view", outcome=outcome))
     vertices = np.asarray(scene.nodes["/elastic/ellipsoid"].vertices, float)
     scale = nice_scale(float(platform_stiffness(APPENDIX_4, POSE).ellipsoid()[0][-1]), LONGEST_AXIS)
+    sphere = ball(1.0).vertices
     expected = scale * platform_stiffness(APPENDIX_4, POSE).deflection(
-        np.concatenate([sphere()[0], np.zeros_like(sphere()[0])], axis=1)
+        np.concatenate([sphere, np.zeros_like(sphere)], axis=1)
     )
     assert vertices == pytest.approx(expected[:, :3], abs=1e-6)
     text = scene.nodes["/elastic/ellipsoid_label"].text

@@ -23,6 +23,7 @@ from paminsa_viz.plots import map_data
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.scale import Scale, color_table
 from tests.support.desk import Desk, desk_with
+from tests.support.scene import Scene
 
 STORE = MapStore()
 ANY = st.floats(-5.0, 5.0)
@@ -109,12 +110,13 @@ def test_mark_is_below_the_platform_and_a_position_draws_no_new_map(desk: Desk) 
 def test_hidden_layers_are_not_drawn_and_nothing_is_solved_for_them(
     desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    parts = desk.panel
-    for name, node in zip(LAYERS, (parts._map, parts._boundary, parts._circle), strict=True):
-        assert node.visible
+    scene = Scene(desk.session.client.scene, [])
+    nodes = ("/floor/map", "/floor/workspace", "/floor/singularity")
+    for name, node in zip(LAYERS, nodes, strict=True):
+        assert node in scene.shown
         desk.dispatch(lambda s, name=name: actions.set_layers(s, **{name: False}))
-        desk.until(lambda node=node: not node.visible)
-    assert not parts._ring.visible
+        desk.until(lambda node=node: node not in scene.shown)
+    assert not desk.panel._ring.visible
     calls: list[int] = []
     monkeypatch.setattr(map_data, "solve_field", lambda *args, **kwargs: calls.append(1))
     for theta in (1.2, 1.1):

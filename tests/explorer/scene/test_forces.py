@@ -17,13 +17,14 @@ from paminsa_viz.actuation.wrench_capability import capability
 from paminsa_viz.explorer.scene.forces import (
     BAR,
     FARTHEST,
-    LoadView,
     force_scale,
     load_arrow,
+    load_arrows,
     played_load,
     scale_text,
 )
-from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.scene.layers import LAYERS, SceneContext
+from paminsa_viz.explorer.scene.nodes import LayerView
 from paminsa_viz.model import APPENDIX_4, LoadCase, LoadFrame
 from paminsa_viz.trajectory import PRESET, analyze
 from tests.support.scene import POSE, Scene, frame_at
@@ -55,11 +56,9 @@ def test_no_load_draws_nothing(scene: Scene) -> None:
     scene.draw(layers=["load"])
     assert "/load/force" not in scene.nodes
     scene.draw(design=LOADED, layers=["load"])
-    assert scene.nodes["/load/force"].visible
-    assert scene.nodes["/load/moment"].visible
+    assert scene.shown >= {"/load/force", "/load/moment"}
     scene.draw(layers=["load"])
-    assert not scene.nodes["/load/force"].visible
-    assert not scene.nodes["/load/label"].visible
+    assert not [name for name in scene.shown if name.startswith("/load/")]
 
 
 def test_polygon_and_solid_are_the_polytopes(scene: Scene) -> None:
@@ -100,7 +99,7 @@ def test_a_played_motion_moves_the_arrow(server: viser.ViserServer) -> None:
     pushed = np.tile([0.0, 80.0, 0.0, 0.0, 0.0, 0.0], (motion.size, 1))
     analysis = analyze(APPENDIX_4, replace(motion, load=pushed))
     motions: Any = SimpleNamespace(analysis=lambda state: analysis)
-    view = LoadView(SceneContext(server.scene, motions=motions))
+    view = LayerView(LAYERS["load"], load_arrows, SceneContext(server.scene, motions=motions))
     frame = frame_at(layers=["load"])
     view.draw(frame, False)
     nodes = server.scene._handle_from_node_name

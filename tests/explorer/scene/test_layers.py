@@ -11,9 +11,11 @@ import viser
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.bindings import perform
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.view_panel import commands, view_entries
 from paminsa_viz.explorer.scene.layers import LAYERS, Layer, SceneContext, build_views, register
 from paminsa_viz.explorer.scene.mechanism import sticks
+from paminsa_viz.explorer.scene.nodes import Node
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model.design import APPENDIX_4
 from tests.support.desk import desk_with
@@ -35,16 +37,11 @@ OWN_NODES = {
 def grid_layer() -> Iterator[None]:
     """A layer that only this test knows."""
 
-    class Grid:
-        def __init__(self, context: SceneContext) -> None:
-            self._node = context.scene.add_grid("/grid", visible=False)
-
-        def draw(self, frame: Frame, dragging: bool) -> None:
-            del dragging
-            self._node.visible = "grid" in frame.state.layers
+    def grid(_frame: Frame, _motions: MotionStore) -> list[Node]:
+        return [Node("/grid", "grid", {"cell_size": 0.1})]
 
     before = dict(LAYERS)
-    register(Layer("grid", "Grid", "Lines every 10 cm", Grid, shortcut="J"))
+    register(Layer("grid", "Grid", "Lines every 10 cm", grid, shortcut="J"))
     yield
     LAYERS.clear()
     LAYERS.update(before)
@@ -59,16 +56,15 @@ def test_registered_layer_is_a_switch_a_command_and_a_node(server: viser.ViserSe
             lambda: desk.session.immediate.extend(build_views(context, animated=True))
         )
         nodes = scene._handle_from_node_name
-        desk.until(lambda: "/grid" in nodes)
         box = desk.handle("layers.grid")
         desk.set("layers.grid", True)
         desk.until(lambda: "grid" in desk.state.layers)
-        desk.until(lambda: nodes["/grid"].visible)
+        desk.until(lambda: "/grid" in nodes)
         (command,) = [c for c in commands() if c.label == "Show or hide: grid"]
         assert command.hotkey == "J"
         perform(desk.session, command.key, command.effect)
         desk.until(lambda: not box.value)
-        desk.until(lambda: not nodes["/grid"].visible)
+        desk.until(lambda: "/grid" not in nodes)
 
 
 @pytest.mark.parametrize("taken", [{"key": "mesh"}, {"shortcut": "K"}])
@@ -88,15 +84,14 @@ def test_layers_are_switched_by_their_keys_only() -> None:
         actions.set_layers(state, no_such_layer=True)
 
 
-def test_layers_switch_on_and_off_without_new_nodes(scene: Scene) -> None:
+def test_layers_switch_on_and_off(scene: Scene) -> None:
     scene.draw(layers=ANIMATED)
     first = set(scene.nodes)
     for key, name in OWN_NODES.items():
         scene.draw(layers=[key])
-        shown = {other for other, node in OWN_NODES.items() if scene.nodes[node].visible}
-        assert shown == {key}, name
+        assert scene.shown & set(OWN_NODES.values()) == {name}, key
     scene.draw((0.0, 0.0, 0.0, -0.5), layers=[])
-    scene.draw((0.0, 0.0, 0.0, -0.5), layers=ANIMATED)
+    scene.draw(layers=ANIMATED)
     assert set(scene.nodes) == first
 
 

@@ -9,10 +9,11 @@ import pytest
 import viser
 
 from paminsa_viz.explorer.browser.style import over_backdrop, style_html
-from paminsa_viz.explorer.scene.actuators import FACES, TorqueArrows, arc_arrow, force_arrow
+from paminsa_viz.explorer.motion.results import MotionStore
+from paminsa_viz.explorer.scene.actuators import FACES, arc_arrow, force_arrow, torque_arrows
 from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
-from paminsa_viz.explorer.scene.curves import Curve, dashes, segments
-from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.scene.curves import dashes, segments
+from paminsa_viz.explorer.scene.nodes import Nodes, curves, lines
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.palette import LIGHT, rgb
 from tests.support.samples import with_knee
@@ -27,18 +28,18 @@ def circle(radius: float, count: int = 128) -> np.ndarray:
 
 def test_curve_is_one_node(server: viser.ViserServer) -> None:
     nodes = server.scene._handle_from_node_name
-    curve = Curve(server.scene, "/circle")
-    curve.draw([])
+    drawn = Nodes(server.scene)
+    drawn.show([curves("/circle", [])])
     assert "/circle" not in nodes
-    curve.draw([circle(0.3), circle(0.1)], height=-0.5)
+    drawn.show([curves("/circle", [circle(0.3), circle(0.1)], height=-0.5)])
     node = nodes["/circle"]
     assert node.points.shape == (256, 2, 3)
     assert np.unique(node.points[..., 2]) == pytest.approx([-0.5])
-    curve.draw([circle(0.3, 16)])
+    drawn.show([curves("/circle", [circle(0.3, 16)])])
     assert nodes["/circle"] is node
     assert node.points.shape == (16, 2, 3)
-    curve.draw([])
-    assert not node.visible
+    drawn.show([curves("/circle", [])])
+    assert "/circle" not in nodes
 
 
 def test_gap_breaks_a_curve() -> None:
@@ -72,12 +73,21 @@ def test_arrow_grows_with_the_force_up_to_a_limit() -> None:
     assert force_arrow(-0.5)[:, 2].min() < -0.1
 
 
-def test_torques_that_are_not_finite_are_not_drawn(server: viser.ViserServer) -> None:
-    view = TorqueArrows(SceneContext(server.scene))
-    frame = frame_at(layers=["torques"])
-    view.draw(replace(frame, torques=np.array([np.nan, np.inf, 1.0, 0.0])), False)
-    nodes = server.scene._handle_from_node_name
-    assert [nodes[f"/efforts/m{k}"].visible for k in (1, 2, 3, 4)] == [False, False, True, False]
+def test_nodes_that_gain_parts_are_made_again(server: viser.ViserServer) -> None:
+    nodes, drawn = server.scene._handle_from_node_name, Nodes(server.scene)
+    points, colors = np.zeros((2, 2, 3)), np.zeros((2, 2, 3), np.uint8)
+    drawn.show([lines("/parts", points, colors, 2.0)])
+    before = nodes["/parts"]
+    drawn.show([lines("/parts", points + 1.0, colors, 2.0)])
+    assert nodes["/parts"] is before
+    drawn.show([lines("/parts", points[:1], colors[:1], 2.0)])
+    assert nodes["/parts"] is not before
+    assert nodes["/parts"].points.shape == (1, 2, 3)
+
+
+def test_torques_that_are_not_finite_are_not_drawn() -> None:
+    frame = replace(frame_at(), torques=np.array([np.nan, np.inf, 1.0, 0.0]))
+    assert [node.name for node in torque_arrows(frame, MotionStore())] == ["/efforts/m3"]
 
 
 @pytest.mark.parametrize("knee", KneeBranch)

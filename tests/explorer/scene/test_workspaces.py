@@ -17,9 +17,10 @@ from paminsa_viz.explorer.requirements import actions
 from paminsa_viz.explorer.requirements.checking import find_volume
 from paminsa_viz.explorer.requirements.jobs import LargestJob, VolumeJob
 from paminsa_viz.explorer.requirements.surface import surface_parts
-from paminsa_viz.explorer.scene.best_robot import NODE, BestRobot
-from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.explorer.scene.workspaces import VolumeLayer, WorkspaceOutlines, outline
+from paminsa_viz.explorer.scene.layers import LAYERS, SceneContext, found_at
+from paminsa_viz.explorer.scene.mechanism import BEST_NODE
+from paminsa_viz.explorer.scene.nodes import LayerView
+from paminsa_viz.explorer.scene.workspaces import outline
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.explorer.synthesis import actions as synthesis
 from paminsa_viz.explorer.synthesis.jobs import BestSoFar, Shown
@@ -36,8 +37,9 @@ def layers(server: viser.ViserServer) -> Iterator[Scene]:
     page = RawPage(server)
     scene = page.client.scene
     context = SceneContext(scene)
-    views: list[Any] = [VolumeLayer(context), WorkspaceOutlines(context), BestRobot(context)]
-    yield Scene(scene, views)
+    keys = ("volume", "required_workspace", "proven_workspace", "best_so_far")
+    found = [(LAYERS[key], found_at(LAYERS[key].view)) for key in keys]
+    yield Scene(scene, [LayerView(layer, draw, context) for layer, draw in found])
     page.socket.close()
 
 
@@ -54,8 +56,7 @@ def asked() -> State:
     outcome = solve(find_volume, VolumeJob(document.design, document.requirements))
     found = outcome.result
     assert found is not None
-    fine = replace(found, surface=surface_parts(found.volume))
-    outcome = replace(outcome, result=fine)
+    outcome = replace(outcome, result=replace(found, surface=surface_parts(found.volume)))
     return state.updated("requiring", fine=outcome)
 
 
@@ -65,20 +66,20 @@ def test_the_surface_is_of_the_current_design_and_switched_by_its_layer(
     draw(layers, asked)
     outcome = asked.requiring.fine
     assert outcome is not None
-    parts = [name for name in layers.nodes if name.startswith("/requirements/volume/")]
+    parts = {name for name in layers.shown if name.startswith("/requirements/volume/")}
     assert len(parts) == len(outcome.result.surface) > 1
-    assert all(layers.nodes[name].visible for name in parts)
+    assert layers.shown >= parts
     draw(layers, designs.vary(asked, {"geometry.base_radius": 0.36}))
-    assert not any(layers.nodes[name].visible for name in parts)
+    assert not layers.shown & parts
     draw(layers, designs.set_layers(asked, volume=False))
-    assert not any(layers.nodes[name].visible for name in parts)
+    assert not layers.shown & parts
     draw(layers, asked)
-    assert all(layers.nodes[name].visible for name in parts)
+    assert layers.shown >= parts
 
 
 def test_required_and_proven_workspaces_are_outlined(layers: Scene, asked: State) -> None:
     draw(layers, asked)
-    assert layers.nodes["/requirements/required"].visible
+    assert "/requirements/required" in layers.shown
     assert "/requirements/proven" not in layers.nodes
     document = asked.document
     workspace = document.requirements.workspace
@@ -92,7 +93,7 @@ def test_required_and_proven_workspaces_are_outlined(layers: Scene, asked: State
     assert points.min(axis=0) == pytest.approx([-0.1, -0.05, -0.65])
     assert points.max(axis=0) == pytest.approx([0.1, 0.05, -0.35])
     draw(layers, actions.choose_shape(proven, None))
-    assert not layers.nodes["/requirements/required"].visible
+    assert "/requirements/required" not in layers.shown
 
 
 @pytest.mark.parametrize("shape", WorkspaceShape)
@@ -108,12 +109,12 @@ def test_the_best_robot_is_drawn_while_it_is_searched_for(layers: Scene, asked: 
     job = started.synthesizing.running
     assert job is not None
     draw(layers, started)
-    assert NODE not in layers.nodes
+    assert BEST_NODE not in layers.nodes
     best = BestSoFar(0.5, 10, 0.4, True, APPENDIX_4, (0.0, 0.0, -0.5))
     told = synthesis.tell(started, job, best)
     draw(layers, told)
-    assert layers.nodes[NODE].visible
+    assert BEST_NODE in layers.shown
     draw(layers, told.updated("synthesizing.settings", shown=Shown.ROBOT))
-    assert not layers.nodes[NODE].visible
+    assert BEST_NODE not in layers.shown
     draw(layers, stop(told, "synthesizing"))
-    assert not layers.nodes[NODE].visible
+    assert BEST_NODE not in layers.shown

@@ -1,0 +1,230 @@
+"""What each requirement costs: by how much the optimum falls where a requirement is relaxed.
+
+Masses, counterweights and springs have exact shadow prices, the multipliers of their convex
+program (`InnerSolution.active`). For what lengths have to meet, the case is solved again near the
+answer with the requirement tightened and relaxed by a step; the price is the slope between the two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from paminsa_viz.quantities.requirements import Requirement
+from paminsa_viz.studies.executors import Workers, here
+from paminsa_viz.synthesis.search.case import SynthesisCase
+from paminsa_viz.synthesis.search.objectives import find_objective
+from paminsa_viz.synthesis.search.outer import numbers_of, refined
+from paminsa_viz.synthesis.search.result import SynthesisResult
+
+STEP = 0.02
+"""Step of a requirement, as a share of its bound."""
+
+AT_END = 2e-3
+"""A number is at an end of its range within this share of the range."""
+
+STILL = 2e-4
+"""Change of the objective, as a share of it, below which a requirement counts as free: what the
+search leaves open."""
+
+
+class Requirable(NamedTuple):
+    """Something that a case asks for and that can be moved.
+
+    Attributes:
+        label: What it is.
+        unit: Its SI unit.
+        bound: Its value [SI].
+        tighter: Which way it is tightened: +1 up, -1 down.
+        moved: ``moved(value)`` is the case with another value.
+    """
+
+    label: str
+    unit: str
+    bound: float
+    tighter: float
+    moved: Callable[[float], SynthesisCase]
+
+
+@dataclass(frozen=True)
+class RequirementPrice:
+    """What a requirement costs.
+
+    Attributes:
+        label: What is required.
+        unit: Its SI unit.
+        bound: Its bound [SI].
+        step: By how much it was moved to either side [SI].
+        tightened, relaxed: The optimum with the bound so [SI]; NaN where nothing was found.
+        price: What the optimum improves by for one unit of relaxation [SI]; zero within what the
+            search leaves open, NaN if it is not known.
+    """
+
+    label: str
+    unit: str
+    bound: float
+    step: float
+    tightened: float
+    relaxed: float
+    price: float
+
+
+def requirement_prices(
+    result: SynthesisResult,
+    *,
+    step: float = STEP,
+    rounds: int = 4,
+    workers: Workers = here,
+    progress: Callable[[int, int], bool | None] | None = None,
+) -> tuple[RequirementPrice, ...]:
+    """Return what the active requirements of an answer cost, and what its workspace does.
+
+    Args:
+        result: An answer that meets its requirements.
+        step: How far each is moved to either side, as a share of its bound.
+        rounds: Most rounds of each search, see `search.outer.refined`.
+        workers: Where trials are computed; the result is the same.
+        progress: Called with the number of requirements done and of all; true ends it.
+
+    Returns:
+        The prices, those first whose step changes the optimum most.
+    """
+    if not result.feasible or result.regime is None:
+        return ()
+    case, regime = result.case, result.regime
+    numbers = numbers_of(case, result.design, result.workspace)
+    sign = find_objective(case.objective).sign
+
+    def best(trial: SynthesisCase) -> float:
+        near = np.clip(numbers, *trial.bounds.T)
+        found = refined(trial, regime, near.tolist(), rounds=rounds, workers=workers)
+        return sign * found.objective
+
+    items = list(_requirables(result, numbers))
+    base = best(case) if items else np.nan
+    prices = []
+    for number, item in enumerate(items):
+        size = step * (abs(item.bound) or 1.0)
+        ends = []
+        for side in (item.tighter, -item.tighter):
+            try:
+                ends.append(best(item.moved(item.bound + side * size)))
+            except ValueError:  # no such case: an empty range, a workspace of no size
+                ends.append(np.nan)
+        tightened, relaxed = ends
+        high = base if np.isnan(tightened) else tightened
+        low = base if np.isnan(relaxed) else relaxed
+        width = size * ((not np.isnan(tightened)) + (not np.isnan(relaxed)))
+        price = (high - low) / width if width else np.nan
+        if abs(high - low) <= STILL * abs(base):
+            price = 0.0
+        prices.append(
+            RequirementPrice(
+                item.label, item.unit, item.bound, size, sign * tightened, sign * relaxed,
+                float(price),
+            )
+        )  # fmt: skip
+        if progress is not None and progress(number + 1, len(items)):
+            break
+    return tuple(sorted(prices, key=lambda p: -abs(np.nan_to_num(p.price)) * p.step))
+
+
+def _requirables(result: SynthesisResult, numbers: Sequence[float]) -> Iterator[Requirable]:
+    case = result.case
+    bounds = case.requirements.bounds
+    for index, outcome in enumerate(result.outcomes):
+        if not outcome.active:
+            continue
+        if index < len(bounds):
+            yield _bound(case, index, outcome.value)
+        else:
+            yield _limit(case, index - len(bounds))
+    for index, (item, value) in enumerate(zip(case.ranges, numbers, strict=True)):
+        near = AT_END * (item.high - item.low)
+        for end, tighter in (("low", 1.0), ("high", -1.0)):
+            at = getattr(item, end)
+            if abs(value - at) <= near:
+                yield Requirable(
+                    f"{'least' if end == 'low' else 'largest'} {item.path.partition('.')[2]}",
+                    "" if item.path == "geometry.magnification" else "m", at, tighter,
+                    lambda v, i=index, e=end: _with_range(case, i, e, v),
+                )  # fmt: skip
+    searched = set(case.paths)
+    workspace = case.workspace
+    if "workspace.width" not in searched:
+        yield Requirable(
+            "width of the workspace", "m", workspace.size[0], 1.0,
+            lambda v: _with_size(case, (v, workspace.size[1] * v / workspace.size[0], None)),
+        )  # fmt: skip
+    if "workspace.height" not in searched:
+        yield Requirable(
+            "height of the workspace", "m", workspace.size[2], 1.0,
+            lambda v: _with_size(case, (None, None, v)),
+        )  # fmt: skip
+    low, high = case.requirements.theta
+    if low < high:
+        yield Requirable("range of theta", "rad", high - low, 1.0, lambda v: _with_turn(case, v))
+
+
+def _bound(case: SynthesisCase, index: int, value: float) -> Requirable:
+    bound = case.requirements.bounds[index]
+    entry = bound.entry
+    both = bound.low is not None and bound.high is not None and bound.low == -bound.high
+    upper = bound.low is None or (
+        bound.high is not None and (both or abs(value - bound.high) <= abs(value - bound.low))
+    )
+
+    def moved(at: float) -> SynthesisCase:
+        if upper:
+            other = replace(bound, high=at, low=-at if both else bound.low)
+        else:
+            other = replace(bound, low=at)
+        return with_bound(case, index, other)
+
+    at = bound.high if upper else bound.low
+    assert at is not None
+    return Requirable(entry.title, entry.unit, at, -1.0 if upper else 1.0, moved)
+
+
+def _limit(case: SynthesisCase, index: int) -> Requirable:
+    limit = case.limits[index]
+    objective = find_objective(limit.objective)
+
+    def moved(at: float) -> SynthesisCase:
+        limits = list(case.limits)
+        limits[index] = replace(limit, most=at)
+        return replace(case, limits=tuple(limits))
+
+    return Requirable(objective.title, objective.unit, limit.most, -objective.sign, moved)
+
+
+def with_bound(case: SynthesisCase, index: int, bound: Requirement) -> SynthesisCase:
+    """Return a case with another bound in place of one."""
+    bounds = list(case.requirements.bounds)
+    bounds[index] = bound
+    return replace(case, requirements=replace(case.requirements, bounds=tuple(bounds)))
+
+
+def _with_range(case: SynthesisCase, index: int, end: str, value: float) -> SynthesisCase:
+    ranges = list(case.ranges)
+    ranges[index] = replace(ranges[index], **{end: value})
+    return replace(case, ranges=tuple(ranges))
+
+
+def _with_size(case: SynthesisCase, size: tuple[float | None, ...]) -> SynthesisCase:
+    workspace = case.workspace
+    width, depth, height = (
+        old if new is None else new for old, new in zip(workspace.size, size, strict=True)
+    )
+    other = replace(workspace, size=(width, depth, height))
+    return replace(case, requirements=replace(case.requirements, workspace=other))
+
+
+def _with_turn(case: SynthesisCase, width: float) -> SynthesisCase:
+    low, high = case.requirements.theta
+    middle = 0.5 * (low + high)
+    theta = (middle - 0.5 * width, middle + 0.5 * width)
+    return replace(case, requirements=replace(case.requirements, theta=theta))

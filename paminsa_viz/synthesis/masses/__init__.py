@@ -1,0 +1,1 @@
+"""The best masses, counterweights and springs of a robot of given lengths."""

@@ -1,0 +1,1 @@
+"""Proofs that requirements hold over a whole workspace, and the largest such workspaces."""

@@ -1,0 +1,301 @@
+"""The largest regular workspace over which a robot is proven to meet its requirements.
+
+A region of a given shape grows about its center. Reach and singularities bound its scale in closed
+form. For all else the bisection gives two bounds: no pose of a smaller scale breaks a requirement,
+and at the larger one a pose does. Both are brought together in stages, so that there is an answer
+at any time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
+from paminsa_viz.synthesis.proof.bisection import Control, Gauge, Nearest, nearest_violation
+from paminsa_viz.synthesis.proof.certificate import (
+    region_of,
+    sample_requirement,
+    sampled_evidence,
+)
+from paminsa_viz.synthesis.proof.evidence import (
+    Evidence,
+    Pose,
+    Proof,
+    Verdict,
+    home_path,
+    in_order,
+    pose_of,
+    prove_reach,
+    reach_scale,
+    regions_of,
+)
+from paminsa_viz.synthesis.proof.families import BoundGroup, Method, groups, method
+from paminsa_viz.synthesis.proof.placement import CenterSearch, Place
+from paminsa_viz.synthesis.proof.pose_search import least_free
+from paminsa_viz.synthesis.proof.regions import Grows, Growth, PoseRegion
+from paminsa_viz.synthesis.volume.margins import Progress
+
+TOLERANCE = 1e-3
+"""Difference of extents that is aimed at [m]."""
+
+
+FIRST_TOLERANCE = 0.064
+"""Difference of extents of the first stage [m]."""
+
+_BISECTIONS = 56
+"""Binary digits of the scale of reach."""
+
+_INSIDE = 1.0 - 1e-9
+"""Share of the lower bound that is taken, so that rounding of the extents counts for nothing."""
+
+NOTHING = 1e-6
+"""Scale of a workspace that is none."""
+
+
+@dataclass(eq=False)
+class GrowingRegion:
+    """The search for the scale of the largest region about one center.
+
+    Attributes:
+        design: The robot.
+        requirements: What has to hold.
+        region: The region at scale 1.
+        grows: Which of its extents grow.
+        control: When to stop.
+        lower: Scale up to which everything is proven.
+        upper: Scale at which ``pose`` breaks a requirement, or reach ends.
+        pose: (4,) the pose; None if none was found.
+        cause: What it breaks: ``"reach"``, ``"singularity"`` or the key of a quantity.
+        requirement: The requirement that it breaks; None for reach and singularity.
+    """
+
+    design: Design
+    requirements: Requirements
+    region: PoseRegion
+    grows: Grows
+    control: Control
+    lower: float = 0.0
+    upper: float = 0.0
+    pose: Array | None = None
+    cause: str = ""
+    requirement: Requirement | None = None
+
+    def __post_init__(self) -> None:
+        self._gauge = Gauge(self.region, self.grows)
+        self._groups = groups(self.design, self.requirements)
+        self._nearest: list[Nearest | None] = [None] * len(self._groups)
+        self._extent = 2.0 * max(np.extract(self.grows, self.region.half).tolist())
+        if len(home_path(self.design.geometry, self.region.scaled(0.0, self.grows))):
+            self.lower = self.upper = reach_scale(
+                self.design, self.requirements, self.region, self.grows, _BISECTIONS
+            )
+
+    def run(self, tolerance: float) -> None:
+        """Bring the bounds together."""
+        if self.upper <= 0.0:
+            return
+        self._name_limit_of_reach()
+        self._sample()
+        self.lower = min(self.lower, self.upper)
+        # an answer of the first stage at once, and finer ones while there is time
+        step = min(FIRST_TOLERANCE, 0.25 * self.upper * self._extent)
+        while True:
+            step = max(step, tolerance)
+            for index, group in enumerate(self._groups):
+                self._advance(index, group, step / self._extent)
+            if self.control.over or step <= tolerance:
+                break
+            step *= 0.25
+        lowers = [found.lower for found in self._nearest if found is not None]
+        self.lower = min([self.lower, self.upper, *lowers])
+        self._sample_inside()
+
+    def _lower(self, upper: float, pose: Array, requirement: Requirement) -> None:
+        """Take an upper bound if it is a lower one."""
+        if upper < self.upper:
+            self.upper, self.pose = upper, pose
+            self.cause, self.requirement = requirement.quantity, requirement
+
+    def _advance(self, index: int, group: BoundGroup, tolerance: float) -> None:
+        control, before = self.control, self._nearest[index]
+        if before is not None and before.lower >= self.upper - tolerance:
+            return
+        # what is not known yet of the other requirements has to have its share of the time
+        waiting = sum(found is None for found in self._nearest)
+        share = control.left / max(1, waiting) if before is None else np.inf
+        found = nearest_violation(group, self._gauge, self.upper, tolerance, control, share)
+        if found.pose is not None:
+            self._lower(found.upper, found.pose, group.requirements[found.requirement])
+        if before is None or found.lower > before.lower:
+            self._nearest[index] = found
+
+    def _name_limit_of_reach(self) -> None:
+        """Find a pose just outside of the largest region of reach that cannot be taken."""
+        whole = self.region.scaled(self.upper * (1.0 + 1e-6), self.grows)
+        for part in regions_of(self.requirements, whole):
+            pose, value, cause = least_free(self.design.geometry, part)
+            if value <= 0.0:
+                self.pose, self.cause = pose, cause
+                return
+        low = [r for r in self.requirements.bounds if r.quantity == "reach_margin"]
+        if low:
+            self.cause, self.requirement = "reach_margin", low[0]
+
+    def _sample(self) -> None:
+        """Lower the upper bound to where samples break a requirement that cannot be proven."""
+        for requirement in self.requirements.bounds:
+            while method(requirement) is Method.SAMPLED and not self.control.over:
+                if not self._sampled(requirement, self.upper):
+                    break
+
+    def _sample_inside(self) -> None:
+        """Shrink what is proven until no sample in it breaks a requirement."""
+        for requirement in self.requirements.bounds:
+            while method(requirement) is Method.SAMPLED and self.lower > NOTHING:
+                if not self._sampled(requirement, self.lower * _INSIDE):
+                    break
+                self.lower = min(0.999 * self.lower, self.upper)
+
+    def _sampled(self, requirement: Requirement, scale: float) -> bool:
+        """Say whether a sample of a scale breaks a requirement; the upper bound then follows."""
+        whole = self.region.scaled(scale, self.grows)
+        poses, margins = sample_requirement(self.design, self.requirements, requirement, whole)
+        poses = poses[~(margins >= 0.0)]
+        scales = self._gauge.of_poses(poses)
+        found = bool((scales < self.upper).any())
+        if found:
+            row = int(np.argmin(scales))
+            self._lower(float(scales[row]), poses[row], requirement)
+        return found
+
+    @property
+    def found(self) -> PoseRegion | None:
+        """The largest region that is proven; None if none is."""
+        scale = self.lower * _INSIDE
+        return self.region.scaled(scale, self.grows) if scale > NOTHING else None
+
+    def evidence(self, region: PoseRegion) -> tuple[Evidence, ...]:
+        """Return what is proven over the region that was found, and how."""
+        found = prove_reach(self.design, self.requirements, region)
+        found["home"] = Evidence("home", Method.CLOSED_FORM, Verdict.PROVEN)
+        for group, nearest in zip(self._groups, self._nearest, strict=True):
+            if nearest is not None:
+                for requirement, margin in zip(
+                    group.requirements, nearest.margins.tolist(), strict=True
+                ):
+                    found[requirement] = Evidence.of(
+                        requirement, Method.BISECTION, Verdict.PROVEN, margin, boxes=nearest.boxes
+                    )
+        sampled = sampled_evidence(self.design, self.requirements, region)
+        return in_order(found | {item.key: item for item in sampled}, self.requirements)
+
+
+@dataclass(frozen=True, eq=False)
+class LargestWorkspace:
+    """The largest workspace that is proven.
+
+    Attributes:
+        workspace: The workspace. None if already its center breaks a requirement, which the proof
+            then refutes; or if the time was too short, which leaves it undecided.
+        theta: Headings (least, largest) [rad].
+        proof: What is proven over it, and how.
+        limit: Size (x, y, z) from which on poses break a requirement [m]: about this center, or, if
+            that was free, about the best center that poses tell of.
+        gap: Largest difference of ``limit`` to the workspace's size [m].
+        pose: A pose just outside that breaks a requirement; None if none was found.
+        cause: What it breaks: ``"reach"``, ``"singularity"``, the key of a quantity; ``"home"``
+            if no path from home to the center was proven, ``"volume"`` if no position meets all.
+        requirement: The requirement that it breaks; None for reach and singularity.
+        boxes: Boxes bounded.
+        seconds: Time that it took [s].
+    """
+
+    workspace: Workspace | None
+    theta: tuple[float, float]
+    proof: Proof
+    limit: tuple[float, float, float]
+    gap: float
+    pose: Pose | None
+    cause: str
+    requirement: Requirement | None
+    boxes: int
+    seconds: float
+
+
+def largest_workspace(
+    design: Design,
+    requirements: Requirements,
+    workspace: Workspace | None = None,
+    *,
+    growth: Growth = Growth.ALL,
+    tolerance: float = TOLERANCE,
+    time_limit: float = 15.0,
+    both_sides: bool = False,
+    progress: Progress | None = None,
+) -> LargestWorkspace:
+    """Find the largest workspace of a shape that is proven to meet requirements.
+
+    Args:
+        design: The robot.
+        requirements: What has to hold.
+        workspace: Shape, center and extents: those that grow give the proportions. Coordinates of
+            the center that are open are chosen by poses. None for that of the requirements.
+        growth: Which extents grow.
+        tolerance: Difference of extents, of what is proven to where a pose breaks a requirement, at
+            which to stop [m].
+        time_limit: When to stop at the latest [s]; the gap then is what it is.
+        both_sides: Whether an open height may be on the other side of the guides than home.
+        progress: Is told what part of the time is over, and may end it.
+
+    Raises:
+        InvalidInput: If there is no workspace, or a number is not possible.
+    """
+    workspace = workspace or requirements.workspace
+    if workspace is None:
+        raise InvalidInput("workspace", "a shape with its proportions is needed")
+    for name, number in (("tolerance", tolerance), ("time_limit", time_limit)):
+        if not (np.isfinite(number) and number > 0.0):
+            raise InvalidInput(name, f"a number above 0 is needed, not {number!r}")
+    control = Control(time_limit, progress)
+    grows, region = growth.axes, region_of(workspace, requirements)
+    free = [place is None for place in workspace.center]
+    growing, place = None, Place(region.center, 0.0)
+    if any(free):
+        search = CenterSearch(design, requirements, region, grows, free, both_sides)
+        place = search.find(control)
+    found, limit = None, (0.0, 0.0, 0.0)
+    if place is not None:
+        region = replace(region, center=place.center)
+        growing = GrowingRegion(design, requirements, region, grows, control)
+        growing.run(tolerance)
+        found = growing.found
+        limit = _size(region.scaled(max(growing.upper, place.scale), grows))
+    if growing is None or found is None:
+        verdict = Verdict.UNDECIDED if max(limit) > 0.0 else Verdict.REFUTED
+        largest, size = None, (0.0, 0.0, 0.0)
+        proof = Proof(verdict, replace(region, half=size), ())
+        cause = "volume" if growing is None else growing.cause or "home"
+    else:
+        size, cause = _size(found), growing.cause
+        largest = Workspace(workspace.shape, size, found.center)
+        evidence, path = growing.evidence(found), home_path(design.geometry, found)
+        proof = Proof(Verdict.PROVEN, found, evidence, path)
+    boxes, seconds = control.boxes, control.elapsed
+    pose = growing and growing.pose
+    proof = replace(proof, boxes=boxes, seconds=seconds)
+    gap = max(a - b for a, b in zip(limit, size, strict=True))
+    return LargestWorkspace(
+        largest, requirements.theta, proof, limit, gap,
+        None if pose is None else pose_of(pose), cause,
+        growing and growing.requirement, boxes, seconds,
+    )  # fmt: skip
+
+
+def _size(region: PoseRegion) -> tuple[float, float, float]:
+    a, b, c = (2.0 * half for half in region.half)
+    return a, b, c

@@ -1,0 +1,1 @@
+"""The search for lengths: cases, trial robots, the outer search, fronts."""

@@ -1,0 +1,260 @@
+"""How good a trial is: closed-form limits first, then poses, as long as it is worth it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from paminsa_viz.errors import InvalidDesign
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.grid import Grid
+from paminsa_viz.model.grids import solve_field
+from paminsa_viz.quantities.requirements import Requirement
+from paminsa_viz.synthesis.masses.space import InnerInfeasible
+from paminsa_viz.synthesis.search import kernels
+from paminsa_viz.synthesis.search.case import Regime, SynthesisCase
+from paminsa_viz.synthesis.search.objectives import find_objective
+from paminsa_viz.synthesis.search.region import TRIAL, Density, farthest
+from paminsa_viz.synthesis.search.trial import Poses, Robots, TrialRobot
+from paminsa_viz.synthesis.search.trial_masses import with_best_masses
+
+REFUSED = 1e9
+"""Cost from which a trial breaks a requirement; below it, all are met."""
+
+STAGES = 6
+"""Stages of an evaluation: lengths, singularities, reach, condition, torques, other quantities."""
+
+CONDITIONS = ("condition", "conditioning")
+REACH = "reach_margin"
+
+
+@dataclass(frozen=True, eq=False)
+class TrialEvaluation:
+    """Values of one trial.
+
+    Attributes:
+        stage: The stage at which it failed, `STAGES` if it meets all requirements.
+        violation: By how much it failed there, as a share of the limits; zero if it did not.
+        objective: What is minimized [SI]; NaN if it failed.
+        worst: Value of each bound's quantity where it is closest to the bound [SI]; NaN if it was
+            not evaluated.
+        limits: Values of the objectives that are limited [SI]; NaN if not evaluated.
+        trial: The robot; None if it does not reach its workspace.
+    """
+
+    stage: int
+    violation: float
+    objective: float
+    worst: Array
+    limits: Array
+    trial: TrialRobot | None
+
+    @property
+    def values(self) -> Array:
+        """Those of the bounds, then those of the limits [SI]."""
+        return np.concatenate([self.worst, self.limits])
+
+    @property
+    def feasible(self) -> bool:
+        """Whether all requirements are met."""
+        return self.stage == STAGES
+
+    def cost(self, sign: float) -> float:
+        """Return the cost: the objective, or `REFUSED` and more, the sooner it failed the more."""
+        if self.feasible:
+            return sign * self.objective
+        share = self.violation / (1 + self.violation) if np.isfinite(self.violation) else 1.0
+        return REFUSED * (STAGES - self.stage + share)
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluator:
+    """Evaluates trials of a case in one regime; can be sent to another process.
+
+    Attributes:
+        case: The case.
+        regime: Which of base and platform is larger.
+        density: How close the poses lie.
+        tighter: By how much each bound, and each limit after them, is tightened [SI]; empty for
+            none.
+        relaxed: Index of a bound, or of a limit after the bounds, that need not be met: what is
+            minimized is then by how much it is broken.
+    """
+
+    case: SynthesisCase
+    regime: Regime
+    density: Density = TRIAL
+    tighter: tuple[float, ...] = ()
+    relaxed: int | None = None
+    _poses: Poses = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_poses", Poses(self.case, self.density))
+
+    def costs(self, numbers: Sequence[Array]) -> list[float]:
+        """Return the costs of some trials."""
+        sign = 1.0 if self.relaxed is not None else find_objective(self.case.objective).sign
+        return [found.cost(sign) for found in self.evaluate(np.asarray(numbers, np.float64))]
+
+    def evaluate(self, numbers: Array) -> list[TrialEvaluation]:
+        """Evaluate trials (n, d) [SI]."""
+        nothing = np.full(len(self.case.requirements.bounds), np.nan)
+        unlimited = np.full(len(self.case.limits), np.nan)
+        robots = Robots.of(self.case, numbers)
+        found: list[TrialEvaluation] = [
+            TrialEvaluation(0, np.inf, np.nan, nothing, unlimited, None) for _ in numbers
+        ]
+        rows = np.flatnonzero(robots.possible)
+        singular = self._singular(robots)
+        beyond = self._beyond_reach(robots)
+        taken = []
+        for p, row in enumerate(rows):
+            if singular[p] > 0:
+                found[row] = TrialEvaluation(1, singular[p], np.nan, nothing, unlimited, None)
+            elif beyond[p] > 0:
+                found[row] = TrialEvaluation(2, beyond[p], np.nan, nothing, unlimited, None)
+            else:
+                taken.append(p)
+        for p, trial in zip(taken, robots.trials(self._poses, taken), strict=True):
+            found[rows[p]] = self._over_poses(trial, robots.margins[p])
+        return found
+
+    def _singular(self, robots: Robots) -> Array:
+        """Return by how much singularities are in the way (p,), as a share of R_b + R_pl."""
+        theta = np.abs(self.case.requirements.theta)
+        low, high = self.case.requirements.theta
+        least = 0.0 if low <= 0.0 <= high else float(theta.min())
+        rb = np.array([g.base_radius for g in robots.geometries])
+        rp = np.array([g.platform_radius for g in robots.geometries])
+        far = np.array([farthest(w) for w in robots.workspaces])
+        circle = np.sqrt(rb**2 + rp**2 - 2 * rb * rp * np.cos(min(least, np.pi)))
+        turn = (
+            rb * np.cos(min(theta.max(), np.pi)) - rp if self.regime is Regime.SMALLER else rp - rb
+        )
+        return (np.maximum(far - circle, 0.0) + np.maximum(-turn, 0.0)) / (rb + rp) + (
+            (far >= circle) | (turn <= 0)
+        ) * 1e-9
+
+    def _beyond_reach(self, robots: Robots) -> Array:
+        """Return by how much limits of reach are exceeded (p,), as a share of the bars."""
+        needed = self.case.margin
+        for index, bound in enumerate(self.case.requirements.bounds):
+            counts = bound.quantity == REACH and index != self.relaxed
+            if counts and bound.low is not None:
+                needed = max(needed, bound.low + self._tightened(index))
+        # The bars can be stretched and joints 5 on their axes at a singular pose only.
+        short = np.maximum(needed - robots.margins, 0.0).sum(axis=-1)
+        short += (robots.margins[:, [0, 1, 3]] <= 0).any(axis=-1) * 1e-9
+        if not self.case.above_guides:
+            short += np.maximum(robots.spans.beyond, 0.0)
+        bars = np.array([g.crank_length + g.coupler_length for g in robots.geometries])
+        return short / bars
+
+    def _tightened(self, index: int) -> float:
+        return self.tighter[index] if self.tighter else 0.0
+
+    def _over_poses(self, trial: TrialRobot, margins: Array) -> TrialEvaluation:
+        bounds = self.case.requirements.bounds
+        worst = np.full(len(bounds), np.nan)
+        unlimited = np.full(len(self.case.limits), np.nan)
+        for index, bound in enumerate(bounds):
+            if bound.quantity == REACH:
+                worst[index] = margins.min()
+        stages = (self._conditions, self._torques, self._others)
+        for stage, values in enumerate(stages, 3):
+            over = 0.0
+            if stage == 4 and self.case.inner is not None:
+                try:
+                    trial = with_best_masses(trial, self.tighter, self.relaxed)
+                except InnerInfeasible as error:
+                    return TrialEvaluation(stage, error.excess, np.nan, worst, unlimited, trial)
+            for index, extremes in values(trial):
+                worst[index], broken = self._worst(index, bounds[index], extremes)
+                over += broken if index != self.relaxed else 0.0
+            limits = unlimited
+            if stage == 4:
+                over_limits, unlimited = self._limits(trial)
+                over, limits = over + over_limits, unlimited
+            if over > 0:
+                return TrialEvaluation(stage, over, np.nan, worst, limits, trial)
+        value = self._objective(trial, worst, unlimited)
+        if not np.isfinite(value):
+            return TrialEvaluation(STAGES - 1, np.inf, np.nan, worst, unlimited, trial)
+        return TrialEvaluation(STAGES, 0.0, value, worst, unlimited, trial)
+
+    def _objective(self, trial: TrialRobot, worst: Array, limits: Array) -> float:
+        if self.relaxed is None:
+            return float(find_objective(self.case.objective).value(trial))
+        bounds = self.case.requirements.bounds
+        if self.relaxed < len(bounds):
+            return -float(bounds[self.relaxed].margin(worst[self.relaxed]))
+        limit = self.case.limits[self.relaxed - len(bounds)]
+        return -limit.margin(limits[self.relaxed - len(bounds)])
+
+    def _worst(
+        self, index: int, bound: Requirement, extremes: tuple[float, float]
+    ) -> tuple[float, float]:
+        """Return the value that is closest to a bound, and by what share it breaks it."""
+        if np.isnan(extremes).any():  # no pose of the workspace is asked for
+            return float("nan"), 0.0
+        margins = bound.margin(extremes)
+        which = int(np.argmin(margins))
+        limit = bound.low if which == 0 and bound.low is not None else bound.high
+        scale = abs(limit) if limit else 1.0
+        broken = max(0.0, self._tightened(index) - float(margins[which])) / scale
+        return float(extremes[which]), broken
+
+    def _limits(self, trial: TrialRobot) -> tuple[float, Array]:
+        over, values = 0.0, []
+        for index, limit in enumerate(self.case.limits, len(self.case.requirements.bounds)):
+            value = float(find_objective(limit.objective).value(trial))
+            values.append(value)
+            if index != self.relaxed:
+                broken = max(0.0, self._tightened(index) - limit.margin(value))
+                over += broken / (abs(limit.most) or 1.0)
+        return over, np.array(values)
+
+    def _conditions(self, trial: TrialRobot) -> Iterable[tuple[int, tuple[float, float]]]:
+        for index, bound in enumerate(self.case.requirements.bounds):
+            if bound.quantity in CONDITIONS:
+                low, high = trial.condition(self.case.requirements.headings(bound))
+                if bound.quantity == "conditioning":
+                    low, high = 1 / high, 1 / low
+                yield index, (low, high)
+
+    def _torques(self, trial: TrialRobot) -> Iterable[tuple[int, tuple[float, float]]]:
+        solved = {}
+        for index, bound in enumerate(self.case.requirements.bounds):
+            if bound.quantity in kernels.TORQUE_COLUMNS:
+                window = (self.case.requirements.headings(bound), bound.z)
+                if window not in solved:
+                    solved[window] = trial.torques(*window)
+                column = kernels.TORQUE_COLUMNS.index(bound.quantity)
+                yield index, (float(solved[window][0, column]), float(solved[window][1, column]))
+
+    def _others(self, trial: TrialRobot) -> Iterable[tuple[int, tuple[float, float]]]:
+        """Quantities that have no kernel, by the registry on all poses: slower a hundred times."""
+        known = (*CONDITIONS, REACH, *kernels.TORQUE_COLUMNS)
+        for index, bound in enumerate(self.case.requirements.bounds):
+            if bound.quantity in known and not (bound.quantity == REACH and bound.low is None):
+                continue
+            samples = self._poses.over(self.case.requirements.headings(bound))
+            heights = trial.heights(bound.z)
+            if not len(heights):
+                continue
+            try:
+                design = trial.design
+            except InvalidDesign:
+                yield index, (-np.inf, np.inf)
+                continue
+            low, high = np.inf, -np.inf
+            for x, y in samples.place(samples.within, trial.workspace):
+                grid = Grid.over((x, y, 0.0, 0.0), theta=samples.theta, z=heights)
+                values = bound.entry.over(solve_field(design.geometry, grid, threads=1), design)
+                if not np.isfinite(values).all():
+                    low, high = -np.inf, np.inf
+                    break
+                low, high = min(low, values.min()), max(high, values.max())
+            yield index, (float(low), float(high))

@@ -1,0 +1,119 @@
+"""What a synthesis can minimize: one registry."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.units import DisplayUnit, display_unit
+
+if TYPE_CHECKING:
+    from paminsa_viz.synthesis.search.trial import TrialRobot
+
+
+@dataclass(frozen=True)
+class Objective:
+    """A number of a robot and its workspace that is minimized or limited.
+
+    Attributes:
+        key: Name in Python, in case files and on the command line.
+        label: Name in choices.
+        title: What it is.
+        unit: SI unit.
+        value: ``value(trial)`` of a robot that meets the requirements [SI].
+        largest: Whether it is maximized instead.
+    """
+
+    key: str
+    label: str
+    title: str
+    unit: str
+    value: Callable[[TrialRobot], float]
+    largest: bool = False
+
+    @property
+    def display(self) -> DisplayUnit:
+        """The unit for display."""
+        return display_unit(self.unit)
+
+    @property
+    def sign(self) -> float:
+        """-1 where it is maximized."""
+        return -1.0 if self.largest else 1.0
+
+
+_LEG_MASSES = [
+    index for index, path in enumerate(MASS_PATHS) if path.startswith(("joints.", "links."))
+]
+_PLATFORM = MASS_PATHS.index("platform.mass")
+
+
+def _moving_mass(trial: TrialRobot) -> float:
+    legs = float(trial.masses[_LEG_MASSES].sum())
+    owner = trial.case.reference if trial.inner is None else trial.inner.design
+    weights = sum(weight.mass for weight in owner.counterweights)
+    return 3 * (legs + weights) + float(trial.masses[_PLATFORM])
+
+
+def _of_motions(trial: TrialRobot, key: str) -> float:
+    assert trial.inner is not None  # see `masses.case.check_inner`
+    return trial.inner.value(key)
+
+
+def _volume(trial: TrialRobot) -> float:
+    from paminsa_viz.quantities.requirements import WorkspaceShape
+
+    x, y, z = trial.workspace.size
+    return x * y * z * (math.pi / 4 if trial.workspace.shape is WorkspaceShape.CYLINDER else 1.0)
+
+
+OBJECTIVES: dict[str, Objective] = {
+    item.key: item
+    for item in (
+        Objective(
+            "footprint", "footprint R_f",
+            "Radius about z swept by joints 5, 8, 9 and the guides' ends over the workspace", "m",
+            lambda trial: trial.footprint,
+        ),
+        Objective(
+            "moving_mass", "moving mass",
+            "Mass of the platform and of all legs with their counterweights", "kg", _moving_mass,
+        ),
+        Objective(
+            "static_torque", "peak static torque",
+            "Largest static torque of M1 to M3 over the workspace; zero where M_p2 is", "N m",
+            lambda trial: trial.static_torque,
+        ),
+        Objective(
+            "peak_torque", "peak torque on motions",
+            "Largest torque of M1 to M3 on the motions", "N m",
+            lambda trial: _of_motions(trial, "peak_torque"),
+        ),
+        Objective(
+            "energy", "energy of motions",
+            "Energy that the actuators put in on the motions; braking gives none back", "J",
+            lambda trial: _of_motions(trial, "energy"),
+        ),
+        Objective(
+            "volume", "volume of the workspace",
+            "Volume of the workspace, whose width or height is searched", "m^3", _volume,
+            largest=True,
+        ),
+    )
+}  # fmt: skip
+"""Every objective by its key, in the order of choices."""
+
+
+def find_objective(key: str) -> Objective:
+    """Return an objective.
+
+    Raises:
+        InvalidInput: If there is none of this key; names the known ones.
+    """
+    if key not in OBJECTIVES:
+        raise InvalidInput("objective", f"{', '.join(OBJECTIVES)} are known, not {key!r}")
+    return OBJECTIVES[key]

@@ -1,0 +1,113 @@
+"""The answer of a synthesis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from paminsa_viz.model.design import Design
+from paminsa_viz.quantities.requirements import Requirement, Workspace
+from paminsa_viz.synthesis.masses.program import InnerSolution
+from paminsa_viz.synthesis.proof.evidence import Proof
+from paminsa_viz.synthesis.search.case import ObjectiveLimit, Regime, SynthesisCase
+from paminsa_viz.synthesis.search.evaluation import TrialEvaluation
+from paminsa_viz.synthesis.search.outer import RegimeState
+
+ACTIVE = 0.005
+"""Margin below which a bound is active, as a share of the bound."""
+
+
+@dataclass(frozen=True)
+class BoundOutcome:
+    """A bound or a limit, and how the answer meets it.
+
+    Attributes:
+        bound: What is bounded.
+        value: The value closest to the bound over the workspace [SI]; NaN if it is not known.
+        margin: How far it is inside the bound, negative outside [SI].
+        active: Whether the bound decides: the margin is below 0.5 % of it.
+    """
+
+    bound: Requirement | ObjectiveLimit
+    value: float
+    margin: float
+    active: bool
+
+
+@dataclass(frozen=True)
+class RelaxedBound:
+    """What a bound or a limit would have to be for the others to be met.
+
+    Attributes:
+        bound: What is bounded.
+        nearest: The nearest value that was found [SI]; NaN if the others contradict as well.
+        change: By how much that is farther, as a share of the bound.
+    """
+
+    bound: Requirement | ObjectiveLimit
+    nearest: float
+    change: float
+
+
+@dataclass(frozen=True, eq=False)
+class SynthesisResult:
+    """Answer of a synthesis.
+
+    Attributes:
+        case: The question.
+        design: The best robot; the reference where there is none at all.
+        workspace: Its workspace, with its height.
+        regime: Which of base and platform is larger.
+        feasible: Whether it meets all requirements, on the finer poses.
+        objective: What was minimized [SI]; NaN if it is not feasible.
+        outcomes: How it meets each bound, and each limit.
+        states: Where the search of each regime ended, for another one to go on from.
+        refused: Regimes that were excluded before the search, and why.
+        relaxed: For each bound and limit, if nothing meets all of them, what its nearest value is
+            that the others leave possible.
+        canceled: Whether it was ended by the progress function.
+        poses: Over how many poses the answer was verified.
+        inner: The best masses and springs for its lengths, with their certificate; None if none
+            are free.
+        proof: What is proven of it over the whole workspace; None if no proof was asked for.
+    """
+
+    case: SynthesisCase
+    design: Design
+    workspace: Workspace
+    regime: Regime | None
+    feasible: bool
+    objective: float
+    outcomes: tuple[BoundOutcome, ...]
+    states: tuple[RegimeState, ...]
+    refused: dict[Regime, str]
+    relaxed: tuple[RelaxedBound, ...]
+    canceled: bool
+    poses: int
+    inner: InnerSolution | None = None
+    proof: Proof | None = None
+
+    @property
+    def trials(self) -> int:
+        """Robots tried."""
+        return sum(state.trials for state in self.states)
+
+
+def limit_of(bound: Requirement | ObjectiveLimit) -> float:
+    """Return the bound that counts: the largest value, else the least one [SI]."""
+    if isinstance(bound, ObjectiveLimit):
+        return bound.most
+    limit = bound.low if bound.high is None else bound.high
+    assert limit is not None  # a requirement has one of them
+    return limit
+
+
+def outcomes_of(case: SynthesisCase, found: TrialEvaluation) -> tuple[BoundOutcome, ...]:
+    """Return how an evaluation meets each bound and each limit of a case."""
+    bounds = (*case.requirements.bounds, *case.limits)
+    rows = []
+    for bound, value in zip(bounds, found.values.tolist(), strict=True):
+        margin = float(bound.margin(value))
+        rows.append(
+            BoundOutcome(bound, value, margin, abs(margin) <= ACTIVE * abs(limit_of(bound)))
+        )
+    return tuple(rows)

@@ -1,0 +1,1 @@
+"""Where all requirements of a robot hold, which of them do, and which contradict."""

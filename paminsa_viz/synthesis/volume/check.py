@@ -1,0 +1,223 @@
+"""Which requirements a robot meets: the worst value of each, where it is, and its margin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.model.design import Design
+from paminsa_viz.quantities.requirement_text import requirement_label
+from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.synthesis.volume.grid import COARSE, FINE
+from paminsa_viz.synthesis.volume.margins import Canceled, Progress, headings
+from paminsa_viz.synthesis.volume.reach import reach_bounds
+from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
+from paminsa_viz.synthesis.volume.workspace import (
+    Center,
+    RequirementCheck,
+    Samples,
+    best_center,
+    reach_items,
+    sample_workspace,
+    worst_over,
+)
+
+FINER = 4
+"""How many times closer the headings of a fine check of a workspace lie than those of a volume."""
+
+SAMPLES = {False: 3, True: 8}
+"""Samples from a workspace's center to its boundary, of a coarse and of a fine check."""
+
+_ROUNDS = 8
+"""Moves of a workspace that is free, each by a node's distance or less."""
+
+
+class Over(Enum):
+    """What a check is over."""
+
+    WORKSPACE = "required workspace"
+    VOLUME = "volume"
+    BEST = "best pose of the reachable volume"
+
+
+@dataclass(frozen=True, eq=False)
+class RequirementsCheck:
+    """Which requirements hold.
+
+    Attributes:
+        items: Reach, singularity, then every requirement.
+        over: What they are checked over.
+        center: Center of the required workspace, where there is one [m].
+        volume: The volume that was solved, None where none was needed.
+    """
+
+    items: tuple[RequirementCheck, ...]
+    over: Over
+    center: Center | None
+    volume: Volume | None
+
+    @property
+    def holds(self) -> bool:
+        """Whether all hold together."""
+        return self.over is not Over.BEST and all(item.holds for item in self.items)
+
+
+def check_requirements(
+    design: Design,
+    requirements: Requirements,
+    *,
+    fine: bool = False,
+    volume: Volume | None = None,
+    progress: Progress | None = None,
+) -> RequirementsCheck:
+    """Say which requirements hold, over the required workspace if there is one.
+
+    Without one, they are checked over the volume where all hold; if that is empty, each at the pose
+    that is best for it. Free coordinates of a workspace are chosen so that it lies deepest in the
+    volume. Reach and singularity hold for the whole range of headings, by closed forms; quantities
+    at sampled poses.
+
+    Args:
+        design: The robot.
+        requirements: What has to hold.
+        fine: Whether to sample finely; coarse takes some ten milliseconds.
+        volume: The volume of the same design and requirements, if it is at hand.
+        progress: Is told what part is done, and may end it.
+
+    Raises:
+        Canceled: If ``progress`` says so.
+    """
+    resolution = FINE if fine else COARSE
+    workspace = requirements.workspace
+    if workspace is not None and None not in workspace.center:
+        x, y, z = (float(place or 0.0) for place in workspace.center)
+        return _over_workspace(design, requirements, (x, y, z), fine, volume, progress)
+    if volume is None:
+        volume = solve_volume(design, requirements, resolution=resolution, progress=progress)
+    if workspace is None:
+        return _over_volume(volume)
+    center = best_center(workspace, volume)
+    if fine:
+        center = _refined(design, requirements, center, volume.cell)
+    return _over_workspace(design, requirements, center, fine, volume, progress)
+
+
+def _over_workspace(
+    design: Design,
+    requirements: Requirements,
+    center: Center,
+    fine: bool,
+    volume: Volume | None,
+    progress: Progress | None,
+) -> RequirementsCheck:
+    assert requirements.workspace is not None
+    density = SAMPLES[fine]
+    samples = sample_workspace(requirements.workspace, center, density)
+    count = FINER * (FINE.headings - 1) + 1 if fine else COARSE.headings
+    items = list(reach_items(design, requirements, samples))
+    for index, bound in enumerate(requirements.bounds):
+        if progress is not None and progress(index / len(requirements.bounds)):
+            raise Canceled
+        budget = (FINE if fine else COARSE).budget
+        few, turns = density, count
+        own = samples
+        while few > 1 and bound.entry.cost * len(own.positions) * len(own.z) * turns > budget:
+            few, turns = few - 1, max(COARSE.headings, turns // 2)
+            own = sample_workspace(requirements.workspace, center, few)
+        theta = headings(requirements.headings(bound), turns)
+        items.append(worst_over(design, bound, index, own, theta))
+    return RequirementsCheck(tuple(items), Over.WORKSPACE, center, volume)
+
+
+def _over_volume(volume: Volume) -> RequirementsCheck:
+    """Check requirements at the nodes of the volume, or where it is empty at the best nodes."""
+    over = Over.BEST if volume.empty else Over.VOLUME
+    inside = volume.reachable if volume.empty else volume.inside
+    requirements = volume.requirements
+    if not volume.reachable.any():
+        middle = np.zeros((1, 2))
+        samples = Samples(middle, volume.z)
+        return RequirementsCheck(_nothing(volume, samples), over, None, volume)
+    nodes = np.nonzero(inside)
+    items = list(_volume_reach_items(volume, inside))
+    for index, bound in enumerate(requirements.bounds):
+        margin = volume.margins[index][nodes]
+        number = int(margin.argmax() if volume.empty else margin.argmin())
+        i, j, k = (int(axis[number]) for axis in nodes)
+        samples = Samples(np.array([[volume.x[i], volume.y[j]]]), volume.z[[k]])
+        theta = headings(requirements.headings(bound), volume.headings)
+        items.append(worst_over(volume.design, bound, index, samples, theta))
+    return RequirementsCheck(tuple(items), over, None, volume)
+
+
+def _volume_reach_items(volume: Volume, inside: NDArray[np.bool_]) -> list[RequirementCheck]:
+    columns = np.nonzero(inside.any(axis=2))
+    positions = np.column_stack([volume.x[columns[0]], volume.y[columns[1]]])
+    bounds = reach_bounds(
+        volume.design.geometry, positions[:, :1], positions[:, 1:], volume.requirements.theta
+    )
+    margin = np.where(inside[columns], bounds.margin(volume.z)[0], np.inf)
+    i, k = (int(n) for n in np.unravel_index(int(margin.argmin()), margin.shape))
+    reach, _ = reach_items(
+        volume.design, volume.requirements, Samples(positions[[i]], volume.z[[k]])
+    )
+    n = int(bounds.position[:, 0].argmin())
+    _, singular = reach_items(
+        volume.design, volume.requirements, Samples(positions[[n]], volume.z[[k]])
+    )
+    return [reach, singular]
+
+
+def _nothing(volume: Volume, samples: Samples) -> tuple[RequirementCheck, ...]:
+    """Return the items of a robot that can take no pose with every heading."""
+    bounds = reach_bounds(volume.design.geometry, 0.0, 0.0, volume.requirements.theta)
+    height = Samples(samples.positions, samples.z[[int(bounds.margin(samples.z)[0].argmax())]])
+    items = reach_items(volume.design, volume.requirements, height)
+    reason = "no pose can be taken with every heading"
+    broken = (
+        RequirementCheck(
+            requirement_label(bound), bound.entry.unit, np.nan, -np.inf, None, False, reason, index
+        )
+        for index, bound in enumerate(volume.requirements.bounds)
+    )
+    return (*items, *broken)
+
+
+def _refined(design: Design, requirements: Requirements, center: Center, step: float) -> Center:
+    """Move the free coordinates of a workspace to where its least relative margin is larger."""
+    workspace = requirements.workspace
+    assert workspace is not None
+    free = [place is None for place in workspace.center]
+
+    def score(place: Center) -> float:
+        found = _over_workspace(design, requirements, place, False, None, None)
+        return min(_relative(design, requirements, item) for item in found.items)
+
+    best = score(center)
+    for _ in range(_ROUNDS):
+        tried = [
+            (*center[:axis], center[axis] + move, *center[axis + 1 :])
+            for axis in range(3)
+            for move in (-step, step)
+            if free[axis]
+        ]
+        scores = [score((x, y, z)) for x, y, z in tried]
+        if max(scores) > best:
+            best = max(scores)
+            x, y, z = tried[int(np.argmax(scores))]
+            center = x, y, z
+        else:
+            step *= 0.5
+    return center
+
+
+def _relative(design: Design, requirements: Requirements, item: RequirementCheck) -> float:
+    """Return a margin over the size of its bound; of lengths over that of B4 and B8."""
+    if item.requirement is None:
+        return item.margin / (design.geometry.crank_length + design.geometry.coupler_length)
+    bound = requirements.bounds[item.requirement]
+    sizes = [abs(limit) for limit in (bound.low, bound.high) if limit]
+    return item.margin / (min(sizes) if sizes else 1.0)

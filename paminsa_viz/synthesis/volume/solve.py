@@ -1,0 +1,274 @@
+"""The volume where requirements hold: positions and heights where they do for every heading."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.reach import MARGINS, Limit
+from paminsa_viz.quantities.requirements import Requirement, Requirements
+from paminsa_viz.synthesis.volume.causes import (
+    DISCONNECTED,
+    FIRST_REACH,
+    FIRST_REQUIREMENT,
+    INSIDE,
+    OTHER_SIDE,
+    SINGULAR,
+    VolumeCause,
+    causes_of,
+    enclosed_volume,
+    margin_distance,
+    margin_slope,
+    reach_distances,
+)
+from paminsa_viz.synthesis.volume.grid import (
+    FINE,
+    Resolution,
+    axes_of,
+    home_side,
+    joined_to_home,
+)
+from paminsa_viz.synthesis.volume.margins import Progress, heading_margins
+from paminsa_viz.synthesis.volume.reach import reach_bounds
+
+
+@dataclass(frozen=True, eq=False)
+class Volume:
+    """Where every requirement holds for every heading, joined to home.
+
+    Arrays lie on a grid of nodes and have the shape (x, y, z).
+
+    Attributes:
+        design, requirements: What it was solved for.
+        x, y, z: Coordinates of the nodes, equally spaced [m].
+        headings: Sampled headings over each range.
+        cause: Code of the cause at each node: the index of an entry of ``causes``; 0 inside.
+        causes: What the codes mean.
+        margins: (requirements, x, y, z) least margin of each requirement over its headings [SI];
+            minus infinite where there is no value, NaN where a pose cannot be taken.
+        depth: Estimated distance to what ends the volume, negative outside of it [m]; the surface
+            is where it is zero.
+        nearest: Code of the cause that ends the volume next to a node inside; elsewhere the cause.
+        reachable: Nodes whose poses can be taken with every heading, joined to home.
+        volume: [m^3].
+        error: What twice the cells' size, and every second heading, change it by [m^3].
+        reachable_volume: Volume of the reachable body [m^3].
+        home_inside: Whether home is in the volume. If not, it is the largest connected part that
+            can be reached from home.
+    """
+
+    design: Design
+    requirements: Requirements
+    x: Array
+    y: Array
+    z: Array
+    headings: int
+    cause: NDArray[np.uint8]
+    causes: tuple[VolumeCause, ...]
+    margins: Array
+    depth: Array
+    nearest: NDArray[np.uint8]
+    reachable: NDArray[np.bool_]
+    volume: float
+    error: float
+    reachable_volume: float
+    home_inside: bool
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """Nodes of the volume."""
+        return self.cause == INSIDE
+
+    @property
+    def empty(self) -> bool:
+        """Whether no node meets all requirements."""
+        return not self.inside.any()
+
+    @property
+    def cell(self) -> float:
+        """Distance of the nodes [m]."""
+        return float(self.x[1] - self.x[0])
+
+    @property
+    def utilization(self) -> float:
+        """Share of the reachable volume; NaN where nothing can be reached."""
+        return self.volume / self.reachable_volume if self.reachable_volume > 0 else float("nan")
+
+    @cached_property
+    def met(self) -> NDArray[np.bool_]:
+        """Where each requirement is met, (requirements, x, y, z); False out of reach."""
+        return self.margins >= 0.0
+
+    @cached_property
+    def removed_alone(self) -> Array:
+        """Share of the reachable nodes at which each requirement is broken (requirements,)."""
+        count = max(1, int(self.reachable.sum()))
+        return 1.0 - (self.met & self.reachable).sum(axis=(1, 2, 3)) / count
+
+    @cached_property
+    def removed_last(self) -> Array:
+        """Share of the reachable nodes at which each is the only one broken (requirements,)."""
+        count = max(1, int(self.reachable.sum()))
+        broken = (~self.met).sum(axis=0)
+        only = (broken == 1) & self.reachable
+        return (only & ~self.met).sum(axis=(1, 2, 3)) / count
+
+    def shares(self) -> dict[VolumeCause, float]:
+        """Return what share of the reachable nodes each cause takes, those that take any."""
+        codes = np.bincount(self.cause[self.reachable], minlength=len(self.causes))
+        count = max(1, int(self.reachable.sum()))
+        return {self.causes[code]: codes[code] / count for code in np.flatnonzero(codes)}
+
+
+def solve_volume(
+    design: Design,
+    requirements: Requirements,
+    *,
+    resolution: Resolution = FINE,
+    both_sides: bool = False,
+    progress: Progress | None = None,
+) -> Volume:
+    """Find where every requirement holds for its whole range of headings, joined to home.
+
+    Reach and singularity are decided for the whole range in closed form; quantities at the sampled
+    headings. A node belongs to the volume if each of its poses can be taken, none is singular nor
+    beyond a singularity from home, and every requirement is met; and if a path of such nodes joins
+    it to home (`model.reach.home_pose`).
+
+    Args:
+        design: The robot.
+        requirements: What has to hold.
+        resolution: How finely to sample.
+        both_sides: Whether heights on the other side of the guides than home count.
+        progress: Is told what part is done, and may end it.
+
+    Raises:
+        Canceled: If ``progress`` says so.
+    """
+    x, z, headings = axes_of(design, requirements, resolution, both_sides)
+    step = float(x[1] - x[0])
+    g = design.geometry
+    bounds = reach_bounds(g, x[:, None, None], x[None, :, None], requirements.theta)
+    margin, which = bounds.margin(z)
+    side = home_side(g, z, both_sides)
+    reached = _reached(margin, which)
+    takes = reached & bounds.regular & (side >= 0.0)
+    reachable = joined_to_home(takes, x, z, g)[0]
+    margins, fewer = _margins(design, requirements, x, z, reachable, headings, progress)
+    met = (margins >= 0.0).all(axis=0) & reachable
+    inside, home_inside = joined_to_home(met, x, z, g)
+
+    body, nearest = reach_distances(bounds, z)
+    nearest = np.where(side < body, np.uint8(OTHER_SIDE), nearest)
+    body = np.minimum(body, side)
+    body = np.where(reachable, np.maximum(body, 0.0), -np.abs(body))
+    depth, looser, worst = body, body, np.zeros(1, np.uint8)
+    if len(margins):
+        least, least_of_fewer, worst = _distances(requirements, margins, fewer, z, step)
+        nearest = np.where(least < body, FIRST_REQUIREMENT + worst, nearest).astype(np.uint8)
+        depth, looser = np.fmin(body, least), np.fmin(body, least_of_fewer)
+    depth = np.where(inside, np.maximum(depth, 0.0), -np.abs(depth))
+
+    cause = np.full(takes.shape, INSIDE, np.uint8)
+    cause[~inside] = DISCONNECTED
+    if len(margins):
+        cause = np.where(reachable & ~met, FIRST_REQUIREMENT + worst, cause).astype(np.uint8)
+    cause[np.broadcast_to(~bounds.regular, cause.shape)] = SINGULAR
+    cause = np.where(reached, cause, FIRST_REACH + which).astype(np.uint8)
+    cause[..., side < 0.0] = OTHER_SIDE
+
+    volume = enclosed_volume(depth, step)
+    # Two grids of twice the cells' size, as one may come close by chance.
+    halves = (enclosed_volume(depth[n::2, n::2, n::2], 2.0 * step) for n in range(2))
+    error = max(abs(volume - half) for half in halves)
+    if not np.array_equal(fewer, margins, equal_nan=True):
+        looser = np.where(met & ~inside, -np.abs(looser), looser)
+        error += abs(enclosed_volume(looser, step) - volume)
+    return Volume(
+        design, requirements, x, x, z, headings, cause, causes_of(requirements), margins,
+        depth, np.where(inside, nearest, cause), reachable, volume, error,
+        enclosed_volume(body, step), home_inside,
+    )  # fmt: skip
+
+
+_GUIDE = MARGINS.index(Limit.GUIDE)
+
+
+def _margins(
+    design: Design,
+    requirements: Requirements,
+    x: Array,
+    z: Array,
+    reachable: NDArray[np.bool_],
+    headings: int,
+    progress: Progress | None,
+) -> tuple[Array, Array]:
+    """Return margins on the nodes, and those over every second heading; NaN out of reach."""
+    shape = (len(requirements.bounds), *reachable.shape)
+    found = np.full(shape, np.nan), np.full(shape, np.nan)
+    columns = reachable.any(axis=2)
+    if not columns.any() or not requirements.bounds:
+        return found
+    heights = slice(*_span(np.any(reachable, axis=(0, 1))))
+    index = np.nonzero(columns)
+    positions = np.column_stack([x[index[0]], x[index[1]]])
+    solved = heading_margins(design, requirements, positions, z[heights], headings, progress)
+    for target, source in zip(found, (solved.least, solved.coarse), strict=True):
+        for number in range(len(target)):
+            target[number, index[0], index[1], heights] = source[number]
+        for number, bound in enumerate(requirements.bounds):
+            if bound.theta is not None:  # it has no value where these headings cannot be taken
+                target[number][~_takes(design.geometry, x, z, bound)] = -np.inf
+        target[:, ~reachable] = np.nan
+    return found
+
+
+def _takes(geometry: Geometry, x: Array, z: Array, bound: Requirement) -> NDArray[np.bool_]:
+    """Return where a requirement's own headings can be taken, or do not count."""
+    assert bound.theta is not None
+    own = reach_bounds(geometry, x[:, None, None], x[None, :, None], bound.theta)
+    free = np.zeros(z.shape, np.bool_)
+    if bound.z is not None:
+        free = (z < bound.z[0]) | (z > bound.z[1])
+    return (_reached(*own.margin(z)) & own.regular) | free
+
+
+def _reached(margin: Array, which: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    """Return where a margin and its limit are those of a pose that can be taken."""
+    # A guide may be used to its end.
+    return (margin > 0.0) | ((margin == 0.0) & (which % len(MARGINS) == _GUIDE))
+
+
+def _span(used: NDArray[np.bool_]) -> tuple[int, int]:
+    """Return the first index that is used and the one after the last."""
+    index = np.flatnonzero(used)
+    return int(index[0]), int(index[-1]) + 1
+
+
+def _distances(
+    requirements: Requirements, margins: Array, fewer: Array, z: Array, step: float
+) -> tuple[Array, Array, NDArray[np.uint8]]:
+    """Return the least distance to where a requirement breaks (x, y, z), and which does.
+
+    The second result is the least distance by the margins over fewer headings [m].
+    """
+    shape = margins.shape[1:]
+    least, loose = np.full(shape, np.inf), np.full(shape, np.inf)
+    worst = np.zeros(shape, np.uint8)
+    for number, bound in enumerate(requirements.bounds):
+        slope = margin_slope(margins[number])
+        distance, looser = (
+            margin_distance(values[number], slope, step) for values in (margins, fewer)
+        )
+        if bound.z is not None:
+            beyond = np.maximum(bound.z[0] - z, z - bound.z[1])
+            distance, looser = np.maximum(distance, beyond), np.maximum(looser, beyond)
+        nearer = distance < least
+        least, worst = np.where(nearer, distance, least), np.where(nearer, np.uint8(number), worst)
+        loose = np.fmin(loose, looser)
+    return least, loose, worst

@@ -1,0 +1,225 @@
+"""Sample poses of a regular workspace, its best place, and the worst of a requirement over it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.reach import LEAST_MARGIN, MARGINS, Limit
+from paminsa_viz.quantities.requirement_text import requirement_label
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
+from paminsa_viz.synthesis.volume.margins import Columns, headings, solve_columns
+from paminsa_viz.synthesis.volume.reach import reach_bounds
+from paminsa_viz.synthesis.volume.solve import Volume
+
+Center = tuple[float, float, float]
+
+DIRECTIONS = 12
+"""Directions of samples on the innermost ring; the legs' own are among them."""
+
+
+class Samples(NamedTuple):
+    """Positions and heights, on the boundary of a workspace and within.
+
+    Attributes:
+        positions: (n, 2) [m].
+        z: (heights,) [m].
+    """
+
+    positions: Array
+    z: Array
+
+
+def sample_workspace(workspace: Workspace, center: Center, density: int) -> Samples:
+    """Return samples of a workspace at a center [m]; its boundary and corners are among them.
+
+    Args:
+        workspace: Shape and size.
+        center: Its center (x, y, z) [m].
+        density: Samples from the center to the boundary.
+    """
+    x, y, height = (0.5 * extent for extent in workspace.size)
+    if workspace.shape is WorkspaceShape.CYLINDER:
+        rings = []
+        for radius in np.linspace(0.0, x, density + 1)[1:]:
+            count = DIRECTIONS * max(1, round(density * radius / x / 2))
+            angle = np.radians(30.0) + 2.0 * np.pi * np.arange(count) / count
+            rings.append(radius * np.column_stack([np.cos(angle), np.sin(angle)]))
+        flat = np.concatenate([np.zeros((1, 2)), *rings])
+    else:
+        side = np.linspace(-1.0, 1.0, 2 * density + 1)
+        flat = np.stack(np.meshgrid(x * side, y * side, indexing="ij"), axis=-1).reshape(-1, 2)
+    z = center[2] + height * np.linspace(-1.0, 1.0, 2 * density + 1)
+    return Samples(flat + np.array(center[:2]), z)
+
+
+def best_center(workspace: Workspace, volume: Volume) -> Center:
+    """Return the center at which a workspace lies deepest in a volume, to a node [m].
+
+    Coordinates that the workspace gives are kept. Where it does not fit, it is where it sticks out
+    least.
+    """
+    depth = least_within(volume.depth, workspace, volume)
+    return center_at(workspace, volume, int(depth.argmax()))
+
+
+def center_at(workspace: Workspace, volume: Volume, candidate: int) -> Center:
+    """Return the center [m] of a candidate by its flat index in the result of `least_within`."""
+    axes = _candidates(workspace, volume)
+    index = np.unravel_index(candidate, [len(axis) for axis in axes])
+    x, y, z = (
+        float(coordinate[axis[i]]) if place is None else place
+        for axis, i, place, coordinate in zip(
+            axes, index, workspace.center, (volume.x, volume.y, volume.z), strict=True
+        )
+    )
+    return x, y, z
+
+
+def least_within(values: Array, workspace: Workspace, volume: Volume) -> Array:
+    """Return the least value within a workspace at each of its possible centers, (x, y, z).
+
+    Coordinates that the workspace gives have one center, the nearest node.
+
+    Args:
+        values: (x, y, z) on the volume's nodes; NaN counts as minus infinite, as does what lies
+            beyond the nodes.
+        workspace: Shape, size and center.
+        volume: The volume.
+    """
+    # Late: it takes a third of a second to load.
+    from scipy import ndimage
+
+    step = volume.cell
+    found = np.where(np.isnan(values), -np.inf, values)
+    reach = [round(0.5 * extent / step) for extent in workspace.size]
+    found = ndimage.minimum_filter1d(found, 2 * reach[2] + 1, axis=2, mode="constant", cval=-np.inf)
+    rows, columns, heights = _candidates(workspace, volume)
+    found = found[..., heights]
+    offset = [step * np.arange(-count, count + 1) for count in reach[:2]]
+    if workspace.shape is WorkspaceShape.CYLINDER:
+        disc = np.hypot(offset[0][:, None], offset[1]) <= 0.5 * workspace.size[0] + 1e-9 * step
+    else:
+        disc = np.ones((len(offset[0]), len(offset[1])), np.bool_)
+    if len(rows) > 1 or len(columns) > 1:
+        found = ndimage.minimum_filter(
+            found, footprint=disc[..., None], mode="constant", cval=-np.inf
+        )
+        return found[np.ix_(rows, columns)]
+    i, j = np.nonzero(disc)
+    i, j = i + rows[0] - reach[0], j + columns[0] - reach[1]
+    held = (i >= 0) & (i < len(volume.x)) & (j >= 0) & (j < len(volume.y))
+    if not held.all():
+        return np.full((1, 1, len(heights)), -np.inf)
+    return found[i, j].min(axis=0)[None, None]
+
+
+def _candidates(workspace: Workspace, volume: Volume) -> list[NDArray[np.intp]]:
+    """Return the indices of the nodes at which a center may lie, along each axis."""
+    return [
+        np.arange(len(axis)) if place is None else np.array([np.abs(axis - place).argmin()])
+        for axis, place in zip((volume.x, volume.y, volume.z), workspace.center, strict=True)
+    ]
+
+
+Pose = tuple[float, float, float, float]
+
+_FINE_HEADINGS = 181
+"""Headings among which the worst one for reach is looked for; whether it holds is exact."""
+
+
+@dataclass(frozen=True)
+class RequirementCheck:
+    """Whether one requirement holds.
+
+    Attributes:
+        label: The requirement, for people.
+        unit: SI unit of value and margin.
+        value: The worst value [SI]; NaN where there is none.
+        margin: How far it is inside its bounds, negative outside [SI]; minus infinite where there
+            is no value.
+        pose: The pose where that is [m, m, rad, m]; None where there is none.
+        holds: Whether it holds.
+        reason: Why there is no value, empty where there is one.
+        requirement: Its index in the requirements; None for reach and singularity.
+    """
+
+    label: str
+    unit: str
+    value: float
+    margin: float
+    pose: Pose | None
+    holds: bool
+    reason: str = ""
+    requirement: int | None = None
+
+
+def worst_over(
+    design: Design, bound: Requirement, index: int, samples: Samples, theta: Array
+) -> RequirementCheck:
+    """Return the worst value of a requirement over positions and heights with headings [rad]."""
+    entry, label = bound.entry, requirement_label(bound)
+    z = samples.z
+    if bound.z is not None:
+        low, high = max(z[0], bound.z[0]), min(z[-1], bound.z[1])
+        if low > high:
+            reason = "no height of the workspace is within its range of z"
+            return RequirementCheck(label, entry.unit, np.nan, np.inf, None, True, reason, index)
+        z = np.unique(np.clip(z, low, high))
+    columns = Columns.at(samples.positions, theta, z)
+    field = solve_columns(design.geometry, columns)
+    with np.errstate(all="ignore"):
+        values = entry.over(field, design)
+    values = np.where(field.status == Limit.OK, values, np.nan)
+    margin = np.where(np.isnan(values), -np.inf, bound.margin(values))
+    flat = int(margin.argmin())
+    place = tuple(int(i) for i in np.unravel_index(flat, margin.shape))
+    i, j, k = place
+    x, y = samples.positions[i]
+    pose = (float(x), float(y), float(theta[j]), float(z[k]))
+    value, least, reason = float(values[place]), float(margin[place]), ""
+    if np.isnan(value):
+        status = Limit(int(field.status[place]))
+        reason = status.reason(int(field.leg[place])) if status else "no value"
+        if status is Limit.OK and entry.missing is not None:
+            missing = entry.missing(field, design)
+            reason = missing.texts[int(missing.code[place])] or reason
+    return RequirementCheck(label, entry.unit, value, least, pose, least >= 0.0, reason, index)
+
+
+def reach_items(
+    design: Design, requirements: Requirements, samples: Samples
+) -> tuple[RequirementCheck, RequirementCheck]:
+    """Check reach and singularity over all headings at positions and heights."""
+    x, y = samples.positions[:, 0], samples.positions[:, 1]
+    bounds = reach_bounds(design.geometry, x[:, None], y[:, None], requirements.theta)
+    margin, which = bounds.margin(samples.z)
+    i, k = (int(n) for n in np.unravel_index(int(margin.argmin()), margin.shape))
+    least, limit = float(margin[i, k]), MARGINS[int(which[i, k]) % len(MARGINS)]
+    theta = headings(requirements.theta, _FINE_HEADINGS)
+    columns = Columns.at(samples.positions[[i]], theta, samples.z[[k]])
+    worst = solve_columns(design.geometry, columns).solve(LEAST_MARGIN)[0, 0, :, 0]
+    pose = (float(x[i]), float(y[i]), float(theta[int(worst.argmin())]), float(samples.z[k]))
+    holds = least > 0.0 or (least == 0.0 and limit is Limit.GUIDE)
+    reason = "" if holds else limit.reason(int(which[i, k]) // len(MARGINS))
+    reach = RequirementCheck("reach", "m", least, least, pose, holds, reason)
+
+    position = bounds.position[:, 0]
+    n = int(position.argmin())
+    distance = float(position[n])
+    turned, regular = bounds.turn > 0.0, bool(bounds.regular.all())
+    value = distance if turned else min(distance, bounds.turn)
+    cosine = np.cos(theta)
+    sign = np.sign(design.geometry.base_radius - design.geometry.platform_radius)
+    worst_index = int((sign * cosine).argmin() if not turned else cosine.argmax())
+    where = (float(x[n]), float(y[n]), float(theta[worst_index]), float(samples.z[0]))
+    reason = "" if regular else "the headings reach the singular rotation"
+    if not regular and turned:
+        reason = "beyond the circle of singular positions"
+    item = RequirementCheck("singularity", "m", value, value, where, regular, reason)
+    return reach, item
