@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.model.accuracy import DriveAccuracy
+from paminsa_viz.model.accuracy import NO_DEVIATIONS, DriveAccuracy
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.leg_deviations import NO_DEVIATIONS
 from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import ToleranceErrors, manufactured_pose, tolerance_errors

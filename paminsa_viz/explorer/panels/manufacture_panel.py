@@ -28,8 +28,7 @@ from paminsa_viz.explorer.panels.monte_carlo_panel import (
 )
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import PARAMETER, Design
-from paminsa_viz.model.leg_deviations import LEG_NAMES, NO_DEVIATIONS
-from paminsa_viz.model.tolerances import NO_TOLERANCES, Tolerances
+from paminsa_viz.model.accuracy import LEG_NAMES, NO_DEVIATIONS, NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import ToleranceErrors, manufactured_pose, tolerance_errors
 from paminsa_viz.precision.unequal_legs import Closure

@@ -22,7 +22,7 @@ from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Design
-from paminsa_viz.model.leg_deviations import LEG_NAMES
+from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.units import display_unit, fixed, number
 
 NAMES = ("x", "y", "θ", "z", "tilt about x", "tilt about y")
