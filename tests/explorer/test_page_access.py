@@ -16,10 +16,9 @@ pytestmark = pytest.mark.browser
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
 
 CHECK = """([rules, name]) => {
-  const tab = [...document.querySelectorAll('[role=tab]')].find(e => e.innerText === name);
-  const panel = tab && document.getElementById(tab.getAttribute('aria-controls'));
-  const parts = tab ? {include: [tab, panel]} : document;
-  return axe.run(parts, {runOnly: rules, resultTypes: ['violations']});
+  const tab = name && [...document.querySelectorAll('[role=tab]')].find(e => e.innerText === name);
+  const part = name ? tab.closest('[role=tablist]').parentElement : document;
+  return axe.run(part, {runOnly: rules, resultTypes: ['violations']});
 }"""
 
 CANVAS = """() => {
