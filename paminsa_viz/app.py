@@ -128,6 +128,7 @@ class App:
     def __init__(
         self, options: AppOptions, design: Design, requirements: Requirements | None = None
     ) -> None:
+        from paminsa_viz.explorer.browser import page_head
         from paminsa_viz.explorer.server.access import AccessToken
         from paminsa_viz.explorer.server.limits import Limits
         from paminsa_viz.explorer.server.listening import open_server
@@ -140,7 +141,7 @@ class App:
         self.token = AccessToken() if wanted else None
         self.server = open_server(
             options.host, options.port, allowed_hosts=options.allow_host,
-            limits=Limits(sessions=options.pages), token=self.token,
+            limits=Limits(sessions=options.pages), token=self.token, head=page_head(),
         )  # fmt: skip
         self.server.on_client_connect(self._connect)
         self.server.on_client_disconnect(self._disconnect)

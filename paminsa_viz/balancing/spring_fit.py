@@ -12,12 +12,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.balancing.convex import MaxAbs, Norm
 from paminsa_viz.balancing.program import Program, Variable
 from paminsa_viz.balancing.solver import solve
-from paminsa_viz.balancing.springs import (
-    Spring,
-    SpringPlace,
-    spring_lengths,
-    unit_spring_torques,
-)
+from paminsa_viz.balancing.springs import Spring, SpringPlace, spring_lengths, unit_spring_torques
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
@@ -74,11 +69,7 @@ def springs_of(places: Sequence[SpringPlace], state: Array) -> tuple[Spring, ...
 
 
 def fit_springs(
-    design: Design,
-    places: Sequence[SpringPlace],
-    pose: ArrayLike,
-    *,
-    measure: str = "peak",
+    design: Design, places: Sequence[SpringPlace], pose: ArrayLike, *, measure: str = "peak"
 ) -> SpringFit:
     """Find the stiffnesses and free lengths that balance M1..M3 best over a workspace.
 

@@ -131,12 +131,7 @@ LENGTH_PATHS = (
 
 
 def length_tolerance(
-    design: Design,
-    tolerances: Tolerances,
-    pose: ArrayLike,
-    *,
-    samples: int = 200,
-    seed: int = 0,
+    design: Design, tolerances: Tolerances, pose: ArrayLike, *, samples: int = 200, seed: int = 0
 ) -> LengthTolerance:
     """Return the spread of the peak static torque from lengths.
 

@@ -49,12 +49,9 @@ def relative_frame(frame: Any, other: Any, out: Any) -> None:
         )
 
 
-def _keep_nearest(
-    kind: int, size: Any, polygons: Any, first: int, last: int,
-    x: Any, y: Any, z: Any, frame: Any, swapped: bool, best: Any,
-) -> None:  # fmt: skip
+def _keep_nearest(solid: Any, x: Any, y: Any, z: Any, frame: Any, swapped: bool, best: Any) -> None:
     """Keep a point and the solid's point nearest to it, in the world, if they are the nearest."""
-    qx, qy, qz = nearest_point(kind, size[0], size[1], size[2], polygons, first, last, x, y, z)
+    qx, qy, qz = nearest_point(solid, x, y, z)
     d2 = (x - qx) ** 2 + (y - qy) ** 2 + (z - qz) ** 2
     if not d2 < best[0]:
         return
@@ -67,7 +64,7 @@ def _keep_nearest(
 
 
 def _try_segment(
-    kind: int, size: Any, polygons: Any, first: int, last: int, r: Any,
+    solid: Any, r: Any,
     x: Any, y: Any, z: Any, dx: Any, dy: Any, dz: Any, frame: Any, swapped: bool, best: Any,
 ) -> None:  # fmt: skip
     """Try the segment from (x, y, z) along (dx, dy, dz), given in the frame ``r`` of its solid."""
@@ -77,37 +74,24 @@ def _try_segment(
     ex = r[0] * dx + r[1] * dy + r[2] * dz
     ey = r[3] * dx + r[4] * dy + r[5] * dz
     ez = r[6] * dx + r[7] * dy + r[8] * dz
-    t = nearest_on_segment(
-        kind, size[0], size[1], size[2], polygons, first, last, px, py, pz, ex, ey, ez
-    )
-    _keep_nearest(
-        kind, size, polygons, first, last,
-        px + t * ex, py + t * ey, pz + t * ez, frame, swapped, best,
-    )  # fmt: skip
+    t = nearest_on_segment(solid, px, py, pz, ex, ey, ez)
+    _keep_nearest(solid, px + t * ex, py + t * ey, pz + t * ez, frame, swapped, best)
 
 
-def _try_edges(
-    kind: int, size: Any, first: int, last: int, other: int, other_size: Any,
-    other_first: int, other_last: int, polygons: Any, r: Any, frame: Any, swapped: bool, best: Any,
-) -> None:  # fmt: skip
+def _try_edges(solid: Any, other: Any, r: Any, frame: Any, swapped: bool, best: Any) -> None:
     """Try all edges of a solid in the frame ``r``, as seen from another solid's ``frame``."""
-    a, b, c = size[0], size[1], size[2]
+    kind, a, b, c = solid.kind, solid.a, solid.b, solid.c
     if kind in (CAPSULE, CYLINDER):
-        _try_segment(
-            other, other_size, polygons, other_first, other_last, r,
-            0.0, 0.0, -c, 0.0, 0.0, 2.0 * c, frame, swapped, best,
-        )  # fmt: skip
+        _try_segment(other, r, 0.0, 0.0, -c, 0.0, 0.0, 2.0 * c, frame, swapped, best)
     if kind == CYLINDER:
         for side in range(2):
             h = c if side else -c
             x, y, z = r[2] * h + r[9], r[5] * h + r[10], r[8] * h + r[11]
             cosine, sine = nearest_on_circle(
-                other, other_size[0], other_size[1], other_size[2], polygons,
-                other_first, other_last, x, y, z,
-                a * r[0], a * r[3], a * r[6], a * r[1], a * r[4], a * r[7],
+                other, x, y, z, a * r[0], a * r[3], a * r[6], a * r[1], a * r[4], a * r[7],
             )  # fmt: skip
             _keep_nearest(
-                other, other_size, polygons, other_first, other_last,
+                other,
                 x + a * (cosine * r[0] + sine * r[1]),
                 y + a * (cosine * r[3] + sine * r[4]),
                 z + a * (cosine * r[6] + sine * r[7]),
@@ -125,14 +109,11 @@ def _try_edges(
                 x, y, z, dx, dy, dz = u, -b, h, 0.0, 2.0 * b, 0.0
             else:
                 x, y, z, dx, dy, dz = u, w, -c, 0.0, 0.0, 2.0 * c
-            _try_segment(
-                other, other_size, polygons, other_first, other_last, r,
-                x, y, z, dx, dy, dz, frame, swapped, best,
-            )  # fmt: skip
+            _try_segment(other, r, x, y, z, dx, dy, dz, frame, swapped, best)
     elif kind == PRISM:
-        px, py = polygons[last - 1, 0], polygons[last - 1, 1]
-        for i in range(first, last):
-            qx, qy = polygons[i, 0], polygons[i, 1]
+        px, py = solid.corners[solid.last - 1, 0], solid.corners[solid.last - 1, 1]
+        for i in range(solid.first, solid.last):
+            qx, qy = solid.corners[i, 0], solid.corners[i, 1]
             for edge in range(3):
                 if edge == 0:
                     z, dx, dy, dz = -c, qx - px, qy - py, 0.0
@@ -140,14 +121,11 @@ def _try_edges(
                     z, dx, dy, dz = c, qx - px, qy - py, 0.0
                 else:
                     z, dx, dy, dz = -c, 0.0, 0.0, 2.0 * c
-                _try_segment(
-                    other, other_size, polygons, other_first, other_last, r,
-                    px, py, z, dx, dy, dz, frame, swapped, best,
-                )  # fmt: skip
+                _try_segment(other, r, px, py, z, dx, dy, dz, frame, swapped, best)
             px, py = qx, qy
 
 
-def _try_sides(size: Any, other_size: Any, r: Any, frame: Any, best: Any) -> None:
+def _try_sides(solid: Any, other: Any, r: Any, frame: Any, best: Any) -> None:
     """Try the round sides of two cylinders on the common perpendicular of their axes."""
     # axis of the first as seen from the second, whose axis is z
     ax, ay, az = r[2], r[5], r[8]
@@ -156,14 +134,14 @@ def _try_sides(size: Any, other_size: Any, r: Any, frame: Any, best: Any) -> Non
         return  # parallel: their rims are as near
     s = -(r[9] * ax + r[10] * ay) / across
     x, y, z = r[9] + s * ax, r[10] + s * ay, r[11] + s * az
-    if abs(s) > size[2] or abs(z) > other_size[2]:
+    if abs(s) > solid.c or abs(z) > other.c:
         return
     gap = np.sqrt(x * x + y * y)
-    if gap <= size[0] + other_size[0]:
-        near, left = min(other_size[0], gap), 0.0
+    if gap <= solid.a + other.a:
+        near, left = min(other.a, gap), 0.0
         far = near
     else:
-        near, far = other_size[0], gap - size[0]
+        near, far = other.a, gap - solid.a
         left = (far - near) ** 2
     if not left < best[0]:
         return
@@ -175,10 +153,7 @@ def _try_sides(size: Any, other_size: Any, r: Any, frame: Any, best: Any) -> Non
         best[4 + row] = (f0 * x + f1 * y) * near * scale + f2 * z + f3
 
 
-def rod_distance(
-    rods: Any, i: int, kind: int, size: Any, radius: Any, first: int, last: int, frame: Any,
-    polygons: Any,
-) -> Any:  # fmt: skip
+def rod_distance(rods: Any, i: int, solid: Any, frame: Any) -> Any:
     """Return the distance of a capsule to a solid, minus infinity where its core is inside.
 
     ``rods`` (..., 7) holds the ends of the core, and the radius, in the world [m].
@@ -191,51 +166,39 @@ def rod_distance(
     ex = frame[0] * dx + frame[3] * dy + frame[6] * dz
     ey = frame[1] * dx + frame[4] * dy + frame[7] * dz
     ez = frame[2] * dx + frame[5] * dy + frame[8] * dz
-    a, b, c = size[0], size[1], size[2]
-    t = nearest_on_segment(kind, a, b, c, polygons, first, last, px, py, pz, ex, ey, ez)
+    t = nearest_on_segment(solid, px, py, pz, ex, ey, ez)
     px, py, pz = px + t * ex, py + t * ey, pz + t * ez
-    qx, qy, qz = nearest_point(kind, a, b, c, polygons, first, last, px, py, pz)
+    qx, qy, qz = nearest_point(solid, px, py, pz)
     gap = np.sqrt((px - qx) ** 2 + (py - qy) ** 2 + (pz - qz) ** 2)
-    return gap - radius - rods[i, 6] if gap > 0.0 else -np.inf
+    return gap - solid.radius - rods[i, 6] if gap > 0.0 else -np.inf
 
 
 def solid_distance(
-    kind: int, size: Any, radius: Any, first: int, last: int, frame: Any,
-    other: int, other_size: Any, other_radius: Any, other_first: int, other_last: int,
-    other_frame: Any, polygons: Any, work: Any, best: Any,
-) -> Any:  # fmt: skip
+    solid: Any, frame: Any, other: Any, other_frame: Any, work: Any, best: Any
+) -> Any:
     """Return the least distance of two solids, negative where they overlap [m].
 
     Writes the nearest points into ``best`` (7,) from index 1 and 4 on; ``work`` is of shape (12,).
     """
     best[0] = np.inf
-    if other != CAPSULE or kind == CAPSULE:
+    if other.kind != CAPSULE or solid.kind == CAPSULE:
         relative_frame(frame, other_frame, work)
-        _try_edges(
-            kind, size, first, last, other, other_size, other_first, other_last,
-            polygons, work, other_frame, False, best,
-        )  # fmt: skip
-        if kind == CYLINDER and other == CYLINDER:
-            _try_sides(size, other_size, work, other_frame, best)
-    if kind != CAPSULE:
+        _try_edges(solid, other, work, other_frame, False, best)
+        if solid.kind == CYLINDER and other.kind == CYLINDER:
+            _try_sides(solid, other, work, other_frame, best)
+    if solid.kind != CAPSULE:
         relative_frame(other_frame, frame, work)
-        _try_edges(
-            other, other_size, other_first, other_last, kind, size, first, last,
-            polygons, work, frame, True, best,
-        )  # fmt: skip
+        _try_edges(other, solid, work, frame, True, best)
     if best[0] > TOUCH:
         gap = np.sqrt(best[0])
         for row in range(3):
             n = (best[4 + row] - best[1 + row]) / gap
-            best[1 + row] += radius * n
-            best[4 + row] -= other_radius * n
-        return gap - radius - other_radius
+            best[1 + row] += solid.radius * n
+            best[4 + row] -= other.radius * n
+        return gap - solid.radius - other.radius
     normal = work[:3]
-    shift = least_shift(
-        kind, size, first, last, frame, other, other_size, other_first, other_last, other_frame,
-        polygons, normal,
-    )  # fmt: skip
-    depth = shift + radius + other_radius
+    shift = least_shift(solid, frame, other, other_frame, normal)
+    depth = shift + solid.radius + other.radius
     for row in range(3):
         middle = 0.5 * (best[1 + row] + best[4 + row])
         best[1 + row] = middle + 0.5 * depth * normal[row]

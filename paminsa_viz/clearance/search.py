@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from paminsa_viz.clearance.distance import rod_distance, solid_distance
-from paminsa_viz.clearance.nearest import CAPSULE
+from paminsa_viz.clearance.nearest import CAPSULE, convex_solid
 
 
 def rod_gap(a: Any, i: int, b: Any, j: int) -> Any:
@@ -133,25 +133,14 @@ def body_distance(
                 continue
             # Two solids with many edges: first with a capsule in place of one of them.
             if s.kind[a] != CAPSULE and s.kind[b] != CAPSULE:
-                gap = rod_distance(
-                    rods, a, s.kind[b], s.size[b], s.radius[b], s.first[b], s.last[b],
-                    world[b], s.corners,
-                )  # fmt: skip
-                bound = max(bound, gap)
-                if bound >= least:
-                    continue
-                gap = rod_distance(
-                    rods, b, s.kind[a], s.size[a], s.radius[a], s.first[a], s.last[a],
-                    world[a], s.corners,
-                )  # fmt: skip
-                bound = max(bound, gap)
+                bound = max(bound, rod_distance(rods, a, convex_solid(s, b), world[b]))
+                if bound < least:
+                    bound = max(bound, rod_distance(rods, b, convex_solid(s, a), world[a]))
                 if bound >= least:
                     continue
             distance = solid_distance(
-                s.kind[a], s.size[a], s.radius[a], s.first[a], s.last[a], world[a],
-                s.kind[b], s.size[b], s.radius[b], s.first[b], s.last[b], world[b],
-                s.corners, work, best,
-            )  # fmt: skip
+                convex_solid(s, a), world[a], convex_solid(s, b), world[b], work, best
+            )
             # What parts the capsules parts the solids: a shift that is found there may be less.
             distance = max(distance, bound)
             if distance < least:

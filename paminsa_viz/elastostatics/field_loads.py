@@ -7,10 +7,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from paminsa_viz.elastostatics.bar_loads import bar_loads
-from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS, JointForces, joint_forces
-from paminsa_viz.elastostatics.utilization import bar_stress
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.elastostatics.bar_loads import bar_loads, bar_stress
+from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JointForces, joint_forces
+from paminsa_viz.model.arrays import Array, in_blocks
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.grids import Field
@@ -35,7 +34,7 @@ def field_joint_forces(field: Field, design: Design) -> Array:
         moments = np.abs(forces.moment[..., [JOINT_INDEX["m"], JOINT_INDEX["2"]]])
         return np.concatenate([forces.magnitude, moments], axis=-1).max(axis=1)
 
-    return _over(field, design, measure, len(JOINTS) + 2)
+    return _over(field, design, measure)
 
 
 @lru_cache(maxsize=2)
@@ -51,18 +50,14 @@ def field_bar_loads(field: Field, design: Design) -> Array:
             found.append(np.concatenate([inner, stress[..., None]], axis=-1))
         return np.stack(found).max(axis=(0, 2))
 
-    return _over(field, design, measure, len(BAR_MEASURES))
+    return _over(field, design, measure)
 
 
-def _over(
-    field: Field, design: Design, measure: Callable[[JointForces], Array], size: int
-) -> Array:
+def _over(field: Field, design: Design, measure: Callable[[JointForces], Array]) -> Array:
     """Evaluate measures (n, size) of poses (n, 4) over a field, (size, ...)."""
-    poses = field.grid.poses().reshape(-1, 4)
-    found = np.empty((len(poses), size))
-    for start in range(0, len(poses), BLOCK):
-        part = slice(start, start + BLOCK)
-        with np.errstate(invalid="ignore"):
-            found[part] = measure(joint_forces(design, poses[part]))
-    found[field.status.reshape(-1) != Limit.OK] = np.nan
-    return found.T.reshape(size, *field.status.shape)
+    with np.errstate(invalid="ignore"):
+        found = in_blocks(
+            lambda poses: [measure(joint_forces(design, poses))], field.grid.poses(), BLOCK
+        )[0]
+    found[field.status != Limit.OK] = np.nan
+    return np.moveaxis(found, -1, 0)

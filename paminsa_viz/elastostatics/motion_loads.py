@@ -16,9 +16,8 @@ from functools import cached_property
 
 import numpy as np
 
-from paminsa_viz.elastostatics.bar_loads import bar_loads
+from paminsa_viz.elastostatics.bar_loads import bar_loads, utilization
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS, JointForces, joint_forces
-from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.elastic import BARS

@@ -26,11 +26,11 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.explorer.browser import asset
 from paminsa_viz.explorer.browser.style import style_html
 from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.scene.actuators import ActuatorLabels
+from paminsa_viz.explorer.scene.actuators import actuator_labels
 from paminsa_viz.explorer.scene.bodies import Bodies, Position, Quaternion
 from paminsa_viz.explorer.scene.cameras import preset, raised
-from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.explorer.scene.nodes import Nodes, curves
+from paminsa_viz.explorer.scene.layers import LAYERS, SceneContext
+from paminsa_viz.explorer.scene.nodes import LayerView, Nodes, curves
 from paminsa_viz.explorer.scene.stage import SHADOW, Stage
 from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.server.viser_patch import quiet
@@ -124,7 +124,8 @@ def robot_scene(
         server = open_server(port=0)
         try:
             context = SceneContext(server.scene)
-            stage, bodies, labels = Stage(context), Bodies(context), ActuatorLabels(context)
+            stage, bodies = Stage(context), Bodies(context)
+            labels = LayerView(LAYERS["labels"], actuator_labels, context)
             for view in (stage, bodies, labels):
                 view.draw(compute(state), dragging=False)
 

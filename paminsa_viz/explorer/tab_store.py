@@ -10,13 +10,16 @@ import json
 import math
 from contextlib import suppress
 from dataclasses import replace
+from operator import attrgetter
 from typing import Any
 
 import msgspec
 
 from paminsa_viz.explorer import actions, persistence
+from paminsa_viz.explorer.balancing.springs import SpringSettings
+from paminsa_viz.explorer.balancing.tolerances import ToleranceSettings
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.clearing import REQUIRED, ClearanceSettings
+from paminsa_viz.explorer.clearing import ClearanceSettings
 from paminsa_viz.explorer.docks import LARGEST_DOCK
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.description import PlotView
@@ -36,13 +39,15 @@ VIEW: dict[str, Any] = {
     "table_at_rest": bool,
     "appearance": Appearance,
     "docks": Docks,
+    "springing.settings": SpringSettings,
+    "tolerating.settings": ToleranceSettings,
 }
 """Parts of the state that say how it is shown, and their types."""
 
 
 def dump(state: State) -> str:
     """Write what a tab keeps of a state."""
-    view = {name: msgspec.to_builtins(getattr(state, name)) for name in VIEW}
+    view = {name: msgspec.to_builtins(attrgetter(name)(state)) for name in VIEW}
     document = persistence.dump(state.document, state.identifying.settings)
     return json.dumps(json.loads(document) | {"view": view})
 
@@ -63,7 +68,8 @@ def restore(state: State, text: str) -> State:
         except (msgspec.ValidationError, LookupError, TypeError):
             continue
         if _possible(name, value):
-            state = replace(state, **{name: value})
+            part, _, attribute = name.rpartition(".")
+            state = state.updated(part, **{attribute: value})
     known = replace(state, layers=state.layers & frozenset(LAYERS))
     if known.document.reference is None and known.map_view.difference:
         return known.updated("map_view", difference=False)
@@ -77,9 +83,6 @@ def _possible(name: str, value: Any) -> bool:
             return value.quantity in QUANTITIES and all(abs(end) <= LARGEST_END for end in ends)
         case "plots":
             return 0 <= value.actuator < 4 and 0 <= value.color < 4
-        case "clearance_view":
-            low, high = REQUIRED
-            return bool(low <= value.required <= high)
         case "floor_opacity":
             return 0 <= value <= 1
         case "docks":

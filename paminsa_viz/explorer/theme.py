@@ -23,11 +23,13 @@ class ThemeView:
 
     def __init__(self, session: Session, bridge: Bridge) -> None:
         """Set the theme, and follow the browser from now on."""
-        self._client = session.client
+        self._client, self._bridge = session.client, bridge
         self._theme = session.state.theme
+        self._asked: Any = None
         configure(session.client, self._theme)
 
         def listen(dark: Any) -> None:
+            self._asked = dark
             session.dispatch("scheme", lambda state: as_browser(state, dark), step=False)
 
         bridge.on("scheme", listen)
@@ -38,6 +40,9 @@ class ThemeView:
         if frame.state.theme != self._theme:
             self._theme = frame.state.theme
             configure(self._client, self._theme)
+        if self._asked is not None and frame.state.browser_dark == self._asked:
+            self._asked = None
+            self._bridge.call("releaseTheme")
 
 
 def configure(client: viser.ClientHandle, theme: Theme) -> None:

@@ -8,7 +8,7 @@ the paper's equations behind each function.
 from __future__ import annotations
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput, PaminsaError, UnreachablePose
-from paminsa_viz.model.accuracy import DriveAccuracy
+from paminsa_viz.model.accuracy import DriveAccuracy, LegDeviations, Tolerances
 from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, Geometry, KneeBranch
 from paminsa_viz.model.drive import NO_DRIVES, Drive, OutputLimits
 from paminsa_viz.model.dynamics import (
@@ -23,13 +23,7 @@ from paminsa_viz.model.dynamics import (
 )
 from paminsa_viz.model.elastic import Elastic
 from paminsa_viz.model.energy import actuator_power, kinetic_energy, potential_energy
-from paminsa_viz.model.grids import (
-    Field,
-    Grid,
-    rotary_torques,
-    solve_field,
-    xy_grid,
-)
+from paminsa_viz.model.grids import Field, Grid, rotary_torques, solve_field, xy_grid
 from paminsa_viz.model.jacobians import (
     actuator_acceleration,
     actuator_velocity,
@@ -48,7 +42,6 @@ from paminsa_viz.model.kinematics import (
     joint_rates,
     nearest_solution,
 )
-from paminsa_viz.model.leg_deviations import LegDeviations
 from paminsa_viz.model.load import LoadCase, LoadFrame, center_wrench, generalized_force
 from paminsa_viz.model.lumped import (
     COEFFICIENTS,
@@ -88,7 +81,6 @@ from paminsa_viz.model.statics import (
     static_torques,
     unit_torques,
 )
-from paminsa_viz.model.tolerances import Tolerances
 
 __all__ = [
     "APPENDIX_4",

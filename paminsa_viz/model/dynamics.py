@@ -224,11 +224,7 @@ def friction_torque(friction: Friction | ActuatorFriction, speed: ArrayLike) -> 
     return viscous * speed + coulomb * np.tanh(speed / friction.transition_speed)
 
 
-def mass_matrix(
-    design: Design,
-    pose: ArrayLike,
-    misprints: Misprint = Misprint.NONE,
-) -> Array:
+def mass_matrix(design: Design, pose: ArrayLike, misprints: Misprint = Misprint.NONE) -> Array:
     """Return M with T = v.M v/2, v = (x', y', theta', z'), (..., 4, 4) [kg, kg m, kg m^2].
 
     Symmetric positive definite wherever the pose can be taken, type-2 singularities included. NaN

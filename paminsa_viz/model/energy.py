@@ -9,12 +9,7 @@ from paminsa_viz.model.arrays import Array, aligned, together
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.jacobians import actuator_velocity
 from paminsa_viz.model.kinematics import inverse_kinematics, leg_states
-from paminsa_viz.model.lumped import (
-    Misprint,
-    lumped_coefficients,
-    potential_constant,
-    term_factors,
-)
+from paminsa_viz.model.lumped import Misprint, lumped_coefficients, potential_constant, term_factors
 
 
 def potential_energy(design: Design, pose: ArrayLike) -> Array:
@@ -37,10 +32,7 @@ def potential_energy(design: Design, pose: ArrayLike) -> Array:
 
 @np.errstate(all="ignore")
 def kinetic_energy(
-    design: Design,
-    pose: ArrayLike,
-    velocity: ArrayLike,
-    misprints: Misprint = Misprint.NONE,
+    design: Design, pose: ArrayLike, velocity: ArrayLike, misprints: Misprint = Misprint.NONE
 ) -> Array:
     """Return T, (...) [J], term by term as in Eqs. 12-14 with Appendix 3, and the drives' share."""
     shape, (p, v) = together(pose=pose, velocity=velocity)

@@ -128,12 +128,7 @@ class Field:
         return against
 
 
-def solve_field(
-    geometry: Geometry,
-    grid: Grid,
-    *,
-    threads: int | None = None,
-) -> Field:
+def solve_field(geometry: Geometry, grid: Grid, *, threads: int | None = None) -> Field:
     """Solve reach and unit torques on a grid; what else the geometry decides is solved on demand.
 
     Args:
@@ -152,11 +147,7 @@ def solve_field(
     return Field(grid, geometry, status, leg, threads, solved)
 
 
-def rotary_torques(
-    design: Design,
-    grid: Grid,
-    threads: int | None = None,
-) -> Array:
+def rotary_torques(design: Design, grid: Grid, threads: int | None = None) -> Array:
     """Return the static torques of M1..M3 alone, (3, ...) [N m]; the fastest way to a map.
 
     NaN where the pose cannot be taken, and no reason for it; `solve_field` gives that.

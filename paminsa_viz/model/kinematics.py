@@ -147,10 +147,7 @@ def leg_states(
 
 
 def joint_rates(
-    geometry: Geometry,
-    pose: ArrayLike,
-    velocity: ArrayLike,
-    acceleration: ArrayLike,
+    geometry: Geometry, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
 ) -> JointMotion:
     """Return velocities and accelerations of every joint for a platform motion.
 
@@ -178,10 +175,7 @@ def joint_rates(
                 z_rate, z_acc = z_rate + w.r9 * q.z9_rate, z_acc + w.r9 * q.z9_acc
             velocities[number] = _in_base(g, r_rate, r * q.beta_rate, z_rate)
             accelerations[number] = _in_base(
-                g,
-                r_acc - r * q.beta_rate**2,
-                r * q.beta_acc + 2 * r_rate * q.beta_rate,
-                z_acc,
+                g, r_acc - r * q.beta_rate**2, r * q.beta_acc + 2 * r_rate * q.beta_rate, z_acc
             )
     k = geometry.magnification
     return JointMotion(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,83 +23,60 @@ HOME_DROP = 0.5
 
 
 class Limit(IntEnum):
-    """Why a pose cannot be taken, or a torque not be given."""
+    """Why a pose cannot be taken, or a torque not be given.
 
-    OK = 0
-    NOT_FINITE = 1
-    STRETCHED = 2
-    FOLDED = 3
-    GUIDE = 4
-    AXIS = 5
-    SINGULAR = 6
+    Attributes:
+        label: Short name for the head of a column.
+        noun: What a motion comes near to, such as "a stretched pantograph".
+        explanation: What it means, as a clause.
+    """
+
+    label: str
+    noun: str
+    explanation: str
+    _reason: str
+
+    OK = 0, "ok", "no limit", "the pose can be taken", "no value"
+    NOT_FINITE = 1, "finite", "no number", "the pose is not finite", "out of reach"
+    STRETCHED = (
+        2, "stretch", "a stretched pantograph",
+        "the pantograph is over-stretched: joints 8 and 5 are too far apart",
+        "out of reach: {leg} over-stretched",
+    )  # fmt: skip
+    FOLDED = (
+        3, "fold", "a folded pantograph",
+        "the pantograph is folded too far: joints 8 and 5 are too close together",
+        "out of reach: {leg} folded too far",
+    )  # fmt: skip
+    GUIDE = (
+        4, "guide", "the end of a guide", "joint 8 would leave its guide",
+        "out of reach: joint 8 of {leg} would leave its guide",
+    )  # fmt: skip
+    AXIS = (
+        5, "axis", "a leg axis", "joint 5 is on its leg axis",
+        "out of reach: joint 5 of {leg} on its leg axis",
+    )  # fmt: skip
+    SINGULAR = (
+        6, "singular", "a singular pose", "the pose is singular, torques have no bound there",
+        "singular: no torque holds it",
+    )  # fmt: skip
+
+    def __new__(cls, code: int, label: str, noun: str, explanation: str, reason: str) -> Limit:
+        found = int.__new__(cls, code)
+        found._value_ = code
+        found.label, found.noun, found.explanation = label, noun, explanation
+        found._reason = reason
+        return found
 
     @property
     def word(self) -> str:
         """The name used in tables and files."""
         return self.name.lower().replace("_", "-")
 
-    @property
-    def explanation(self) -> str:
-        """What it means, as a clause."""
-        return _TEXTS[self].explanation
-
-    @property
-    def noun(self) -> str:
-        """What a motion comes near to, such as "a stretched pantograph"."""
-        return _TEXTS[self].noun
-
-    @property
-    def label(self) -> str:
-        """Short name for the head of a column."""
-        return _TEXTS[self].label
-
     def reason(self, leg: int = -1) -> str:
         """Return why there is no value; ``leg`` is the index of the leg, -1 for none."""
-        return _TEXTS[self].reason.format(leg=f"leg {leg + 1}" if leg >= 0 else "a leg")
+        return self._reason.format(leg=f"leg {leg + 1}" if leg >= 0 else "a leg")
 
-
-class _Texts(NamedTuple):
-    label: str
-    noun: str
-    explanation: str
-    reason: str
-
-
-_TEXTS = {
-    Limit.OK: _Texts("ok", "no limit", "the pose can be taken", "no value"),
-    Limit.NOT_FINITE: _Texts("finite", "no number", "the pose is not finite", "out of reach"),
-    Limit.STRETCHED: _Texts(
-        "stretch",
-        "a stretched pantograph",
-        "the pantograph is over-stretched: joints 8 and 5 are too far apart",
-        "out of reach: {leg} over-stretched",
-    ),
-    Limit.FOLDED: _Texts(
-        "fold",
-        "a folded pantograph",
-        "the pantograph is folded too far: joints 8 and 5 are too close together",
-        "out of reach: {leg} folded too far",
-    ),
-    Limit.GUIDE: _Texts(
-        "guide",
-        "the end of a guide",
-        "joint 8 would leave its guide",
-        "out of reach: joint 8 of {leg} would leave its guide",
-    ),
-    Limit.AXIS: _Texts(
-        "axis",
-        "a leg axis",
-        "joint 5 is on its leg axis",
-        "out of reach: joint 5 of {leg} on its leg axis",
-    ),
-    Limit.SINGULAR: _Texts(
-        "singular",
-        "a singular pose",
-        "the pose is singular, torques have no bound there",
-        "singular: no torque holds it",
-    ),
-}
-"""All that page, figures, tables and reports say of the limits."""
 
 MARGINS: tuple[Limit, ...] = (Limit.STRETCHED, Limit.FOLDED, Limit.GUIDE, Limit.AXIS)
 """Limits in the order of the last axis of `Reach.margins`."""

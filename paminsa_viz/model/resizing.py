@@ -9,12 +9,7 @@ import numpy as np
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.leg_points import bar_length, counterweight_point
-from paminsa_viz.model.lumped import (
-    MASS_PATHS,
-    lumped_of_masses,
-    mass_vector,
-    point_mass_column,
-)
+from paminsa_viz.model.lumped import MASS_PATHS, lumped_of_masses, mass_vector, point_mass_column
 
 TUBES = ("b3", "b4", "b7", "b8")
 """Bars whose mass may follow their length."""

@@ -130,9 +130,7 @@ def measure_singularity(geometry: Geometry, pose: ArrayLike) -> Singularity:
     nearest = np.where(np.isfinite(both), np.abs(both), np.inf)
     index = np.argmin(nearest, axis=0)[None]
     rotation = np.where(
-        np.isfinite(nearest).any(axis=0),
-        np.take_along_axis(nearest, index, axis=0)[0],
-        np.inf,
+        np.isfinite(nearest).any(axis=0), np.take_along_axis(nearest, index, axis=0)[0], np.inf
     ) * np.where((np.isnan(everywhere) | (everywhere >= 0)) & (position >= 0), 1.0, -1.0)
     rotation = np.where(np.isnan(radius + turn), np.nan, rotation)
 

@@ -10,17 +10,17 @@ bar, and the guide's for its height.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from functools import lru_cache
+from dataclasses import dataclass
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.accuracy import NO_TOLERANCES, Tolerances
+from paminsa_viz.model.arrays import Array, as_vectors, in_blocks
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.reach import check_reach
-from paminsa_viz.model.tolerances import NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.leg_lengths import INDEX, LENGTHS, design_lengths
 from paminsa_viz.precision.unequal_legs import (
     Sensitivities,
@@ -82,12 +82,7 @@ class ToleranceErrors:
 def tolerance_errors(design: Design, pose: ArrayLike) -> ToleranceErrors:
     """Return the errors by a design's tolerances at poses (..., 4); NaN out of reach."""
     pose = as_vectors(pose, "pose")
-    flat = pose.reshape(-1, 4)
-    parts = [_errors(design, flat[i : i + BLOCK]) for i in range(0, max(len(flat), 1), BLOCK)]
-    found = [np.concatenate(values) for values in zip(*parts, strict=True)]
-    return ToleranceErrors(
-        pose, *(values.reshape((*pose.shape[:-1], *values.shape[1:])) for values in found)
-    )
+    return ToleranceErrors(pose, *in_blocks(partial(_errors, design), pose, BLOCK))
 
 
 def field_tolerance_errors(field: Field, design: Design) -> ToleranceErrors:
@@ -121,19 +116,8 @@ def field_manufactured_pose(field: Field, design: Design) -> UnequalPose:
 
 @lru_cache(maxsize=4)
 def _field_poses(field: Field, design: Design) -> UnequalPose:
-    pose = field.grid.poses()
-    flat = pose.reshape(-1, 4)
-    found = [
-        manufactured_pose(design, flat[i : i + BLOCK]) for i in range(0, max(len(flat), 1), BLOCK)
-    ]
-    shape = pose.shape[:-1]
-    pose, tilt, slides, actuators, closure = (
-        np.concatenate([getattr(part, item.name) for part in found]) for item in fields(UnequalPose)
-    )
-    return UnequalPose(
-        pose.reshape(*shape, 4), tilt.reshape(*shape, 2), slides.reshape(*shape, 3),
-        actuators.reshape(*shape, 4), closure.reshape(shape),
-    )  # fmt: skip
+    poses = field.grid.poses()
+    return UnequalPose(*in_blocks(partial(manufactured_pose, design), poses, BLOCK))
 
 
 def _lengths_alone(field: Field, design: Design, tolerances: Tolerances) -> Design:

@@ -18,11 +18,9 @@ from paminsa_viz.quantities.capability import CAPABILITY
 from paminsa_viz.quantities.clearance import CLEARANCE
 from paminsa_viz.quantities.joint_forces import JOINT_FORCES
 from paminsa_viz.quantities.kinematics import KINEMATICS
-from paminsa_viz.quantities.manufacture import MANUFACTURE
 from paminsa_viz.quantities.quantity import Missing, Quantity
 from paminsa_viz.quantities.statics import STATICS
 from paminsa_viz.quantities.stiffness import STIFFNESS
-from paminsa_viz.quantities.vibration import VIBRATION
 
 __all__ = [
     "MAP_BUDGET",
@@ -47,10 +45,8 @@ QUANTITIES: dict[str, Quantity] = {
         *KINEMATICS,
         *CAPABILITY,
         *ACCURACY,
-        *MANUFACTURE,
         *JOINT_FORCES,
         *STIFFNESS,
-        *VIBRATION,
         *CLEARANCE,
     )
 }

@@ -57,11 +57,7 @@ from paminsa_viz.trajectory.planners import (
 )
 from paminsa_viz.trajectory.presets import PRESET, PRESETS, Preset, home, paper_like
 from paminsa_viz.trajectory.sampled import Locus, Passage, States, Trajectory
-from paminsa_viz.trajectory.simulation import (
-    Simulation,
-    SimulationFailed,
-    simulate,
-)
+from paminsa_viz.trajectory.simulation import Simulation, SimulationFailed, simulate
 from paminsa_viz.trajectory.solved import SolvedTrajectory, solve_trajectory
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw, fit_law
 from paminsa_viz.trajectory.timing import InfeasibleMotion, MinimumTime, minimum_time

@@ -15,14 +15,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers
-from paminsa_viz.trajectory.sampled import (
-    RATE,
-    STEPS,
-    Passage,
-    States,
-    Trajectory,
-    sample_times,
-)
+from paminsa_viz.trajectory.sampled import RATE, STEPS, Passage, States, Trajectory, sample_times
 from paminsa_viz.trajectory.time_laws import TimeLaw
 
 if TYPE_CHECKING:  # SciPy's splines take most of a second to load; only waypoints need them

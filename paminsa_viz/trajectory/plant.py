@@ -124,8 +124,7 @@ def inverse_torques(
 def turn_error(wanted: LegPosition, actual: LegPosition) -> float:
     """Return theta_k wanted minus actual, without jumps of a full turn."""
     return math.atan2(
-        actual.ux * wanted.uy - actual.uy * wanted.ux,
-        actual.ux * wanted.ux + actual.uy * wanted.uy,
+        actual.ux * wanted.uy - actual.uy * wanted.ux, actual.ux * wanted.ux + actual.uy * wanted.uy
     )
 
 

@@ -102,10 +102,7 @@ def _derivatives(profile: Profile, ramp: float, blend: float) -> tuple[PPoly, ..
 
 
 def fit_law(
-    law: TimeLaw,
-    speed: float = math.inf,
-    acceleration: float = math.inf,
-    jerk: float = math.inf,
+    law: TimeLaw, speed: float = math.inf, acceleration: float = math.inf, jerk: float = math.inf
 ) -> tuple[TimeLaw, float] | None:
     """Return the fastest law of the shape of another within limits, and its duration [s].
 

@@ -26,15 +26,7 @@ from paminsa_viz.balancing import (
 )
 from paminsa_viz.model import APPENDIX_4, BAR_ENDS, Friction
 from paminsa_viz.trajectory import Trajectory, analyze, solve_trajectory
-from tests.balancing.robots import (
-    PATHS,
-    changes,
-    field,
-    measured,
-    random_measures,
-    solved,
-    terms,
-)
+from tests.balancing.robots import PATHS, changes, field, measured, random_measures, solved, terms
 from tests.support.cases import Case, cases
 
 pytestmark = pytest.mark.slow

@@ -8,13 +8,7 @@ from itertools import count
 import numpy as np
 import pytest
 
-from paminsa_viz.balancing import (
-    Changes,
-    balance,
-    beyond,
-    length_tolerance,
-    mass_tolerance,
-)
+from paminsa_viz.balancing import Changes, balance, beyond, length_tolerance, mass_tolerance
 from paminsa_viz.balancing.tolerance import LENGTH_PATHS
 from paminsa_viz.model import APPENDIX_4, InvalidInput, backend, static_imbalance, static_torques
 from paminsa_viz.model.lumped import MASS_PATHS

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from paminsa_viz.elastostatics.drive_modes import drive_modes
+from paminsa_viz.elastostatics.drive_stiffness import drive_modes
 from paminsa_viz.elastostatics.stiffness import platform_stiffness, strain_shares
 from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.files.design_file import save_design

@@ -40,10 +40,16 @@ def test_motion_is_copied_from_the_export_tab(copying: Tab) -> None:
     assert tab.page.evaluate(READ).replace("\r\n", "\n") == wanted
 
 
-def test_any_table_is_copied_by_the_button_over_it(copying: Tab) -> None:
+def test_any_table_is_copied_by_the_button_beside_it(copying: Tab) -> None:
     tab = copying
-    tab.page.get_by_test_id("actuators").locator("table").first.hover()
+    table = tab.page.get_by_test_id("actuators").locator("table").first
+    table.hover()
     button = tab.page.get_by_test_id("copy-table")
+    box, at = table.bounding_box(), button.bounding_box()
+    assert box is not None
+    assert at is not None
+    assert at["x"] + at["width"] <= box["x"]  # over no text of it
+    assert abs(at["y"] - box["y"]) < 3
     button.click()
     until(lambda: button.inner_text() == "Copied", "the table is copied")
     rows = [row.split("\t") for row in tab.page.evaluate(READ).splitlines()]

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
+from operator import attrgetter
 from typing import Any
 
 import pytest
 
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.explorer import actions, tab_store
+from paminsa_viz.explorer.balancing.springs import SpringsFrom
 from paminsa_viz.explorer.state import MapView, RangeMode, initial_state
 
 CHANGED = replace(
@@ -19,6 +22,9 @@ CHANGED = replace(
     condition_limit=12.0,
     table_at_rest=True,
 ).updated("plots", plot="power", published=True, color=2)
+CHANGED = CHANGED.updated(
+    "springing.settings", start=SpringsFrom.GUIDE, height=0.2, least=0.1, most=0.3
+).updated("tolerating.settings", mass=0.05, length=0.002)
 
 
 def test_everything_kept_comes_back() -> None:
@@ -38,6 +44,11 @@ def test_everything_kept_comes_back() -> None:
         ("condition_limit", 0.5),
         ("layers", [1, 2]),
         ("table_at_rest", None),
+        ("springing.settings", {"height": 2.0}),
+        ("springing.settings", {"start": "nowhere"}),
+        ("springing.settings", {"least": math.nan}),
+        ("tolerating.settings", {"mass": -0.1}),
+        ("tolerating.settings", {"length": "long"}),
     ],
     ids=str,
 )
@@ -45,9 +56,9 @@ def test_part_that_is_not_possible_keeps_its_default(part: str, value: Any) -> N
     data = json.loads(tab_store.dump(CHANGED))
     data["view"][part] = value
     found = tab_store.restore(initial_state(), json.dumps(data))
-    assert getattr(found, part) == getattr(initial_state(), part)
+    assert attrgetter(part)(found) == attrgetter(part)(initial_state())
     others = {name for name in tab_store.VIEW if name != part}
-    assert all(getattr(found, name) == getattr(CHANGED, name) for name in others)
+    assert all(attrgetter(name)(found) == attrgetter(name)(CHANGED) for name in others)
     assert found.document == CHANGED.document
 
 
@@ -55,6 +66,10 @@ def test_unknown_layers_are_dropped_and_old_stores_are_read() -> None:
     data = json.loads(tab_store.dump(CHANGED))
     data["view"]["layers"] += ["a layer of another version"]
     assert tab_store.restore(initial_state(), json.dumps(data)).layers == CHANGED.layers
+    del data["view"]["springing.settings"], data["view"]["tolerating.settings"]
+    old = tab_store.restore(initial_state(), json.dumps(data))
+    assert old.map_view == CHANGED.map_view
+    assert old.springing == initial_state().springing
     del data["view"]
     assert tab_store.restore(initial_state(), json.dumps(data)).document == CHANGED.document
     with pytest.raises(PaminsaError):

@@ -231,13 +231,7 @@ def slopes(f: Any, q: Any) -> Any:
     return np.stack(np.broadcast_arrays(*found), axis=-1)
 
 
-def lagrange(
-    design: Design,
-    q: Any,
-    v: Any,
-    a: Any,
-    misprints: Misprint = Misprint.NONE,
-) -> Any:
+def lagrange(design: Design, q: Any, v: Any, a: Any, misprints: Misprint = Misprint.NONE) -> Any:
     """d/dt(dL/dq') - dL/dq of Eq. 15 for arrays q, v, a (..., 8), as (..., 8)."""
     q, v, a = (list(np.moveaxis(np.asarray(values, float), -1, 0)) for values in (q, v, a))
     # along the motion, one complex step of time later
@@ -246,18 +240,12 @@ def lagrange(
     columns = []
     for j in range(8):
         up, down = (
-            kinetic(
-                design,
-                q_next,
-                [r + s * (i == j) for i, r in enumerate(v_next)],
-                misprints,
-            )
+            kinetic(design, q_next, [r + s * (i == j) for i, r in enumerate(v_next)], misprints)
             for s in (1.0, -1.0)
         )
         columns.append((0.5 * (up - down)).imag / STEP)
     growth = np.stack(np.broadcast_arrays(*columns), axis=-1)
     by_place = slopes(
-        lambda p: kinetic(design, p, [r + 0j for r in v], misprints) - potential(design, p),
-        q,
+        lambda p: kinetic(design, p, [r + 0j for r in v], misprints) - potential(design, p), q
     )
     return growth - by_place

@@ -14,14 +14,7 @@ from hypothesis import strategies as st
 
 import paminsa_viz.model as model
 from paminsa_viz import quantities
-from paminsa_viz.model import (
-    APPENDIX_4,
-    Design,
-    InvalidInput,
-    backend,
-    solve_field,
-    xy_grid,
-)
+from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, backend, solve_field, xy_grid
 from paminsa_viz.model.dynamics import InverseDynamics, TorqueBreakdown
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.measures import least_margin

@@ -18,10 +18,7 @@ from paminsa_viz.model import (
     singular_rotation,
 )
 from paminsa_viz.model.kinematics import inverse_kinematics
-from paminsa_viz.model.leg_points import (
-    CounterweightClearance,
-    counterweight_clearance,
-)
+from paminsa_viz.model.leg_points import CounterweightClearance, counterweight_clearance
 from paminsa_viz.model.parameters import BAR_ENDS
 from paminsa_viz.model.reach import Limit
 from tests.support.cases import BOTH

@@ -28,13 +28,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.quantities import QUANTITIES
 from tests import oracle
-from tests.support.cases import (
-    BOTH,
-    Case,
-    assert_close,
-    assert_within,
-    cases,
-)
+from tests.support.cases import BOTH, Case, assert_close, assert_within, cases
 from tests.support.samples import with_knee
 
 BODIES = tuple(p.path for p in PARAMETERS if p.group in ("joints", "links"))

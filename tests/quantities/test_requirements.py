@@ -8,12 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.quantities.requirements import (
-    Requirement,
-    Requirements,
-    Workspace,
-    WorkspaceShape,
-)
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 
 FINITE = st.floats(-1e6, 1e6)
 

@@ -247,10 +247,7 @@ def test_the_table_is_the_same_from_a_cluster(expected, tmp_path) -> None:
 def test_missing_scheduler_is_named(monkeypatch, address) -> None:
     pytest.importorskip("distributed")
     monkeypatch.setattr("paminsa_viz.studies.executors.CONNECT_TIMEOUT", 0.5)
-    with (
-        pytest.raises(InvalidInput, match=f"no scheduler answers at {address}"),
-        cluster(address),
-    ):
+    with pytest.raises(InvalidInput, match=f"no scheduler answers at {address}"), cluster(address):
         pass
 
 

@@ -13,13 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.model import (
-    APPENDIX_4,
-    Design,
-    Grid,
-    Limit,
-    check_reach,
-)
+from paminsa_viz.model import APPENDIX_4, Design, Grid, Limit, check_reach
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.studies.sweeps import sweep
 from tests.support.cases import Case, cases

@@ -48,9 +48,9 @@ def scene(server: viser.ViserServer) -> Iterator[Scene]:
     page.socket.close()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def app() -> Iterator[Any]:
-    """An explorer on any free port."""
+    """An explorer on any free port, for all tabs of all tests."""
     from paminsa_viz.app import App, AppOptions
     from paminsa_viz.model import APPENDIX_4, backend
 

@@ -35,21 +35,27 @@ def mujoco() -> Any:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Start with the browser, which takes longest: everything else can run next to it."""
-    items.sort(key=lambda item: item.get_closest_marker("browser") is None)
+    """Run long tests first, those in a browser before all: at the end no worker waits for one."""
     for item in items:
         if item.get_closest_marker("browser"):
             item.add_marker("slow")
+    long_files = {item.path for item in items if item.get_closest_marker("slow")}
+    items.sort(key=lambda item: (not _is_page(item.nodeid), item.path not in long_files))
+
+
+def _is_page(nodeid: str) -> bool:
+    """Whether a test is in a file that opens the explorer's page."""
+    return "/test_page" in nodeid or "/test_browser_names" in nodeid
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Share the work by files, those of the page as one: two browsers would slow each other."""
+    """Share the work by files, those of the page as one: they share a browser and a server."""
     from xdist.scheduler import LoadScopeScheduling
 
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
             path = nodeid.split("::", 1)[0]
-            return "page" if "/test_page" in path else path
+            return "page" if _is_page(path) else path
 
     return ByFile(config, log)

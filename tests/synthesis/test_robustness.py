@@ -9,8 +9,8 @@ import pytest
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, Counterweight
+from paminsa_viz.model.accuracy import NO_TOLERANCES, Tolerances
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.tolerances import NO_TOLERANCES, Tolerances
 from paminsa_viz.studies.executors import processes
 from paminsa_viz.synthesis.answer.checks import build_yield, built_robots, fraction
 

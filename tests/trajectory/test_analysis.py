@@ -30,14 +30,7 @@ from paminsa_viz.trajectory import (
 from paminsa_viz.trajectory.integrals import rms, running_integral
 from tests.support.cases import Case, assert_close, cases
 from tests.support.samples import with_knee
-from tests.trajectory.plans import (
-    ALL_PRESETS,
-    FRICTION,
-    A,
-    B,
-    C,
-    preset_plan,
-)
+from tests.trajectory.plans import ALL_PRESETS, FRICTION, A, B, C, preset_plan
 
 HOME = np.array([0.0, 0.0, 0.0, -0.5])
 ROUGH = APPENDIX_4.vary(FRICTION)

@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.balancing import balance
-from paminsa_viz.model import (
-    APPENDIX_4,
-    InvalidInput,
-    escape_twist,
-    inverse_dynamics,
-    mass_matrix,
-)
+from paminsa_viz.model import APPENDIX_4, InvalidInput, escape_twist, inverse_dynamics, mass_matrix
 from paminsa_viz.model.singularity import singular_radius
 from paminsa_viz.trajectory import (
     CrossingRefused,

@@ -67,10 +67,7 @@ def test_coarse_digits_are_noted() -> None:
 
 @pytest.mark.parametrize(
     ("velocity", "acceleration", "word"),
-    [
-        (180 / np.pi, 1.0, "velocity of theta"),
-        (1.0, 180 / np.pi, "acceleration of theta"),
-    ],
+    [(180 / np.pi, 1.0, "velocity of theta"), (1.0, 180 / np.pi, "acceleration of theta")],
 )
 def test_rates_in_another_unit_are_noted(velocity, acceleration, word) -> None:
     scale = np.array([1.0, 1.0, velocity, 1.0])

@@ -19,13 +19,11 @@ from typing import Any
 
 import viser
 
-from paminsa_viz.explorer.browser import asset
+from paminsa_viz.explorer.browser import STORE_KEY, asset
 from paminsa_viz.explorer.inputs import finite
 from paminsa_viz.explorer.session import Session
 
 log = logging.getLogger(__name__)
-
-STORE_KEY = "paminsa_viz"
 
 MESSAGE_LIMIT = 64_000
 """Longest message that is read [characters]; a saved state is a tenth of it."""

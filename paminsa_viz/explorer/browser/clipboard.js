@@ -1,5 +1,5 @@
 /**
- * Copies text to the clipboard, and any table of the page by a button that is shown over it.
+ * Copies text to the clipboard, and any table of the page by a button that is shown beside it.
  *
  * The clipboard of the browser needs a secure context: this machine or TLS. Elsewhere the older way
  * is tried, and where that is refused the text is shown, selected, to be copied by hand.
@@ -58,7 +58,21 @@
   button.setAttribute("aria-label", "Copy the table");
   document.body.append(button);
   const hide = () => {
-    timer = setTimeout(() => (button.hidden = true), 400);
+    timer ||= setTimeout(() => {
+      timer = 0;
+      button.hidden = true;
+    }, 900);
+  };
+  // In the 3D view, next to the panel that the table is in, and so over no text; over the table
+  // where there is no view beside it.
+  const place = (box) => {
+    const view = window.__viserMutable?.canvas?.getBoundingClientRect();
+    const { offsetWidth: width, offsetHeight: height } = button;
+    let [x, y] = [box.right - width, box.top - height];
+    if (view && box.left >= view.right - 1) [x, y] = [view.right - width - 5, box.top];
+    else if (view && box.right <= view.left + 1) [x, y] = [view.left + 5, box.top];
+    button.style.left = `${Math.max(x, 2)}px`;
+    button.style.top = `${Math.max(Math.min(y, window.innerHeight - height), 2)}px`;
   };
   on("pointerover", (event) => {
     const found = event.target.closest?.(".pv-table");
@@ -67,16 +81,14 @@
       return;
     }
     clearTimeout(timer);
+    timer = 0;
     if (!found) return;
     table = found;
-    const box = found.getBoundingClientRect();
     button.hidden = false;
     button.textContent = "Copy";
-    // Over the head of the table, where its first column leaves room.
-    button.style.left = `${box.left + Math.min(86, box.width / 4)}px`;
-    button.style.top = `${box.top - 3}px`;
+    place(found.getBoundingClientRect());
   });
-  on("scroll", hide);
+  document.addEventListener("scroll", hide, { capture: true, signal: stopped.signal });
   button.addEventListener("click", async () => {
     if (!table) return;
     button.textContent = (await copy(textOf(table))) === "copied" ? "Copied" : "Selected";

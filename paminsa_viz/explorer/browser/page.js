@@ -277,5 +277,8 @@
   };
   const tour = (steps, again) => window.paminsaTour?.(steps, again);
   const copy = (what, text) => window.paminsaClipboard?.give(what, text);
-  window.paminsa = { stop, tour, copy, send, save, showTime, showLegend, renderOnDemand };
+  const releaseTheme = () => window.paminsaFirstPaint?.release();
+  window.paminsa = {
+    stop, tour, copy, send, save, showTime, showLegend, renderOnDemand, releaseTheme,
+  };
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -15,9 +16,8 @@ from paminsa_viz.dimensions.layout import lift_motor_height
 from paminsa_viz.dimensions.placement import about_z
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.scene.label_places import apart
-from paminsa_viz.explorer.scene.layers import LegendRow, SceneContext
-from paminsa_viz.explorer.scene.nodes import Node, mesh
+from paminsa_viz.explorer.scene.layers import LegendRow
+from paminsa_viz.explorer.scene.nodes import Node, label, mesh
 from paminsa_viz.model import lift_constant, lumped_coefficients
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES, LEG_AXES
@@ -38,6 +38,9 @@ THIN, THICK = 0.0045, 0.0095
 
 NEXT_TO_LIFT: Final = 0.072 * np.array([np.cos(np.pi / 6), np.sin(np.pi / 6)])
 """Place of the force arrow next to the lift's axis, (x, y) [m]."""
+
+ARROW_TURNS: Final = (*about_z(np.array([*AXIS_ANGLES, 0.0])),)
+"""Quaternions of the four arrows."""
 
 _RINGS, _SIDES = 24, 8
 
@@ -111,27 +114,30 @@ def arrow_scales(design: Design) -> tuple[float, float]:
     return max(torque, 1e-6), max(1.5 * lift_constant(design), 1e-6)
 
 
+@lru_cache(maxsize=8)
+def _arc_places(geometry: Geometry) -> tuple[tuple[float, ...], ...]:
+    height = ARC_HEIGHT * geometry.knee.sign
+    return tuple((*geometry.base_radius * axis, height) for axis in LEG_AXES)
+
+
 def torque_arrows(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
     """Draw the layer ``torques``: torques of M1..M3 and the force of M4.
 
     The longest arrow is a full scale, see `arrow_scales`; greater values are drawn as
     long, and values that are not finite are not drawn.
     """
-    geometry = frame.shown_design.geometry
     torque, force = arrow_scales(frame.shown_design)
     with np.errstate(all="ignore"):
         fractions = frame.torques / [torque, torque, torque, force]
-    height = ARC_HEIGHT * geometry.knee.sign
-    places = [(*geometry.base_radius * axis, height) for axis in LEG_AXES]
-    places.append((*NEXT_TO_LIFT, frame.configuration.actuators[3]))
-    turns = about_z(np.array([*AXIS_ANGLES, 0.0]))
+    lift = (*NEXT_TO_LIFT, frame.configuration.actuators[3])
+    places = (*_arc_places(frame.shown_design.geometry), lift)
     for index, fraction in enumerate(fractions):
         if np.isfinite(fraction) and abs(fraction) > 1e-4:
             shape = arc_arrow(fraction) if index < 3 else force_arrow(fraction)
             color = palette.ACTUATOR_COLORS[index]
             yield mesh(
                 f"/efforts/m{index + 1}", shape, FACES, color,
-                place=places[index], turn=turns[index],
+                place=places[index], turn=ARROW_TURNS[index],
             )  # fmt: skip
 
 
@@ -155,37 +161,8 @@ NAME_SIZE: Final = (30.0, 21.0)
 """Width and height of a name on the screen [px]."""
 
 
-class ActuatorLabels:
-    """The layer ``labels``: the names M1..M4 next to their bodies, none over another."""
-
-    def __init__(self, context: SceneContext) -> None:
-        self._geometry: Geometry | None = None
-        self._camera = context.camera
-        if self._camera is not None:
-            self._camera.on_update(lambda _: self._arrange())
-        self._labels = [
-            context.scene.add_label(
-                f"/actuators/m{number}", f"M{number}", font_screen_scale=1.0,
-                anchor="bottom-center",
-            )
-            for number in (1, 2, 3, 4)
-        ]  # fmt: skip
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the actuators of the geometry."""
-        del dragging
-        geometry = frame.shown_design.geometry
-        if geometry is not self._geometry:
-            self._geometry = geometry
-            self._arrange()
-        for label in self._labels:
-            label.visible = "labels" in frame.state.layers
-
-    def _arrange(self) -> None:
-        if self._geometry is None:
-            return
-        places = np.array(label_places(self._geometry))
-        if self._camera is not None:
-            places = apart(places, self._camera, NAME_SIZE)
-        for label, place in zip(self._labels, places, strict=True):
-            label.position = place
+def actuator_labels(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+    """Draw the layer ``labels``: the names M1..M4 next to their bodies, none over another."""
+    for index, place in enumerate(label_places(frame.shown_design.geometry), start=1):
+        name = f"/actuators/m{index}"
+        yield label(name, f"M{index}", place, "bottom-center", 1.0, spaced=NAME_SIZE)

@@ -179,7 +179,7 @@ register(
           "contacts:contact_marks"),
     Layer("clearance", "Clearance", "The two nearest bodies, and their distance",
           "contacts:nearest_bodies"),
-    Layer("labels", "Labels", "Names of the actuators", "actuators:ActuatorLabels",
+    Layer("labels", "Labels", "Names of the actuators", "actuators:actuator_labels",
           default=True),
     Layer(
         "workspace", "Workspace boundary", "Positions within reach at the current θ and z", _FLOOR,

@@ -33,6 +33,9 @@ BARS: Final = {"b4": (9, 5), "b3": (4, 7), "b7": (8, 7), "b8": (8, 9), "b2": (3,
 DOT: Final = 0.0085
 """Radius of a joint's dot [m]."""
 
+NUMBER_SIZE: Final = (16.0, 20.0)
+"""Width and height of a joint's number on the screen [px]."""
+
 BEST_COLOR: Final = "#CC79A7"
 """A hue of the Okabe-Ito set that no leg has."""
 
@@ -92,7 +95,7 @@ def skeleton(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
     for leg, places in enumerate(joints, 1):
         for joint, place in zip(JOINTS, places, strict=True):
             name = f"/skeleton/numbers/{leg}/{joint}"
-            yield label(name, str(joint), place, "bottom-left", 0.95)
+            yield label(name, str(joint), place, "bottom-left", 0.95, spaced=NUMBER_SIZE)
 
 
 def best_robot(frame: Frame, _motions: MotionStore) -> Iterator[Node]:

@@ -20,6 +20,7 @@ from viser import SceneApi
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.scene.curves import dashes, linear_colors, segments
+from paminsa_viz.explorer.scene.label_places import apart
 from paminsa_viz.palette import INK, rgb
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ class Node:
         fixed: Its other properties.
         count: Parts whose number may not change; with another one it is made again.
         click: Called when it is clicked.
+        spaced: Width and height of a label [px] that is kept clear of others of its layer.
     """
 
     name: str
@@ -47,6 +49,7 @@ class Node:
     fixed: dict[str, Any] = field(default_factory=dict)
     count: int = 0
     click: Callable[[Any], None] | None = None
+    spaced: tuple[float, float] | None = None
 
 
 def lines(name: str, points: ArrayLike, color: str | NDArray[np.uint8], width: float) -> Node:
@@ -148,11 +151,21 @@ def copies(name: str, shape: Trimesh, places: ArrayLike, **live: Any) -> Node:
 
 
 def label(
-    name: str, text: str, place: ArrayLike, anchor: str = "top-center", size: float = 0.9
+    name: str,
+    text: str,
+    place: ArrayLike,
+    anchor: str = "top-center",
+    size: float = 0.9,
+    spaced: tuple[float, float] | None = None,
 ) -> Node:
-    """Return a text at a place (3,) [m]; ``size`` is in letters of the page."""
+    """Return a text at a place (3,) [m]; ``size`` is in letters of the page.
+
+    With its width and height on the screen [px] in ``spaced`` it is kept clear of the others of its
+    layer.
+    """
     live = {"text": text, "position": place}
-    return Node(name, "label", live, {"font_screen_scale": size, "anchor": anchor})
+    fixed = {"font_screen_scale": size, "anchor": anchor}
+    return Node(name, "label", live, fixed, spaced=spaced)
 
 
 class Nodes:
@@ -175,11 +188,25 @@ class Nodes:
             if not self.holds(node):
                 self._shown[node.name] = (node, self._put(node))
 
+    def arrange(self, camera: Any) -> bool:
+        """Put labels where none covers another; return whether there are any to be kept apart."""
+        found = [each for each in list(self._shown.values()) if each[0].spaced is not None]
+        if not found:
+            return False
+        places = np.array([node.live["position"] for node, _ in found], dtype=np.float64)
+        if camera is not None:
+            places = apart(places, camera, found[0][0].spaced)
+        for (_, handle), place in zip(found, places, strict=True):
+            handle.position = place
+        return True
+
     def _put(self, node: Node) -> Any:
         before, handle = self._shown.get(node.name, (None, None))
         if before is not None and before.count == node.count:
             for name, value in node.live.items():
-                setattr(handle, name, value)  # viser sends only what is different
+                moved_by_spacing = node.spaced is not None and name == "position"
+                if value is not before.live[name] and not moved_by_spacing:
+                    setattr(handle, name, value)  # viser sends only what is different
             return handle
         if handle is not None:
             handle.remove()
@@ -201,6 +228,7 @@ class LayerView:
         self._layer, self._draw = layer, draw
         self._motions = context.motions or MotionStore()
         self._nodes = Nodes(context.scene)
+        self._camera, self._follows = context.camera, False
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the frame; nothing is computed while the layer is off."""
@@ -209,3 +237,7 @@ class LayerView:
         if dragging and self._layer.idle:
             wanted = filter(self._nodes.holds, wanted)
         self._nodes.show(wanted)
+        arranged = self._nodes.arrange(self._camera)
+        if arranged and self._camera is not None and not self._follows:
+            self._follows = True
+            self._camera.on_update(lambda _: self._nodes.arrange(self._camera))

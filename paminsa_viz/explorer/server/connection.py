@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import gzip
 import math
 import time
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any, cast
 from urllib.parse import unquote_plus
 
@@ -52,6 +54,7 @@ class ConnectionGuard:
         limits: How much is served.
         decode: Reads one message of a page.
         token: What a request has to show, or None if it is served without.
+        head: HTML that the page has at the start of its head.
 
     Attributes:
         open: Requests are answered with 503 until the server is ready.
@@ -61,7 +64,12 @@ class ConnectionGuard:
     """
 
     def __init__(
-        self, rules: NameRules, limits: Limits, decode: Decode, token: AccessToken | None = None
+        self,
+        rules: NameRules,
+        limits: Limits,
+        decode: Decode,
+        token: AccessToken | None = None,
+        head: str = "",
     ) -> None:
         self.open = False
         self.limits = limits
@@ -69,6 +77,7 @@ class ConnectionGuard:
         self.held: set[GuardedConnection] = set()
         self._rules = rules
         self._token = token
+        self._head = head.encode()
         self._starts = RateLimit(limits.sessions_per_second, limits.sessions)
         self._waiting: dict[GuardedConnection, None] = {}
         self._sessions: dict[GuardedConnection, float] = {}
@@ -97,9 +106,23 @@ class ConnectionGuard:
                 return connection.respond(status, f"{reason}\n")
             if self._token is not None and (answer := self._token.respond(request)) is not None:
                 return answer
-            return self._without_place(connection, request) or serve_page(connection, request)
+            return self._without_place(connection, request) or self._with_head(
+                serve_page(connection, request)
+            )
 
         return process_request
+
+    def _with_head(self, response: Response | None) -> Response | None:
+        """Return what viser serves, a page with our part of its head."""
+        if response is None or not self._head:
+            return response
+        headers = response.headers
+        if response.status_code == 200 and headers["Content-Type"].startswith("text/html"):
+            packed = headers["Content-Encoding"] == "gzip"
+            response.body = _inserted(response.body, self._head, packed)
+            del headers["Content-Length"]
+            headers["Content-Length"] = str(len(response.body))
+        return response
 
     def _refusal(self, connection: ServerConnection, request: Request) -> tuple[int, str] | None:
         headers = request.headers
@@ -159,6 +182,14 @@ class ConnectionGuard:
         else:
             for name, value in _PAGE_HEADERS.items():
                 response.headers[name] = value
+
+
+@lru_cache(maxsize=2)
+def _inserted(page: bytes, head: bytes, packed: bool) -> bytes:
+    """Return a page, which may be packed by gzip, with more in its head; kept, as it is large."""
+    plain = gzip.decompress(page) if packed else page
+    plain = plain.replace(b"<head>", b"<head>" + head, 1)
+    return gzip.compress(plain) if packed else plain
 
 
 class GuardedConnection(ServerConnection):

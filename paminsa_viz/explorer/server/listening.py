@@ -72,6 +72,7 @@ def open_server(
     allowed_hosts: Iterable[str] = (),
     limits: Limits | None = None,
     token: AccessToken | None = None,
+    head: str = "",
 ) -> viser.ViserServer:
     """Start a guarded viser server.
 
@@ -83,6 +84,7 @@ def open_server(
             ``"name:port"``: needed behind a proxy, or when a forwarded port has another number.
         limits: How much is served; the defaults suit a person at a desk.
         token: What requests have to show, or None if they are served without.
+        head: HTML that the page has at the start of its head.
 
     Returns:
         The running server, without anything on its page.
@@ -97,7 +99,7 @@ def open_server(
     bound = _bind(host, port)
     try:
         rules = NameRules.for_server(host, bound.getsockname()[1], allowed_hosts)
-        guard = ConnectionGuard(rules, limits or Limits(), decode, token)
+        guard = ConnectionGuard(rules, limits or Limits(), decode, token, head)
         server = viser_patch.start_viser(bound, host, guard)
     except BaseException:
         bound.close()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import combinations
 from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -13,21 +14,40 @@ from hypothesis import strategies as st
 from paminsa_viz.explorer.scene.actuators import NAME_SIZE, label_places
 from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
 from paminsa_viz.explorer.scene.label_places import Projection, apart, lifts
+from paminsa_viz.explorer.scene.layers import LAYERS, SceneContext
+from paminsa_viz.explorer.scene.mechanism import JOINTS, NUMBER_SIZE, skeleton
+from paminsa_viz.explorer.scene.nodes import LayerView
 from paminsa_viz.model import APPENDIX_4, KneeBranch
+from tests.support.scene import frame_at
 
 PLACES = st.lists(st.tuples(st.floats(-60, 60), st.floats(-60, 60)), min_size=1, max_size=8).map(
     np.array
 )
 
 
-def covering(places: np.ndarray) -> list[tuple[int, int]]:
-    width, height = NAME_SIZE
+def covering(places: np.ndarray, size: tuple[float, float] = NAME_SIZE) -> list[tuple[int, int]]:
+    width, height = size
     return [
         (i, j)
         for i, j in combinations(range(len(places)), 2)
         if abs(places[i, 0] - places[j, 0]) < width - 1e-6
         and abs(places[i, 1] - places[j, 1]) < height - 1e-6
     ]
+
+
+class LabelScene:
+    """A scene that keeps its labels."""
+
+    def __init__(self) -> None:
+        self.labels: dict[str, Any] = {}
+
+    def add_label(self, name: str, text: str, **properties: Any) -> Any:
+        handle = SimpleNamespace(text=text, remove=lambda: self.labels.pop(name), **properties)
+        self.labels[name] = handle
+        return handle
+
+    def __getattr__(self, name: str) -> Any:
+        return lambda *_, **__: SimpleNamespace(remove=lambda: None)
 
 
 @given(places=PLACES)
@@ -83,3 +103,36 @@ def test_projection_agrees_with_the_picture() -> None:
     np.testing.assert_allclose(depth, [4, 4, -1])
     camera.image_height = 0
     assert Projection.of(camera) is None
+
+
+def test_numbers_of_joints_are_apart_while_the_camera_moves() -> None:
+    moved: list[Any] = []
+    camera = SimpleNamespace(image_height=720, on_update=moved.append)
+
+    def look(name: str) -> None:
+        view = preset(name, APPENDIX_4.geometry, aspect=0.7)
+        vars(camera).update(
+            position=view.position, look_at=view.look_at, up_direction=view.up, fov=view.fov
+        )
+        for call in moved:
+            call(None)
+
+    scene = LabelScene()
+    context = SceneContext(cast(Any, scene), camera=camera)
+    view = LayerView(LAYERS["skeleton"], skeleton, context)
+    look("3D")
+    for pose in ((0.0, 0.0, 0.0, -0.55), (0.1, 0.0, 0.5, -0.6)):
+        frame = frame_at(pose, layers=["skeleton"])
+        view.draw(frame, False)
+        for name in CAMERAS:
+            look(name)
+            projection = Projection.of(camera)
+            assert projection is not None
+            joints = np.concatenate([frame.configuration.points[joint] for joint in JOINTS])
+            assert covering(projection.seen(joints)[0], NUMBER_SIZE) != [], name
+            places = np.array([label.position for label in scene.labels.values()])
+            assert covering(projection.seen(places)[0], NUMBER_SIZE) == [], name
+    assert len(moved) == 1
+    view.draw(frame_at(layers=[]), False)
+    look("3D")
+    assert scene.labels == {}
