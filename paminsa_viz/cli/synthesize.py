@@ -13,7 +13,7 @@ import tyro
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError, command_line
 from paminsa_viz.cli.flags import JsonFlags, check_ending
-from paminsa_viz.cli.output import print_json, print_written
+from paminsa_viz.cli.output import print_blocks, print_json, print_written
 from paminsa_viz.cli.synthesize_answer import (
     AnswerFlags,
     checks_data,
@@ -22,11 +22,12 @@ from paminsa_viz.cli.synthesize_answer import (
     print_checks,
     print_front,
 )
-from paminsa_viz.cli.synthesize_report import print_result, progress_line, result_data
+from paminsa_viz.cli.synthesize_report import bound_text, progress_line, result_data
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.interrupts import on_interrupt
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.report.synthesis_section import synthesis_blocks
 from paminsa_viz.studies import Workers, cluster, processes
 from paminsa_viz.synthesis import SynthesisCase, SynthesisResult, synthesize
 from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case
@@ -109,7 +110,8 @@ class Synthesize(AnswerFlags, JsonFlags):
         if self.json:
             print_json(result_data(result, seconds) | checks_data(result, checks))
         else:
-            print_result(result, seconds)
+            print(f"{case.name}: {seconds:.1f} s, seed {case.seed}")
+            print_blocks(synthesis_blocks(result, bound_text))
             print_checks(result, checks)
         if self.out is not None and result.feasible:
             self._save(result, self.out)

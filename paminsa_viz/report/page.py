@@ -21,8 +21,9 @@ from paminsa_viz.report.design_section import design_section, provenance_section
 from paminsa_viz.report.forces_section import drives_section, forces_section
 from paminsa_viz.report.identification_section import identification_section
 from paminsa_viz.report.loads_section import loads_section
-from paminsa_viz.report.requirements_section import requirements_section, synthesis_section
+from paminsa_viz.report.requirements_section import requirements_section
 from paminsa_viz.report.stiffness_section import stiffness_section
+from paminsa_viz.report.synthesis_section import synthesis_section
 from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
 from paminsa_viz.report.workspace_section import maps_section, workspace_section

@@ -15,7 +15,7 @@ from paminsa_viz.quantities.requirements import (
 )
 from paminsa_viz.report import requirements_section as section
 from paminsa_viz.report.blocks import Note, Table
-from paminsa_viz.report.requirements_section import synthesis_section
+from paminsa_viz.report.synthesis_section import synthesis_section
 from paminsa_viz.synthesis import Effort, SearchRange, SynthesisCase, synthesize
 from paminsa_viz.synthesis.volume.check import check_requirements
 from paminsa_viz.synthesis.volume.grid import COARSE

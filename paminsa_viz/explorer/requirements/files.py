@@ -20,8 +20,8 @@ def volume_file(state: State, kind: str) -> File:
     from paminsa_viz.synthesis.volume.surface import volume_bytes  # loads SciPy
 
     document, known = state.document, state.requiring.fine
-    if known is not None and known.volume is not None and known.job.serves(document):
-        volume = known.volume
+    if known is not None and known.result is not None and known.job.serves(document):
+        volume = known.result.volume
     else:
         volume = solve_volume(document.design, document.requirements)
     parts = ("paminsa", plain(document.design.name), "volume")
