@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -20,6 +19,9 @@ from paminsa_viz.precision.unequal_legs import Closure, UnequalPose, nominal_pos
 
 COUNT = 3 * len(LENGTHS)
 """Number of lengths."""
+
+CONFIDENCE = 0.95
+"""Coverage of the intervals."""
 
 GAP = 1e-8
 """Singular value, over the largest, below which equal legs do not show a combination."""
@@ -52,9 +54,11 @@ class CalibrationProblem:
         """Return scaled values (42,) as deviations (3, 14) [m, rad]."""
         return values.reshape(3, -1) / self._column
 
-    def freedom(self, fitted: int) -> int:
-        """Return the degrees of freedom of the residuals."""
-        return self.rows - fitted
+    def margin(self, fitted: int) -> float:
+        """Return half the width of an interval over its standard error, with what was fitted."""
+        from scipy.special import stdtrit  # takes a while to load
+
+        return float(stdtrit(self.rows - fitted, 0.5 + CONFIDENCE / 2))
 
     def require_near(self, found: UnequalPose, measured: Measurements) -> None:
         """Check that predicted poses are near the measured ones.
@@ -101,6 +105,8 @@ class CalibrationProblem:
 
     def fit(self, origin: Array, basis: Array, guess: Array) -> Array:
         """Return the best values within a basis (42, m) about an origin, near a guess."""
+        from scipy.optimize import least_squares  # takes a while to load
+
         found = least_squares(
             lambda step: self.residuals(origin + basis @ step),
             basis.T @ (guess - origin),
@@ -111,5 +117,5 @@ class CalibrationProblem:
 
     def noise(self, values: Array, fitted: int) -> float:
         """Return the standard deviation of the residuals, with what was fitted taken off."""
-        square = float((self.residuals(values) ** 2).sum()) / self.freedom(fitted)
+        square = float((self.residuals(values) ** 2).sum()) / (self.rows - fitted)
         return float(np.sqrt(max(square, np.finfo(float).eps ** 2)))
