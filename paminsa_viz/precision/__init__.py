@@ -16,13 +16,14 @@ from paminsa_viz.precision.leg_lengths import (
     with_deviations,
 )
 from paminsa_viz.precision.manufacture import (
+    MonteCarlo,
     ToleranceErrors,
     design_sensitivities,
     manufactured_pose,
+    monte_carlo,
     tolerance_errors,
 )
 from paminsa_viz.precision.measurements import Measurements, PredictionErrors, prediction_errors
-from paminsa_viz.precision.monte_carlo import MonteCarlo, monte_carlo
 from paminsa_viz.precision.unequal_legs import (
     Closure,
     Sensitivities,
