@@ -13,7 +13,7 @@ from paminsa_viz import palette
 from paminsa_viz.explorer.accuracy import no_bound, shown_errors
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.scene.forces import BAR, BELOW, force_scale
+from paminsa_viz.explorer.scene.forces import BAR, BELOW, round_scale
 from paminsa_viz.explorer.scene.nodes import Node, label, lines, mesh
 from paminsa_viz.model import Geometry, jacobian
 from paminsa_viz.precision.drive_errors import DriveErrors
@@ -99,7 +99,7 @@ def drive_error_nodes(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
         text = "the drives make no error"
     else:
         vertices, faces, edges = prism(found)
-        scale = force_scale(float(np.linalg.norm(vertices, axis=1).max()), FARTHEST)
+        scale = round_scale(float(np.linalg.norm(vertices, axis=1).max()), FARTHEST)
         text = error_text(found, scale)
         drawn = BAR / scale
         if len(vertices) > 4:
