@@ -7,12 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.quantities.requirements import (
-    Requirement,
-    Requirements,
-    Workspace,
-    WorkspaceShape,
-)
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis import SearchRange, SynthesisCase
 
 TURN = float(np.radians(30.0))

@@ -12,14 +12,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
-from paminsa_viz.synthesis import (
-    Effort,
-    Guide,
-    ObjectiveLimit,
-    Regime,
-    SearchRange,
-    SynthesisCase,
-)
+from paminsa_viz.synthesis import Effort, Guide, ObjectiveLimit, Regime, SearchRange, SynthesisCase
 from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case, read_case
 from tests.synthesis.search_cases import CELL, CYLINDER
 

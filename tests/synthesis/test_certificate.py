@@ -11,20 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model import (
-    APPENDIX_4,
-    Design,
-    check_reach,
-    measure_singularity,
-    static_torques,
-)
+from paminsa_viz.model import APPENDIX_4, Design, check_reach, measure_singularity, static_torques
 from paminsa_viz.model.reach import home_pose
-from paminsa_viz.quantities.requirements import (
-    Requirement,
-    Requirements,
-    Workspace,
-    WorkspaceShape,
-)
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.proof.certificate import prove
 from paminsa_viz.synthesis.proof.evidence import Proof, Verdict
 from paminsa_viz.synthesis.proof.families import Method
@@ -102,8 +91,7 @@ def test_refuted_workspace_has_a_pose_that_breaks_the_bound(
 
 
 @pytest.mark.parametrize(
-    ("workspace", "name"),
-    [(cylinder(0.3, 0.9), "reach"), (cylinder(0.52, 0.1), "singularity")],
+    ("workspace", "name"), [(cylinder(0.3, 0.9), "reach"), (cylinder(0.52, 0.1), "singularity")]
 )
 def test_refuted_reach_has_a_pose_that_cannot_be_taken(workspace: Workspace, name: str) -> None:
     proof = prove(APPENDIX_4, Requirements((), (-TURN, TURN)), workspace)

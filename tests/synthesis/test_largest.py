@@ -10,12 +10,7 @@ import pytest
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, check_reach, measure_singularity, static_torques
-from paminsa_viz.quantities.requirements import (
-    Requirement,
-    Requirements,
-    Workspace,
-    WorkspaceShape,
-)
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.proof.bisection import Gauge
 from paminsa_viz.synthesis.proof.certificate import prove, region_of
 from paminsa_viz.synthesis.proof.evidence import Verdict

@@ -19,9 +19,7 @@ from paminsa_viz.synthesis.volume.conflict import irreducible_set, smallest_set
 from tests.synthesis.inner_cases import MASSES, WEIGHTS, case, poses
 
 
-@given(
-    st.lists(st.frozensets(st.integers(0, 5), min_size=1, max_size=4), max_size=4),
-)
+@given(st.lists(st.frozensets(st.integers(0, 5), min_size=1, max_size=4), max_size=4))
 def test_sets_are_contradictory_and_irreducible(conflicts):
     def feasible(chosen: tuple[int, ...]) -> bool:
         return not any(conflict <= set(chosen) for conflict in conflicts)

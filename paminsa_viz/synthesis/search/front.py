@@ -204,9 +204,7 @@ class _Front:
             )
         return tuple(
             RegimeState(
-                regime,
-                population=cloud(case, known[regime], 0.05, OTHERS),
-                best=known[regime][-1],
+                regime, population=cloud(case, known[regime], 0.05, OTHERS), best=known[regime][-1]
             )
             for regime in case.regimes
             if regime in known

@@ -26,13 +26,7 @@ from paminsa_viz.synthesis.volume.causes import (
     margin_slope,
     reach_distances,
 )
-from paminsa_viz.synthesis.volume.grid import (
-    FINE,
-    Resolution,
-    axes_of,
-    home_side,
-    joined_to_home,
-)
+from paminsa_viz.synthesis.volume.grid import FINE, Resolution, axes_of, home_side, joined_to_home
 from paminsa_viz.synthesis.volume.margins import Progress, heading_margins
 from paminsa_viz.synthesis.volume.reach import reach_bounds
 
