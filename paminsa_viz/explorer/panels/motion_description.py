@@ -12,10 +12,6 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import LARGEST_LIMIT, Kind, Motion, Timing
-    LARGEST_LIMIT,
-    Kind,
-    Timing,
-)
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.motion_points import POINTS
 from paminsa_viz.explorer.session import Session
