@@ -30,7 +30,7 @@ def test_written_motion_keeps_the_reported_limits(capsys) -> None:
     assert speed.max() <= 1.5
     code, out, _ = run("trajectory", capsys, "--file", "motion.csv")
     assert code == 0
-    assert "can be run" in out
+    assert "The robot can run it" in out
 
 
 def test_table_for_people_names_every_limit(capsys) -> None:
