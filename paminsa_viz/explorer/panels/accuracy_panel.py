@@ -48,9 +48,7 @@ def pose_html(frame: Frame) -> str:
 
 def set_accuracy(state: State, accuracy: DriveAccuracy) -> State:
     """Change the accuracy of the drives."""
-    design = replace(state.document.design, accuracy=accuracy)
-    changed = actions.renamed_if_changed(design)
-    return actions.with_document(state, replace(state.document, design=changed))
+    return actions.with_design(state, replace(state.document.design, accuracy=accuracy))
 
 
 def _choices(state: State) -> dict[str, Effect]:

@@ -10,12 +10,13 @@ import numpy as np
 
 from paminsa_viz.balancing import OUTPUTS
 from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.balancing.jobs import Outcome
+from paminsa_viz.explorer.balancing.jobs import BalanceJob, MassFront
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import finite
 from paminsa_viz.explorer.panels.balance_text import variable_html
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.tasks import Outcome
 from paminsa_viz.palette import INK, MUTED, REFERENCE, Theme
 from paminsa_viz.plots.hover import FONT
 from paminsa_viz.units import number, symbols_html, unit_text
@@ -119,18 +120,17 @@ class BalanceChart:
 
 def front_key(state: State) -> Hashable | None:
     """Return what the front's chart shows, or None."""
-    outcome = state.balancing.front
-    if outcome is None or not outcome.designs:
+    if not state.balancing.points:
         return None
-    return outcome, balancing.chosen_point(state)
+    return state.balancing.front, balancing.chosen_point(state)
 
 
 def front_figure(state: State) -> Tree:
     """Return the figure of the Pareto front with the point that is worked on marked."""
     outcome, chosen = state.balancing.front, balancing.chosen_point(state)
-    if outcome is None or outcome.front is None:
+    if outcome is None or outcome.result is None:
         raise ValueError("there is no front")
-    front = outcome.front
+    front = outcome.result.front
     x, y = ([getattr(p, name) for p in front.points] for name in ("first", "second"))
     sizes = [14 if index == chosen else 9 for index in range(len(x))]
     colors = [INK if index == chosen else MUTED for index in range(len(x))]
@@ -159,15 +159,16 @@ def front_figure(state: State) -> Tree:
     }  # fmt: skip
 
 
-def clicked_point(data: Any, outcome: Outcome | None) -> int | None:
+def clicked_point(data: Any, outcome: Outcome[BalanceJob, MassFront] | None) -> int | None:
     """Return the point that a click means, sent by the page as (x, y) of the chart, or None."""
-    if outcome is None or outcome.front is None or not isinstance(data, dict):
+    if outcome is None or outcome.result is None or not isinstance(data, dict):
         return None
+    front = outcome.result.front
     x, y = finite(data.get("x")), finite(data.get("y"))
     if x is None or y is None:
         return None
-    points = np.array([[p.first, p.second] for p in outcome.front.points])
-    span = np.maximum(np.ptp(np.vstack([points, outcome.front.before]), axis=0), 1e-9)
+    points = np.array([[p.first, p.second] for p in front.points])
+    span = np.maximum(np.ptp(np.vstack([points, front.before]), axis=0), 1e-9)
     distance = np.hypot(*((points - [x, y]) / span).T)
     nearest = int(distance.argmin())
     return nearest if distance[nearest] <= FARTHEST_CLICK else None
@@ -176,15 +177,15 @@ def clicked_point(data: Any, outcome: Outcome | None) -> int | None:
 def tornado_key(state: State) -> Hashable | None:
     """Return what the tornado chart shows, or None."""
     outcome = state.balancing.tornado
-    return None if outcome is None or outcome.tornado is None else (outcome, state.balancing.output)
+    return None if outcome is None or outcome.result is None else (outcome, state.balancing.output)
 
 
 def tornado_figure(state: State) -> Tree:
     """Return the figure of the chosen one of `OUTPUTS`, the longest bar on top."""
     outcome, output = state.balancing.tornado, state.balancing.output
-    if outcome is None or outcome.tornado is None:
+    if outcome is None or outcome.result is None:
         raise ValueError("there is no sensitivity")
-    tornado = outcome.tornado
+    tornado = outcome.result
     bars = tornado.ranked(output)[:MAX_BARS]
     unit = unit_text(OUTPUTS[output][1])
     names = [variable_html(bar.path) for bar in bars]

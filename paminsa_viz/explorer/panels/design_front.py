@@ -28,11 +28,7 @@ DESIGN_FRONT = "design front"
 
 def front_of(state: State) -> DesignFront | None:
     """Return the front that is shown, or None."""
-    synthesizing = state.synthesizing
-    outcome = synthesizing.outcome
-    if outcome is None or outcome.front is None or synthesizing.running is not None:
-        return None
-    return outcome.front if outcome.front.points else None
+    return None if state.synthesizing.running else state.synthesizing.front
 
 
 def front_key(state: State) -> Hashable | None:

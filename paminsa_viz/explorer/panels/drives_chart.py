@@ -30,12 +30,12 @@ def chart_key(state: State) -> Hashable | None:
 def chart_figure(state: State) -> Tree:
     """Return the figure of a drive's torques over its speeds, inside its envelope."""
     driving = state.driving
-    one, outcome = driving.shown, driving.outcome
-    if one is None or outcome is None or outcome.selection is None:
+    one, found = driving.shown, driving.result
+    if one is None or found is None:
         raise ValueError("there is no drive to show")
     drive = one.drive
     shared = driving.shared(driving.actuator)
-    clouds = [cloud(outcome.selection.cycle.loads[j], drive) for j in shared]
+    clouds = [cloud(found.selection.cycle.loads[j], drive) for j in shared]
     top = max(1.25 * max(float(np.abs(speed).max()) for speed, _ in clouds), 1e-6)
     corners = [(min(s, top) if math.isinf(s) else s, t) for s, t in drive.corners]
     corners = [(s, t) for s, t in corners if math.isfinite(t)]
@@ -72,7 +72,7 @@ def chart_figure(state: State) -> Tree:
                 "hovertemplate": hover,
             }
         )  # fmt: skip
-    mean = RPM * drive.ratio * outcome.selection.cycle.loads[driving.actuator].mean_speed
+    mean = RPM * drive.ratio * found.selection.cycle.loads[driving.actuator].mean_speed
     data.append(
         {
             "type": "scatter", "mode": "markers", "name": f"RMS {ACTUATORS[driving.actuator]}",

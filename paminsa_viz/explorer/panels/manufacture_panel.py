@@ -79,8 +79,7 @@ def legs_html(frame: Frame) -> str:
 
 def set_tolerances(state: State, tolerances: Tolerances) -> State:
     """Change all tolerances."""
-    design = actions.renamed_if_changed(replace(state.document.design, tolerances=tolerances))
-    return actions.with_document(state, replace(state.document, design=design))
+    return actions.with_design(state, replace(state.document.design, tolerances=tolerances))
 
 
 def _tolerance_choices(state: State) -> dict[str, Effect]:
@@ -96,8 +95,7 @@ def _tolerance_choices(state: State) -> dict[str, Effect]:
 def equal_legs(state: State) -> State:
     """Give all legs the geometry's lengths."""
     legs = dict(zip(LEG_NAMES, NO_DEVIATIONS, strict=True))
-    design = actions.renamed_if_changed(replace(state.document.design, **legs))
-    return actions.with_document(state, replace(state.document, design=design))
+    return actions.with_design(state, replace(state.document.design, **legs))
 
 
 def _leg_choices(state: State) -> dict[str, Effect]:
@@ -165,7 +163,7 @@ MANUFACTURE = (
         ),
     ),
     Folder(
-        "manufacture.robots", "Random robots (Monte Carlo)", entries=MONTE_CARLO,
+        "manufacture.random", "Random robots (Monte Carlo)", entries=MONTE_CARLO,
     ),
     Folder(
         "manufacture.legs", "Deviations of each leg", open=False,

@@ -9,15 +9,7 @@ from viser import Icon
 
 from paminsa_viz.explorer.entries import Condition, Entry, Folder, Html, Upload
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import (
-    MILLIMETERS,
-    PLAIN,
-    Checkbox,
-    Dropdown,
-    Number,
-    Range,
-    attribute,
-)
+from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import (
     DURATIONS,
@@ -31,6 +23,7 @@ from paminsa_viz.explorer.motion.description import (
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.motion_points import POINTS
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.settings import MILLIMETERS, PLAIN, Range
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.trajectory_table import parse_trajectory

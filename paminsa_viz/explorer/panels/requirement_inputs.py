@@ -5,10 +5,11 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from paminsa_viz.explorer.inputs import MILLIMETERS, Checkbox, Dropdown, Input, Number, Pair
+from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Input, Number, Pair
 from paminsa_viz.explorer.panels.requirements_text import names
 from paminsa_viz.explorer.requirements import actions
 from paminsa_viz.explorer.requirements.actions import Side, selected, side_of
+from paminsa_viz.explorer.settings import MILLIMETERS
 from paminsa_viz.explorer.state import State
 from paminsa_viz.quantities import families
 from paminsa_viz.quantities.requirements import Range
