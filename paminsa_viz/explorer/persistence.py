@@ -17,13 +17,10 @@ from typing import Any
 
 import msgspec
 
-from paminsa_viz.explorer.identifying import (
-    IdentifySettings,
-    settings_data,
-    settings_from_data,
-)
+from paminsa_viz.explorer.identifying import IdentifySettings
 from paminsa_viz.explorer.motion.description import motion_data, motion_from_data
 from paminsa_viz.explorer.requirements.saved import requirements_data, requirements_from_data
+from paminsa_viz.explorer.settings import settings_data, settings_from_data
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.errors import printable, shown
@@ -110,8 +107,8 @@ def load_settings(text: str) -> IdentifySettings:
         InvalidInput: If a value is not possible.
     """
     try:
-        return settings_from_data(dict(json.loads(text).get("identify", {})))
-    except (ValueError, TypeError, AttributeError, RecursionError):
+        return settings_from_data(IdentifySettings, json.loads(text).get("identify", {}))
+    except (ValueError, TypeError, AttributeError, RecursionError, msgspec.ValidationError):
         raise InvalidInput("saved state", "it cannot be read") from None
 
 

@@ -16,11 +16,11 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.model.accuracy import NO_TOLERANCES, Tolerances
 from paminsa_viz.model.arrays import Array, as_vectors, in_blocks
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.reach import check_reach
-from paminsa_viz.model.tolerances import NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.leg_lengths import INDEX, LENGTHS, design_lengths
 from paminsa_viz.precision.unequal_legs import (
     Sensitivities,

@@ -11,6 +11,7 @@ import numpy as np
 from paminsa_viz.elastostatics.center_lines import CenterLines
 from paminsa_viz.explorer.elasticity import CASES, ElasticOutcome
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.motion.description import Pose
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import NO_SHADOWS, Node, ball, curves, label, mesh
@@ -59,17 +60,18 @@ def mode_shape(frame: Frame, _motions: MotionStore) -> tuple[Node, ...]:
     one is removed as soon as the robot moves.
     """
     outcome, mode = _outcome(frame), frame.state.elastic_view.mode
-    if outcome is None or outcome.shapes is None or mode >= len(outcome.frequencies):
+    found = None if outcome is None else outcome.result
+    if outcome is None or found is None or mode >= len(found.frequencies) or not found.shapes:
         return ()
-    return _animated(outcome, outcome.shapes, mode)
+    text = mode_text(mode, found.frequencies[mode])
+    return _animated(outcome.job.pose, found.shapes, mode, text)
 
 
 @lru_cache(maxsize=2)
-def _animated(outcome: ElasticOutcome, shapes: CenterLines, mode: int) -> tuple[Node, ...]:
+def _animated(pose: Pose, shapes: CenterLines, mode: int, text: str) -> tuple[Node, ...]:
     moves = shapes.moves[..., mode] * LONGEST_SWING / shapes.largest[mode]
     data = vibrating_glb(shapes.points, moves, radius=TUBE, color=MODE_COLOR, period=PERIOD)
-    text = mode_text(mode, outcome.frequencies[mode])
-    x, y, _, z = outcome.job.pose
+    x, y, _, z = pose
     return (
         Node(MODE_NODE, "glb", {"glb_data": data}, NO_SHADOWS),
         label("/elastic/mode_label", text, (x, y, z - BELOW["mode"])),
@@ -87,9 +89,9 @@ def mode_text(mode: int, frequency: float) -> str:
 def deflection(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
     """Draw the layer ``deflection``: center lines under the load case, displacements enlarged."""
     outcome = _outcome(frame)
-    if outcome is None or outcome.deflected is None:
+    found = None if outcome is None or outcome.result is None else outcome.result.deflected
+    if outcome is None or found is None:
         return
-    found = outcome.deflected
     scale = BAR / round_scale(float(found.largest[0]), LARGEST)
     moved = found.points + scale * found.moves[..., 0]
     yield curves("/elastic/deflected", moved, frame.state.theme.shown(DEFLECTED_COLOR), 4.0)
@@ -101,9 +103,9 @@ def deflection(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
 def compliance(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
     """Draw the layer ``compliance``: displacements of P by a force of one size, all around."""
     outcome = _outcome(frame)
-    found = None if outcome is None or outcome.stiffness is None else outcome.stiffness.compliance
-    if outcome is None or found is None:
+    if outcome is None or outcome.result is None:
         return
+    found = outcome.result.stiffness.compliance
     scale = BAR / round_scale(float(np.linalg.norm(found[:3, :3], 2)), LONGEST_AXIS)
     shape = scale * ball(1.0).vertices @ found[:3, :3].T
     x, y, _, z = outcome.job.pose

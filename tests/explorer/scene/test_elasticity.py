@@ -23,6 +23,7 @@ from paminsa_viz.explorer.scene.elasticity import (
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import ball
 from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.meshes.vibrating import KEYS, SIDES, vibrating_glb
 from paminsa_viz.model import APPENDIX_4
 from tests.support.scene import POSE, Scene, frame_at
@@ -32,7 +33,7 @@ LAYERS = ("mode_shape", "deflection", "compliance")
 
 @pytest.fixture(scope="module")
 def outcome() -> ElasticOutcome:
-    return analyze_elasticity(ElasticJob(APPENDIX_4, POSE, "x"))
+    return solve(analyze_elasticity, ElasticJob(APPENDIX_4, POSE, "x"))
 
 
 def draw(scene: Scene, state: State, *, dragging: bool = False) -> None:
@@ -47,7 +48,7 @@ def test_layers_show_the_result_and_leave_with_the_pose(
     draw(scene, shown)
     assert MODE_NODE in scene.nodes
     assert "mode 1" in scene.nodes["/elastic/mode_label"].text
-    assert f"{outcome.frequencies[0]:.3g} Hz" in scene.nodes["/elastic/mode_label"].text
+    assert f"{outcome.result.frequencies[0]:.3g} Hz" in scene.nodes["/elastic/mode_label"].text
     for name in ("deflected", "ellipsoid"):
         assert scene.nodes[f"/elastic/{name}"].visible
     moved = frame_at((0.0, 0.0, 0.0, -0.5), layers=LAYERS).state
@@ -95,7 +96,7 @@ def test_ellipsoid_is_where_a_force_of_one_size_moves_the_platform(
 
 def test_deflection_is_drawn_to_its_scale(scene: Scene, outcome: ElasticOutcome) -> None:
     draw(scene, frame_at(POSE, layers=LAYERS).state.updated("elastic_view", outcome=outcome))
-    lines = outcome.deflected
+    lines = outcome.result.deflected
     assert lines is not None
     scale = BAR / round_scale(float(lines.largest[0]), LARGEST)
     assert f"× {scale:g}" in scene.nodes["/elastic/deflected_label"].text
@@ -122,7 +123,7 @@ def parts(data: bytes) -> tuple[dict, list[np.ndarray]]:
 
 
 def test_glb_swings_by_the_displacements(outcome: ElasticOutcome) -> None:
-    lines = outcome.shapes
+    lines = outcome.result.shapes
     assert lines is not None
     moves = lines.moves[..., 0] * LONGEST_SWING / lines.largest[0]
     data = vibrating_glb(lines.points, moves, radius=0.005, color="#CC79A7", period=1.5)
