@@ -12,8 +12,13 @@ from hypothesis import strategies as st
 from paminsa_viz.model import APPENDIX_4, Design, Geometry, check_reach, singular_radius
 from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.quantities.requirements import WorkspaceShape
-from paminsa_viz.synthesis.proof.pose_search import freedom, from_unit, lowest
-from paminsa_viz.synthesis.proof.regions import PoseRegion, region_margins
+from paminsa_viz.synthesis.proof.regions import (
+    PoseRegion,
+    freedom,
+    from_unit,
+    lowest,
+    region_margins,
+)
 from tests.synthesis.certificate_robots import random_poses, robots
 
 LENGTHS = st.floats(0.0, 0.3)

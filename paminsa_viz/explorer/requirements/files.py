@@ -7,7 +7,7 @@ from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import TABLE_FORMATS
 
 VOLUME_KINDS = ("stl", "glb", *TABLE_FORMATS)
-"""Endings of the files, see `synthesis.volume_files.VOLUME_FORMATS`."""
+"""Endings of the files, see `synthesis.volume.surface.VOLUME_FORMATS`."""
 
 
 def volume_file(state: State, kind: str) -> File:

@@ -32,8 +32,7 @@ from paminsa_viz.synthesis.proof.evidence import (
 )
 from paminsa_viz.synthesis.proof.families import BoundGroup, Method, groups, method
 from paminsa_viz.synthesis.proof.placement import CenterSearch, Place
-from paminsa_viz.synthesis.proof.pose_search import least_free
-from paminsa_viz.synthesis.proof.regions import Grows, Growth, PoseRegion
+from paminsa_viz.synthesis.proof.regions import Grows, Growth, PoseRegion, least_free
 from paminsa_viz.synthesis.volume.margins import Progress
 
 TOLERANCE = 1e-3

@@ -156,13 +156,11 @@ class TrialSamples:
     """Positions and headings of a workspace of width 1, and heights as shares of its height.
 
     Attributes:
-        outline: Positions on its outline (n, 2), of the radius 1 or the half-widths (1, 1).
-        within: Positions inside, and the outline (m, 2).
+        within: Positions inside and on its outline, of radius 1 or half-widths (1, 1) (m, 2).
         theta: Headings (k,) [rad].
         share: Heights from -1/2 to 1/2 (l,).
     """
 
-    outline: Array
     within: Array
     theta: Array
     share: Array
@@ -211,13 +209,12 @@ def sample(
         sides = [(along, -ones), (ones, along), (-along, ones), (-ones, -along)]
         return np.concatenate([np.stack(side, axis=-1) for side in sides])
 
-    outline = ring(density.around)
     inner = [
         share * ring(max(1, density.around // 2))
         for share in np.linspace(1.0, 0.0, density.rings)[1:-1]
     ]
-    within = np.concatenate([outline, *inner, np.zeros((1, 2))])
+    within = np.concatenate([ring(density.around), *inner, np.zeros((1, 2))])
     low = 0.0 if mirrored else theta[0]
     turns = max(2, (density.theta + 1) // 2) if mirrored else density.theta
     angles = np.linspace(low, theta[1], turns) if theta[1] > low else np.array([low])
-    return TrialSamples(outline, within, angles, np.linspace(-0.5, 0.5, density.z))
+    return TrialSamples(within, angles, np.linspace(-0.5, 0.5, density.z))
