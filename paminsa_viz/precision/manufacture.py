@@ -19,12 +19,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.accuracy import NO_TOLERANCES, Tolerances
 from paminsa_viz.model.arrays import Array, as_vectors, in_blocks
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.kinematics import wrap
 from paminsa_viz.model.reach import check_reach
-from paminsa_viz.model.tolerances import NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.leg_lengths import INDEX, LENGTHS, design_lengths
 from paminsa_viz.precision.unequal_legs import (
     Closure,

@@ -28,15 +28,11 @@ SINGULAR_CLEARANCE = 0.005
 At 5 mm the static torques of Appendix 4's robot are some fifty times what they are at the center.
 """
 
-_BETWEEN = 32
-"""Parts into which a step is cut where something may happen between its ends."""
+_BETWEEN = 32  # parts into which a step is cut where something may happen between its ends
 
-_FEW = 300
-"""Number of samples up to which every step is looked into: they may lie far apart."""
+_FEW = 300  # number of samples up to which every step is looked into: they may lie far apart
 
-_FAR = 1e6
-"""Distance from what does not exist [m]."""
-
+_FAR = 1e6  # distance from what does not exist [m]
 _LIMITS = (*(MARGINS * 3), Limit.SINGULAR, Limit.SINGULAR)
 GUIDES = np.array([limit is Limit.GUIDE for limit in _LIMITS])
 """Which of the 14 limits are those of the guides; up to their end they may be used."""

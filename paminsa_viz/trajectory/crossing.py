@@ -38,8 +38,7 @@ ON_LOCUS = 1e-9
 SLOPE = 1e-6
 """Change of the distance along the whole path, in proportion, below which a crossing is tangent."""
 
-_STEP = 1e-4
-"""Step by which coefficients are differentiated along a path, to the fourth order."""
+_STEP = 1e-4  # step by which coefficients are differentiated along a path, to the fourth order
 
 
 class CrossingKind(Enum):

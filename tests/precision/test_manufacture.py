@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, solve_field, xy_grid
-from paminsa_viz.model.tolerances import NO_TOLERANCES, Tolerances
+from paminsa_viz.model.accuracy import NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.leg_lengths import INDEX, design_lengths, with_deviations
 from paminsa_viz.precision.manufacture import (
     MonteCarlo,

@@ -11,8 +11,7 @@ from paminsa_viz.elastostatics.stiffness import platform_stiffness, strain_share
 from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.singularity import singular_radius
-from paminsa_viz.report.blocks import Note, Table
-from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.report.blocks import Note, ReportRequest, Table
 from paminsa_viz.report.stiffness_section import stiffness_section
 from paminsa_viz.trajectory import PRESET
 from paminsa_viz.units import NONE, format_value

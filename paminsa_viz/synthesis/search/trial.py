@@ -28,6 +28,7 @@ from paminsa_viz.synthesis.search.region import (
     sample,
     spans,
 )
+from paminsa_viz.synthesis.volume.margins import Columns
 
 SPARE = 1e-9
 """What a guide that follows is longer than the workspace takes, against rounding [m]."""
@@ -175,11 +176,7 @@ class TrialRobot:
         """Return the poses of headings and heights (h,), (n, 4)."""
         found = self.poses.over(theta)
         xy = found.place(found.within, self.workspace)
-        shape = (len(xy), len(found.theta), len(heights))
-        pose = np.empty((*shape, 4))
-        pose[..., :2] = xy[:, None, None]
-        pose[..., 2], pose[..., 3] = found.theta[:, None], heights
-        return pose.reshape(-1, 4)
+        return Columns.at(xy, found.theta, heights).poses().reshape(-1, 4)
 
     def _sprung(self, theta: Range, heights: Array) -> Array:
         """Return what `torques` returns of a robot with springs."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.synthesis.volume.causes import bound_size
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE
 from paminsa_viz.synthesis.volume.margins import Canceled, Progress, headings
 from paminsa_viz.synthesis.volume.reach import reach_bounds
@@ -218,6 +219,4 @@ def _relative(design: Design, requirements: Requirements, item: RequirementCheck
     """Return a margin over the size of its bound; of lengths over that of B4 and B8."""
     if item.requirement is None:
         return item.margin / (design.geometry.crank_length + design.geometry.coupler_length)
-    bound = requirements.bounds[item.requirement]
-    sizes = [abs(limit) for limit in (bound.low, bound.high) if limit]
-    return item.margin / (min(sizes) if sizes else 1.0)
+    return item.margin / bound_size(requirements.bounds[item.requirement])

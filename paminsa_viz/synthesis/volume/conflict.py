@@ -182,7 +182,5 @@ def _moved(volume: Volume, bound: Requirement, samples: Samples, by: float) -> R
             return replace(bound, low=low - by)
         return replace(bound, high=high + by)
     return replace(
-        bound,
-        low=None if low is None else low - by,
-        high=None if high is None else high + by,
+        bound, low=None if low is None else low - by, high=None if high is None else high + by
     )

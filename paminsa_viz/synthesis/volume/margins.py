@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
@@ -15,7 +14,6 @@ from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.grids import Field, Grid
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.reach import LEAST_MARGIN, Limit, decode
-from paminsa_viz.quantities.quantity import Quantity
 from paminsa_viz.quantities.requirements import Range, Requirement, Requirements
 
 
@@ -195,16 +193,6 @@ def heading_margins(
             free = (z < bound.z[0]) | (z > bound.z[1])
             least[index][:, free] = coarse[index][:, free] = np.inf
     return HeadingMargins(least, coarse)
-
-
-def values_at(
-    design: Design, entries: Iterable[Quantity], columns: Columns
-) -> tuple[list[Array], NDArray[np.uint8], NDArray[np.int8]]:
-    """Return the values of quantities at columns, status and leg, each of the columns' shape."""
-    field = solve_columns(design.geometry, columns)
-    with np.errstate(all="ignore"):
-        values = [entry.over(field, design) for entry in entries]
-    return values, field.status, field.leg
 
 
 def _groups(
