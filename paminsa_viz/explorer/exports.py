@@ -13,8 +13,7 @@ from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import FIGURES, SIMULATED
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.state import State
-from paminsa_viz.files.excitation_table import excitation_table
-from paminsa_viz.files.identification_table import estimate_table, residual_table
+from paminsa_viz.files.identification_table import estimate_table, excitation_table, residual_table
 from paminsa_viz.files.tables import DataTable, table_bytes
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.model import Configuration, Design, InvalidInput, inverse_kinematics

@@ -24,7 +24,7 @@ def test_requirements_that_hold(capsys) -> None:
     )  # fmt: skip
     assert (code, err) == (0, "")
     assert out.count("  holds  ") == 4
-    assert "cylinder ⌀ 200 × 300 mm about x 0 mm, y 0 mm, z -550 mm" in out
+    assert "cylinder d 200 × 300 mm about x 0 mm, y 0 mm, z -550 mm" in out
 
 
 def test_broken_requirement_gives_exit_code_1(capsys) -> None:
@@ -145,7 +145,7 @@ def test_largest_proven_workspace_with_its_gap(capsys) -> None:
     code, out, err = run("requirements", capsys, *words)
     assert (code, err) == (0, "")
     assert "largest proven workspace: cylinder d 3" in out
-    assert "x 400 mm about (0, 0, -600) mm, theta -30 to 30 deg" in out
+    assert "× 400 mm about x 0 mm, y 0 mm, z -600 mm, theta -30° to 30°" in out
     assert "condition <= 10 breaks at x" in out
     data = run_json("requirements", capsys, *words)
     assert data["found"]
@@ -164,7 +164,7 @@ def test_largest_workspace_that_does_not_exist_gives_exit_code_1(capsys) -> None
 def test_proof_of_a_workspace(capsys) -> None:
     code, out, err = run("requirements", capsys, "prove", *PROVABLE, *CENTERED)
     assert (code, err) == (0, "")
-    assert "about (0, 0, -600) mm, theta -30 to 30 deg: proven" in out
+    assert "about x 0 mm, y 0 mm, z -600 mm, theta -30° to 30°: proven" in out
     code, out, _ = run(
         "requirements", capsys, "prove", *PROVABLE, "--require", "|tau_1| <= 1 N m", *CENTERED
     )

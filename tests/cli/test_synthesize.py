@@ -84,23 +84,6 @@ def test_no_robot_is_a_negative_result_with_its_reason(capsys) -> None:
     assert "f_4 <= 50 N" in out
 
 
-@pytest.mark.parametrize(
-    ("words", "place"),
-    [
-        (("none.toml",), "none.toml"),
-        (("small.toml", "--out", "x.csv"), "--out"),
-        (("small.toml", "--checkpoint", "x.csv"), "--checkpoint"),
-        (("small.toml", "--objective", "beauty"), "objective"),
-        (("small.toml", "--workers", "0"), "jobs"),
-        (("small.toml", "--workers", "2", "--dask", "tcp://x:1"), "--dask"),
-        (("small.toml", "--prove", "-1"), "--prove"),
-        (("small.toml", "--generations", "0"), "generations"),
-    ],
-)
-def test_wrong_arguments_are_refused(words, place, capsys) -> None:
-    check_refused("synthesize", capsys, *words, place=place)
-
-
 @pytest.mark.slow
 def test_prices_robots_within_tolerances_and_mujoco(capsys) -> None:
     words = ("small.toml", "--prices", "--built", "12", "--mujoco")
@@ -140,6 +123,13 @@ def test_contradictory_requirements_are_named(capsys) -> None:
 @pytest.mark.parametrize(
     ("words", "place"),
     [
+        (("--out", "x.csv"), "--out"),
+        (("--checkpoint", "x.csv"), "--checkpoint"),
+        (("--objective", "beauty"), "objective"),
+        (("--workers", "0"), "jobs"),
+        (("--workers", "2", "--dask", "tcp://x:1"), "--dask"),
+        (("--prove", "-1"), "--prove"),
+        (("--generations", "0"), "generations"),
         (("--built", "0"), "--built 0"),
         (("--mass-tolerance", "100"), "--mass-tolerance"),
         (("--front", "footprint"), "at least two"),

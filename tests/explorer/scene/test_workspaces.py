@@ -14,9 +14,9 @@ import viser
 from paminsa_viz.explorer import actions as designs
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.requirements import actions
+from paminsa_viz.explorer.requirements.causes import surface_parts
 from paminsa_viz.explorer.requirements.checking import find_volume
 from paminsa_viz.explorer.requirements.jobs import LargestJob, VolumeJob
-from paminsa_viz.explorer.requirements.surface import surface_parts
 from paminsa_viz.explorer.scene.layers import LAYERS, SceneContext, found_at
 from paminsa_viz.explorer.scene.mechanism import BEST_NODE
 from paminsa_viz.explorer.scene.nodes import LayerView
