@@ -6,7 +6,6 @@ Run: ``python -m benchmarks.certificate_speed``.
 from __future__ import annotations
 
 import itertools
-import math
 import time
 from collections.abc import Callable
 
@@ -15,24 +14,12 @@ import numpy as np
 from benchmarks.measure import heading, number, table
 from paminsa_viz.model import APPENDIX_4, measure_singularity, static_torques
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.quantities.requirements import (
-    Requirement,
-    Requirements,
-    Workspace,
-    WorkspaceShape,
-)
 from paminsa_viz.synthesis.proof.certificate import prove
 from paminsa_viz.synthesis.proof.enclosures import condition_bounds, static_bounds
 from paminsa_viz.synthesis.proof.largest import largest_workspace
 from paminsa_viz.synthesis.proof.regions import Growth
+from tests.synthesis.robots import NEEDED, TURN, cylinder
 
-TURN = math.radians(30)
-BOUNDS = (
-    Requirement("condition", high=10.0),
-    Requirement("max_torque", high=15.0),
-    Requirement("f_4", high=450.0),
-)
-NEEDED = Requirements(BOUNDS, (-TURN, TURN))
 BOXES = 8192
 
 
@@ -120,9 +107,9 @@ def speed() -> None:
 
 def workspaces() -> None:
     """Prove a cylinder and find the largest ones."""
-    cylinder = Workspace(WorkspaceShape.CYLINDER, (0.3, 0.3, 0.4), (0.0, 0.0, -0.6))
+    workspace = cylinder(0.3, 0.4)
     start = time.process_time()
-    proof = prove(APPENDIX_4, NEEDED, cylinder, time_limit=600)
+    proof = prove(APPENDIX_4, NEEDED, workspace, time_limit=600)
     used = time.process_time() - start
     rows = [("d 300 x 400 mm", "proof", "", f"{proof.boxes:,}", number(used))]
     for growth, tolerance in itertools.product(
@@ -130,7 +117,7 @@ def workspaces() -> None:
     ):
         start = time.process_time()
         found = largest_workspace(
-            APPENDIX_4, NEEDED, cylinder, growth=growth, tolerance=tolerance, time_limit=600
+            APPENDIX_4, NEEDED, workspace, growth=growth, tolerance=tolerance, time_limit=600
         )
         used = time.process_time() - start
         assert found.workspace is not None

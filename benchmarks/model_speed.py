@@ -31,8 +31,7 @@ from paminsa_viz.model import (
     torque_regressor,
     xy_grid,
 )
-from paminsa_viz.model.dynamics import _terms
-from paminsa_viz.model.lumped import Misprint
+from paminsa_viz.model.lumped import Misprint, term_factors
 from paminsa_viz.studies.sweeps import sweep
 
 DESIGN = APPENDIX_4
@@ -135,7 +134,7 @@ def sharing() -> None:
 def dynamics() -> None:
     """Time inverse dynamics on 10,000 random states."""
     p, v, a = random_states(10_000)
-    m, e = leg.mechanism(GEOMETRY), _terms(DESIGN, Misprint.NONE)
+    m, e = leg.mechanism(GEOMETRY), term_factors(DESIGN, Misprint.NONE)
     c, s = np.cos(p[:, 2]), np.sin(p[:, 2])
     out, kernel = np.empty((len(p), 8)), compiled.inverse_dynamics_kernel
 

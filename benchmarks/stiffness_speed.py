@@ -10,7 +10,7 @@ import time
 import numpy as np
 
 from benchmarks.measure import best, heading, number, table
-from paminsa_viz.elastostatics.drive_modes import drive_modes
+from paminsa_viz.elastostatics.drive_stiffness import drive_modes
 from paminsa_viz.elastostatics.stiffness import field_stiffness, platform_stiffness
 from paminsa_viz.elastostatics.structure import structure
 from paminsa_viz.elastostatics.vibration import first_frequencies, robot_modes

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
 
 class PaminsaError(ValueError):
     """Root of every error that this package raises on bad input."""
@@ -55,3 +58,10 @@ class UnreachablePose(PaminsaError):
         self.limit = limit
         self.excess = excess
         super().__init__(explanation)
+
+
+def name_hint(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """Return advice for an unknown name: the nearest of those that are known, or all of them."""
+    names = list(known)
+    near = difflib.get_close_matches(name[:100], names, 1, cutoff)
+    return f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"

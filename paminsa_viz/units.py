@@ -178,6 +178,25 @@ def display_unit(unit: str) -> DisplayUnit:
     return DisplayUnit(1.0, unit_text(unit))
 
 
+def readable_unit(
+    unit: str, largest: float, *, lowest: int = -300, bound: float = math.inf
+) -> DisplayUnit:
+    """Return the display unit of an SI unit, with a power of ten for very small or large values.
+
+    Args:
+        unit: SI unit.
+        largest: Size of the largest value, in that unit.
+        lowest: Lowest power of ten.
+        bound: Displayed values from this on get a power of ten too.
+    """
+    plain = display_unit(unit)
+    size = largest * plain.factor
+    if not size or 1e-2 <= size < bound:
+        return plain
+    power = max(3 * math.floor(math.log10(size) / 3), lowest)
+    return DisplayUnit(plain.factor * 10.0**-power, f"{power_of_ten(power)} {plain.text}".rstrip())
+
+
 def format_value(value: float, unit: str, digits: int = 4) -> str:
     """Return a value of an SI unit with its display unit; a dash for NaN."""
     return display_unit(unit).format(value, digits)

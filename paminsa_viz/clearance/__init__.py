@@ -14,8 +14,7 @@ from paminsa_viz.clearance.clearance import (
     pair_clearance,
 )
 from paminsa_viz.clearance.kernels import compile_in_background
-from paminsa_viz.clearance.pairs import ALL_PAIRS, Exclusion, PairGroup
-from paminsa_viz.clearance.shapes import Shapes, shapes_of
+from paminsa_viz.clearance.shapes import ALL_PAIRS, Exclusion, PairGroup, Shapes, shapes_of
 from paminsa_viz.clearance.solids import Body, BodyPart, Primitive
 
 __all__ = [

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.clearance import kernels
-from paminsa_viz.clearance.pairs import ALL_PAIRS, PairGroup
-from paminsa_viz.clearance.shapes import FRAMES, Shapes, shapes_of
+from paminsa_viz.clearance.shapes import ALL_PAIRS, FRAMES, PairGroup, Shapes, shapes_of
 from paminsa_viz.dimensions.placement import BODIES, place_parts
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors

@@ -7,7 +7,10 @@ other belongs to an edge. So the least distance is that of all edges of each to 
 (see `nearest`). Solids overlap where an edge of one, or the axis of a cylinder, meets the other, or
 the sides of two cylinders cross.
 
-Where cores overlap the distance is minus a shift that parts them, see `overlap`.
+Where cores overlap the distance is minus a shift that parts them. It is the least over all normals
+of faces and all products of edges, which holds all that can be least between capsules, boxes and
+prisms: these are the faces of the solids' difference. For cylinders it is the least among some
+directions: never less than the true one, and never of the wrong sign.
 
 A frame is twelve numbers: a rotation row by row, and the origin [m].
 """
@@ -27,7 +30,104 @@ from paminsa_viz.clearance.nearest import (
     nearest_on_segment,
     nearest_point,
 )
-from paminsa_viz.clearance.overlap import least_shift
+
+
+def _extent(solid: Any, frame: Any, n: Any, sign: Any) -> Any:
+    """Return how far a solid reaches along ``sign`` times a world direction [m]."""
+    x = sign * (frame[0] * n[0] + frame[3] * n[1] + frame[6] * n[2])
+    y = sign * (frame[1] * n[0] + frame[4] * n[1] + frame[7] * n[2])
+    z = sign * (frame[2] * n[0] + frame[5] * n[1] + frame[8] * n[2])
+    at = sign * (frame[9] * n[0] + frame[10] * n[1] + frame[11] * n[2])
+    reach = at + solid.c * abs(z)
+    if solid.kind == CYLINDER:
+        return reach + solid.a * np.sqrt(x * x + y * y)
+    if solid.kind == PRISM:
+        most = -np.inf
+        for i in range(solid.first, solid.last):
+            most = max(most, solid.corners[i, 0] * x + solid.corners[i, 1] * y)
+        return reach + most
+    return reach + solid.a * abs(x) + solid.b * abs(y)
+
+
+def _direction(solid: Any, frame: Any, index: int, edge: bool, out: Any) -> None:
+    """Write the ``index``-th edge direction, or face normal, of a solid in the world."""
+    x, y, z = 0.0, 0.0, 0.0
+    if solid.kind == BOX:
+        if index == 0:
+            x = 1.0
+        elif index == 1:
+            y = 1.0
+        else:
+            z = 1.0
+    elif index == 0:
+        z = 1.0
+    else:
+        i = solid.first + index - 1
+        before = solid.last - 1 if index == 1 else i - 1
+        x, y = (
+            solid.corners[i, 0] - solid.corners[before, 0],
+            solid.corners[i, 1] - solid.corners[before, 1],
+        )
+        length = np.sqrt(x * x + y * y)
+        x, y = x / length, y / length
+        if not edge:
+            x, y = y, -x
+    for row in range(3):
+        out[row] = frame[3 * row] * x + frame[3 * row + 1] * y + frame[3 * row + 2] * z
+
+
+def _directions(solid: Any) -> int:
+    """Return how many directions `_direction` has."""
+    if solid.kind == BOX:
+        return 3
+    return 1 + solid.last - solid.first if solid.kind == PRISM else 1
+
+
+def least_shift(solid: Any, frame: Any, other: Any, other_frame: Any, normal: Any) -> Any:
+    """Return the least shift that parts overlapping cores [m], and write its direction."""
+    least = np.inf
+    n, u, v = np.zeros(3), np.zeros(3), np.zeros(3)
+    mine, theirs = _directions(solid), _directions(other)
+    # normals of each, products of edges, and directions from a cylinder's axis to the other solid
+    for index in range(mine + theirs + mine * theirs + 2):
+        if index < mine:
+            _direction(solid, frame, index, False, n)
+        elif index < mine + theirs:
+            _direction(other, other_frame, index - mine, False, n)
+        elif index < mine + theirs + mine * theirs:
+            i, j = (index - mine - theirs) // theirs, (index - mine - theirs) % theirs
+            _direction(solid, frame, i, True, u)
+            _direction(other, other_frame, j, True, v)
+            n[0] = u[1] * v[2] - u[2] * v[1]
+            n[1] = u[2] * v[0] - u[0] * v[2]
+            n[2] = u[0] * v[1] - u[1] * v[0]
+        else:
+            own = index == mine + theirs + mine * theirs
+            which = solid if own else other
+            if which.kind != CYLINDER:
+                continue
+            _direction(which, frame if own else other_frame, 0, True, u)
+            for row in range(3):
+                n[row] = other_frame[9 + row] - frame[9 + row]
+            along = n[0] * u[0] + n[1] * u[1] + n[2] * u[2]
+            for row in range(3):
+                n[row] -= along * u[row]
+        length = np.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+        if length < 1e-9:
+            continue
+        for row in range(3):
+            n[row] /= length
+        for side in range(2):
+            sign = 1.0 if side else -1.0
+            shift = _extent(solid, frame, n, sign) + _extent(other, other_frame, n, -sign)
+            if shift < least:
+                least = shift
+                for row in range(3):
+                    normal[row] = sign * n[row]
+    if solid.kind == CAPSULE and other.kind == CAPSULE:
+        return 0.0
+    return max(least, 0.0)
+
 
 TOUCH = 1e-24
 """Squared distance of cores below which they count as overlapping [m^2]."""
@@ -49,12 +149,9 @@ def relative_frame(frame: Any, other: Any, out: Any) -> None:
         )
 
 
-def _keep_nearest(
-    kind: int, size: Any, polygons: Any, first: int, last: int,
-    x: Any, y: Any, z: Any, frame: Any, swapped: bool, best: Any,
-) -> None:  # fmt: skip
+def _keep_nearest(solid: Any, x: Any, y: Any, z: Any, frame: Any, swapped: bool, best: Any) -> None:
     """Keep a point and the solid's point nearest to it, in the world, if they are the nearest."""
-    qx, qy, qz = nearest_point(kind, size[0], size[1], size[2], polygons, first, last, x, y, z)
+    qx, qy, qz = nearest_point(solid, x, y, z)
     d2 = (x - qx) ** 2 + (y - qy) ** 2 + (z - qz) ** 2
     if not d2 < best[0]:
         return
@@ -67,7 +164,7 @@ def _keep_nearest(
 
 
 def _try_segment(
-    kind: int, size: Any, polygons: Any, first: int, last: int, r: Any,
+    solid: Any, r: Any,
     x: Any, y: Any, z: Any, dx: Any, dy: Any, dz: Any, frame: Any, swapped: bool, best: Any,
 ) -> None:  # fmt: skip
     """Try the segment from (x, y, z) along (dx, dy, dz), given in the frame ``r`` of its solid."""
@@ -77,37 +174,24 @@ def _try_segment(
     ex = r[0] * dx + r[1] * dy + r[2] * dz
     ey = r[3] * dx + r[4] * dy + r[5] * dz
     ez = r[6] * dx + r[7] * dy + r[8] * dz
-    t = nearest_on_segment(
-        kind, size[0], size[1], size[2], polygons, first, last, px, py, pz, ex, ey, ez
-    )
-    _keep_nearest(
-        kind, size, polygons, first, last,
-        px + t * ex, py + t * ey, pz + t * ez, frame, swapped, best,
-    )  # fmt: skip
+    t = nearest_on_segment(solid, px, py, pz, ex, ey, ez)
+    _keep_nearest(solid, px + t * ex, py + t * ey, pz + t * ez, frame, swapped, best)
 
 
-def _try_edges(
-    kind: int, size: Any, first: int, last: int, other: int, other_size: Any,
-    other_first: int, other_last: int, polygons: Any, r: Any, frame: Any, swapped: bool, best: Any,
-) -> None:  # fmt: skip
+def _try_edges(solid: Any, other: Any, r: Any, frame: Any, swapped: bool, best: Any) -> None:
     """Try all edges of a solid in the frame ``r``, as seen from another solid's ``frame``."""
-    a, b, c = size[0], size[1], size[2]
+    kind, a, b, c = solid.kind, solid.a, solid.b, solid.c
     if kind in (CAPSULE, CYLINDER):
-        _try_segment(
-            other, other_size, polygons, other_first, other_last, r,
-            0.0, 0.0, -c, 0.0, 0.0, 2.0 * c, frame, swapped, best,
-        )  # fmt: skip
+        _try_segment(other, r, 0.0, 0.0, -c, 0.0, 0.0, 2.0 * c, frame, swapped, best)
     if kind == CYLINDER:
         for side in range(2):
             h = c if side else -c
             x, y, z = r[2] * h + r[9], r[5] * h + r[10], r[8] * h + r[11]
             cosine, sine = nearest_on_circle(
-                other, other_size[0], other_size[1], other_size[2], polygons,
-                other_first, other_last, x, y, z,
-                a * r[0], a * r[3], a * r[6], a * r[1], a * r[4], a * r[7],
+                other, x, y, z, a * r[0], a * r[3], a * r[6], a * r[1], a * r[4], a * r[7],
             )  # fmt: skip
             _keep_nearest(
-                other, other_size, polygons, other_first, other_last,
+                other,
                 x + a * (cosine * r[0] + sine * r[1]),
                 y + a * (cosine * r[3] + sine * r[4]),
                 z + a * (cosine * r[6] + sine * r[7]),
@@ -125,14 +209,11 @@ def _try_edges(
                 x, y, z, dx, dy, dz = u, -b, h, 0.0, 2.0 * b, 0.0
             else:
                 x, y, z, dx, dy, dz = u, w, -c, 0.0, 0.0, 2.0 * c
-            _try_segment(
-                other, other_size, polygons, other_first, other_last, r,
-                x, y, z, dx, dy, dz, frame, swapped, best,
-            )  # fmt: skip
+            _try_segment(other, r, x, y, z, dx, dy, dz, frame, swapped, best)
     elif kind == PRISM:
-        px, py = polygons[last - 1, 0], polygons[last - 1, 1]
-        for i in range(first, last):
-            qx, qy = polygons[i, 0], polygons[i, 1]
+        px, py = solid.corners[solid.last - 1, 0], solid.corners[solid.last - 1, 1]
+        for i in range(solid.first, solid.last):
+            qx, qy = solid.corners[i, 0], solid.corners[i, 1]
             for edge in range(3):
                 if edge == 0:
                     z, dx, dy, dz = -c, qx - px, qy - py, 0.0
@@ -140,14 +221,11 @@ def _try_edges(
                     z, dx, dy, dz = c, qx - px, qy - py, 0.0
                 else:
                     z, dx, dy, dz = -c, 0.0, 0.0, 2.0 * c
-                _try_segment(
-                    other, other_size, polygons, other_first, other_last, r,
-                    px, py, z, dx, dy, dz, frame, swapped, best,
-                )  # fmt: skip
+                _try_segment(other, r, px, py, z, dx, dy, dz, frame, swapped, best)
             px, py = qx, qy
 
 
-def _try_sides(size: Any, other_size: Any, r: Any, frame: Any, best: Any) -> None:
+def _try_sides(solid: Any, other: Any, r: Any, frame: Any, best: Any) -> None:
     """Try the round sides of two cylinders on the common perpendicular of their axes."""
     # axis of the first as seen from the second, whose axis is z
     ax, ay, az = r[2], r[5], r[8]
@@ -156,14 +234,14 @@ def _try_sides(size: Any, other_size: Any, r: Any, frame: Any, best: Any) -> Non
         return  # parallel: their rims are as near
     s = -(r[9] * ax + r[10] * ay) / across
     x, y, z = r[9] + s * ax, r[10] + s * ay, r[11] + s * az
-    if abs(s) > size[2] or abs(z) > other_size[2]:
+    if abs(s) > solid.c or abs(z) > other.c:
         return
     gap = np.sqrt(x * x + y * y)
-    if gap <= size[0] + other_size[0]:
-        near, left = min(other_size[0], gap), 0.0
+    if gap <= solid.a + other.a:
+        near, left = min(other.a, gap), 0.0
         far = near
     else:
-        near, far = other_size[0], gap - size[0]
+        near, far = other.a, gap - solid.a
         left = (far - near) ** 2
     if not left < best[0]:
         return
@@ -175,67 +253,32 @@ def _try_sides(size: Any, other_size: Any, r: Any, frame: Any, best: Any) -> Non
         best[4 + row] = (f0 * x + f1 * y) * near * scale + f2 * z + f3
 
 
-def rod_distance(
-    rods: Any, i: int, kind: int, size: Any, radius: Any, first: int, last: int, frame: Any,
-    polygons: Any,
-) -> Any:  # fmt: skip
-    """Return the distance of a capsule to a solid, minus infinity where its core is inside.
-
-    ``rods`` (..., 7) holds the ends of the core, and the radius, in the world [m].
-    """
-    x, y, z = rods[i, 0] - frame[9], rods[i, 1] - frame[10], rods[i, 2] - frame[11]
-    dx, dy, dz = rods[i, 3] - rods[i, 0], rods[i, 4] - rods[i, 1], rods[i, 5] - rods[i, 2]
-    px = frame[0] * x + frame[3] * y + frame[6] * z
-    py = frame[1] * x + frame[4] * y + frame[7] * z
-    pz = frame[2] * x + frame[5] * y + frame[8] * z
-    ex = frame[0] * dx + frame[3] * dy + frame[6] * dz
-    ey = frame[1] * dx + frame[4] * dy + frame[7] * dz
-    ez = frame[2] * dx + frame[5] * dy + frame[8] * dz
-    a, b, c = size[0], size[1], size[2]
-    t = nearest_on_segment(kind, a, b, c, polygons, first, last, px, py, pz, ex, ey, ez)
-    px, py, pz = px + t * ex, py + t * ey, pz + t * ez
-    qx, qy, qz = nearest_point(kind, a, b, c, polygons, first, last, px, py, pz)
-    gap = np.sqrt((px - qx) ** 2 + (py - qy) ** 2 + (pz - qz) ** 2)
-    return gap - radius - rods[i, 6] if gap > 0.0 else -np.inf
-
-
 def solid_distance(
-    kind: int, size: Any, radius: Any, first: int, last: int, frame: Any,
-    other: int, other_size: Any, other_radius: Any, other_first: int, other_last: int,
-    other_frame: Any, polygons: Any, work: Any, best: Any,
-) -> Any:  # fmt: skip
+    solid: Any, frame: Any, other: Any, other_frame: Any, work: Any, best: Any
+) -> Any:
     """Return the least distance of two solids, negative where they overlap [m].
 
     Writes the nearest points into ``best`` (7,) from index 1 and 4 on; ``work`` is of shape (12,).
     """
     best[0] = np.inf
-    if other != CAPSULE or kind == CAPSULE:
+    if other.kind != CAPSULE or solid.kind == CAPSULE:
         relative_frame(frame, other_frame, work)
-        _try_edges(
-            kind, size, first, last, other, other_size, other_first, other_last,
-            polygons, work, other_frame, False, best,
-        )  # fmt: skip
-        if kind == CYLINDER and other == CYLINDER:
-            _try_sides(size, other_size, work, other_frame, best)
-    if kind != CAPSULE:
+        _try_edges(solid, other, work, other_frame, False, best)
+        if solid.kind == CYLINDER and other.kind == CYLINDER:
+            _try_sides(solid, other, work, other_frame, best)
+    if solid.kind != CAPSULE:
         relative_frame(other_frame, frame, work)
-        _try_edges(
-            other, other_size, other_first, other_last, kind, size, first, last,
-            polygons, work, frame, True, best,
-        )  # fmt: skip
+        _try_edges(other, solid, work, frame, True, best)
     if best[0] > TOUCH:
         gap = np.sqrt(best[0])
         for row in range(3):
             n = (best[4 + row] - best[1 + row]) / gap
-            best[1 + row] += radius * n
-            best[4 + row] -= other_radius * n
-        return gap - radius - other_radius
+            best[1 + row] += solid.radius * n
+            best[4 + row] -= other.radius * n
+        return gap - solid.radius - other.radius
     normal = work[:3]
-    shift = least_shift(
-        kind, size, first, last, frame, other, other_size, other_first, other_last, other_frame,
-        polygons, normal,
-    )  # fmt: skip
-    depth = shift + radius + other_radius
+    shift = least_shift(solid, frame, other, other_frame, normal)
+    depth = shift + solid.radius + other.radius
     for row in range(3):
         middle = 0.5 * (best[1 + row] + best[4 + row])
         best[1 + row] = middle + 0.5 * depth * normal[row]

@@ -1,8 +1,7 @@
 """Least distances between a point, a segment or a circle and a solid, in the solid's own frame.
 
 Plain functions of numbers, run as they are on few poses and compiled by `kernels` on many. A solid
-is four numbers and, for a prism, its corners: ``kind``, half extents ``a``, ``b``, ``c`` along x, y
-and z, and rows ``first`` to ``last`` of an array of corners (counter-clockwise).
+is a `ConvexSolid`: numbers that stay in registers, and rows of an array of corners.
 
 | kind | solid |
 |---|---|
@@ -18,7 +17,7 @@ so its root is found in closed form; for cylinders and prisms by a bracketing se
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,13 +33,37 @@ _TURN = 2.0 * np.pi / SAMPLES
 _COSINES, _SINES = np.cos(_TURN * np.arange(SAMPLES)), np.sin(_TURN * np.arange(SAMPLES))
 
 
-def nearest_in_polygon(polygons: Any, first: int, last: int, x: Any, y: Any) -> tuple[Any, Any]:
-    """Return the point of a convex polygon that is nearest to (x, y)."""
+class ConvexSolid(NamedTuple):
+    """A solid: half extents along x, y and z, the radius around a capsule's core [m].
+
+    A prism has rows ``first`` to ``last`` of ``corners`` (counter-clockwise).
+    """
+
+    kind: Any
+    a: Any
+    b: Any
+    c: Any
+    radius: Any
+    corners: Any
+    first: Any
+    last: Any
+
+
+def convex_solid(s: Any, index: int) -> ConvexSolid:
+    """Return a solid of `ShapeArrays`."""
+    return ConvexSolid(
+        s.kind[index], s.size[index, 0], s.size[index, 1], s.size[index, 2], s.radius[index],
+        s.corners, s.first[index], s.last[index],
+    )  # fmt: skip
+
+
+def _nearest_in_polygon(solid: Any, x: Any, y: Any) -> tuple[Any, Any]:
+    """Return the point of a prism's polygon that is nearest to (x, y)."""
     inside = True
     best, bx, by = np.inf, x, y
-    px, py = polygons[last - 1, 0], polygons[last - 1, 1]
-    for i in range(first, last):
-        qx, qy = polygons[i, 0], polygons[i, 1]
+    px, py = solid.corners[solid.last - 1, 0], solid.corners[solid.last - 1, 1]
+    for i in range(solid.first, solid.last):
+        qx, qy = solid.corners[i, 0], solid.corners[i, 1]
         ex, ey = qx - px, qy - py
         rx, ry = x - px, y - py
         if ex * ry - ey * rx < 0.0:  # outside of this edge
@@ -56,61 +79,64 @@ def nearest_in_polygon(polygons: Any, first: int, last: int, x: Any, y: Any) -> 
     return bx, by
 
 
-def nearest_point(
-    kind: int, a: Any, b: Any, c: Any, polygons: Any, first: int, last: int, x: Any, y: Any, z: Any
-) -> tuple[Any, Any, Any]:
+def nearest_point(solid: Any, x: Any, y: Any, z: Any) -> tuple[Any, Any, Any]:
     """Return the point of a solid that is nearest to (x, y, z): itself if it is inside."""
-    qz = min(max(z, -c), c)
-    if kind == CYLINDER:
+    a, b = solid.a, solid.b
+    qz = min(max(z, -solid.c), solid.c)
+    if solid.kind == CYLINDER:
         rho2 = x * x + y * y
         if rho2 > a * a:
             scale = a / np.sqrt(rho2)
             return x * scale, y * scale, qz
         return x, y, qz
-    if kind == PRISM:
-        qx, qy = nearest_in_polygon(polygons, first, last, x, y)
+    if solid.kind == PRISM:
+        qx, qy = _nearest_in_polygon(solid, x, y)
         return qx, qy, qz
     return min(max(x, -a), a), min(max(y, -b), b), qz
 
 
-def _slope(
-    kind: int, a: Any, b: Any, c: Any, polygons: Any, first: int, last: int,
-    x: Any, y: Any, z: Any, dx: Any, dy: Any, dz: Any,
-) -> Any:  # fmt: skip
+def _slope(solid: Any, x: Any, y: Any, z: Any, dx: Any, dy: Any, dz: Any) -> Any:
     """Return half the derivative of the squared distance along (dx, dy, dz)."""
-    qx, qy, qz = nearest_point(kind, a, b, c, polygons, first, last, x, y, z)
+    qx, qy, qz = nearest_point(solid, x, y, z)
     return (x - qx) * dx + (y - qy) * dy + (z - qz) * dz
 
 
-def nearest_on_segment(
-    kind: int, a: Any, b: Any, c: Any, polygons: Any, first: int, last: int,
-    x: Any, y: Any, z: Any, dx: Any, dy: Any, dz: Any,
-) -> Any:  # fmt: skip
+def _narrowed(
+    t: Any, g: Any, low: Any, g_low: Any, high: Any, g_high: Any, side: int
+) -> tuple[Any, Any, Any, Any, int]:
+    """Return a bracket of a root, narrowed to a place t with the value g.
+
+    The end that stays counts half, so that it moves as well (Illinois); ``side`` is the last one
+    that moved.
+    """
+    if g < 0.0:
+        return t, g, high, 0.5 * g_high if side == -1 else g_high, -1
+    return low, 0.5 * g_low if side == 1 else g_low, t, g, 1
+
+
+def nearest_on_segment(solid: Any, x: Any, y: Any, z: Any, dx: Any, dy: Any, dz: Any) -> Any:
     """Return where on a segment from (x, y, z) along (dx, dy, dz) it is nearest, from 0 to 1."""
     low, high = 0.0, 1.0
-    g_low = _slope(kind, a, b, c, polygons, first, last, x, y, z, dx, dy, dz)
+    g_low = _slope(solid, x, y, z, dx, dy, dz)
     if g_low >= 0.0:
         return 0.0
-    g_high = _slope(kind, a, b, c, polygons, first, last, x + dx, y + dy, z + dz, dx, dy, dz)
+    g_high = _slope(solid, x + dx, y + dy, z + dz, dx, dy, dz)
     if g_high <= 0.0:
         return 1.0
-    if kind in (CAPSULE, BOX):
+    if solid.kind in (CAPSULE, BOX):
         for axis in range(3):
             if axis == 0:
-                p, d, h = x, dx, a
+                p, d, half = x, dx, solid.a
             elif axis == 1:
-                p, d, h = y, dy, b
+                p, d, half = y, dy, solid.b
             else:
-                p, d, h = z, dz, c
+                p, d, half = z, dz, solid.c
             if d == 0.0:
                 continue
             for side in range(2):
-                t = ((h if side else -h) - p) / d
+                t = ((half if side else -half) - p) / d
                 if low < t < high:
-                    g = _slope(
-                        kind, a, b, c, polygons, first, last,
-                        x + t * dx, y + t * dy, z + t * dz, dx, dy, dz,
-                    )  # fmt: skip
+                    g = _slope(solid, x + t * dx, y + t * dy, z + t * dz, dx, dy, dz)
                     if g <= 0.0:
                         low, g_low = t, g
                     else:
@@ -122,31 +148,19 @@ def nearest_on_segment(
         t = low - (high - low) * g_low / (g_high - g_low)
         if step % 4 == 3 or not low < t < high:
             t = 0.5 * (low + high)
-        g = _slope(
-            kind, a, b, c, polygons, first, last, x + t * dx, y + t * dy, z + t * dz, dx, dy, dz
-        )
+        g = _slope(solid, x + t * dx, y + t * dy, z + t * dz, dx, dy, dz)
         same = t == found
         if abs(g) < least:
             least, found = abs(g), t
         if g == 0.0 or same or high - low < 1e-15:
             break
-        # the end that stays counts half, so that it moves as well (Illinois)
-        if g < 0.0:
-            low, g_low = t, g
-            if side == -1:
-                g_high *= 0.5
-            side = -1
-        else:
-            high, g_high = t, g
-            if side == 1:
-                g_low *= 0.5
-            side = 1
+        low, g_low, high, g_high, side = _narrowed(t, g, low, g_low, high, g_high, side)
     return found
 
 
 def nearest_on_circle(
-    kind: int, a: Any, b: Any, c: Any, polygons: Any, first: int, last: int,
-    x: Any, y: Any, z: Any, ux: Any, uy: Any, uz: Any, vx: Any, vy: Any, vz: Any,
+    solid: Any, x: Any, y: Any, z: Any,
+    ux: Any, uy: Any, uz: Any, vx: Any, vy: Any, vz: Any,
 ) -> tuple[Any, Any]:  # fmt: skip
     """Return cosine and sine of the place on a circle that is nearest.
 
@@ -160,7 +174,7 @@ def nearest_on_circle(
         px = x + cosine * ux + sine * vx
         py = y + cosine * uy + sine * vy
         pz = z + cosine * uz + sine * vz
-        qx, qy, qz = nearest_point(kind, a, b, c, polygons, first, last, px, py, pz)
+        qx, qy, qz = nearest_point(solid, px, py, pz)
         d2 = (px - qx) ** 2 + (py - qy) ** 2 + (pz - qz) ** 2
         values[i] = d2
         worst = max(worst, d2)
@@ -182,7 +196,7 @@ def nearest_on_circle(
         low, high = i * _TURN, i * _TURN
         cosine, sine = _COSINES[i], _SINES[i]
         g = _slope(
-            kind, a, b, c, polygons, first, last,
+            solid,
             x + cosine * ux + sine * vx, y + cosine * uy + sine * vy, z + cosine * uz + sine * vz,
             cosine * vx - sine * ux, cosine * vy - sine * uy, cosine * vz - sine * uz,
         )  # fmt: skip
@@ -201,7 +215,7 @@ def nearest_on_circle(
             px = x + cosine * ux + sine * vx
             py = y + cosine * uy + sine * vy
             pz = z + cosine * uz + sine * vz
-            qx, qy, qz = nearest_point(kind, a, b, c, polygons, first, last, px, py, pz)
+            qx, qy, qz = nearest_point(solid, px, py, pz)
             d2 = (px - qx) ** 2 + (py - qy) ** 2 + (pz - qz) ** 2
             if d2 < best:
                 best, found_cosine, found_sine = d2, cosine, sine
@@ -212,15 +226,8 @@ def nearest_on_circle(
             )
             if slope == 0.0 or high - low < 1e-15:
                 break
-            if slope < 0.0:
-                low, g_low = middle, slope
-                if side == -1:
-                    g_high *= 0.5
-                side = -1
-            else:
-                high, g_high = middle, slope
-                if side == 1:
-                    g_low *= 0.5
-                side = 1
+            low, g_low, high, g_high, side = _narrowed(
+                middle, slope, low, g_low, high, g_high, side
+            )
             known = g_low < 0.0 < g_high
     return found_cosine, found_sine

@@ -19,7 +19,7 @@ from io import TextIOWrapper
 from types import ModuleType
 
 from paminsa_viz import __version__, interrupts
-from paminsa_viz.errors import PaminsaError
+from paminsa_viz.errors import PaminsaError, name_hint
 
 PROGRAM = "paminsa-viz"
 
@@ -89,7 +89,6 @@ def _exit_code(words: list[str]) -> int:
 
 def _run(words: list[str]) -> int:
     # Late, as all of it takes time in which the program can be stopped already.
-    import difflib
     import shlex
     import warnings
 
@@ -102,9 +101,7 @@ def _run(words: list[str]) -> int:
     named = bool(words) and not words[0].startswith("-")
     name = words.pop(0) if named else "start"
     if name not in COMMANDS:
-        near = difflib.get_close_matches(name, COMMANDS, 1)
-        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(COMMANDS)}"
-        raise UsageError(f"there is no command {name[:40]!r}; {hint}")
+        raise UsageError(f"there is no command {name[:40]!r}; {name_hint(name, COMMANDS)}")
     with warnings.catch_warnings():
         # A number too large for the arithmetic ends as NaN or is refused; what NumPy has to say of
         # it names no place.

@@ -10,7 +10,7 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, RegionFlags
 from paminsa_viz.cli.output import pose_text, print_blocks, print_json
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -18,8 +18,12 @@ from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.reach import home_pose, require_reachable
 from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors
 from paminsa_viz.precision.leg_lengths import LENGTHS
-from paminsa_viz.precision.manufacture import manufactured_pose, tolerance_errors
-from paminsa_viz.precision.monte_carlo import MonteCarlo, monte_carlo
+from paminsa_viz.precision.manufacture import (
+    MonteCarlo,
+    manufactured_pose,
+    monte_carlo,
+    tolerance_errors,
+)
 from paminsa_viz.precision.unequal_legs import COORDINATES, Closure
 from paminsa_viz.report.accuracy_section import drive_blocks, manufacture_blocks
 from paminsa_viz.studies.drive_accuracy import (
@@ -30,7 +34,6 @@ from paminsa_viz.studies.drive_accuracy import (
     statistics,
 )
 from paminsa_viz.studies.metrics import Region, RegionResults
-from paminsa_viz.units import MM
 
 DESCRIPTION = """\
 Errors of the platform's pose that the drives leave, at a pose and over the workspace; and those by
@@ -56,7 +59,7 @@ Pair = Annotated[tuple[float, float] | None, ROTARY_LINEAR]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Accuracy(JsonFlags, PoseFlags, DesignFlags):
+class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
     """Flags of the command."""
 
     resolution: Pair = None
@@ -76,28 +79,13 @@ class Accuracy(JsonFlags, PoseFlags, DesignFlags):
     seed: int = 0
     """Seed of that draw."""
 
-    radius: Annotated[float | None, tyro.conf.arg(metavar="MM")] = None
-    """Radius of the disc of positions that statistics are over [mm]; half of R_b if left out."""
-    theta: Annotated[tuple[float, ...], tyro.conf.arg(metavar="DEG")] = ()
-    """An angle that they are over [°]; can be repeated. 0 and 30 if left out."""
-    z: Annotated[tuple[float, ...], tyro.conf.arg(metavar="MM")] = ()
-    """A height that they are over [mm]; can be repeated. In the middle of the workspace if left
-    out."""
-    cells: int = 40
-    """Positions along the disc's diameter."""
-
     def run(self) -> int:
         """Compute the errors and report."""
         design = self._design()
         geometry = design.geometry
         pose = self.given_pose or home_pose(geometry)
         require_reachable(geometry, pose)
-        region = Region(
-            geometry.base_radius / 2 if self.radius is None else self.radius / MM,
-            tuple(float(np.radians(angle)) for angle in self.theta or (0.0, 30.0)),
-            tuple(height / MM for height in self.z) or (home_pose(geometry)[3],),
-            self.cells,
-        )
+        region = self.given_region(design)
         here = drive_errors(geometry, design.accuracy, pose)
         over = RegionResults(design, region)
         drawn = None

@@ -16,7 +16,7 @@ from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_ending
 from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
 from paminsa_viz.files.atomic import write_bytes
-from paminsa_viz.files.excitation_table import excitation_table
+from paminsa_viz.files.identification_table import excitation_table
 from paminsa_viz.files.tables import table_bytes, table_endings
 from paminsa_viz.identification import (
     Excitation,

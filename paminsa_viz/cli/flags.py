@@ -21,6 +21,8 @@ from paminsa_viz.trajectory import PRESET, Trajectory
 from paminsa_viz.units import MM
 
 if TYPE_CHECKING:
+    from paminsa_viz.studies.metrics import Region
+
     PresetName: TypeAlias = str
 else:
     PresetName = Literal[tuple(PRESET)]
@@ -106,6 +108,38 @@ class PoseFlags:
             return None
         x, y, theta, z = self.pose
         return x / MM, y / MM, math.radians(theta), z / MM
+
+
+@dataclass(frozen=True, kw_only=True)
+class RegionFlags:
+    """Poses that numbers are over."""
+
+    radius: Annotated[float | None, tyro.conf.arg(metavar="MM")] = None
+    """Radius of the disc of positions that numbers are over [mm]; half of R_b if left out."""
+    theta: Annotated[tuple[float, ...], tyro.conf.arg(metavar="DEG")] = ()
+    """An angle that they are over [°]; can be repeated. 0 and 30 if left out."""
+    z: Annotated[tuple[float, ...], tyro.conf.arg(metavar="MM")] = ()
+    """A height that they are over [mm]; can be repeated. In the middle of the workspace if left
+    out."""
+    cells: int = 40
+    """Positions along the disc's diameter."""
+
+    def given_region(self, design: Design) -> Region:
+        """Return the region.
+
+        Raises:
+            InvalidInput: If a number is not possible.
+        """
+        from paminsa_viz.studies.metrics import default_region  # late: few commands need it
+
+        region = default_region(design)
+        return replace(
+            region,
+            radius=region.radius if self.radius is None else self.radius / MM,
+            theta=tuple(math.radians(angle) for angle in self.theta) or region.theta,
+            z=tuple(height / MM for height in self.z) or region.z,
+            cells=self.cells,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

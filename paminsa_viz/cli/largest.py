@@ -11,25 +11,19 @@ import tyro
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import JsonFlags
-from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.cli.output import ascii_numbers, pose_text, print_blocks, print_json
 from paminsa_viz.cli.requirement_flags import RequirementFlags
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirement_text import requirement_text
-from paminsa_viz.quantities.requirements import Requirements, WorkspaceShape
+from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.report.requirements_section import evidence_table, workspace_text
 from paminsa_viz.synthesis.proof.certificate import prove
-from paminsa_viz.synthesis.proof.evidence import Evidence, Pose, Proof, Verdict
-from paminsa_viz.synthesis.proof.families import Method
+from paminsa_viz.synthesis.proof.evidence import Evidence, Proof, Verdict
 from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace
-from paminsa_viz.synthesis.proof.regions import Growth, PoseRegion
-from paminsa_viz.units import DEGREES, MM, format_ascii
+from paminsa_viz.synthesis.proof.regions import Growth
+from paminsa_viz.units import MM, format_ascii
 
 _GROWTH = {"all": Growth.ALL, "horizontal": Growth.HORIZONTAL, "vertical": Growth.VERTICAL}
-
-_NAMES = {
-    "reach": "reachable: margin to every limit",
-    "singularity": "no singular pose: distance to them",
-    "home": "joined to home",
-}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,10 +47,10 @@ class Prove(JsonFlags, RequirementFlags):
         if self.json:
             print_json({"design": design.name, "made_by": _made_by(), **_proof_data(proof)})
         else:
-            print(f"{design.name}, {_place(proof.region)}: {proof.verdict.value}")
-            _print_evidence(proof)
+            print(f"{design.name}, {_place(requirements)}: {proof.verdict.value}")
+            print_blocks([evidence_table(proof, requirement_text)])
             if proof.pose is not None:
-                print(f"broken at {_pose(proof.pose)}")
+                print(f"broken at {pose_text(proof.pose)}")
             print(f"{proof.boxes:,} boxes, {proof.seconds:.1f} s; {len(proof.remaining):,} open")
         return 0 if proof.verdict is Verdict.PROVEN else 1
 
@@ -110,19 +104,21 @@ def _print_largest(design: Design, requirements: Requirements, found: LargestWor
         why = "undecided in this time" if undecided else "none"
         print(f"{design.name}, largest workspace: {why}{_cause(found)}")
         return
-    region = found.proof.region
-    print(f"{design.name}, largest proven workspace: {_place(region)}")
-    limit = PoseRegion(region.shape, region.center, _half(found.limit), region.theta)
-    print(f"gap {MM * found.gap:.3g} mm to {_size(limit)}{_cause(found)}")
-    _print_evidence(found.proof)
+    place = _place(replace(requirements, workspace=found.workspace))
+    print(f"{design.name}, largest proven workspace: {place}")
+    limit = workspace_text(replace(found.workspace, size=found.limit))
+    print(ascii_numbers(f"gap {MM * found.gap:.3g} mm to {limit}{_cause(found)}"))
+    print_blocks([evidence_table(found.proof, requirement_text)])
     print(f"{found.boxes:,} boxes, {found.seconds:.1f} s")
     if found.proof.sampled:
         print("what is only sampled is not proven")
 
 
-def _half(size: tuple[float, float, float]) -> tuple[float, float, float]:
-    a, b, c = (0.5 * extent for extent in size)
-    return a, b, c
+def _place(requirements: Requirements) -> str:
+    assert requirements.workspace is not None
+    low, high = (format_ascii(angle, "rad") for angle in requirements.theta)
+    text = f"{workspace_text(requirements.workspace)}, theta {low} to {high}"
+    return ascii_numbers(text)
 
 
 def _cause(found: LargestWorkspace) -> str:
@@ -133,52 +129,7 @@ def _cause(found: LargestWorkspace) -> str:
     name = found.cause if found.requirement is None else requirement_text(found.requirement)
     if not name:
         return ""
-    return f": {name}" + ("" if found.pose is None else f" breaks at {_pose(found.pose)}")
-
-
-def _print_evidence(proof: Proof) -> None:
-    rows = [("", "how", "", "worst")]
-    for item in proof.evidence:
-        name = _NAMES.get(item.name, item.name)
-        if item.requirement is not None:
-            name = requirement_text(item.requirement)
-        rows.append((name, item.method.value, item.verdict.value, _worst(item)))
-    print_table(rows)
-
-
-def _worst(item: Evidence) -> str:
-    """Return the worst value that is known of, ``<=`` where it is a bound that is proven."""
-    unit = "m" if item.requirement is None else item.requirement.entry.unit
-    bound = item.requirement
-    if not math.isfinite(item.margin):
-        return ""
-    if bound is None:
-        return format_ascii(item.margin, unit)
-    if math.isnan(item.bound):
-        return f"margin {format_ascii(item.margin, unit)}"
-    sign = ""
-    if item.method is not Method.SAMPLED and item.verdict is Verdict.PROVEN:
-        sign = "<= " if bound.low is None else ">= "
-    return sign + format_ascii(item.bound, unit)
-
-
-def _size(region: PoseRegion) -> str:
-    x, y, z = (f"{2 * MM * half:.5g}" for half in region.half)
-    round_ = region.shape is WorkspaceShape.CYLINDER
-    return f"cylinder d {x} x {z} mm" if round_ else f"box {x} x {y} x {z} mm"
-
-
-def _place(region: PoseRegion) -> str:
-    center = ", ".join(f"{MM * place + 0.0:.4g}" for place in region.center)
-    low, high = (DEGREES * angle for angle in region.theta)
-    return f"{_size(region)} about ({center}) mm, theta {low:.4g} to {high:.4g} deg"
-
-
-def _pose(pose: Pose) -> str:
-    x, y, theta, z = pose
-    return (
-        f"x {MM * x:.1f}, y {MM * y:.1f}, z {MM * z:.1f} mm, theta {DEGREES * theta + 0.0:.2f} deg"
-    )
+    return f": {name}" + ("" if found.pose is None else f" breaks at {pose_text(found.pose)}")
 
 
 def _made_by() -> str:

@@ -14,7 +14,7 @@ from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PoseFlags, check_ending
 from paminsa_viz.cli.output import pose_text, print_blocks, print_error, print_json, print_written
 from paminsa_viz.elastostatics.bar_diagram import COMPONENTS
-from paminsa_viz.elastostatics.bar_loads import all_bar_loads
+from paminsa_viz.elastostatics.bar_loads import all_bar_loads, utilization
 from paminsa_viz.elastostatics.joint_forces import (
     JOINTS,
     NEEDS_STIFFNESS,
@@ -23,7 +23,6 @@ from paminsa_viz.elastostatics.joint_forces import (
 )
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
 from paminsa_viz.elastostatics.sideways import SidewaysForces, sideways_forces
-from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.loads_table import bar_table, bearing_table, joint_table, motion_loads_table

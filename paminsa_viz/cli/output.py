@@ -60,10 +60,12 @@ def pose_text(pose: Sequence[float]) -> str:
 
 
 def ascii_numbers(text: str) -> str:
-    """Return a text whose numbers every terminal and program reads: ``-1.2e-13``, ``+-``."""
+    """Return a text whose numbers every terminal and program reads: ``-1.2e-13``, ``<= 3``."""
     exponents = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
     text = re.sub(r"·10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)", lambda found: f"e{found[1].translate(exponents)}", text)
-    return text.replace("−", "-").replace("±", "+-").replace(NONE, "-")
+    for sign, plain in {"−": "-", "±": "+-", "≤": "<=", "≥": ">=", "⌀": "d", NONE: "-"}.items():
+        text = text.replace(sign, plain)
+    return text
 
 
 def print_table(

@@ -66,8 +66,8 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
             path = spline_path(trajectory.pose)
             trajectory = plan_crossing(design, path, limits, name=trajectory.name).plan.sample()
 
+        from paminsa_viz.report.blocks import ReportRequest
         from paminsa_viz.report.page import report_html  # figures take a second to load
-        from paminsa_viz.report.request import ReportRequest
 
         request = ReportRequest(
             design=design,

@@ -8,20 +8,24 @@ from typing import Annotated, Any
 
 import tyro
 
+from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import JsonFlags, check_ending
 from paminsa_viz.cli.largest import Largest, Prove
-from paminsa_viz.cli.output import print_json, print_table, print_written
+from paminsa_viz.cli.output import print_blocks, print_json, print_table, print_written
 from paminsa_viz.cli.requirement_flags import RequirementFlags
-from paminsa_viz.cli.requirements_report import CheckReport, check_data, print_check
 from paminsa_viz.files.atomic import write_bytes
+from paminsa_viz.model.design import Design
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirement_text import (
     EXAMPLE,
     ascii_unit,
+    requirement_text,
 )
-from paminsa_viz.synthesis.volume.check import check_requirements
-from paminsa_viz.synthesis.volume.conflict import smallest_conflict
+from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.report.requirements_section import check_blocks
+from paminsa_viz.synthesis.volume.check import RequirementsCheck, check_requirements
+from paminsa_viz.synthesis.volume.conflict import Conflict, smallest_conflict
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE
 from paminsa_viz.synthesis.volume.solve import solve_volume
 from paminsa_viz.synthesis.volume.surface import VOLUME_FORMATS, volume_bytes
@@ -84,11 +88,11 @@ class CheckRequirements(JsonFlags, RequirementFlags):
         conflict = None
         if volume is not None and not found.holds:
             conflict = smallest_conflict(volume, requirements.workspace)
-        report = CheckReport(design, requirements, found, conflict)
         if self.json:
-            print_json(check_data(report))
+            print_json(_data(design, requirements, found, conflict))
         else:
-            print_check(report)
+            print(design.name)
+            print_blocks(check_blocks(requirements, found, conflict, requirement_text))
         if volume is not None:
             files = [(path, volume_bytes(volume, path.suffix.lower()[1:])) for path in self.out]
             for path, content in files:
@@ -124,3 +128,60 @@ FLAGS: Any = (
     | Annotated[Prove, tyro.conf.subcommand("prove")]
     | Annotated[Quantities, tyro.conf.subcommand("quantities")]
 )
+
+
+def _data(
+    design: Design, requirements: Requirements, found: RequirementsCheck, conflict: Conflict | None
+) -> dict[str, Any]:
+    """Return the check for other programs, in SI units."""
+    bounds = requirements.bounds
+    data: dict[str, Any] = {
+        "made_by": f"paminsa_viz {__version__}",
+        "design": design.name,
+        "holds": found.holds,
+        "over": found.over.name.lower(),
+        "theta": list(requirements.theta),
+        "center": None if found.center is None else list(found.center),
+        "items": [
+            {
+                "requirement": item.label
+                if item.requirement is None
+                else requirement_text(bounds[item.requirement]),
+                "unit": item.unit,
+                "worst": item.value,
+                "margin": item.margin,
+                "pose": None if item.pose is None else list(item.pose),
+                "holds": item.holds,
+                "reason": item.reason,
+            }
+            for item in found.items
+        ],
+    }
+    if (volume := found.volume) is not None:
+        data["volume"] = {
+            "volume_m3": volume.volume,
+            "error_m3": volume.error,
+            "reachable_m3": volume.reachable_volume,
+            "utilization": volume.utilization,
+            "home_inside": volume.home_inside,
+            "nodes": list(volume.cause.shape),
+            "cell_m": volume.cell,
+            "headings": volume.headings,
+            "shares": {cause.word: share for cause, share in volume.shares().items()},
+            "removed_alone": volume.removed_alone.tolist(),
+            "removed_last": volume.removed_last.tolist(),
+        }
+    if conflict is not None:
+        data["conflict"] = {
+            "requirements": list(conflict.requirements),
+            "relaxations": [
+                {
+                    "requirement": item.requirement,
+                    "by": item.by,
+                    "low": None if item.relaxed is None else item.relaxed.low,
+                    "high": None if item.relaxed is None else item.relaxed.high,
+                }
+                for item in conflict.relaxations
+            ],
+        }
+    return data

@@ -13,8 +13,7 @@ from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
 from paminsa_viz.cli.output import pose_text, print_blocks, print_json, print_table
 from paminsa_viz.elastostatics.contacts import contacts
-from paminsa_viz.elastostatics.drive_modes import drive_modes
-from paminsa_viz.elastostatics.drive_stiffness import drive_stiffness
+from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
 from paminsa_viz.elastostatics.sections import TubeFit, tube_fits
 from paminsa_viz.elastostatics.stiffness import (
     SHARES,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
@@ -13,7 +12,14 @@ import numpy as np
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError, command_line
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PresetName, check_ending
+from paminsa_viz.cli.flags import (
+    DesignFlags,
+    JsonFlags,
+    MotionFlags,
+    PresetName,
+    RegionFlags,
+    check_ending,
+)
 from paminsa_viz.cli.output import print_error, print_json
 from paminsa_viz.cli.sweep_report import print_report, progress_bar, report
 from paminsa_viz.interrupts import on_interrupt
@@ -29,13 +35,11 @@ from paminsa_viz.studies import (
     StudySummary,
     Workers,
     cluster,
-    default_region,
     processes,
     run_study,
 )
 from paminsa_viz.studies.running import WorkersLost
 from paminsa_viz.studies.variations import check_path
-from paminsa_viz.units import MM
 
 DESCRIPTION = """\
 Measure many designs over the workspace: torques, masses, distances to every limit, one row each.
@@ -72,7 +76,7 @@ WORTH_PROCESSES = 10**7
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sweep(JsonFlags, MotionFlags, DesignFlags):
+class Sweep(JsonFlags, RegionFlags, MotionFlags, DesignFlags):
     """Flags of the command."""
 
     preset: PresetName | None = None
@@ -90,14 +94,8 @@ class Sweep(JsonFlags, MotionFlags, DesignFlags):
     scale_bars: bool = False
     """Let bars keep their cross section, so that mass and inertia follow their length."""
 
-    radius: Annotated[float | None, tyro.conf.arg(metavar="MM")] = None
-    """Radius of the disc of measured positions [mm]; half of R_b if left out."""
     theta: Annotated[tuple[float, ...], tyro.conf.arg(metavar="DEG")] = (0.0, 30.0)
     """A measured angle [°]; can be repeated."""
-    z: Annotated[tuple[float, ...], tyro.conf.arg(metavar="MM")] = ()
-    """A measured height [mm]; can be repeated. In the middle of the workspace if left out."""
-    cells: int = 40
-    """Positions along the disc's diameter."""
     max_condition: float = CONDITION_LIMIT
     """Largest condition number at which torques count; beyond it they grow without bound."""
 
@@ -162,13 +160,7 @@ def study_of(flags: Sweep, design: Design) -> Study:
         raise UsageError("--vary is needed, such as --vary links.b3=0.2:0.6:5")
     if not 0 < flags.spread <= 1:
         raise UsageError(f"--spread: a share from 0 to 1 is needed, not {flags.spread:g}")
-    region = default_region(design)
-    if flags.radius is not None:
-        region = replace(region, radius=flags.radius / MM)
-    if flags.z:
-        region = replace(region, z=tuple(z / MM for z in flags.z))
-    theta = tuple(math.radians(angle) for angle in flags.theta)
-    region = replace(region, theta=theta, cells=flags.cells, max_condition=flags.max_condition)
+    region = replace(flags.given_region(design), max_condition=flags.max_condition)
     variation: DesignGrid | RandomDesigns
     if flags.random is None:
         variation = DesignGrid(tuple(map(_axis, flags.vary)))

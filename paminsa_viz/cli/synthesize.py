@@ -3,35 +3,44 @@
 from __future__ import annotations
 
 import time
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError, command_line
 from paminsa_viz.cli.flags import JsonFlags, check_ending
-from paminsa_viz.cli.output import print_json, print_written
+from paminsa_viz.cli.output import print_blocks, print_json, print_written
 from paminsa_viz.cli.synthesize_answer import (
     AnswerFlags,
+    bound_text,
     checks_data,
     front_data,
     numbered,
     print_checks,
     print_front,
 )
-from paminsa_viz.cli.synthesize_report import print_result, progress_line, result_data
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.interrupts import on_interrupt
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import Design, stated_parameters
 from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.report.synthesis_section import synthesis_blocks
 from paminsa_viz.studies import Workers, cluster, processes
-from paminsa_viz.synthesis import SynthesisCase, SynthesisResult, synthesize
+from paminsa_viz.synthesis import (
+    SearchProgress,
+    SynthesisCase,
+    SynthesisResult,
+    find_objective,
+    synthesize,
+)
 from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case
 from paminsa_viz.synthesis.search.checkpoint import load_checkpoint, save_checkpoint
 from paminsa_viz.synthesis.search.front import design_front
+from paminsa_viz.units import format_ascii
 
 DESCRIPTION = """\
 Find the lengths of the robot that meets requirements over a workspace and minimizes an objective.
@@ -97,7 +106,7 @@ class Synthesize(AnswerFlags, JsonFlags):
         kept = "" if path is None else "; the same command resumes it"
         with (
             on_interrupt(lambda: f"stopped{kept}"),
-            progress_line(case) as show,
+            _progress_line(case) as show,
             self._executor() as workers,
         ):
             result = synthesize(
@@ -107,9 +116,10 @@ class Synthesize(AnswerFlags, JsonFlags):
             seconds = time.monotonic() - started
             checks = self.checks(result, workers)
         if self.json:
-            print_json(result_data(result, seconds) | checks_data(result, checks))
+            print_json(_data(result, seconds) | checks_data(result, checks))
         else:
-            print_result(result, seconds)
+            print(f"{case.name}: {seconds:.1f} s, seed {case.seed}")
+            print_blocks(synthesis_blocks(result, bound_text))
             print_checks(result, checks)
         if self.out is not None and result.feasible:
             self._save(result, self.out)
@@ -128,7 +138,7 @@ class Synthesize(AnswerFlags, JsonFlags):
         if self.checkpoint is not None:
             raise UsageError("--front excludes --checkpoint")
         started = time.monotonic()
-        with progress_line(case) as show, self._executor() as workers:
+        with _progress_line(case) as show, self._executor() as workers:
             front = design_front(
                 case, self.front, points=self.points, workers=workers,
                 progress=lambda done, total, progress: show(progress),
@@ -167,3 +177,63 @@ def _requirements(result: SynthesisResult) -> Requirements:
 
 def _named(result: SynthesisResult) -> Design:
     return replace(result.design, name=result.case.name)
+
+
+@contextmanager
+def _progress_line(
+    case: SynthesisCase,
+) -> Iterator[Callable[[SearchProgress], bool | None]]:
+    """Show the best so far while the work goes on, to people: not to files and other programs."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    objective = find_objective(case.objective)
+    if not console.is_terminal:
+        yield lambda progress: None
+        return
+    with console.status("searching") as status:
+
+        def show(progress: SearchProgress) -> None:
+            best = "no robot yet"
+            if progress.feasible:
+                best = format_ascii(objective.sign * progress.cost, objective.unit)
+            status.update(
+                f"{progress.regime.value}: generation {progress.generation}, "
+                f"{progress.trials} robots, {objective.label} {best}"
+            )
+
+        yield show
+
+
+def _data(result: SynthesisResult, seconds: float) -> dict[str, Any]:
+    """Return the answer as data for JSON, in SI units."""
+    case = result.case
+    return {
+        "made_by": f"paminsa_viz {__version__}",
+        "case": case.name,
+        "feasible": result.feasible,
+        "objective": {"key": case.objective, "value": result.objective},
+        "regime": result.regime and result.regime.value,
+        "refused": {regime.value: reason for regime, reason in result.refused.items()},
+        "seed": case.seed,
+        "trials": result.trials,
+        "seconds": round(seconds, 3),
+        "poses": result.poses,
+        "workspace_center_m": result.workspace.center,
+        "design": {
+            item.path: result.design.value(item.path)
+            for item in stated_parameters(result.design)
+        },
+        "requirements": [
+            {
+                "text": bound_text(item.bound), "worst": item.value, "margin": item.margin,
+                "active": item.active,
+            }
+            for item in result.outcomes
+        ],
+        "relaxed": [
+            {"text": bound_text(item.bound), "nearest": item.nearest, "change": item.change}
+            for item in result.relaxed
+        ],
+        "proof": result.proof and result.proof.verdict.value,
+    }  # fmt: skip

@@ -10,11 +10,12 @@ import tyro
 
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.output import print_table
-from paminsa_viz.cli.synthesize_report import bound_text
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.errors import InvalidDesign
+from paminsa_viz.quantities.requirement_text import requirement_text
+from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.studies import Workers
-from paminsa_viz.synthesis import SynthesisCase, SynthesisResult, find_objective
+from paminsa_viz.synthesis import ObjectiveLimit, SynthesisCase, SynthesisResult, find_objective
 from paminsa_viz.synthesis.answer.checks import AnswerMargins, BuildYield, build_yield
 from paminsa_viz.synthesis.answer.engine_check import MujocoCheck, check_by_mujoco
 from paminsa_viz.synthesis.answer.prices import RequirementPrice, requirement_prices
@@ -250,3 +251,12 @@ def front_data(case: SynthesisCase, front: DesignFront, seconds: float) -> dict[
 def numbered(path: Path, number: int) -> Path:
     """Return the file of a point of a front."""
     return path.with_name(f"{path.stem}-{number}{path.suffix}")
+
+
+def bound_text(bound: Requirement | ObjectiveLimit) -> str:
+    """Return a requirement or a limit as text."""
+    if isinstance(bound, Requirement):
+        return requirement_text(bound)
+    objective = find_objective(bound.objective)
+    sign = ">=" if objective.largest else "<="
+    return f"{objective.key} {sign} {format_ascii(bound.most, objective.unit)}"

@@ -14,14 +14,10 @@ from typing import Final
 
 import numpy as np
 
-BARREL: Final = 0.026
-"""Length of a joint barrel across the plane."""
-
+BARREL: Final = 0.026  # length of a joint barrel across the plane
 BARREL_RADIUS: Final = 0.0165
 PIN_RADIUS: Final = 0.0065
-PIN_HEAD: Final = 0.0045
-"""How far a pin's head protrudes from the outermost barrel on it."""
-
+PIN_HEAD: Final = 0.0045  # how far a pin's head protrudes from the outermost barrel on it
 LAYER: Final[dict[str, float]] = {"b8": -0.036, "b4": 0.036, "b7": 0.036, "b3": 0.065}
 """Offset of the middle of each bar from the leg plane."""
 
@@ -33,25 +29,15 @@ CORE: Final = 0.0195
 SHAFT_RADIUS: Final = 0.0095
 QUILL_BORE: Final = 0.0115
 QUILL_RADIUS: Final = 0.0185
-SLIDER_HALF: Final = 0.023
-"""Half length of the slider along the guide."""
-
-MOUNT: Final = 0.096
-"""Height of the base plate's guide side from the plane of the guides."""
-
-PLATE: Final = 0.010
-"""Thickness of the base plate."""
-
+SLIDER_HALF: Final = 0.023  # half length of the slider along the guide
+MOUNT: Final = 0.096  # height of the base plate's guide side from the plane of the guides
+PLATE: Final = 0.010  # thickness of the base plate
 MOTOR_HEIGHT: Final = 0.036
 QUILL_TOP: Final = MOUNT + PLATE + MOTOR_HEIGHT + 0.006
 """Height of the far end of the quill, the hollow shaft that M1..M3 turn, above the guides."""
 
-ARM_BEARING_HALF: Final = 0.018
-"""Half height of the bearing at joint 2."""
-
-CARRIAGE_HALF: Final = 0.028
-"""Half height of M4's carriage."""
-
+ARM_BEARING_HALF: Final = 0.018  # half height of the bearing at joint 2
+CARRIAGE_HALF: Final = 0.028  # half height of M4's carriage
 PLATE_BELOW_5: Final = 0.0235
 """Depth of the platform plate's upper face below the pins of joints 5."""
 
@@ -72,8 +58,5 @@ CYLINDER_RADIUS: Final = 0.034
 """Outside of M4's cylinder, which takes in the ram with the upper knee."""
 
 RAM_RADIUS: Final = 0.016
-PLATE_OF_BRIDGE: Final = 0.012
-"""Thickness of the plate under M4's cylinder."""
-
-LIFT_MOTOR_HEIGHT: Final = 0.104
-"""Height of M4's head: end plate, coupling and motor."""
+PLATE_OF_BRIDGE: Final = 0.012  # thickness of the plate under M4's cylinder
+LIFT_MOTOR_HEIGHT: Final = 0.104  # height of M4's head: end plate, coupling and motor

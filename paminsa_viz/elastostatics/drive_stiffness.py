@@ -1,23 +1,29 @@
-"""Stiffness of the drives alone, in (x, y, theta, z): bars, joints and guides rigid, motors locked.
+"""The robot with elastic drives alone: bars, joints and guides rigid, motors locked.
 
-With the drives' stiffness k_j and the torques tau_j that hold the robot in the pose,
+With the drives' stiffness k_j and the torques tau_j that hold the robot in the pose, the stiffness
+in (x, y, theta, z) is
 
     K = G^T k G - sum_j tau_j d2q_j/dX2 + d2V/dX2 - dw/dX,
 
 the second derivative of the potential of weight, springs and load w. G is the inverse Jacobian, so
 that the first term is that of an unloaded robot. The second derivatives of the knees' heights come
-from complex steps and are exact to rounding.
+from complex steps and are exact to rounding. The motors stand still, so that their inertia has no
+part in the mass matrix; it is the model's for the robot without drives.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.elastostatics.modes import Modes, natural_modes
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.drive import NO_DRIVES
+from paminsa_viz.model.dynamics import mass_matrix
 from paminsa_viz.model.jacobians import inverse_jacobian, inverse_jacobian_rate
 from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.leg import knee_height, leg_vector, mechanism, pantograph
@@ -98,3 +104,34 @@ def _load_rate(design: Design, pose: Array) -> Array:
     for row, part in enumerate((0, 1, 5, 2)):
         found[..., row, 2] = np.imag(wrench[part]) / STEP
     return found
+
+
+@np.errstate(all="ignore")
+def drive_modes(design: Design, pose: ArrayLike) -> Modes:
+    """Return frequencies and modes of the robot whose drives alone are elastic, held at rest.
+
+    Shapes are in (x, y, theta, z). NaN where a pose cannot be taken, is singular, or where weight
+    or load push the platform away harder than the drives hold it. A load that turns with the
+    platform has no potential; the symmetric part of its stiffness counts.
+
+    Args:
+        design: The robot with its drives' stiffness.
+        pose: (..., 4) [m, m, rad, m].
+    """
+    stiffness = _symmetric(drive_stiffness(design, pose))
+    return natural_modes(stiffness, mass_matrix(replace(design, drives=NO_DRIVES), pose))
+
+
+@np.errstate(all="ignore")
+def geometric_stiffness(design: Design, pose: ArrayLike) -> Array:
+    """Return what weight, payload and load add to the stiffness, (..., 4, 4) [N/m, N, N m/rad].
+
+    In (x, y, theta, z), symmetric; see `drive_stiffness`. Not finite where a pose cannot be taken
+    or is singular.
+    """
+    loaded = drive_stiffness(design, pose)
+    return _symmetric(loaded - drive_stiffness(design, pose, loaded=False))
+
+
+def _symmetric(matrix: Array) -> Array:
+    return 0.5 * (matrix + np.swapaxes(matrix, -1, -2))

@@ -28,7 +28,7 @@ from paminsa_viz.elastostatics.leg_equilibrium import (
     radial_force,
     solve_plane,
 )
-from paminsa_viz.model.arrays import Array, together
+from paminsa_viz.model.arrays import Array, together, unfolded
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import friction_torque
 from paminsa_viz.model.jacobians import actuator_acceleration, actuator_velocity
@@ -180,16 +180,8 @@ def joint_forces(
     bad = status != Limit.OK
     for values in (force, moment, drives, axial):
         values[bad] = np.nan
-    return JointForces(
-        design,
-        status.reshape(shape),
-        leg.reshape(shape),
-        force.reshape(*shape, *force.shape[1:]),
-        moment.reshape(*shape, *moment.shape[1:]),
-        drives.reshape(*shape, 4),
-        axial.reshape(shape),
-        bodies,
-    )
+    found = unfolded((status, leg, force, moment, drives, axial), shape)
+    return JointForces(design, *found, bodies)
 
 
 def _platform_forces(

@@ -194,25 +194,12 @@ def _add_arm(rows: _Rows, frame: LegFrame, section: BeamSection, material: _Mate
     rows.put("B1", material.axial(section, length), s=-aw)
 
 
-@dataclass(frozen=True)
-class TwoForceBars:
-    """In the plane, for a unit force along z at joint 5; each (..., 3 legs).
-
-    Attributes:
-        b8: Compression of B8.
-        b7: Compression of B7, negative for tension.
-    """
-
-    b8: Array
-    b7: Array
-
-
-def plane_forces(frame: LegFrame) -> TwoForceBars:
-    """Return the forces in the two-force bars for a unit force along z at joint 5."""
+def _two_force_bars(frame: LegFrame) -> tuple[Array, Array]:
+    """Return the compressions of B8 and B7 for a unit force along z at joint 5, (..., 3 legs)."""
     k = frame.geometry.magnification
     (cos_psi, sin_psi), (cos_phi, sin_phi) = (np.moveaxis(a, -1, 0) for a in (frame.psi, frame.phi))
     scale = (k - 1) / (sin_phi * cos_psi - cos_phi * sin_psi)
-    return TwoForceBars(scale * cos_psi, -scale * cos_phi)
+    return scale * cos_psi, -scale * cos_phi
 
 
 def _add_plane(
@@ -226,7 +213,7 @@ def _add_plane(
     g = frame.geometry
     k = g.magnification
     (cos_psi, sin_psi), (cos_phi, sin_phi) = (np.moveaxis(a, -1, 0) for a in (frame.psi, frame.phi))
-    forces = plane_forces(frame)
+    in_b8, in_b7 = _two_force_bars(frame)
     between = cos_phi * cos_psi + sin_phi * sin_psi  # cosine of the angle from B4 to B8
 
     def span(bar: str, length: Number, axial: Number, moment: Number) -> None:
@@ -242,13 +229,13 @@ def _add_plane(
     outer, inner = g.coupler_length * (k - 1) / k, g.coupler_length / k
     at_4 = outer * cos_psi
     span("b4", outer, sin_psi, at_4)
-    span("b4", inner, -forces.b8 * between, at_4)
+    span("b4", inner, -in_b8 * between, at_4)
     upper, lower = g.crank_length * (k - 1) / k, g.crank_length / k
     at_3 = upper * cos_phi
-    span("b3", upper, sin_phi + forces.b8, at_3)
-    span("b3", lower, -forces.b7 * between, at_3)
-    span("b8", g.crank_length, -forces.b8, 0.0)
-    span("b7", g.short_coupler_length, -forces.b7, 0.0)
+    span("b3", upper, sin_phi + in_b8, at_3)
+    span("b3", lower, -in_b7 * between, at_3)
+    span("b8", g.crank_length, -in_b8, 0.0)
+    span("b7", g.short_coupler_length, -in_b7, 0.0)
     span("b2", g.shaft_length, -k, 0.0)
     reach = np.abs(points[8][0])
     span("b10", reach, 0.0, (k - 1) * reach)
@@ -284,10 +271,10 @@ def _add_joints(rows: _Rows, frame: LegFrame, points: Plane, elastic: Elastic) -
 
 def _add_revolutes(rows: _Rows, frame: LegFrame, points: Plane, elastic: Elastic) -> None:
     """Add the bearings of the revolutes about w."""
-    forces = plane_forces(frame)
+    in_b8, in_b7 = _two_force_bars(frame)
     cos_phi, sin_phi = np.moveaxis(frame.phi, -1, 0)
-    at_4 = np.hypot(forces.b8 * cos_phi, 1 + forces.b8 * sin_phi)
-    pins = (forces.b8, forces.b7, forces.b8, at_4, forces.b7, frame.geometry.magnification)
+    at_4 = np.hypot(in_b8 * cos_phi, 1 + in_b8 * sin_phi)
+    pins = (in_b8, in_b7, in_b8, at_4, in_b7, frame.geometry.magnification)
     for (joint, loads), pin in zip(_REVOLUTES, pins, strict=True):
         force, mu, mz = carried(points, *points[joint], loads)
         if elastic.bearing_radial is not None:

@@ -10,10 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model.arrays import Array, as_numbers
+from paminsa_viz.model.arrays import Array, unfolded
 
 LEAST_STIFFNESS = 1e-11
 """Least eigenvalue of a stiffness with unit diagonal that is more than rounding."""
@@ -37,18 +36,15 @@ class Modes:
 
 
 @np.errstate(all="ignore")
-def natural_modes(stiffness: ArrayLike, mass: ArrayLike, count: int | None = None) -> Modes:
+def natural_modes(stiffness: Array, mass: Array, count: int | None = None) -> Modes:
     """Return the lowest natural frequencies and modes of (K - w^2 M) v = 0.
 
     Args:
         stiffness: K, (..., n, n), symmetric.
         mass: M, (..., n, n), symmetric, in the same coordinates.
         count: How many modes; all of them by default.
-
-    Raises:
-        InvalidInput: If a matrix is not square, or their shapes do not fit each other.
     """
-    k, m = _matrices(stiffness, mass)
+    k, m = np.broadcast_arrays(stiffness, mass)
     shape, size = k.shape[:-2], k.shape[-1]
     kept = size if count is None else min(count, size)
     k, m = k.reshape(-1, size, size), m.reshape(-1, size, size)
@@ -71,22 +67,4 @@ def natural_modes(stiffness: ArrayLike, mass: ArrayLike, count: int | None = Non
         inertia = np.maximum(inertia, 0.0)
         frequencies[good] = 1 / (2 * np.pi * np.sqrt(inertia))
         shapes[good] = basis @ vectors / np.sqrt(inertia)[:, None, :]
-    return Modes(
-        frequencies.reshape(*shape, kept),
-        shapes.reshape(*shape, size, kept),
-        stable.reshape(shape),
-    )
-
-
-def _matrices(stiffness: ArrayLike, mass: ArrayLike) -> tuple[Array, Array]:
-    """Return both matrices with one batch shape."""
-    given = {"stiffness": as_numbers(stiffness, "stiffness"), "mass": as_numbers(mass, "mass")}
-    for name, matrix in given.items():
-        if matrix.ndim < 2 or matrix.shape[-1] != matrix.shape[-2]:
-            raise InvalidInput(name, f"square matrices are needed; the shape is {matrix.shape}")
-    try:
-        k, m = np.broadcast_arrays(*given.values())
-    except ValueError:
-        shapes = ", ".join(f"{name} {matrix.shape}" for name, matrix in given.items())
-        raise InvalidInput("mass", f"the shapes do not fit each other: {shapes}") from None
-    return k, m
+    return Modes(*unfolded((frequencies, shapes, stable), shape))

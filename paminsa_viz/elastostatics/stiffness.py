@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.elastostatics.leg_compliance import LegCompliance, leg_compliance
 from paminsa_viz.elastostatics.leg_frame import LegFrame, leg_frame
 from paminsa_viz.elastostatics.leg_loads import PARTS
-from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.arrays import Array, as_vectors, in_blocks
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.jacobians import inverse_jacobian
@@ -124,23 +124,16 @@ def platform_stiffness(
         shear: Whether bars deform by shear as well (Timoshenko).
     """
     pose = as_vectors(pose, "pose")
-    flat = pose.reshape(-1, 4)
-    matrix = np.empty((len(flat), 6, 6))
-    status = np.empty(len(flat), np.uint8)
-    leg = np.empty(len(flat), np.int8)
-    for start in range(0, len(flat), BLOCK):
-        part = slice(start, start + BLOCK)
-        frame = leg_frame(design.geometry, flat[part])
-        status[part], leg[part] = frame.status, frame.leg
+
+    def solved(poses: Array) -> tuple[Array, ...]:
+        frame = leg_frame(design.geometry, poses)
         compliance = leg_compliance(frame, design.elastic, shear=shear).matrix
-        matrix[part] = _at_platform(design, frame.joint5_map[..., 1:, :], compliance)
-    inverse, singular = _inverse(matrix, design.geometry.platform_radius)
-    status[singular & (status == Limit.OK)] = Limit.SINGULAR
-    shape = pose.shape[:-1]
-    return PlatformStiffness(
-        design, pose, status.reshape(shape), leg.reshape(shape),
-        matrix.reshape(*shape, 6, 6), inverse.reshape(*shape, 6, 6),
-    )  # fmt: skip
+        matrix = _at_platform(design, frame.joint5_map[..., 1:, :], compliance)
+        inverse, singular = _inverse(matrix, design.geometry.platform_radius)
+        lost = np.where(singular & (frame.status == Limit.OK), Limit.SINGULAR, frame.status)
+        return lost.astype(np.uint8), frame.leg, matrix, inverse
+
+    return PlatformStiffness(design, pose, *in_blocks(solved, pose, BLOCK))
 
 
 def _at_platform(design: Design, maps: Array, compliance: Array) -> Array:

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.elastostatics.drive_modes import geometric_stiffness
+from paminsa_viz.elastostatics.drive_stiffness import geometric_stiffness
 from paminsa_viz.elastostatics.leg_frame import leg_frame
 from paminsa_viz.elastostatics.leg_matrices import LegMatrices, leg_matrices
 from paminsa_viz.elastostatics.leg_model import RETAINED

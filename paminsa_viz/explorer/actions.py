@@ -83,8 +83,13 @@ def vary(state: State, changes: Mapping[str, float | None]) -> State:
     Raises:
         InvalidDesign: If no machine can have them.
     """
-    design = renamed_if_changed(state.document.design.vary(changes))
-    return with_document(state, replace(state.document, design=design))
+    return with_design(state, state.document.design.vary(changes))
+
+
+def with_design(state: State, design: Design) -> State:
+    """Return the state with a changed design, see `renamed_if_changed`."""
+    document = replace(state.document, design=renamed_if_changed(design))
+    return with_document(state, document)
 
 
 def renamed_if_changed(design: Design) -> Design:

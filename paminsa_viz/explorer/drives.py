@@ -1,4 +1,4 @@
-"""The search for drives on the page: its settings, its jobs and what came of them."""
+"""The search for drives on the page: its settings, its jobs and what they find."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from paminsa_viz.actuation.catalog import Catalog, generic_catalog
 from paminsa_viz.actuation.duty import Duty, duty_cycle
 from paminsa_viz.actuation.selection import ROTARY, DriveFigures, Selection, figures, select_drives
 from paminsa_viz.actuation.sizing import Order
-from paminsa_viz.model import NO_DRIVES, Design, PaminsaError
+from paminsa_viz.explorer.settings import Settings, setting
+from paminsa_viz.explorer.tasks import TaskState
+from paminsa_viz.model import NO_DRIVES, Design
 from paminsa_viz.trajectory import Trajectory
 
 MOST_MOTIONS = 12
@@ -21,26 +23,36 @@ LISTED = 6
 
 
 @dataclass(frozen=True)
-class DriveSettings:
+class DriveSettings(Settings):
     """What a person set.
 
     Attributes:
-        order: What comes first in the lists.
-        same: Whether M1..M3 have the same drive.
-        inertia_ratio: Largest inertia of the robot over that of the motor; 0 for any.
-        dwell: How long the robot waits after the motion [s].
-        count: How often the motion is made in a cycle of several.
+        inertia_ratio: 0 for any.
+        dwell: [s].
         cycle: Motions that were added to a cycle; without any, the current motion is the cycle.
         catalog: A catalog that was opened; None for the generic sizes.
     """
 
-    order: Order = "mass"
-    same: bool = True
-    inertia_ratio: float = 0.0
-    dwell: float = 0.0
-    count: float = 1.0
+    order: Order = setting(
+        "mass", "Order", "Of the feasible drives",
+        options={"lightest first": "mass", "cheapest first": "cost", "most margin first": "margin"},
+    )  # fmt: skip
+    same: bool = setting(True, "M1–M3 alike", "The three rotary actuators have the same drive")
+    inertia_ratio: float = setting(
+        0.0, "Inertia ratio ≤",
+        "Largest inertia of the robot over that of the motor, at the motor's shaft; 0: any",
+        range=(0.0, 1e6),
+    )  # fmt: skip
+    dwell: float = setting(
+        0.0, "Dwell [s]",
+        "How long the robot waits after the motion; a brake or a self-locking screw holds it",
+        range=(0.0, 1e6), step=0.1,
+    )  # fmt: skip
+    count: float = setting(
+        1.0, "Times", "How often the motion is made in a cycle of several motions", range=(1.0, 1e6)
+    )
     cycle: tuple[Duty, ...] = ()
-    catalog: Catalog | None = field(default=None, compare=False)
+    catalog: Catalog | None = None
 
     @property
     def parts(self) -> Catalog:
@@ -48,7 +60,7 @@ class DriveSettings:
         return generic_catalog() if self.catalog is None else self.catalog
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class DriveJob:
     """A search with all it depends on; drives that the design has play no part."""
 
@@ -63,46 +75,38 @@ class DriveJob:
 
 
 @dataclass(frozen=True, eq=False)
-class DriveOutcome:
-    """What came of a search.
+class DriveLists:
+    """The drives that a search found.
 
     Attributes:
-        job: The search.
-        selection: The drives, or None.
+        selection: The drives.
         rows: The first feasible drives of each actuator; the nearest one where none is.
         advice: What would make one feasible, empty where one is.
-        problem: Why there are none.
     """
 
-    job: DriveJob
-    selection: Selection | None
-    rows: tuple[tuple[DriveFigures, ...], ...] = ((),) * 4
-    advice: tuple[str, ...] = ("",) * 4
-    problem: str = ""
+    selection: Selection
+    rows: tuple[tuple[DriveFigures, ...], ...]
+    advice: tuple[str, ...]
 
 
 @dataclass(frozen=True)
-class Driving:
+class Driving(TaskState[DriveJob, DriveLists]):
     """The drives of a session.
 
     Attributes:
         settings: What a person set.
-        running: The search that runs, or None.
-        outcome: The last result, or None.
         actuator: Whose drives are listed, 0 to 3.
         row: Which of them is shown in its envelope.
     """
 
     settings: DriveSettings = field(default_factory=DriveSettings)
-    running: DriveJob | None = None
-    outcome: DriveOutcome | None = None
     actuator: int = 0
     row: int = 0
 
     @property
     def listed(self) -> tuple[DriveFigures, ...]:
         """Drives in the list."""
-        return () if self.outcome is None else self.outcome.rows[self.actuator]
+        return () if self.result is None else self.result.rows[self.actuator]
 
     @property
     def shown(self) -> DriveFigures | None:
@@ -116,20 +120,19 @@ class Driving:
         return tuple(range(ROTARY)) if same else (actuator,)
 
 
-def find_drives(job: DriveJob) -> DriveOutcome:
-    """Search; raises nothing that is the robot's or the catalog's fault."""
+def find_drives(job: DriveJob, _: object) -> DriveLists:
+    """Search.
+
+    Raises:
+        PaminsaError: If the robot or the catalog does not allow it.
+    """
     settings = job.settings
-    try:
-        cycle = duty_cycle(job.design, job.duties)
-        found = select_drives(
-            cycle, settings.parts, order=settings.order, same=settings.same,
-            inertia_ratio=settings.inertia_ratio or np.inf,
-        )  # fmt: skip
-        rows = []
-        for j, sizing in enumerate(found.sizings):
-            listed = found.figures(j, LISTED) or [figures(sizing, sizing.nearest)]
-            rows.append(tuple(listed))
-        advice = tuple(found.advice(j) for j in range(4))
-    except PaminsaError as error:
-        return DriveOutcome(job, None, problem=str(error))
-    return DriveOutcome(job, found, tuple(rows), advice)
+    found = select_drives(
+        duty_cycle(job.design, job.duties), settings.parts, order=settings.order,
+        same=settings.same, inertia_ratio=settings.inertia_ratio or np.inf,
+    )  # fmt: skip
+    rows = tuple(
+        tuple(found.figures(j, LISTED) or [figures(sizing, sizing.nearest)])
+        for j, sizing in enumerate(found.sizings)
+    )
+    return DriveLists(found, rows, tuple(found.advice(j) for j in range(4)))

@@ -1,4 +1,4 @@
-"""Stiffness and vibration on the page: what a person set, its jobs and what came of them."""
+"""Stiffness and vibration on the page: what a person set, and what is found."""
 
 from __future__ import annotations
 
@@ -19,8 +19,11 @@ from paminsa_viz.elastostatics.stiffness import (
 )
 from paminsa_viz.elastostatics.vibration import SHARED, robot_modes, whole_matrices
 from paminsa_viz.explorer.motion.description import Pose
+from paminsa_viz.explorer.settings import setting
+from paminsa_viz.explorer.tasks import Outcome
 from paminsa_viz.model import Design, Limit, PaminsaError
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.elastic import BARS
 
 MODES = 6
 """Modes that are found."""
@@ -37,7 +40,7 @@ CASES: dict[str, tuple[str, tuple[float, ...]]] = {
 """Load cases: their names, and wrenches at P [N, N m]; the first one is the design's."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class ElasticJob:
     """Stiffness and modes of a design at a pose.
 
@@ -60,31 +63,30 @@ class ElasticJob:
 
 
 @dataclass(frozen=True, eq=False)
-class ElasticOutcome:
-    """What came of a job; where there is a ``problem``, nothing else.
+class ElasticResult:
+    """Stiffness, modes and deflection.
 
     Attributes:
-        job: The job.
         stiffness: At the pose.
+        twist: Of the platform under the load case, (6,) [m, rad].
         frequencies: Natural frequencies, lowest first [Hz]; none where weight and load push the
             platform away.
-        shapes: Center lines with the displacements of the modes.
+        shapes: Center lines with the displacements of the modes; None without frequencies.
         deflected: The same with that under the load case; None without a load.
-        twist: Of the platform under the load case, (6,) [m, rad].
         compensation: What the motors do to bring x, y, theta and z back; None without a load.
         shares: Strain energy of the parts under the load case; None without a load.
-        problem: Why there is nothing.
     """
 
-    job: ElasticJob
-    stiffness: PlatformStiffness | None = None
+    stiffness: PlatformStiffness
+    twist: Array
     frequencies: tuple[float, ...] = ()
     shapes: CenterLines | None = None
     deflected: CenterLines | None = None
-    twist: Array | None = None
     compensation: Compensation | None = None
     shares: StrainShares | None = None
-    problem: str = ""
+
+
+ElasticOutcome = Outcome[ElasticJob, ElasticResult]
 
 
 @dataclass(frozen=True)
@@ -99,39 +101,48 @@ class ElasticView:
     """
 
     mode: int = 0
-    case: str = "load"
-    bar: str = "b4"
+    case: str = setting(
+        "load", "Load case", "Deflection and strain energy are under this load",
+        options={name: key for key, (name, _) in CASES.items()},
+    )  # fmt: skip
+    bar: str = setting("b4", "Bar", options={bar.upper(): bar for bar in BARS})
     outcome: ElasticOutcome | None = None
 
+    @property
+    def result(self) -> ElasticResult | None:
+        """What was found last, or None."""
+        return None if self.outcome is None else self.outcome.result
 
-def analyze_elasticity(job: ElasticJob) -> ElasticOutcome:
-    """Return stiffness, modes and deflection; raises nothing that is the robot's fault."""
+
+def analyze_elasticity(job: ElasticJob, _: object) -> ElasticResult:
+    """Return stiffness, modes and deflection.
+
+    Raises:
+        PaminsaError: If the pose has none.
+    """
     design, pose = job.design, np.array(job.pose)
-    try:
-        stiffness = platform_stiffness(design, pose)
-        status = Limit(int(stiffness.status))
-        if status is not Limit.OK:
-            return ElasticOutcome(job, problem=status.explanation)
-        matrices, wrench = leg_matrices(design), job.wrench
-        found = ElasticOutcome(job, stiffness, twist=stiffness.deflection(wrench))
-        modes = robot_modes(design, pose, MODES)
-        plain, _ = whole_matrices(matrices, pose, loaded=False)
-        force = np.zeros((len(plain), 1))
-        force[: SHARED - 1, 0] = wrench
-        vectors: Array = np.concatenate(
-            [np.linalg.solve(plain, force).astype(np.float64), modes.shapes], axis=1
+    stiffness = platform_stiffness(design, pose)
+    status = Limit(int(stiffness.status))
+    if status is not Limit.OK:
+        raise PaminsaError(status.explanation)
+    matrices, wrench = leg_matrices(design), job.wrench
+    found = ElasticResult(stiffness, stiffness.deflection(wrench))
+    modes = robot_modes(design, pose, MODES)
+    plain, _ = whole_matrices(matrices, pose, loaded=False)
+    force = np.zeros((len(plain), 1))
+    force[: SHARED - 1, 0] = wrench
+    vectors: Array = np.concatenate(
+        [np.linalg.solve(plain, force).astype(np.float64), modes.shapes], axis=1
+    )
+    lines = center_lines(matrices, pose, vectors)
+    if wrench.any():
+        found = replace(
+            found,
+            deflected=replace(lines, moves=lines.moves[..., :1]),
+            compensation=compensate(design, pose, wrench),
+            shares=strain_shares(design, pose, wrench),
         )
-        lines = center_lines(matrices, pose, vectors)
-        if wrench.any():
-            found = replace(
-                found,
-                deflected=replace(lines, moves=lines.moves[..., :1]),
-                compensation=compensate(design, pose, wrench),
-                shares=strain_shares(design, pose, wrench),
-            )
-        if modes.stable:
-            shapes = replace(lines, moves=lines.moves[..., 1:])
-            found = replace(found, frequencies=tuple(modes.frequencies.tolist()), shapes=shapes)
-    except PaminsaError as error:
-        return ElasticOutcome(job, problem=str(error))
+    if modes.stable:
+        shapes = replace(lines, moves=lines.moves[..., 1:])
+        found = replace(found, frequencies=tuple(modes.frequencies.tolist()), shapes=shapes)
     return found

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import springs
-from paminsa_viz.explorer.balancing.spring_settings import SpringSettings
+from paminsa_viz.explorer.balancing.springs import SpringSettings
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.example_designs import ExampleDesign, example_design

@@ -13,8 +13,7 @@ from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import FIGURES, SIMULATED
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.state import State
-from paminsa_viz.files.excitation_table import excitation_table
-from paminsa_viz.files.identification_table import estimate_table, residual_table
+from paminsa_viz.files.identification_table import estimate_table, excitation_table, residual_table
 from paminsa_viz.files.tables import DataTable, table_bytes
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.model import Configuration, Design, InvalidInput, inverse_kinematics
@@ -172,7 +171,7 @@ def motion_figure(state: State, kind: str) -> File:
     if what == "clearance":  # what the page has may not be there yet
         sources = replace(sources, clearance=None)
     if what == "comparison":
-        check = found.answer.found if found.answer else None
+        check = found.answer.result if found.answer else None
         if check is None:
             why = found.answer.problem if found.answer else ""
             raise InvalidInput("engine", why or "its torques are not there yet; see “Motion plots”")
@@ -232,7 +231,7 @@ def identification_table(state: State, kind: str) -> File:
     Raises:
         InvalidInput: If nothing has been identified.
     """
-    found = state.identifying.findings
+    found = state.identifying.result
     if found is None:
         raise InvalidInput("log", "nothing has been identified yet")
     table = estimate_table(found) if kind == "parameters" else residual_table(found)
@@ -246,10 +245,10 @@ def excitation_csv(state: State) -> File:
     Raises:
         InvalidInput: If there is none.
     """
-    outcome = state.identifying.excited
-    if outcome is None or outcome.excitation is None:
+    outcome = state.identifying.excitation.outcome
+    if outcome is None or outcome.result is None:
         raise InvalidInput("motion", "none has been found yet")
-    table = excitation_table(outcome.job.design, outcome.excitation, EXPORT_RATE)
+    table = excitation_table(outcome.job.design, outcome.result, EXPORT_RATE)
     return File("paminsa_excitation.csv", table_bytes(table, "csv"))
 
 

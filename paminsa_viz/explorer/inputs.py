@@ -15,19 +15,10 @@ from operator import attrgetter
 from typing import Any, ClassVar
 
 from paminsa_viz.explorer.entries import Entry, Given, given
+from paminsa_viz.explorer.settings import PLAIN, Range
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
-from paminsa_viz.units import DisplayUnit, display_unit
-
-Range = tuple[float | None, float | None]
-"""Smallest and largest number in SI; None where there is no limit."""
-
-PLAIN = DisplayUnit(1.0, "")
-"""Of a number that is shown as it is."""
-
-PERCENT = DisplayUnit(100.0, "%")
-
-MILLIMETERS = display_unit("m")
+from paminsa_viz.units import DisplayUnit
 
 
 def finite(value: Any) -> float | None:

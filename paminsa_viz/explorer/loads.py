@@ -7,11 +7,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from paminsa_viz.elastostatics.bar_loads import bar_loads
-from paminsa_viz.elastostatics.joint_forces import JointForces, joint_forces
+from paminsa_viz.elastostatics.bar_loads import BAR_NAMES, bar_loads, utilization
+from paminsa_viz.elastostatics.joint_forces import JOINTS, JointForces, joint_forces
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
 from paminsa_viz.elastostatics.sideways import sideways_forces
-from paminsa_viz.elastostatics.utilization import utilization
+from paminsa_viz.explorer.settings import setting
+from paminsa_viz.explorer.tasks import Outcome
 from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.elastic import BARS
@@ -23,26 +24,7 @@ MOST_SAMPLES = 200_000
 Numbers = tuple[float, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class LoadsJob:
-    """The loads of a design along a motion."""
-
-    analysis: TrajectoryAnalysis
-
-
-@dataclass(frozen=True, eq=False)
-class LoadsOutcome:
-    """What came of a job.
-
-    Attributes:
-        job: The job.
-        loads: The loads, or None.
-        problem: Why there are none.
-    """
-
-    job: LoadsJob
-    loads: MotionLoads | None
-    problem: str = ""
+LoadsOutcome = Outcome[TrajectoryAnalysis, MotionLoads]
 
 
 @dataclass(frozen=True)
@@ -50,39 +32,44 @@ class LoadsState:
     """What the tab *Loads* shows.
 
     Attributes:
-        leg: Whose joints are listed, 0 to 2.
-        bar: Whose N, V and M are drawn.
-        joint: Whose force is plotted along the motion.
-        along: Whether the loads along the motion are computed.
-        running: The job that runs, or None.
-        outcome: The last result, or None.
+        leg: Index of the leg, 0 to 2.
+        outcome: The last loads along a motion, or None.
     """
 
-    leg: int = 0
-    bar: str = "b4"
-    joint: str = "2"
-    along: bool = False
-    running: LoadsJob | None = None
+    leg: int = setting(
+        0, "Leg", "Whose joints and bars are listed", options={f"leg {i + 1}": i for i in range(3)}
+    )
+    bar: str = setting(
+        "b4", "Bar", "Axial force, shear force and bending moment along it",
+        options={name: bar for bar, name in BAR_NAMES.items()},
+    )  # fmt: skip
+    joint: str = setting(
+        "2", "Joint", "Whose force is plotted, of all legs",
+        options={f"joint {j.label}" if j.key[0].isdigit() else j.label: j.key for j in JOINTS},
+    )  # fmt: skip
+    along: bool = setting(
+        False, "Along the motion",
+        "Peak, RMS and equivalent load of every joint on the current motion",
+    )  # fmt: skip
     outcome: LoadsOutcome | None = None
 
 
-def find_loads(job: LoadsJob) -> LoadsOutcome:
-    """Compute the loads along a motion; what is the robot's or the motion's fault is no error."""
-    analysis = job.analysis
+def find_loads(analysis: TrajectoryAnalysis, _: object) -> MotionLoads:
+    """Compute the loads along a motion.
+
+    Raises:
+        PaminsaError: If it has none.
+    """
     if analysis.trajectory.size > MOST_SAMPLES:
-        problem = f"the motion has more than {MOST_SAMPLES:,} samples"
-        return LoadsOutcome(job, None, problem)
-    try:
-        found = motion_loads(analysis)
-    except PaminsaError as error:
-        return LoadsOutcome(job, None, str(error))
+        raise PaminsaError(f"the motion has more than {MOST_SAMPLES:,} samples")
+    found = motion_loads(analysis)
     if found is None:
         first = analysis.check.first
         reason = first.explanation if first is not None else "singular everywhere"
-        return LoadsOutcome(job, None, f"the motion has no start: it fails {reason}")
+        raise PaminsaError(f"the motion has no start: it fails {reason}")
     for name in ("bar_peak", "utilization"):
         getattr(found, name)  # computed here, on the job's thread
-    return LoadsOutcome(job, found)
+    return found
 
 
 @dataclass(frozen=True)

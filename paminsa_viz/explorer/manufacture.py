@@ -1,19 +1,20 @@
-"""Manufacture on the page: what is shown of tolerances, and the job that draws robots at random."""
+"""Manufacture on the page: what is shown of tolerances, and robots drawn at random."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from paminsa_viz.explorer.motion.description import Pose
-from paminsa_viz.model import Design, PaminsaError
-from paminsa_viz.precision.monte_carlo import MonteCarlo, monte_carlo
+from paminsa_viz.explorer.settings import setting
+from paminsa_viz.explorer.tasks import Report, TaskState
+from paminsa_viz.model import Design
+from paminsa_viz.precision.manufacture import MonteCarlo, monte_carlo
 
 MOST_ROBOTS = 200_000
 """Most robots of a job: some twenty seconds."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class MonteCarloJob:
     """Robots to be drawn, with all that they depend on.
 
@@ -38,56 +39,30 @@ def _lengths(design: Design) -> tuple[object, ...]:
     return design.geometry, design.deviations, design.tolerances
 
 
-@dataclass(frozen=True, eq=False)
-class MonteCarloOutcome:
-    """What came of a job.
-
-    Attributes:
-        job: The job.
-        result: Errors of the robots, or None.
-        problem: Why there are none.
-    """
-
-    job: MonteCarloJob
-    result: MonteCarlo | None
-    problem: str = ""
-
-
 @dataclass(frozen=True)
-class Manufacture:
+class Manufacture(TaskState[MonteCarloJob, MonteCarlo]):
     """What a session shows of manufacture.
 
     Attributes:
         robots, seed: Settings of the next job.
         coordinate: Index in `unequal_legs.COORDINATES` whose shares are shown.
         leg, length: Which deviation is shown, by their indices.
-        running: The job that runs, or None.
-        done: What part of it is done, 0 to 1.
-        outcome: The last result, or None.
     """
 
-    robots: int = 2000
-    seed: int = 0
+    robots: int = setting(2000, "Robots", range=(1.0, float(MOST_ROBOTS)), step=100.0)
+    seed: int = setting(0, "Seed", "The same seed draws the same robots", range=(0.0, 1e9))
     coordinate: int = 0
     leg: int = 0
     length: int = 0
-    running: MonteCarloJob | None = None
-    done: float = 0.0
-    outcome: MonteCarloOutcome | None = None
-
-    def started(self, design: Design, pose: Pose) -> Manufacture:
-        """Return it with a job for a design at a pose."""
-        job = MonteCarloJob(design, pose, self.robots, self.seed)
-        return replace(self, running=job, done=0.0)
 
 
-def draw_robots(job: MonteCarloJob, report: Callable[[float], bool]) -> MonteCarloOutcome:
-    """Draw the robots; what is the robot's fault is no error but the outcome's problem."""
-    try:
-        found = monte_carlo(
-            job.design, job.pose, robots=job.robots, seed=job.seed, block=512,
-            progress=lambda done, every: report(done / every),
-        )  # fmt: skip
-    except PaminsaError as error:
-        return MonteCarloOutcome(job, None, str(error))
-    return MonteCarloOutcome(job, found)
+def draw_robots(job: MonteCarloJob, report: Report) -> MonteCarlo:
+    """Draw the robots.
+
+    Raises:
+        PaminsaError: If they are too many, or the pose has none.
+    """
+    return monte_carlo(
+        job.design, job.pose, robots=job.robots, seed=job.seed, block=512,
+        progress=lambda done, every: report(done / every),
+    )  # fmt: skip

@@ -17,13 +17,10 @@ from typing import Any
 
 import msgspec
 
-from paminsa_viz.explorer.identifying import (
-    IdentifySettings,
-    settings_data,
-    settings_from_data,
-)
+from paminsa_viz.explorer.identifying import IdentifySettings
 from paminsa_viz.explorer.motion.description import motion_data, motion_from_data
 from paminsa_viz.explorer.requirements.saved import requirements_data, requirements_from_data
+from paminsa_viz.explorer.settings import settings_data, settings_from_data
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.errors import printable, shown
@@ -88,22 +85,19 @@ def dump(document: Document, identify: IdentifySettings | None = None) -> str:
 
     The settings of the identification can come with it; its logs and results do not.
     """
-    settings = {} if identify is None else settings_data(identify)
     reference = document.reference
-    motion = motion_data(document.motion)
-    requirements = requirements_data(document.requirements)
-    return json.dumps(
-        _described(document.design)
-        | {
-            "version": VERSION,
-            "assembly": document.design.geometry.knee.value,
-            "pose": document.pose,
-            "reference": None if reference is None else _described(reference),
-        }
-        | ({"motion": motion} if motion else {})
-        | ({"requirements": requirements} if requirements else {})
-        | ({"identify": settings} if settings else {})
-    )
+    described = _described(document.design) | {
+        "version": VERSION,
+        "assembly": document.design.geometry.knee.value,
+        "pose": document.pose,
+        "reference": None if reference is None else _described(reference),
+    }
+    optional = {
+        "motion": motion_data(document.motion),
+        "requirements": requirements_data(document.requirements),
+        "identify": {} if identify is None else settings_data(identify),
+    }
+    return json.dumps(described | {name: data for name, data in optional.items() if data})
 
 
 def load_settings(text: str) -> IdentifySettings:
@@ -113,8 +107,8 @@ def load_settings(text: str) -> IdentifySettings:
         InvalidInput: If a value is not possible.
     """
     try:
-        return settings_from_data(dict(json.loads(text).get("identify", {})))
-    except (ValueError, TypeError, AttributeError, RecursionError):
+        return settings_from_data(IdentifySettings, json.loads(text).get("identify", {}))
+    except (ValueError, TypeError, AttributeError, RecursionError, msgspec.ValidationError):
         raise InvalidInput("saved state", "it cannot be read") from None
 
 

@@ -7,7 +7,7 @@ from enum import Enum
 from typing import Any
 
 from paminsa_viz.explorer.balancing.jobs import Balancing
-from paminsa_viz.explorer.balancing.spring_settings import Springing
+from paminsa_viz.explorer.balancing.springs import Springing
 from paminsa_viz.explorer.balancing.tolerances import Tolerating
 from paminsa_viz.explorer.clearing import ClearanceSettings, Clearing
 from paminsa_viz.explorer.drives import Driving

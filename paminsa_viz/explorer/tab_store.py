@@ -16,10 +16,10 @@ from typing import Any
 import msgspec
 
 from paminsa_viz.explorer import actions, persistence
-from paminsa_viz.explorer.balancing.spring_settings import SpringSettings
+from paminsa_viz.explorer.balancing.springs import SpringSettings
 from paminsa_viz.explorer.balancing.tolerances import ToleranceSettings
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.clearing import REQUIRED, ClearanceSettings
+from paminsa_viz.explorer.clearing import ClearanceSettings
 from paminsa_viz.explorer.docks import LARGEST_DOCK
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.description import PlotView
@@ -83,16 +83,11 @@ def _possible(name: str, value: Any) -> bool:
             return value.quantity in QUANTITIES and all(abs(end) <= LARGEST_END for end in ends)
         case "plots":
             return 0 <= value.actuator < 4 and 0 <= value.color < 4
-        case "clearance_view":
-            low, high = REQUIRED
-            return bool(low <= value.required <= high)
         case "floor_opacity":
             return 0 <= value <= 1
         case "docks":
             widths = (value.left.width, value.right.width)
             return all(width is None or 0 < width <= LARGEST_DOCK for width in widths)
-        case "springing.settings" | "tolerating.settings":
-            return value.possible
         case "condition_limit":
             return math.isfinite(value) and value >= 1
     return True

@@ -5,12 +5,12 @@ Imported when the first file is read: pydantic takes 0.1 s to load.
 
 from __future__ import annotations
 
-import difflib
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 from pydantic_core import ErrorDetails
 
+from paminsa_viz.errors import name_hint
 from paminsa_viz.files.design_schema import (
     CHOICES,
     COUNTERWEIGHT_KEYS,
@@ -142,13 +142,9 @@ def _unknown_key(tables: list[str], name: str, error: ErrorDetails) -> str:
     if table == DRIVES:
         if len(tables) == 1:
             return f"there are the tables {', '.join(f'[{DRIVES}.{a}]' for a in ACTUATORS)}"
-        near = difflib.get_close_matches(name[:100], DRIVE_KEYS.values(), 1, 0.6)
-        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(DRIVE_KEYS.values())}"
-        return f"there is no such key; {hint}"
+        return f"there is no such key; {name_hint(name, DRIVE_KEYS.values())}"
     if table == WORKSPACE:
-        near = difflib.get_close_matches(name[:100], WORKSPACE_KEYS, 1, 0.6)
-        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(WORKSPACE_KEYS)}"
-        return f"there is no such key; {hint}"
+        return f"there is no such key; {name_hint(name, WORKSPACE_KEYS)}"
     if table == COUNTERWEIGHTS:
         keys = ", ".join(COUNTERWEIGHT_KEYS.values())
         return f"there is no such key; [[{COUNTERWEIGHTS}]] has {keys}"
@@ -162,6 +158,17 @@ def _no_table(table: str, error: ErrorDetails) -> str:
     return f"a table [{table}] {kind} is needed"
 
 
+_NEEDED = {
+    "value_count": "a whole number is",
+    "bar": f"one of the bars {', '.join(_BARS)} is",
+    "quantity": 'the name of a quantity, such as "condition", is',
+    "transmission": '"screw" or "belt", or nothing, is',
+    "brake": "true or false is",
+    "envelope": "pairs of speed [rad/s] and torque [N m], [[0, 1.3], [300, 1.3]], are",
+    "joint": "a joint's number is",
+}
+
+
 def _wrong_value(name: str, error: ErrorDetails) -> str:
     kind = error["type"]
     value = error["input"]
@@ -172,24 +179,12 @@ def _wrong_value(name: str, error: ErrorDetails) -> str:
         )
     if name == "schema_version":
         return f"a whole number is needed; {SCHEMA_VERSION} is the current one"
-    if name == "value_count":
-        return "a whole number is needed"
-    if name == "bar":
-        return f"a counterweight is on one of the bars {', '.join(_BARS)}"
-    if words := _words(name):
+    if words := _SHAPES if name == "shape" else _words(name):
         return " or ".join(f'"{word}"' for word in words) + " is needed"
-    if name == "quantity":
-        return 'the name of a quantity is needed, such as "condition"'
-    if name == "shape":
-        return " or ".join(f'"{word}"' for word in _SHAPES) + " is needed"
-    if name == "transmission":
-        return '"screw" or "belt" is needed, or nothing'
-    if name == "brake":
-        return "true or false is needed"
-    if name.isdecimal() or name == "envelope":
-        return "pairs of speed [rad/s] and torque [N m] are needed: [[0, 1.3], [300, 1.3]]"
-    if name == "joint":
-        return "a joint's number is needed"
+    if name.isdecimal():  # a place in an envelope
+        name = "envelope"
+    if name in _NEEDED:
+        return f"{_NEEDED[name]} needed"
     if kind == "finite_number" or (isinstance(value, int) and not isinstance(value, bool)):
         return "a finite number is needed"
     return "a number is needed" + (", without quotes or unit" if isinstance(value, str) else "")

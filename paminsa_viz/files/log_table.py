@@ -50,21 +50,13 @@ def parse_log(
     table = TableReader(lines, LOG, source, timeout)
     found = {column.name for column in table.columns}
     torque = _torque_columns(found, source, gains)
-    names = (TIME, *ACTUATORS, *torque)
-    parts, first_row, count = [np.empty((0, 9))], 1, 0
-    for block in table.blocks():
-        first_row = first_row if count else block.first_row
-        parts.append(block.group(names))
-        count += len(block.cells)
-        if count > MOST_SAMPLES:
-            problem = f"there are more than {MOST_SAMPLES:,} rows; thin them out"
-            raise TableFileError(source, problem)
-    values = np.concatenate(parts)
+    first_row, columns = table.read_all(MOST_SAMPLES)
+    values = np.stack([columns[name] for name in (TIME, *ACTUATORS, *torque)], axis=1)
     factors = np.ones(4) if gains is None else np.asarray(gains, np.float64)
     try:
         return make_log(
             values[:, 0], values[:, 1:5], values[:, 5:] * factors,
-            split=split, name=name or Path(source).stem or "log", first_row=first_row,
+            split=split, name=name or Path(source).stem or "log", first_row=first_row or 1,
         )  # fmt: skip
     except InvalidLog as error:
         headers = {column.name.partition("_")[0]: column.header for column in table.columns}

@@ -48,20 +48,13 @@ def parse_measurements(
     table = TableReader(lines, KIND, source, timeout)
     tilted = any(column.name in TILT for column in table.columns)
     names = (*POSE, *TILT) if tilted else POSE
-    poses, actuators, first_row, count = [np.empty((0, len(names)))], [np.empty((0, 4))], 0, 0
-    for block in table.blocks():
-        first_row = first_row or block.first_row
-        poses.append(block.group(names))
-        actuators.append(block.group(ACTUATORS))
-        count += len(block.cells)
-        if count > MOST_ROWS:
-            problem = f"there are more than {MOST_ROWS:,} measured poses; thin them out"
-            raise TableFileError(source, problem)
-    if not count:
+    first_row, columns = table.read_all(MOST_ROWS, "measured poses")
+    if not first_row:
         raise TableFileError(source, "there is no measured pose in it")
-    return MeasurementTable(
-        Measurements(np.concatenate(actuators), np.concatenate(poses)), first_row
+    actuators, poses = (
+        np.stack([columns[name] for name in group], axis=1) for group in (ACTUATORS, names)
     )
+    return MeasurementTable(Measurements(actuators, poses), first_row)
 
 
 def read_measurements(path: str | os.PathLike[str]) -> MeasurementTable:

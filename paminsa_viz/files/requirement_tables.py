@@ -16,11 +16,10 @@ Bounds are in SI units, named at the end of their keys as everywhere in the file
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.files.design_schema import REQUIREMENTS, WORKSPACE, unit_suffix
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.quantities import QUANTITIES
@@ -74,16 +73,14 @@ def read_requirements_tables(content: Mapping[str, Any], refuse: Refuse) -> Requ
 def _requirement(table: Mapping[str, Any], path: str, refuse: Refuse) -> Requirement:
     key = table["quantity"]
     if key not in QUANTITIES:
-        near = difflib.get_close_matches(key[:100], QUANTITIES, 1, 0.6)
-        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(QUANTITIES)}"
-        raise refuse(f"{path}.quantity", key, f"there is no such quantity; {hint}")
+        problem = f"there is no such quantity; {name_hint(key, QUANTITIES)}"
+        raise refuse(f"{path}.quantity", key, problem)
     least, largest = bound_keys(QUANTITIES[key])
     known = ("quantity", least, largest, *_THETA, *_Z)
     for name, value in table.items():
         if name not in known:
-            near = difflib.get_close_matches(name[:100], known, 1, 0.4)
-            hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
-            raise refuse(f"{path}.{name}", value, f"there is no such key for {key}; {hint}")
+            problem = f"there is no such key for {key}; {name_hint(name, known, 0.4)}"
+            raise refuse(f"{path}.{name}", value, problem)
     if least not in table and largest not in table:
         raise refuse(f"{path}.quantity", key, f"{least} or {largest} is needed with it")
     theta, z = (_range(table, names, path, refuse) for names in (_THETA, _Z))

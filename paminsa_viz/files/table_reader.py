@@ -112,6 +112,26 @@ class TableReader:
             if first_row + len(cells) < self._row:
                 blank_row = blank_row or first_row + len(cells)
 
+    def read_all(self, most: int, what: str = "rows") -> tuple[int, dict[str, NDArray[np.float64]]]:
+        """Return the row of the first record, as a spreadsheet counts, and all columns (n,).
+
+        Args:
+            most: Most records.
+            what: What they are, for messages.
+
+        Raises:
+            TableFileError: As `blocks` does, and if there are more.
+        """
+        parts = [{column.name: np.empty(0) for column in self.columns}]
+        first_row, count = 0, 0
+        for block in self.blocks():
+            first_row = first_row or block.first_row
+            parts.append(dict(block.values))
+            count += len(block.cells)
+            if count > most:
+                raise self._refused(f"there are more than {most:,} {what}; thin them out")
+        return first_row, {name: np.concatenate([p[name] for p in parts]) for name in parts[0]}
+
     def _lines(self, lines: TextIO, timeout: float | None) -> Iterator[str]:
         """Yield the lines; raises at one that is too long before it is read to its end."""
         end = None if timeout is None else time.monotonic() + timeout

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, NoReturn, TypeVar
 
-from paminsa_viz.errors import InvalidInput, PaminsaError
+from paminsa_viz.errors import InvalidInput, PaminsaError, name_hint
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.files.toml_lines import find_line
 
@@ -134,6 +133,4 @@ class TomlTable:
     def end(self) -> None:
         """Refuse what is left."""
         for name in self.left:
-            near = difflib.get_close_matches(name[:100], self.known, 1, 0.5)
-            hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(self.known)}"
-            self.refuse(name, None, f"there is no such key; {hint}")
+            self.refuse(name, None, f"there is no such key; {name_hint(name, self.known, 0.5)}")

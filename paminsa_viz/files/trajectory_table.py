@@ -135,15 +135,7 @@ def parse_trajectory(
     """
     table = TableReader(lines, TRAJECTORY, source, timeout)
     time = next(column for column in table.columns if column.name == TIME)
-    parts = [{column.name: np.empty(0) for column in table.columns}]
-    first_row = 0
-    for block in table.blocks():
-        first_row = first_row or block.first_row
-        parts.append(dict(block.values))
-        if block.first_row + len(block.cells) - first_row > MOST_SAMPLES:
-            problem = f"there are more than {MOST_SAMPLES:,} rows; thin them out"
-            raise TableFileError(source, problem)
-    values = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    first_row, values = table.read_all(MOST_SAMPLES)
     t = values[TIME]
     late = np.flatnonzero(np.diff(t) <= 0)
     if late.size:

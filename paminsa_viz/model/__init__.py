@@ -8,7 +8,7 @@ the paper's equations behind each function.
 from __future__ import annotations
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput, PaminsaError, UnreachablePose
-from paminsa_viz.model.accuracy import DriveAccuracy
+from paminsa_viz.model.accuracy import DriveAccuracy, LegDeviations, Tolerances
 from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, Geometry, KneeBranch
 from paminsa_viz.model.drive import NO_DRIVES, Drive, OutputLimits
 from paminsa_viz.model.dynamics import (
@@ -42,7 +42,6 @@ from paminsa_viz.model.kinematics import (
     joint_rates,
     nearest_solution,
 )
-from paminsa_viz.model.leg_deviations import LegDeviations
 from paminsa_viz.model.load import LoadCase, LoadFrame, center_wrench, generalized_force
 from paminsa_viz.model.lumped import (
     COEFFICIENTS,
@@ -82,7 +81,6 @@ from paminsa_viz.model.statics import (
     static_torques,
     unit_torques,
 )
-from paminsa_viz.model.tolerances import Tolerances
 
 __all__ = [
     "APPENDIX_4",

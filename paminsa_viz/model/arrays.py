@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -69,3 +70,24 @@ def together(**vectors: Any) -> tuple[tuple[int, ...], list[Array]]:
     """
     arrays = aligned(**vectors)
     return arrays[0].shape[:-1], [array.reshape(-1, 4) for array in arrays]
+
+
+def unfolded(arrays: Iterable[Any], shape: tuple[int, ...]) -> tuple[Any, ...]:
+    """Return arrays (n, ...) of a list with a batch shape instead, (*shape, ...)."""
+    return tuple(array.reshape((*shape, *array.shape[1:])) for array in arrays)
+
+
+def in_blocks(
+    function: Callable[[Array], Iterable[Any]], vectors: Array, size: int
+) -> tuple[Any, ...]:
+    """Return arrays (..., results) for vectors (..., 4), worked out a block of a list at a time.
+
+    Args:
+        function: Takes vectors (n, 4) and returns arrays (n, results).
+        vectors: (..., 4).
+        size: Vectors of a block, which bounds the memory.
+    """
+    flat = vectors.reshape(-1, vectors.shape[-1])
+    parts = [function(flat[i : i + size]) for i in range(0, max(len(flat), 1), size)]
+    found = (np.concatenate(values) for values in zip(*parts, strict=True))
+    return unfolded(found, vectors.shape[:-1])

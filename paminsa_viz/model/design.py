@@ -12,7 +12,14 @@ from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput
-from paminsa_viz.model.accuracy import DriveAccuracy
+from paminsa_viz.model.accuracy import (
+    Deviations,
+    DriveAccuracy,
+    Leg1Deviations,
+    Leg2Deviations,
+    Leg3Deviations,
+    Tolerances,
+)
 from paminsa_viz.model.drive import (
     ACTUATORS,
     NO_DRIVES,
@@ -24,12 +31,6 @@ from paminsa_viz.model.drive import (
 )
 from paminsa_viz.model.elastic import Elastic
 from paminsa_viz.model.geometry import Geometry, KneeBranch
-from paminsa_viz.model.leg_deviations import (
-    Deviations,
-    Leg1Deviations,
-    Leg2Deviations,
-    Leg3Deviations,
-)
 from paminsa_viz.model.load import NO_LOAD, LoadCase
 from paminsa_viz.model.parameters import (
     MOST_COUNTERWEIGHTS,
@@ -45,7 +46,6 @@ from paminsa_viz.model.parameters import (
     Platform,
     parameter,
 )
-from paminsa_viz.model.tolerances import Tolerances
 
 TILT_INERTIA = "elastic.platform_tilt_inertia"
 

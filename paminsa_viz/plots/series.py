@@ -21,7 +21,6 @@ from paminsa_viz.plots.caption import shown
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.integrals import rms
 from paminsa_viz.trajectory.simulation import Simulation
-from paminsa_viz.units import DisplayUnit, display_unit, power_of_ten
 
 FigureKind = Literal[
     "torques", "breakdown", "pose", "power", "energy", "loads", "clearance", "tracking",
@@ -251,25 +250,6 @@ def statistics(t: Values, trace: Trace, until: int | None = None) -> Statistics:
     weights = spans if spans.any() else np.ones(len(pieces))
     mean = math.sqrt(float(np.average(means**2, weights=weights)))
     return Statistics(float(values[top]), float(t[top]), mean)
-
-
-def readable_unit(
-    unit: str, largest: float, *, lowest: int = -300, bound: float = math.inf
-) -> DisplayUnit:
-    """Return the display unit of an SI unit, with a power of ten for very small or large values.
-
-    Args:
-        unit: SI unit.
-        largest: Size of the largest value, in that unit.
-        lowest: Lowest power of ten.
-        bound: Displayed values from this on get a power of ten too.
-    """
-    plain = display_unit(unit)
-    size = largest * plain.factor
-    if not size or 1e-2 <= size < bound:
-        return plain
-    power = max(3 * math.floor(math.log10(size) / 3), lowest)
-    return DisplayUnit(plain.factor * 10.0**-power, f"{power_of_ten(power)} {plain.text}".rstrip())
 
 
 def largest_size(traces: Sequence[Trace]) -> float:

@@ -16,11 +16,10 @@ from paminsa_viz.plots.series import (
     SeriesPanel,
     Trace,
     largest_size,
-    readable_unit,
     thinned,
 )
 from paminsa_viz.plots.text import printable
-from paminsa_viz.units import DisplayUnit
+from paminsa_viz.units import DisplayUnit, readable_unit
 
 _LARGEST = 1e5
 """Displayed values from this on are multiples of a power of ten."""

@@ -22,20 +22,16 @@ from paminsa_viz.plots.series import (
     Trace,
     Values,
     largest_size,
-    readable_unit,
     runs,
     thinned,
 )
-from paminsa_viz.units import display_unit
+from paminsa_viz.units import display_unit, readable_unit
 
 MOST_POINTS = 480
 """About how many samples of a curve are handed to the page."""
 
 MOST_PIECES = 6
 """Runs of values of a curve that are drawn; there are more only in a motion that fails often."""
-
-_OWN = 2
-"""Series before the curves: the range of the axis, and failures."""
 
 _SHADE = f"{BAD}26"
 _MARK = {"show": True, "size": 5, "width": 1}
@@ -246,11 +242,3 @@ def uplot_options(shape: ChartShape) -> dict[str, Any]:
         "cursor": {"y": False, "points": {"show": False}, "sync": {"key": "paminsa"}},
         "padding": (8, 10, 0, 0),
     }
-
-
-def shown_curve(series: tuple[Values, ...], shape: ChartShape, number: int) -> Values:
-    """Return one curve (n,) out of series that `uplot_data` made, its pieces put together."""
-    first = 1 + _OWN + number * shape.pieces
-    parts = np.array(series[first : first + shape.pieces])
-    known = ~np.isnan(parts)
-    return np.where(known.any(axis=0), np.where(known, parts, 0.0).sum(axis=0), np.nan)

@@ -22,14 +22,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.accuracy import DriveAccuracy
-from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.arrays import Array, as_vectors, unfolded
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.grids import WRENCH_TORQUES, Field
 from paminsa_viz.model.leg import mechanism
@@ -123,7 +123,7 @@ def drive_errors(geometry: Geometry, accuracy: DriveAccuracy, pose: ArrayLike) -
     margin, which = backend.over_list(LEAST_MARGIN, m, flat).T
     status, leg = decode(margin, which)
     found = _errors(geometry, accuracy, flat, rows, margin, status, leg)
-    return _shaped(found, accuracy, pose)
+    return DriveErrors(pose, accuracy, *unfolded(found, pose.shape[:-1]))
 
 
 @lru_cache(maxsize=4)
@@ -136,27 +136,7 @@ def field_drive_errors(field: Field, accuracy: DriveAccuracy) -> DriveErrors:
         field.geometry, accuracy, pose.reshape(-1, 4), rows,
         field.margin.reshape(-1), status.reshape(-1), field.leg.reshape(-1),
     )  # fmt: skip
-    return _shaped(found, accuracy, pose)
-
-
-class _Flat(NamedTuple):
-    """`DriveErrors` of a list of poses."""
-
-    linear: Array
-    worst: Array
-    rms: Array
-    linear_horizontal: Array
-    horizontal: Array
-    rms_horizontal: Array
-    corners: Array
-    bound: NDArray[np.uint8]
-    leg: NDArray[np.int8]
-
-
-def _shaped(found: _Flat, accuracy: DriveAccuracy, pose: Array) -> DriveErrors:
-    shape = pose.shape[:-1]
-    shaped: Any = (values.reshape((*shape, *values.shape[1:])) for values in found)
-    return DriveErrors(pose, accuracy, *shaped)
+    return DriveErrors(pose, accuracy, *unfolded(found, pose.shape[:-1]))
 
 
 @np.errstate(all="ignore")
@@ -168,8 +148,11 @@ def _errors(
     margin: Array,
     status: NDArray[np.uint8],
     leg: NDArray[np.int8],
-) -> _Flat:
-    """Return the errors of a list of poses (n, 4) from J's rows (9, n) and the reach (n)."""
+) -> tuple[NDArray[Any], ...]:
+    """Return the values of `DriveErrors` from ``linear`` on, for a list of poses (n, 4).
+
+    Given are J's rows (9, n) and the reach (n).
+    """
     half, deviation = np.array(accuracy.half_widths), np.array(accuracy.deviations)
     lift = geometry.magnification
     j = np.where(status == Limit.OK, rows, np.nan).reshape(3, 3, -1)
@@ -200,7 +183,7 @@ def _errors(
         why[near] = np.where(outside, which, -1)
     kept = np.where(bound == Bound.OK, 1.0, np.nan)
     moved = kept[:, None, None] * moved
-    return _Flat(
+    return (
         linear,
         np.concatenate(
             [np.abs(moved).max(axis=-2), (kept * lift * half[3])[:, None]], axis=-1

@@ -11,16 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model.arrays import Array, as_numbers
-from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.kinematics import AXIS_ANGLES
-from paminsa_viz.model.leg_deviations import (
+from paminsa_viz.model.accuracy import (
     LENGTH_NAMES,
     Leg1Deviations,
     Leg2Deviations,
     Leg3Deviations,
     LegDeviations,
 )
+from paminsa_viz.model.arrays import Array, as_numbers
+from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.kinematics import AXIS_ANGLES
 
 
 @dataclass(frozen=True)

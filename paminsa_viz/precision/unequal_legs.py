@@ -8,7 +8,6 @@ method from the nominal robot; derivatives by all lengths and actuators follow f
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -62,8 +61,7 @@ class Closure(IntEnum):
         )[self]
 
 
-@dataclass(frozen=True)
-class UnequalPose:
+class UnequalPose(NamedTuple):
     """Solutions of batch shape (...); NaN where there is none.
 
     Attributes:

@@ -9,13 +9,14 @@ from __future__ import annotations
 import difflib
 import math
 import re
+from collections.abc import Callable
 from typing import NoReturn
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.quantity import Quantity
 from paminsa_viz.quantities.requirements import Range, Requirement
-from paminsa_viz.units import NONE, DisplayUnit, display_unit, number
+from paminsa_viz.units import DisplayUnit, display_unit, number
 
 LONGEST = 300
 """Longest text [characters]."""
@@ -77,39 +78,42 @@ def parse_requirement(text: str) -> Requirement:
 
 def requirement_text(requirement: Requirement) -> str:
     """Return a requirement as ASCII text that `parse_requirement` reads back."""
-    entry = requirement.entry
-    unit = entry.display
+    unit = requirement.entry.display
+    suffix = f" {ascii_unit(unit)}" if unit.text else ""
 
     def shown(value: float) -> str:
         return f"{unit.from_si(value):.10g}"
 
-    suffix = f" {ascii_unit(unit)}" if unit.text else ""
-    low, high = requirement.low, requirement.high
-    if low is not None and high is not None and low == -high:
-        text = f"|{entry.key}| <= {shown(high)}{suffix}"
-    elif low is not None and high is not None:
-        text = f"{shown(low)} <= {entry.key} <= {shown(high)}{suffix}"
-    elif high is not None:
-        text = f"{entry.key} <= {shown(high)}{suffix}"
-    else:
-        text = f"{entry.key} >= {shown(math.nan if low is None else low)}{suffix}"
+    text = _bounds_text(requirement, requirement.entry.key, shown, lambda v: shown(v) + suffix)
     return text + _ranges_text(requirement, "theta", "deg", ascii_only=True)
 
 
 def requirement_label(requirement: Requirement) -> str:
     """Return a requirement for people, with symbols: ``|τ₁| ≤ 15 N·m``, ``κ ≤ 10``."""
-    entry = requirement.entry
-    unit = entry.display
-    low, high = requirement.low, requirement.high
-    if low is not None and high is not None and low == -high:
-        text = f"|{entry.symbol}| ≤ {unit.format(high)}"
-    elif low is not None and high is not None:
-        text = f"{number(low * unit.factor)} ≤ {entry.symbol} ≤ {unit.format(high)}"
-    elif high is not None:
-        text = f"{entry.symbol} ≤ {unit.format(high)}"
-    else:
-        text = f"{entry.symbol} ≥ {NONE if low is None else unit.format(low)}"
+    unit = requirement.entry.display
+
+    def shown(value: float) -> str:
+        return number(value * unit.factor)
+
+    text = _bounds_text(requirement, requirement.entry.symbol, shown, unit.format)
+    text = text.replace("<=", "≤").replace(">=", "≥")
     return text + _ranges_text(requirement, "θ", "°", ascii_only=False)
+
+
+def _bounds_text(
+    requirement: Requirement,
+    name: str,
+    shown: Callable[[float], str],
+    with_unit: Callable[[float], str],
+) -> str:
+    low, high = requirement.low, requirement.high
+    if high is None:
+        return f"{name} >= {with_unit(math.nan if low is None else low)}"
+    if low is None:
+        return f"{name} <= {with_unit(high)}"
+    if low == -high:
+        return f"|{name}| <= {with_unit(high)}"
+    return f"{shown(low)} <= {name} <= {with_unit(high)}"
 
 
 def ascii_unit(unit: DisplayUnit) -> str:

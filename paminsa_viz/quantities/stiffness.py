@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from paminsa_viz.elastostatics.drive_modes import drive_modes
+from paminsa_viz.elastostatics.drive_stiffness import drive_modes
 from paminsa_viz.elastostatics.stiffness import PlatformStiffness, field_stiffness
 from paminsa_viz.elastostatics.vibration import first_frequencies
 from paminsa_viz.model.arrays import Array

@@ -14,8 +14,6 @@ from paminsa_viz.model.lumped import (
     point_mass_column,
 )
 from paminsa_viz.model.statics import static_imbalance
-from paminsa_viz.plots.series import SeriesSources
-from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.report.blocks import (
     Block,
     Note,
@@ -116,9 +114,10 @@ def _balanced(analysis: TrajectoryAnalysis) -> list[Block]:
     lighter = analyze(after, analysis.trajectory, keep=analysis.solved)
     if analysis.summary and lighter.summary:
         blocks.append(_on_the_motion(analysis, lighter))
-        data = build_series("torques", SeriesSources(lighter, reference=analysis))
-        title = "Balanced design, and the design before (dashed)"
-        blocks.append(series_figure(data, f"{title}: torques over time.", title=title))
+        title, alt = "Balanced design, and the design before (dashed)", "torques over time"
+        blocks.append(
+            series_figure("torques", lighter, f"{title}: {alt}.", reference=analysis, title=title)
+        )
     return blocks
 
 

@@ -1,17 +1,26 @@
-"""Blocks of a report before they become HTML: sections of tables, figures and notes."""
+"""What a report is made of: the request, and blocks of tables, figures and notes before they become
+HTML.
+"""
 
 from __future__ import annotations
 
 import base64
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.palette import ACTUATOR_COLORS
 
 if TYPE_CHECKING:
-    from paminsa_viz.plots.series import SeriesData
+    from paminsa_viz.identification.log import Log
+    from paminsa_viz.model.design import Design
+    from paminsa_viz.plots.series import FigureKind
+    from paminsa_viz.quantities.requirements import Requirements
+    from paminsa_viz.synthesis.search.result import SynthesisResult
+    from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis
 
 
 @dataclass(frozen=True)
@@ -136,14 +145,21 @@ class Section:
 
 
 def series_figure(
-    data: SeriesData, alt: str, *, title: str | None = None, caption: bool = False
+    kind: FigureKind,
+    analysis: TrajectoryAnalysis,
+    alt: str,
+    *,
+    reference: TrajectoryAnalysis | None = None,
+    title: str | None = None,
+    caption: bool = False,
 ) -> Figure:
-    """Return the figure of some series; ``title`` and ``caption`` are those of `render_series`."""
+    """Return a figure over time; the arguments are those of `plots.series_figure`."""
 
     def draw() -> bytes:
-        from paminsa_viz.plots.series_figure import render_series  # late: matplotlib
+        from paminsa_viz.plots.series_figure import figure_bytes  # late: matplotlib
 
-        return render_series(data, "svg", title=title, caption=caption)
+        options = {"format": "svg", "title": title, "caption": caption}
+        return figure_bytes(kind, analysis, reference=reference, **options)
 
     return Figure(draw, alt)
 
@@ -158,3 +174,47 @@ def actuator_rows(*cells: Sequence[str]) -> tuple[Row, ...]:
     return tuple(
         Row(tuple(each), color=color) for each, color in zip(cells, ACTUATOR_COLORS, strict=True)
     )
+
+
+Progress = Callable[[str], None]
+"""Called with a short text whenever the next step begins."""
+
+
+def silent(_: str) -> None:
+    """Report no progress."""
+
+
+@dataclass(frozen=True, eq=False)
+class ReportRequest:
+    """A robot, a pose and a motion to report on.
+
+    Attributes:
+        design: The robot.
+        pose: (x, y, theta, z) [m, m, rad, m]; maps are at its theta and z.
+        trajectory: The motion.
+        made: When, with a time zone.
+        command: The command that makes the report again.
+        verified: Whether to compare with physics engines, if they are installed.
+        seed: Of random poses.
+        log: A log of the built robot, to identify it from; None for none.
+        requirements: What the robot is needed for; None for no section on it.
+        synthesis: The search that the robot comes from; None for none.
+
+    Raises:
+        InvalidInput: If the pose is not four numbers.
+    """
+
+    design: Design
+    pose: tuple[float, float, float, float]
+    trajectory: Trajectory
+    made: datetime
+    command: str
+    verified: bool = True
+    seed: int = 0
+    log: Log | None = None
+    requirements: Requirements | None = None
+    synthesis: SynthesisResult | None = None
+
+    def __post_init__(self) -> None:
+        if len(self.pose) != 4:
+            raise InvalidInput("pose", f"four numbers are needed, not {len(self.pose)}")

@@ -11,8 +11,7 @@ from paminsa_viz.files.design_schema import KEYS, DesignKey
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.report.blocks import Block, Listing, Note, Row, Section, Table, rows
-from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.report.blocks import Block, Listing, Note, ReportRequest, Row, Section, Table, rows
 from paminsa_viz.units import format_value, percent_change
 
 GROUPS: dict[str, str] = {

@@ -1,21 +1,30 @@
-"""The load on the platform, and what the actuators' limits let it hold and reach."""
+"""The load on the platform, what the actuators' limits let it hold and reach, and the drives."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+from itertools import islice
+
 import numpy as np
 
+from paminsa_viz.actuation.duty import Duty, duty_cycle
 from paminsa_viz.actuation.polytope import wrench_polytope
+from paminsa_viz.actuation.selection import DriveFigures, size_design
 from paminsa_viz.actuation.wrench_capability import actuator_limits, capability
 from paminsa_viz.errors import PaminsaError
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.grids import Grid, solve_field
 from paminsa_viz.model.load import center_wrench
 from paminsa_viz.model.statics import load_torques
+from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.quantities import find
-from paminsa_viz.report.blocks import Block, Note, Row, Section, Table
-from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.report.blocks import Block, Note, ReportRequest, Row, Section, Table
 from paminsa_viz.studies.metrics import RegionResults, default_region, global_indices
-from paminsa_viz.units import format_value
+from paminsa_viz.trajectory import TrajectoryAnalysis
+from paminsa_viz.units import NONE, format_value, number
 
 KEYS = (
     "payload", "horizontal_force", "vertical_force", "moment", "speed", "turn_speed",
@@ -74,27 +83,104 @@ def _capability(request: ReportRequest) -> list[Block]:
         polytope = wrench_polytope(design, pose)
     except PaminsaError as error:
         return [Note(f"The capability has no value at this pose: {error}.", "warn")]
-    at, region = capability(design, pose), default_region(design)
-    over, here = RegionResults(design, region), solve_field(design.geometry, Grid.over(pose))
-    metrics = global_indices(KEYS)
-    values = [metric.value(over) for metric in metrics]
-    rows = []
-    for number, quantity in enumerate(find(KEYS)):
-        shown = format_value(float(quantity.over(here, design)), quantity.unit)
-        indices = values[3 * number : 3 * number + 3]
-        cells = (format_value(value, quantity.unit) for value in indices)
-        rows.append(Row((quantity.symbol, quantity.title, shown, *cells)))
-    heights = ", ".join(format_value(z, "m") for z in region.z)
-    angles = ", ".join(format_value(angle, "rad") for angle in region.theta)
-    caption = (
-        f"At the report's pose, and mean, least value and standard deviation over the poses that "
-        f"can be reached within {format_value(region.radius, 'm')} of the axis at θ {angles} and "
-        f"z {heights}."
-    )
+    at = capability(design, pose)
     index, sign = at.horizontal_limit
     limit = f"{ACTUATORS[int(index)]} at {'+' if sign > 0 else '−'}T"
     nearest = polytope.faces[polytope.limiting_face]
     text = f"The horizontal force at the report's pose is limited by {limit}; the face of the "
     text += f"wrench polytope nearest to zero is {nearest}."
+    return [index_table(design, pose, KEYS), Note(text)]
+
+
+def index_table(design: Design, pose: Array, keys: Sequence[str], about: str = "") -> Table:
+    """Return quantities at a pose (4,) and their global indices over the default region."""
+    region = default_region(design)
+    over, here = RegionResults(design, region), solve_field(design.geometry, Grid.over(pose))
+    indices = iter([metric.value(over) for metric in global_indices(keys)])
+    rows = []
+    for quantity in find(keys):
+        values = (float(quantity.over(here, design)), *islice(indices, 3))
+        cells = (format_value(value, quantity.unit) for value in values)
+        rows.append(Row((quantity.symbol, quantity.title, *cells)))
+    heights = ", ".join(format_value(z, "m") for z in region.z)
+    angles = ", ".join(format_value(angle, "rad") for angle in region.theta)
+    caption = (
+        f"{about}At the report's pose, and mean, least value and standard deviation over the poses "
+        f"that can be reached within {format_value(region.radius, 'm')} of the axis at θ {angles} "
+        f"and z {heights}."
+    )
     head = ("Symbol", "Quantity", "Here", "Mean", "Least", "Spread")
-    return [Table(head, tuple(rows), caption, words=2), Note(text)]
+    return Table(head, tuple(rows), caption, words=2)
+
+
+RPM = 30 / math.pi
+
+
+def drives_section(design: Design, analysis: TrajectoryAnalysis) -> Section | None:
+    """Return the section, or None for a design without drives."""
+    if not any(design.drives):
+        return None
+    held = [
+        (name, drive, color)
+        for name, drive, color in zip(ACTUATORS, design.drives, ACTUATOR_COLORS, strict=True)
+        if drive is not None
+    ]
+    rows = tuple(
+        Row(
+            (
+                name, drive.summary, number(drive.ratio, 4),
+                format_value(drive.reflected_inertia, "kg" if name == "M4" else "kg m^2", 3),
+                NONE if drive.rated_torque is None else format_value(drive.rated_torque, "N m", 3),
+                NONE if drive.peak_torque is None else format_value(drive.peak_torque, "N m", 3),
+            ),
+            color=color,
+        )
+        for name, drive, color in held
+    )  # fmt: skip
+    head = ("", "Drive", "Motor turn per unit", "Inertia at the actuator", "Rated", "Peak")
+    blocks: list[Block] = [
+        Note(
+            "The drives' inertia and friction are part of all torques on the trajectory. The table "
+            "below measures each drive on the load without its own inertia; its efficiency acts by "
+            "the direction of the power."
+        ),
+        Table(head, rows, "Drives of the design.", words=2, literal=True),
+    ]
+    if analysis.check.first is not None:
+        blocks.append(Note("The robot cannot run the trajectory, so they are not measured.", "bad"))
+        return Section("drives", "Drives", tuple(blocks))
+    found = size_design(duty_cycle(design, [Duty(analysis.trajectory)]), design)
+    measured = [
+        (name, one, color)
+        for name, one, color in zip(ACTUATORS, found, ACTUATOR_COLORS, strict=True)
+        if one is not None
+    ]
+    short = [name for name, one, _ in measured if not one.feasible]
+    if short:
+        blocks.append(Note(f"Too weak for this motion, repeated: {', '.join(short)}.", "bad"))
+    else:
+        blocks.append(Note("Every drive keeps its limits on this motion, repeated.", "ok"))
+    head = (
+        "", "Share of its limits", "by", "RMS torque", "Peak", "Top speed", "Peak power",
+        "Inertia ratio", "Winding",
+    )  # fmt: skip
+    rows = tuple(
+        Row(_cells(name, one), "plain" if one.feasible else "marked", color)
+        for name, one, color in measured
+    )
+    blocks.append(Table(head, rows, "Drives on the trajectory, at the motor's shaft.", words=1))
+    return Section("drives", "Drives", tuple(blocks))
+
+
+def _cells(name: str, one: DriveFigures) -> tuple[str, ...]:
+    return (
+        name,
+        f"{100 * one.use:.0f} %",
+        one.limit,
+        format_value(one.rms, "N m", 3),
+        format_value(one.peak, "N m", 3),
+        f"{one.top_speed * RPM:.0f} rpm",
+        format_value(one.top_power, "W", 3),
+        number(one.inertia_ratio, 3),
+        f"{100 * one.thermal:.0f} %" if math.isfinite(one.thermal) else NONE,
+    )

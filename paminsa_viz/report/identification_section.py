@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.findings import Findings
 from paminsa_viz.model.drive import ACTUATORS
-from paminsa_viz.plots.identification_series import log_series
-from paminsa_viz.plots.series_builders import UNITS
-from paminsa_viz.report.blocks import Block, Note, Row, Section, Table, rows, series_figure
+from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, rows
 from paminsa_viz.units import NONE, format_value, interval_text, number, unit_text
 
 TRIED = 5
@@ -26,10 +26,10 @@ def identification_section(findings: Findings) -> Section:
         _verdict(findings),
     ]
     alt = "Measured and predicted torques over time, with their differences."
-    blocks.append(series_figure(log_series(findings), alt))
+    blocks.append(Figure(partial(_torques, findings), alt))
     rest = ", ".join(
         f"{name} {format_value(float(rms), unit, 3)}"
-        for name, rms, unit in zip(ACTUATORS, one.noise, UNITS, strict=True)
+        for name, rms, unit in zip(ACTUATORS, one.noise, ("N m", "N m", "N m", "N"), strict=True)
     )
     blocks.append(Note(f"RMS of what is left: {rest}."))
     head = ("", "Parameter", "Log, 95 %", "Unit", "Design")
@@ -56,6 +56,13 @@ def identification_section(findings: Findings) -> Section:
     blocks += _checks(findings)
     blocks.append(_masses(findings))
     return Section("identification", "Identification", tuple(blocks))
+
+
+def _torques(findings: Findings) -> bytes:
+    from paminsa_viz.plots.identification_series import log_series  # late: matplotlib
+    from paminsa_viz.plots.series_figure import render_series
+
+    return render_series(log_series(findings), "svg", caption=False)
 
 
 def _differs(value: float, half_width: float, design: float, known: bool) -> bool:

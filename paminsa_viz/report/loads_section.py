@@ -9,15 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.elastostatics.bar_diagram import COMPONENTS
-from paminsa_viz.elastostatics.bar_loads import all_bar_loads, arm_tip
+from paminsa_viz.elastostatics.bar_loads import all_bar_loads, arm_tip, utilization
 from paminsa_viz.elastostatics.joint_forces import JOINTS, JointForces, joint_forces
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
 from paminsa_viz.elastostatics.sideways import SidewaysForces, sideways_forces
-from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.plots.series import SeriesSources
-from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.report.blocks import Block, Note, Section, Table, rows, series_figure
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import NONE, number
@@ -41,8 +38,8 @@ def loads_section(analysis: TrajectoryAnalysis, pose: Sequence[float]) -> Sectio
         return Section("loads", title, tuple(blocks))
     if analysis.check.first is not None:
         blocks.append(Note("Up to where the trajectory first fails:", "warn"))
-    data = build_series("loads", SeriesSources(analysis))
-    figure = series_figure(data, f"{data.title} over time, six panels.")
+    alt = "Forces at the joints and in the bars over time, six panels."
+    figure = series_figure("loads", analysis, alt)
     return Section("loads", title, (*blocks, *motion_blocks(loads), figure))
 
 

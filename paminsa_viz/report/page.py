@@ -16,13 +16,11 @@ from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.palette import BAD, INK, MUTED, OK, WARN
 from paminsa_viz.report.accuracy_section import accuracy_section
 from paminsa_viz.report.balance_section import balance_section
-from paminsa_viz.report.blocks import Fact
+from paminsa_viz.report.blocks import Fact, Progress, ReportRequest, silent
 from paminsa_viz.report.design_section import design_section, provenance_section
-from paminsa_viz.report.drives_section import drives_section
-from paminsa_viz.report.forces_section import forces_section
+from paminsa_viz.report.forces_section import drives_section, forces_section
 from paminsa_viz.report.identification_section import identification_section
 from paminsa_viz.report.loads_section import loads_section
-from paminsa_viz.report.request import Progress, ReportRequest, silent
 from paminsa_viz.report.requirements_section import requirements_section
 from paminsa_viz.report.stiffness_section import stiffness_section
 from paminsa_viz.report.synthesis_section import synthesis_section

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import replace
 
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirement_text import requirement_label
-from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.report.blocks import Block, Note, Row, Section, Table
-from paminsa_viz.synthesis.proof.evidence import Evidence
+from paminsa_viz.synthesis.proof.evidence import Evidence, Proof, Verdict
+from paminsa_viz.synthesis.proof.families import Method
 from paminsa_viz.synthesis.proof.largest import largest_workspace
+from paminsa_viz.synthesis.volume.causes import CauseKind
 from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck, check_requirements
+from paminsa_viz.synthesis.volume.conflict import Conflict, VolumeRelaxation
 from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
-from paminsa_viz.units import NONE, format_value, number
+from paminsa_viz.synthesis.volume.surface import volume_surface
+from paminsa_viz.units import NONE, DisplayUnit, format_value, number
 
 TIME_LIMIT = 10.0
 """How long the proof of the largest workspace may take [s]."""
@@ -28,12 +34,39 @@ _OVER = {
 }
 
 
+Text = Callable[[Requirement], str]
+"""A requirement as text: a label with symbols, or what `parse_requirement` reads."""
+
+
+_PROPERTIES = {
+    "reach": "reachable: margin to every limit",
+    "singularity": "no singular pose: distance to them",
+    "home": "joined to home",
+}
+"""What is proven besides the requirements."""
+
+
 def requirements_section(design: Design, requirements: Requirements) -> Section:
     """Return the section."""
     volume = solve_volume(design, requirements)
     check = check_requirements(design, requirements, fine=True, volume=volume)
-    blocks = [*_checks(check, requirements), *_volume(volume), *_largest(design, requirements)]
+    blocks = [*check_blocks(requirements, check), *_largest(design, requirements)]
     return Section("requirements", "Requirements", tuple(blocks))
+
+
+def check_blocks(
+    requirements: Requirements,
+    check: RequirementsCheck,
+    conflict: Conflict | None = None,
+    text: Text = requirement_label,
+) -> list[Block]:
+    """Return the verdicts, the volume if it was solved, and the fewest that contradict."""
+    blocks = _checks(check, requirements, text)
+    if check.volume is not None:
+        blocks += _volume(check.volume, text)
+    if conflict is not None:
+        blocks += _conflict(requirements, conflict, text)
+    return blocks
 
 
 def workspace_text(workspace: Workspace) -> str:
@@ -50,60 +83,114 @@ def workspace_text(workspace: Workspace) -> str:
     return f"{text} about {', '.join(center)}"
 
 
-def _checks(check: RequirementsCheck, requirements: Requirements) -> list[Block]:
+def _checks(check: RequirementsCheck, requirements: Requirements, text: Text) -> list[Block]:
     low, high = (format_value(end, "rad") for end in requirements.theta)
     rows = []
     for item in check.items:
         pose = NONE
         if item.pose is not None:
             x, y, theta, z = (round(value, 9) for value in item.pose)  # no rounding errors
-            place = (format_value(value, "m", 3) for value in (x, y, z))
-            pose = f"({', '.join(place)}), {format_value(theta, 'rad', 3)}"
-        values = (format_value(value, item.unit) for value in (item.value, item.margin))
-        rows.append(
-            Row(
-                (item.label, "holds" if item.holds else item.reason or "broken", *values, pose),
-                "plain" if item.holds else "marked",
-            )
-        )
+            place = (format_value(value, "m") for value in (x, y, z))
+            pose = f"({', '.join(place)}), {format_value(theta, 'rad')}"
+        label = item.label
+        if item.requirement is not None:
+            label = text(requirements.bounds[item.requirement])
+        margin = format_value(item.margin, item.unit, 3) if math.isfinite(item.margin) else NONE
+        verdict = "holds" if item.holds else item.reason or "broken"
+        cells = (label, verdict, format_value(item.value, item.unit), margin, pose)
+        rows.append(Row(cells, "plain" if item.holds else "marked"))
     caption = (
         f"Worst values {_OVER[check.over]}, from θ {low} to {high}; the poses are (x, y, z), θ."
     )
     head = ("Requirement", "Verdict", "Worst value", "Margin", "Pose")
     blocks: list[Block] = []
-    if requirements.workspace is not None:
-        blocks.append(Note(f"Required workspace: {workspace_text(requirements.workspace)}."))
-    verdict = (
-        ("All requirements hold.", "ok") if check.holds else ("A requirement is broken.", "bad")
+    if (workspace := requirements.workspace) is not None:
+        if check.center is not None:
+            workspace = replace(workspace, center=check.center)
+        blocks.append(Note(f"Required workspace: {workspace_text(workspace)}."))
+    verdict = Note("All requirements hold.", "ok")
+    if not check.holds:
+        verdict = Note("A requirement is broken.", "bad")
+    return [*blocks, Table(head, tuple(rows), caption, words=2), verdict]
+
+
+def _volume(volume: Volume, text: Text) -> list[Block]:
+    nodes = (
+        f"On {volume.cause.size:,} nodes {format_value(volume.cell, 'm', 3)} apart and "
+        f"{volume.headings} headings."
     )
-    return [*blocks, Table(head, tuple(rows), caption, words=2), Note(verdict[0], verdict[1])]  # type: ignore[arg-type]
-
-
-def _volume(volume: Volume) -> list[Block]:
     if volume.empty:
-        return [Note("The volume where all requirements hold is empty.", "bad")]
-    share = f"{100 * volume.utilization:.1f} %" if math.isfinite(volume.utilization) else NONE
-    text = (
-        f"All requirements hold in {number(LITERS * volume.volume)} dm³ "
-        f"(± {number(LITERS * volume.error, 2)} dm³), {share} of the "
-        f"{number(LITERS * volume.reachable_volume)} dm³ that can be reached with every heading "
-        "from home without a singularity between."
-    )
-    bounds = volume.requirements.bounds
-    if not bounds:
-        return [Note(text)]
-    rows = [
-        Row((requirement_label(bound), _percent(alone), _percent(last)))
-        for bound, alone, last in zip(
-            bounds, volume.removed_alone.tolist(), volume.removed_last.tolist(), strict=True
+        blocks: list[Block] = [
+            Note(f"The volume where all requirements hold is empty. {nodes}", "bad")
+        ]
+    else:
+        share = _percent(volume.utilization) if math.isfinite(volume.utilization) else NONE
+        sentence = (
+            f"All requirements hold in {number(LITERS * volume.volume)} dm³ "
+            f"(± {number(LITERS * volume.error, 2)} dm³), {share} of the "
+            f"{number(LITERS * volume.reachable_volume)} dm³ that can be reached with every "
+            f"heading from home without a singularity between. {nodes}"
         )
-    ]
-    caption = "What each requirement takes off the reachable volume: by itself, and only it."
-    return [Note(text), Table(("Requirement", "Alone", "Only it"), tuple(rows), caption)]
+        if not volume.home_inside:
+            sentence += " Home is not in it: it is the largest connected part."
+        blocks = [Note(sentence)]
+    areas = volume_surface(volume).areas()
+    shares = {c: s for c, s in volume.shares().items() if c.kind is not CauseKind.INSIDE}
+    rows = []
+    for cause in sorted({*areas, *shares}, key=lambda c: (-areas.get(c, 0.0), c.code)):
+        index = cause.requirement
+        removed = ["", ""]
+        if index is not None:
+            removed = [_percent(volume.removed_alone[index]), _percent(volume.removed_last[index])]
+        surface = _percent(areas[cause] / sum(areas.values())) if cause in areas else ""
+        first = _percent(shares[cause]) if cause in shares else ""
+        label = cause.text if index is None else text(volume.requirements.bounds[index])
+        rows.append(Row((label, surface, first, *removed)))
+    caption = (
+        "What ends the volume: share of its surface, of the reachable volume where it is the first "
+        "cause, and what each requirement removes without the others, and only it."
+    )
+    head = ("Cause", "Surface", "Of reachable volume", "Alone", "Only it")
+    return [*blocks, Table(head, tuple(rows), caption)] if rows else blocks
 
 
 def _percent(share: float) -> str:
     return f"{100 * share:.1f} %"
+
+
+def _conflict(requirements: Requirements, conflict: Conflict, text: Text) -> list[Block]:
+    free = requirements.workspace is None
+    if not conflict.requirements:
+        what = "No pose" if free else "No place for the workspace"
+        return [Note(f"{what} can be reached with every heading, whatever the bounds.", "bad")]
+    place = "pose" if free else "place of the workspace"
+    texts = [text(requirements.bounds[i]) for i in conflict.requirements]
+    together = "these together: " if len(texts) > 1 else ""
+    first = Note(f"No {place} meets {together}{'; '.join(texts)}.", "bad")
+    return [first, *(_relaxation(requirements, item, text) for item in conflict.relaxations)]
+
+
+def _relaxation(requirements: Requirements, item: VolumeRelaxation, text: Text) -> Note:
+    bound = requirements.bounds[item.requirement]
+    if item.relaxed is None or item.by is None:
+        return Note(f"{text(bound)}: no other bound of it helps.")
+    ends = [
+        f"{name} {_rounded(new, bound.entry.display, direction)}"
+        for name, old, new, direction in (
+            ("at least", bound.low, item.relaxed.low, math.floor),
+            ("at most", bound.high, item.relaxed.high, math.ceil),
+        )
+        if new is not None and new != old
+    ]
+    by = format_value(item.by, bound.entry.unit, 3)
+    return Note(f"{text(bound)}: would do with {' and '.join(ends)} (moved by {by}).")
+
+
+def _rounded(value: float, unit: DisplayUnit, direction: Callable[[float], int]) -> str:
+    """Return a bound with four digits, rounded to the side on which it still helps."""
+    shown = value * unit.factor
+    step = 10.0 ** (math.floor(math.log10(abs(shown))) - 3) if shown else 1.0
+    return f"{number(direction(shown / step) * step)} {unit.text}".rstrip()
 
 
 def _largest(design: Design, requirements: Requirements) -> list[Block]:
@@ -120,16 +207,30 @@ def _largest(design: Design, requirements: Requirements) -> list[Block]:
         f"{workspace_text(found.workspace)}. "
         f"A pose that breaks a requirement is within {format_value(found.gap, 'm', 2)} of its size."
     )
-    rows = tuple(Row(_evidence(item)) for item in found.proof.evidence)
-    caption = "What the proof of the largest workspace rests on."
-    return [
-        Note(text),
-        Table(("Requirement", "Verdict", "By", "Worst value"), rows, caption, words=3),
-    ]
+    return [Note(text), evidence_table(found.proof)]
 
 
-def _evidence(item: Evidence) -> tuple[str, ...]:
-    label, unit = item.name, "m"
-    if item.requirement is not None:
-        label, unit = requirement_label(item.requirement), item.requirement.entry.unit
-    return label, item.verdict.value, item.method.value, format_value(float(item.bound), unit)
+def evidence_table(proof: Proof, text: Text = requirement_label) -> Table:
+    """Return what a proof rests on, with the worst values, ``≤`` where a bound is proven."""
+    rows = []
+    for item in proof.evidence:
+        label = _PROPERTIES.get(item.name, item.name)
+        if item.requirement is not None:
+            label = text(item.requirement)
+        rows.append(Row((label, item.verdict.value, item.method.value, _worst(item))))
+    head = ("Requirement", "Verdict", "By", "Worst value")
+    return Table(head, tuple(rows), "What the proof rests on.", words=3)
+
+
+def _worst(item: Evidence) -> str:
+    bound = item.requirement
+    unit = "m" if bound is None else bound.entry.unit
+    if not math.isfinite(item.margin):
+        return ""
+    if bound is None:
+        return format_value(item.margin, unit)
+    if math.isnan(item.bound):
+        return f"margin {format_value(item.margin, unit)}"
+    proven = item.method is not Method.SAMPLED and item.verdict is Verdict.PROVEN
+    sign = ("≤ " if bound.low is None else "≥ ") if proven else ""
+    return sign + format_value(item.bound, unit)

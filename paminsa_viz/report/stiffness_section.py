@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from paminsa_viz.elastostatics.contacts import contacts
-from paminsa_viz.elastostatics.drive_modes import drive_modes
-from paminsa_viz.elastostatics.drive_stiffness import drive_stiffness
+from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
 from paminsa_viz.elastostatics.stiffness import (
     SHARES,
     PlatformStiffness,
@@ -20,12 +19,8 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS
-from paminsa_viz.model.grids import Grid, solve_field
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.quantities import find
-from paminsa_viz.report.blocks import Block, Note, Row, Section, Table
-from paminsa_viz.report.request import ReportRequest
-from paminsa_viz.studies.metrics import RegionResults, default_region, global_indices
+from paminsa_viz.report.blocks import Block, Note, ReportRequest, Row, Section, Table
 from paminsa_viz.units import MM, NONE, format_value, number
 
 MODES = 6
@@ -49,7 +44,12 @@ def stiffness_section(request: ReportRequest) -> Section:
         reason = Limit(int(found.status)).reason(int(found.leg))
         blocks.append(Note(f"The stiffness has no value at this pose: {reason}.", "warn"))
     else:
-        blocks += [_region(design, pose), *stiffness_blocks(design, found)]
+        # Late: a command does without, and the registry of quantities takes half a second to load.
+        from paminsa_viz.report.forces_section import index_table
+
+        about = "Stiffness of the whole robot, motors locked, everything else free. "
+        table = index_table(design, pose, KEYS, about)
+        blocks += [table, *stiffness_blocks(design, found)]
     return Section("stiffness", "Stiffness", tuple(blocks))
 
 
@@ -96,24 +96,6 @@ def _data(design: Design) -> Table:
         "are chosen, not measured."
     )
     return Table(("Part", "What", "Value"), tuple(rows), caption, words=2)
-
-
-def _region(design: Design, pose: Array) -> Table:
-    region = default_region(design)
-    over, here = RegionResults(design, region), solve_field(design.geometry, Grid.over(pose))
-    values = [metric.value(over) for metric in global_indices(KEYS)]
-    rows = []
-    for place, quantity in enumerate(find(KEYS)):
-        shown = quantity.display.format(float(quantity.over(here, design)))
-        indices = values[3 * place : 3 * place + 3]
-        cells = (quantity.display.format(value) for value in indices)
-        rows.append(Row((quantity.symbol, quantity.title, shown, *cells)))
-    head = ("Symbol", "Quantity", "Here", "Mean", "Least", "Spread")
-    caption = (
-        f"Stiffness of the whole robot, motors locked, everything else free: at the report's pose, "
-        f"and over the poses within {format_value(region.radius, 'm')} of the axis."
-    )
-    return Table(head, tuple(rows), caption, words=2)
 
 
 def _directions(design: Design, found: PlatformStiffness) -> list[Block]:

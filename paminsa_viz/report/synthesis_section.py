@@ -2,60 +2,98 @@
 
 from __future__ import annotations
 
-from paminsa_viz.model.design import PARAMETER, Design
+import math
+from collections.abc import Callable
+
+from paminsa_viz.model.design import Design, stated_parameters
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.report.blocks import Block, Note, Row, Section, Table
-from paminsa_viz.report.requirements_section import workspace_text
-from paminsa_viz.synthesis.search.objectives import find_objective
-from paminsa_viz.synthesis.search.result import BoundOutcome, SynthesisResult
-from paminsa_viz.units import format_value, percent_change
+from paminsa_viz.report.blocks import Block, Note, Row, Section, Table, rows
+from paminsa_viz.report.requirements_section import evidence_table, workspace_text
+from paminsa_viz.synthesis import ObjectiveLimit, SynthesisResult, find_objective
+from paminsa_viz.units import NONE, format_value, percent_change
+
+BoundText = Callable[[Requirement | ObjectiveLimit], str]
+"""A requirement or a limit as text."""
 
 
 def synthesis_section(result: SynthesisResult) -> Section:
     """Return the section."""
+    return Section("synthesis", "Synthesis", tuple(synthesis_blocks(result)))
+
+
+def bound_label(bound: Requirement | ObjectiveLimit) -> str:
+    """Return a requirement or a limit for people, with symbols."""
+    if isinstance(bound, Requirement):
+        return requirement_label(bound)
+    return find_objective(bound.objective).label
+
+
+def synthesis_blocks(result: SynthesisResult, text: BoundText = bound_label) -> list[Block]:
+    """Return the answer, what decides it, what would have to give way, and what is proven."""
     objective = find_objective(result.case.objective)
     if result.feasible:
-        text = (
+        low, high = (format_value(end, "rad") for end in result.case.requirements.theta)
+        sentence = (
             f"Least {objective.label} found: {format_value(result.objective, objective.unit)}, "
             f"with {'' if result.regime is None else result.regime.value}, for the "
             f"{workspace_text(result.workspace)}. The search tried {result.trials} robots and has "
             f"no proof that there is none better; requirements were verified on {result.poses} "
-            "poses."
+            f"poses, θ {low} to {high} from the heading where joints 5 are toward their leg axes."
         )
-        blocks: list[Block] = [Note(text, "ok")]
+        blocks: list[Block] = [Note(sentence, "ok")]
     else:
         blocks = [Note(f"None of {result.trials} robots meets all requirements.", "bad")]
     blocks += [
         Note(f"{regime.value} is excluded: {reason}.") for regime, reason in result.refused.items()
     ]
-    rows = tuple(_outcome(one) for one in result.outcomes)
-    if rows:
-        caption = "Requirements at the robot that was found; active ones decide it."
+    if any(math.isfinite(item.value) for item in result.outcomes):
+        found = (
+            (
+                text(one.bound), "active" if one.active else "",
+                *(_value(value, one.bound) for value in (one.value, one.margin)),
+            )
+            for one in result.outcomes
+        )  # fmt: skip
+        caption = "Requirements at the best robot that was found; active ones decide it."
         head = ("Requirement", "Decides", "Worst value", "Margin")
-        blocks.append(Table(head, rows, caption, words=2))
-    lengths = _lengths(result.case.reference, result.design)
-    if lengths:
+        blocks.append(Table(head, rows(*found), caption, words=2))
+    blocks += _relaxed(result, text)
+    if lengths := _lengths(result.case.reference, result.design):
         head = ("Symbol", "Length", "Before", "Found", "Change")
-        blocks.append(Table(head, lengths, "Lengths that changed.", words=2))
-    return Section("synthesis", "Synthesis", tuple(blocks))
+        blocks.append(Table(head, lengths, "Lengths and masses that changed.", words=2))
+    if result.proof is not None:
+        verdict = f"Proof over the whole workspace: {result.proof.verdict.value}."
+        blocks += [Note(verdict), evidence_table(result.proof, text)]
+    return blocks
 
 
-def _outcome(one: BoundOutcome) -> Row:
-    if isinstance(one.bound, Requirement):
-        label, unit = requirement_label(one.bound), one.bound.entry.unit
+def _relaxed(result: SynthesisResult, text: BoundText) -> list[Block]:
+    possible = [item for item in result.relaxed if math.isfinite(item.nearest)]
+    if not possible:
+        problem = "Relaxing a single one of the requirements does not help."
+        return [Note(problem)] if result.relaxed else []
+    found = (
+        (text(item.bound), _value(item.nearest, item.bound), f"{100 * item.change:+.3g} %")
+        for item in possible
+    )
+    caption = "One of these would have to be relaxed, the others kept; the nearest found."
+    return [Table(("Requirement", "Possible", "Change"), rows(*found), caption)]
+
+
+def _value(value: float, bound: Requirement | ObjectiveLimit) -> str:
+    if isinstance(bound, Requirement):
+        unit = bound.entry.unit
     else:
-        objective = find_objective(one.bound.objective)
-        label, unit = objective.label, objective.unit
-    values = (format_value(value, unit) for value in (one.value, one.margin))
-    return Row((label, "active" if one.active else "", *values))
+        unit = find_objective(bound.objective).unit
+    return format_value(value, unit) if math.isfinite(value) else NONE
 
 
 def _lengths(before: Design, after: Design) -> tuple[Row, ...]:
-    rows = []
-    for item in PARAMETER.values():
+    found = []
+    for item in stated_parameters(after):
         old, new = before.value(item.path), after.value(item.path)
-        if item.path.startswith("geometry.") and old != new:
+        if item.path != "geometry.guide_stroke" and old != new:  # the stroke follows B10
             values = (format_value(value, item.unit or "1") for value in (old, new))
-            rows.append(Row((item.symbol, item.label, *values, percent_change(old, new))))
-    return tuple(rows)
+            found.append((item.symbol, item.label, *values, percent_change(old, new)))
+    return rows(*found)

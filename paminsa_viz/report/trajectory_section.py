@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
-from paminsa_viz.plots.series import FigureKind, SeriesSources
-from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.report.blocks import (
     Block,
     Note,
@@ -18,6 +17,9 @@ from paminsa_viz.report.blocks import (
 )
 from paminsa_viz.trajectory import TrajectoryAnalysis, escape_inertia
 from paminsa_viz.units import format_value
+
+if TYPE_CHECKING:
+    from paminsa_viz.plots.series import FigureKind
 
 TORQUE_UNITS = ("N m", "N m", "N m", "N")
 SPEED_UNITS = ("rad/s", "rad/s", "rad/s", "m/s")
@@ -34,16 +36,21 @@ LOADS = (
 )
 """Loads of an actuator: field of `ActuatorSummary`, JSON key, heading, units of the actuators."""
 
-FIGURES: tuple[FigureKind, ...] = ("pose", "torques", "breakdown", "power")
+FIGURES: dict[FigureKind, str] = {
+    "pose": "Motion of the platform",
+    "torques": "Actuator torques and force",
+    "breakdown": "Actuator torques by cause",
+    "power": "Power of the actuators",
+}
+"""Figures and what they show."""
 
 
 def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
     """Return the section."""
     blocks = trajectory_blocks(analysis)
-    for figure in FIGURES if analysis.summary else ():
-        data = build_series(figure, SeriesSources(analysis))
-        alt = f"{data.title} over time, four panels."
-        blocks.append(series_figure(data, alt, caption=figure == "torques"))
+    for kind, what in FIGURES.items() if analysis.summary else ():
+        alt = f"{what} over time, four panels."
+        blocks.append(series_figure(kind, analysis, alt, caption=kind == "torques"))
     return Section("trajectory", "Trajectory", tuple(blocks))
 
 

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.engines.verification import Verification, verify
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.plots.series_builders import SYMBOLS
-from paminsa_viz.plots.verified import verification_figures
+from paminsa_viz.plots.verified import VerificationFigure, verification_figures
 from paminsa_viz.report.blocks import (
     Block,
+    Figure,
     Note,
+    ReportRequest,
     Row,
     Section,
     Table,
     actuator_rows,
-    series_figure,
 )
-from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.units import format_value, number
 
 
@@ -65,12 +67,18 @@ def verification_blocks(found: Verification) -> list[Block]:
     if found.missing:
         blocks += [Note(str(EngineMissing(engine))) for engine in found.missing]
     figures = [
-        series_figure(
-            data, f"{title}: torques of both and their difference, over time.", title=title
+        Figure(
+            partial(_figure, figure), f"{figure.title}: torques and their difference, over time."
         )
-        for _, title, data in verification_figures(found)
+        for figure in verification_figures(found)
     ]
     return [*blocks, figures[0], _simulation(found), _misprints(found), figures[-1]]
+
+
+def _figure(figure: VerificationFigure) -> bytes:
+    from paminsa_viz.plots.series_figure import render_series  # late: matplotlib
+
+    return render_series(figure.data, "svg", title=figure.title, caption=False)
 
 
 def _rows(where: str, comparison: Comparison) -> list[Row]:

@@ -28,6 +28,8 @@ from paminsa_viz.quantities import Quantity, find
 from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, analyze, home
 from paminsa_viz.units import si_unit
 
+Results = TypeVar("Results")
+
 MOST_CELLS = 1000
 """Most cells along a side."""
 
@@ -61,8 +63,7 @@ class Region:
             if not values or not np.isfinite(values).all():
                 raise InvalidInput(name, "one finite number at least is needed")
         if not 2 <= self.cells <= MOST_CELLS:
-            problem = f"2 to {MOST_CELLS} cells are possible, not {self.cells}"
-            raise InvalidInput("cells", problem)
+            raise InvalidInput("cells", f"2 to {MOST_CELLS} cells are possible, not {self.cells}")
         if not self.max_condition >= 1:
             raise InvalidInput("max_condition", "1 is the least condition number there is")
 
@@ -134,9 +135,6 @@ class RegionResults:
     def share(self, poses: NDArray[np.bool_]) -> float:
         """Return the share of the region's poses that a mask holds."""
         return int(poses.sum()) / int(self.inside.sum())
-
-
-Results = TypeVar("Results")
 
 
 @dataclass(frozen=True)
@@ -281,24 +279,22 @@ def measure_motion(design: Design, trajectory: Trajectory) -> tuple[str, float, 
     ``singular``, and the time is when. Otherwise the word is `RUNS` and the time NaN.
     """
     analysis = analyze(design, trajectory)
-    first = analysis.check.first
+    first, nothing = analysis.check.first, (np.nan,) * len(MOTION_METRICS)
     if first is not None:
-        word = str(status_words(first.limit, first.leg))
-        return word, first.t, (np.nan,) * len(MOTION_METRICS)
+        return str(status_words(first.limit, first.leg)), first.t, nothing
     if analysis.unbounded:  # the motion crosses a singularity, planned for another design
-        word = str(status_words(Limit.SINGULAR))
-        return word, analysis.unbounded[0].t, (np.nan,) * len(MOTION_METRICS)
+        return str(status_words(Limit.SINGULAR)), analysis.unbounded[0].t, nothing
     return RUNS, np.nan, tuple(metric.value(analysis) for metric in MOTION_METRICS)
 
 
 def samples_hash(trajectory: Trajectory) -> str:
     """Return a hash of a motion's samples; its name does not count."""
     found = hashlib.sha256()
-    arrays = (trajectory.t, trajectory.pose, trajectory.velocity, trajectory.acceleration)
-    for array in arrays if trajectory.load is None else (*arrays, trajectory.load):
-        found.update(array.astype("<f8").tobytes())
+    arrays = [trajectory.t, trajectory.pose, trajectory.velocity, trajectory.acceleration]
     if trajectory.load is not None:
-        found.update(trajectory.load.astype("<f8").tobytes())
+        arrays += [trajectory.load] * 2  # twice, so that tables of earlier versions go on
+    for array in arrays:
+        found.update(array.astype("<f8").tobytes())
     if trajectory.passages:
         found.update(repr([(t, locus.name) for t, locus in trajectory.passages]).encode())
     return found.hexdigest()[:32]

@@ -28,15 +28,11 @@ SINGULAR_CLEARANCE = 0.005
 At 5 mm the static torques of Appendix 4's robot are some fifty times what they are at the center.
 """
 
-_BETWEEN = 32
-"""Parts into which a step is cut where something may happen between its ends."""
+_BETWEEN = 32  # parts into which a step is cut where something may happen between its ends
 
-_FEW = 300
-"""Number of samples up to which every step is looked into: they may lie far apart."""
+_FEW = 300  # number of samples up to which every step is looked into: they may lie far apart
 
-_FAR = 1e6
-"""Distance from what does not exist [m]."""
-
+_FAR = 1e6  # distance from what does not exist [m]
 _LIMITS = (*(MARGINS * 3), Limit.SINGULAR, Limit.SINGULAR)
 GUIDES = np.array([limit is Limit.GUIDE for limit in _LIMITS])
 """Which of the 14 limits are those of the guides; up to their end they may be used."""
@@ -151,12 +147,12 @@ def check_path(
 
     margins = margins_at(trajectory.t, trajectory.pose)
     # A guide may be used to its end; on the other limits the mechanism is singular.
-    bad = beyond(margins)
-    worst = np.argmin(np.where(bad, margins, np.inf), axis=1)
-    failed = np.any(bad, axis=1)
+    exceeded = np.where(beyond(margins), margins, np.inf)
+    worst = np.argmin(exceeded, axis=1)
+    failed = np.any(exceeded < np.inf, axis=1)
     status = np.where(failed, np.array(_LIMITS, np.uint8)[worst], np.uint8(Limit.OK))
     leg = np.where(failed, np.array(_LEGS, np.int8)[worst], np.int8(-1))
-    first, until = _first_failure(trajectory, margins, bad, margins_at)
+    first, until = _first_failure(trajectory, margins, exceeded, margins_at)
     left = margins[: max(until, 1)].copy()
     left[:, [len(_LIMITS) - 2 + passage.locus.value for passage in trajectory.passages]] = _FAR
     row = int(np.argmin(left.min(axis=1)))
@@ -243,15 +239,15 @@ def beyond(margins: Array) -> NDArray[np.bool_]:
 def _first_failure(
     trajectory: Trajectory,
     margins: Array,
-    bad: NDArray[np.bool_],
+    exceeded: Array,
     margins_at: Callable[[Array, Array], Array],
 ) -> tuple[PathEvent | None, int]:
-    """Return the first failure, and the number of samples before it."""
-    t = trajectory.t
-    failed = np.any(bad, axis=1)
+    """Return the first failure, and the number of samples before it; kept margins are infinite."""
+    t, pose = trajectory.t, trajectory.pose
+    failed = np.any(exceeded < np.inf, axis=1)
     until = int(np.argmax(failed)) if failed.any() else t.size
     if until == 0:
-        return _at_sample(trajectory, margins, bad, 0), 0
+        return worst_event(t[0], pose[0], exceeded[0]), 0
     # A margin may dip below zero within a step only if it is small against its change there.
     step = np.abs(np.diff(margins[: until + 1], axis=0))
     change = np.maximum(step[:-1], step[1:]) if len(step) > 1 else step
@@ -268,31 +264,28 @@ def _first_failure(
         return None, until
     share = np.arange(1, _BETWEEN + 1) / _BETWEEN
     inside = t[starts, None] + (t[starts + 1] - t[starts])[:, None] * share
-    found = margins_at(inside.ravel(), trajectory.at(inside.ravel()).pose)
-    wrong = np.any(beyond(found), axis=1)
+
+    def fails(times: Array) -> NDArray[np.bool_]:
+        return np.any(beyond(margins_at(times, trajectory.at(times).pose)), axis=1)
+
+    wrong = fails(inside.ravel())
     if not wrong.any():  # or only the sample itself, by a rounding error
-        return (_at_sample(trajectory, margins, bad, until) if until < t.size else None), until
+        if until == t.size:
+            return None, until
+        return worst_event(t[until], pose[until], exceeded[until]), until
     index = int(np.argmax(wrong))
     until = int(starts[index // _BETWEEN]) + 1
     after = float(inside.ravel()[index])
     before = after - float(t[until] - t[until - 1]) / _BETWEEN
     for _ in range(8):  # to 1e-12 of a step
         times = np.linspace(before, after, _BETWEEN + 1)[1:]
-        found = margins_at(times, trajectory.at(times).pose)
-        wrong = np.any(beyond(found), axis=1)
+        wrong = fails(times)
         if not wrong.any():
             break
         index = int(np.argmax(wrong))
         before, after = (before if index == 0 else float(times[index - 1])), float(times[index])
-    pose = trajectory.at([after]).pose
-    return worst_event(after, pose[0], margins_at(np.array([after]), pose)[0]), until
-
-
-def _at_sample(
-    trajectory: Trajectory, margins: Array, bad: NDArray[np.bool_], index: int
-) -> PathEvent:
-    pose = trajectory.pose[index]
-    return worst_event(trajectory.t[index], pose, np.where(bad[index], margins[index], np.inf))
+    there = trajectory.at([after]).pose
+    return worst_event(after, there[0], margins_at(np.array([after]), there)[0]), until
 
 
 def worst_event(t: float, pose: Array, margins: Array) -> PathEvent:

@@ -38,8 +38,7 @@ ON_LOCUS = 1e-9
 SLOPE = 1e-6
 """Change of the distance along the whole path, in proportion, below which a crossing is tangent."""
 
-_STEP = 1e-4
-"""Step by which coefficients are differentiated along a path, to the fourth order."""
+_STEP = 1e-4  # step by which coefficients are differentiated along a path, to the fourth order
 
 
 class CrossingKind(Enum):
@@ -215,10 +214,26 @@ def crossing_condition(design: Design, path: Path, s: float) -> CrossingConditio
     if not np.isfinite(twist).all():
         raise InvalidInput("s", f"the path is not at a type-2 singularity at s = {s:.6g}")
     a, b, c = (float(twist @ part[0]) for part in path_coefficients(design, path, at))
-    g, rate = _jacobians(design.geometry, path, at)
-    null = np.linalg.svd(g.T)[2][-1]  # G^T n = 0
-    growth = null / (twist @ rate.T @ null)
+    growth = torque_growth(twist, *_jacobians(design.geometry, path, at))
     return CrossingCondition(a, b, c, tuple(twist.tolist()), tuple(growth.tolist()))
+
+
+def torque_growth(twist: Array, g: Array, rate: Array) -> Array:
+    """Return the torques times the distance from a crossing that a residual of 1 N m needs, (4,).
+
+    Args:
+        twist: t_s (4,).
+        g, rate: (4, 4) G there and its derivative by what the distance is measured in.
+    """
+    null = np.linalg.svd(g.T)[2][-1]  # G^T n = 0
+    return null / (twist @ rate.T @ null)
+
+
+def limit_torques(twist: Array, g: Array, rate: Array, force: Array, force_rate: Array) -> Array:
+    """Return the solution of [G^T; t_s^T dG^T] tau = [F; t_s^T dF], for each column of F and dF."""
+    left = np.vstack([g.T, twist @ rate.T])
+    right = np.concatenate([force, [twist @ force_rate]])
+    return np.asarray(np.linalg.lstsq(left, right, rcond=None)[0], dtype=np.float64)
 
 
 def limit_torque_rows(design: Design, path: Path, s: float) -> Array:
@@ -236,9 +251,7 @@ def limit_torque_rows(design: Design, path: Path, s: float) -> Array:
     da, db, dc = (weights @ part for part in path_coefficients(design, path, around))
     force = np.stack([b, 0.5 * a, np.zeros(4), c], axis=1)  # F by z, dz, ddz, 1
     force_rate = np.stack([db, b + 0.5 * da, 0.5 * a, dc], axis=1)
-    left = np.vstack([g.T, twist @ rate.T])
-    right = np.vstack([force, twist @ force_rate])
-    return np.asarray(np.linalg.lstsq(left, right, rcond=None)[0], dtype=np.float64)
+    return limit_torques(twist, g, rate, force, force_rate)
 
 
 def _jacobians(geometry: Geometry, path: Path, at: Array) -> tuple[Array, Array]:

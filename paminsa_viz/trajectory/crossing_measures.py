@@ -17,7 +17,7 @@ from paminsa_viz.model.dynamics import mass_matrix, platform_wrench
 from paminsa_viz.model.jacobians import inverse_jacobian, inverse_jacobian_rate
 from paminsa_viz.model.singularity import escape_twist
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE
-from paminsa_viz.trajectory.crossing import locus_distances
+from paminsa_viz.trajectory.crossing import limit_torques, locus_distances, torque_growth
 from paminsa_viz.trajectory.crossing_plan import CrossingPlan, PlannedCrossing
 from paminsa_viz.trajectory.sampled import RATE, Locus, Trajectory
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw
@@ -144,11 +144,9 @@ def crossing_loads(design: Design, trajectory: Trajectory) -> tuple[CrossingLoad
         g = inverse_jacobian(design.geometry, pose[0])
         rate = inverse_jacobian_rate(design.geometry, pose[0], velocity[0])
         force_rate = (force[2] - force[1]) / (0.5 * step)
-        left, right = np.vstack([g.T, twist @ rate.T]), np.append(force[0], twist @ force_rate)
-        torque = np.linalg.lstsq(left, right, rcond=None)[0]
-        null = np.linalg.svd(g.T)[2][-1]  # G^T null = 0
+        torque = limit_torques(twist, g, rate, force[0], force_rate)
         residual = float(twist @ force[0])
-        growth = float(np.abs(null / (twist @ rate.T @ null)).max())
+        growth = float(np.abs(torque_growth(twist, g, rate)).max())
         excess = abs(residual) * growth / (0.5 * step)
         loads.append(CrossingLoad(t, locus, residual, excess, tuple(torque.tolist())))
     return tuple(loads)

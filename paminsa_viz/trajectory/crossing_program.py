@@ -47,11 +47,9 @@ FINE = 20
 TOLERANCE = 2e-3
 """Share by which torques may exceed their limits there."""
 
-_NEAR = 1e-4
-"""Around a crossing the torque's limit stands for the limits of torques [1]."""
+_NEAR = 1e-4  # around a crossing the torque's limit stands for the limits of torques [1]
 
-_SCALE = 0.02
-"""Share of the largest determinant below which rows are multiplied by it."""
+_SCALE = 0.02  # share of the largest determinant below which rows are multiplied by it
 
 _WEAK = 1e-9
 """Least cosine between path and escape twist (by M) with which a time law can do something [1]."""

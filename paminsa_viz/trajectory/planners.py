@@ -218,14 +218,9 @@ def chain(*plans: Plan, name: str = "") -> Plan:
         for plan, begin in zip(plans, ends, strict=False)
         for u, locus in plan.passages
     )
-    return Plan(
-        curve,
-        float(ends[-1]),
-        name or " + ".join(dict.fromkeys(plan.name for plan in plans)),
-        ", then ".join(dict.fromkeys(plan.kind for plan in plans)),
-        notes,
-        passages,
-    )
+    name = name or " + ".join(dict.fromkeys(plan.name for plan in plans))
+    kind = ", then ".join(dict.fromkeys(plan.kind for plan in plans))
+    return Plan(curve, float(ends[-1]), name, kind, notes, passages)
 
 
 def round_trip(plan: Plan) -> Plan:

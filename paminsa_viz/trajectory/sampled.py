@@ -187,19 +187,10 @@ class Trajectory:
             InvalidInput: As `sample_times`.
         """
         t = sample_times(float(self.t[0]), float(self.t[-1]), rate)
-        pose, velocity, acceleration = self.at(t)
-        load = self.load_at(t)
-        return replace(
-            self, t=t, pose=pose, velocity=velocity, acceleration=acceleration, load=load
-        )
+        return replace(self, t=t, **self.at(t)._asdict(), load=self.load_at(t))
 
     def take(self, kept: NDArray[np.intp]) -> Trajectory:
         """Return the trajectory with some of its samples, given by their indices."""
-        return replace(
-            self,
-            t=self.t[kept],
-            pose=self.pose[kept],
-            velocity=self.velocity[kept],
-            acceleration=self.acceleration[kept],
-            load=None if self.load is None else self.load[kept],
-        )
+        load = None if self.load is None else self.load[kept]
+        states = {name: getattr(self, name)[kept] for name in States._fields}
+        return replace(self, t=self.t[kept], **states, load=load)

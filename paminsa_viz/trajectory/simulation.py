@@ -39,12 +39,9 @@ PANTOGRAPH_CLEARANCE = 1e-4
 Beyond the limit there is no motion to compute, and accelerations grow without bound before it.
 """
 
-_TOLERANCE = 1e-8
-"""Relative error of a step that the solver aims at."""
+_TOLERANCE = 1e-8  # relative error of a step that the solver aims at
 
-_NEAR = 1e-2
-"""Margin below which a solver that gives up has come to a limit [m]."""
-
+_NEAR = 1e-2  # margin below which a solver that gives up has come to a limit [m]
 _MOST_EVALUATIONS = 100_000
 _MOST_A_SECOND = 20_000
 """How often the equations may be evaluated, and how often more for a second of the motion.
@@ -52,8 +49,7 @@ _MOST_A_SECOND = 20_000
 Ten times what the default gains need; much higher gains would take too long.
 """
 
-_LONGEST_STEP = 0.02
-"""Longest step [s], so that nothing of the wanted motion is stepped over."""
+_LONGEST_STEP = 0.02  # longest step [s], so that nothing of the wanted motion is stepped over
 
 
 @dataclass(frozen=True, eq=False)

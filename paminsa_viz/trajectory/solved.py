@@ -24,8 +24,7 @@ from paminsa_viz.model.regressor import regressor_torques, torque_regressor
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, PathCheck, PathEvent, check_path
 from paminsa_viz.trajectory.sampled import Trajectory
 
-_WEIGHTS = slice(0, 3)
-"""Places of M_p1..3 among the lumped coefficients."""
+_WEIGHTS = slice(0, 3)  # places of M_p1..3 among the lumped coefficients
 
 
 @dataclass(frozen=True, eq=False)

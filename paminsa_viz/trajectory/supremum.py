@@ -18,9 +18,7 @@ LEAST_NODES = 24
 GAP = 1e-12
 """How far from a break its two sides are looked at."""
 
-_SLACK = 0.02
-"""Local maxima this close to the largest are followed up."""
-
+_SLACK = 0.02  # local maxima this close to the largest are followed up
 _PARTS = 16
 _ROUNDS = 10
 

@@ -33,8 +33,7 @@ from paminsa_viz.trajectory.planners import PLACE
 from paminsa_viz.trajectory.supremum import supremum
 from paminsa_viz.trajectory.time_laws import fit_law
 
-_ROUNDING = 1e-12
-"""Share by which a duration is longer than required, against rounding."""
+_ROUNDING = 1e-12  # share by which a duration is longer than required, against rounding
 
 
 @dataclass(frozen=True)

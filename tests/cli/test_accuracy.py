@@ -13,9 +13,8 @@ from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, Drive, DriveAccuracy, singular_rotation
 from paminsa_viz.precision.drive_errors import drive_errors
 from paminsa_viz.precision.leg_lengths import with_deviations
-from paminsa_viz.precision.manufacture import manufactured_pose, tolerance_errors
-from paminsa_viz.precision.monte_carlo import monte_carlo
-from tests.support.commands import check_refused, run, run_json
+from paminsa_viz.precision.manufacture import manufactured_pose, monte_carlo, tolerance_errors
+from tests.support.commands import run, run_json
 
 FOLD = float(np.degrees(singular_rotation(APPENDIX_4.geometry)))
 
@@ -65,21 +64,6 @@ def test_encoders_of_the_drives_give_the_resolution(capsys, tmp_path: Path) -> N
     assert found["half_widths"]["M4"] == pytest.approx(5e-6)
 
 
-@pytest.mark.parametrize(
-    ("words", "problem"),
-    [
-        (("--encoders",), "no drive of the design has encoder_counts"),
-        (("--encoders", "--resolution", "0.1", "1"), "exclude each other"),
-        (("--resolution", "-1", "1"), "accuracy.resolution_rotary"),
-        (("--pose", "0", "0", "0", "-2000"), "cannot be taken"),
-        (("--radius", "-5"), "radius"),
-    ],
-    ids=["no-encoder", "both", "negative", "out-of-reach", "radius"],
-)
-def test_wrong_words_are_refused(words: tuple[str, ...], problem: str, capsys) -> None:
-    check_refused("accuracy", capsys, *words, place=problem)
-
-
 def test_manufacture_has_tolerances_robots_and_the_design_s_own_legs(capsys) -> None:
     design = with_deviations(APPENDIX_4, np.full((3, 14), 1e-4) * [[1], [-1], [2]])
     save_design(design, "robot.toml")
@@ -101,16 +85,3 @@ def test_manufacture_has_tolerances_robots_and_the_design_s_own_legs(capsys) -> 
     code, out, _ = run("accuracy", capsys, "--manufacture", "--cells", "5")
     assert "set for equal legs" not in out
     assert "RMS of robots" not in out
-
-
-@pytest.mark.parametrize(
-    ("words", "place"),
-    [
-        (("--robots", "5"), "--robots is for --manufacture"),
-        (("--manufacture", "--robots", "-1"), "whole numbers of at least 0"),
-        (("--manufacture", "--robots", "2000000"), "1 to 1000000 are possible"),
-    ],
-    ids=["alone", "negative", "too-many"],
-)
-def test_wrong_numbers_of_robots_are_refused(capsys, words, place) -> None:
-    check_refused("accuracy", capsys, *words, place=place)

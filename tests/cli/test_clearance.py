@@ -9,7 +9,7 @@ import pytest
 from paminsa_viz.clearance import clearance
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4
-from tests.support.commands import check_refused, run, run_json
+from tests.support.commands import run, run_json
 
 pytestmark = pytest.mark.slow
 
@@ -46,8 +46,3 @@ def test_random_poses_are_counted(capsys) -> None:
     assert "of leg" not in str(found["nearest"])
     _, text, _ = run("clearance", capsys, *words)
     assert f"{found['reached']} of 200 poses can be taken" in text
-
-
-def test_wrong_arguments_are_refused(capsys) -> None:
-    check_refused("clearance", capsys, "--poses", "-1", place="--poses")
-    check_refused("clearance", capsys, "--pose", "900", "0", "0", "-500", place="900.0 mm")

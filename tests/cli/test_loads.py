@@ -13,7 +13,7 @@ from paminsa_viz.elastostatics.sideways import sideways_forces
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.singularity import singular_rotation
 from paminsa_viz.model.statics import static_torques
-from tests.support.commands import check_refused, run, run_json
+from tests.support.commands import run, run_json
 
 POSE = ("--pose", "50", "-20", "10", "-500")
 
@@ -76,14 +76,6 @@ def test_a_singular_pose_has_a_reason_and_no_numbers(capsys) -> None:
     assert (code, out) == (1, "")
     assert "singular" in err
     assert not Path("x.csv").exists()
-
-
-def test_wrong_arguments_are_refused(capsys) -> None:
-    check_refused("loads", capsys, "--pose", "900", "0", "0", "-500", place="leg")
-    check_refused("loads", capsys, *POSE, "--preset", "arch", place="--pose")
-    check_refused("loads", capsys, "--preset", "arch", "--bar", "b4", place="--bar")
-    check_refused("loads", capsys, "--bearings", place="--bearings")
-    check_refused("loads", capsys, "--out", "x.png", place="--out")
 
 
 def test_sideways_shares_at_rest_come_from_the_elasticity(capsys) -> None:

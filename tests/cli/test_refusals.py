@@ -65,6 +65,28 @@ report --out r.html --pose 0 0 0 -3000              | be taken: the pantograph i
 report --out r.html --cross                          | --cross needs --file and --max-torque
 report --out r.html --max-torque 3                  | --max-torque belongs to --cross
 report --out no/r.html                              | cannot be written: its folder does not exist
+accuracy --encoders                                 | no drive of the design has encoder_counts
+accuracy --encoders --resolution 0.1 1              | exclude each other
+accuracy --resolution -1 1                          | accuracy.resolution_rotary
+accuracy --pose 0 0 0 -2000                         | cannot be taken
+accuracy --radius -5                                | radius
+accuracy --robots 5                                 | --robots is for --manufacture
+accuracy --manufacture --robots -1                  | whole numbers of at least 0
+accuracy --manufacture --robots 2000000             | 1 to 1000000 are possible
+clearance --poses -1                                | --poses
+clearance --pose 900 0 0 -500                       | 900.0 mm
+excite --max-torque -1                              | --max-torque
+excite --out motion.txt                             | .csv
+excite --period 0                                   | period
+loads --pose 900 0 0 -500                           | leg
+loads --pose 50 -20 10 -500 --preset arch           | --pose
+loads --preset arch --bar b4                        | --bar
+loads --bearings                                    | --bearings
+loads --out x.png                                   | --out
+stiffness --pose 3000 0 0 -500                      | cannot be taken
+stiffness --sections --pose 0 0 0 -500              | --sections excludes --pose
+stiffness --payload -1                              | payload.mass
+stiffness --design soft.toml                        | soft.toml, line 3, [elastic] b4_inner_m
 sweep --out a.csv                                   | --vary is needed
 sweep --out a.csv --vary links.b33=1:2:3            | did you mean links.b3?
 sweep --out a.csv --vary links.b3                   | links.b3=LOW:HIGH:COUNT
@@ -86,6 +108,7 @@ sweep --out a.csv --vary links.b3=1 --max-condition nan | max_condition
 sweep --out a.csv --vary links.b3=1 --jobs 0        | jobs
 sweep --out a.csv --vary links.b3=1 --jobs 1 --dask a | exclude
 sweep --out a.csv --vary links.b3=1 --preset arch --file a.csv | exclude
+synthesize none.toml                                | none.toml
 trajectory --preset line --file a.csv               | --file
 trajectory --waypoints                              | --waypoints
 trajectory --shortest                               | --max-speed
@@ -161,6 +184,7 @@ def files(folder) -> None:
     Path("broken.xml").write_text("<mujoco><worldbody><geom/></worldbody></mujoco>")
     Path("big.toml").write_text("schema_version = 1\n[links]\nb3_kg = 1e308\n")
     Path("k.toml").write_text("schema_version = 1\n[geometry]\nmagnification = 1.0\n")
+    Path("soft.toml").write_text("schema_version = 1\n[elastic]\nb4_inner_m = 0.04\n")
     Path("old").write_text("a file")
 
 

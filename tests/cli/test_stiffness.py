@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from paminsa_viz.elastostatics.drive_modes import drive_modes
+from paminsa_viz.elastostatics.drive_stiffness import drive_modes
 from paminsa_viz.elastostatics.stiffness import platform_stiffness, strain_shares
 from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.files.design_file import save_design
@@ -89,18 +89,3 @@ def test_singular_pose_has_a_reason_and_no_number(capsys) -> None:
     assert code == 1
     assert '"reason": "singular' in out
     assert "stiffness" not in out
-
-
-@pytest.mark.parametrize(
-    ("words", "place"),
-    [
-        (("--pose", "3000", "0", "0", "-500"), "cannot be taken"),
-        (("--sections", *POSE), "--sections excludes --pose"),
-        (("--payload", "-1"), "payload.mass"),
-        (("--design", "soft.toml"), "soft.toml, line 3, [elastic] b4_inner_m"),
-    ],
-)
-def test_refusals(capsys, words: tuple[str, ...], place: str) -> None:
-    with open("soft.toml", "w") as file:
-        file.write("schema_version = 1\n[elastic]\nb4_inner_m = 0.04\n")
-    commands.check_refused("stiffness", capsys, *words, place=place)

@@ -59,10 +59,10 @@ def test_the_saved_robot_is_that_of_the_answer(capsys) -> None:
 def test_what_people_read(capsys) -> None:
     code, out, err = run("synthesize", capsys, "small.toml")
     assert (code, err) == (0, "")
-    assert "R_pl > R_b: not possible. |R_b - R_pl| has to be above 135.7 mm" in out
-    assert "small: footprint R_f" in out
+    assert "R_pl > R_b is excluded: |R_b - R_pl| has to be above 135.7 mm" in out
+    assert "Least footprint R_f found" in out
     assert "condition <= 10" in out
-    assert "verified at" in out
+    assert "requirements were verified on" in out
 
 
 def test_no_robot_is_a_negative_result_with_its_reason(capsys) -> None:
@@ -71,7 +71,7 @@ def test_no_robot_is_a_negative_result_with_its_reason(capsys) -> None:
     code, out, err = run("synthesize", capsys, "tight.toml", "--out", "no.toml")
     assert (code, err) == (1, "")
     assert "R_f <= 200 mm is required" in out
-    assert "no robot meets the requirements" in out
+    assert "robots meets all requirements" in out
     assert not Path("no.toml").exists()
     Path("weak.toml").write_text(
         CASE.replace(
@@ -82,23 +82,6 @@ def test_no_robot_is_a_negative_result_with_its_reason(capsys) -> None:
     assert code == 1
     assert "would have to be relaxed" in out
     assert "f_4 <= 50 N" in out
-
-
-@pytest.mark.parametrize(
-    ("words", "place"),
-    [
-        (("none.toml",), "none.toml"),
-        (("small.toml", "--out", "x.csv"), "--out"),
-        (("small.toml", "--checkpoint", "x.csv"), "--checkpoint"),
-        (("small.toml", "--objective", "beauty"), "objective"),
-        (("small.toml", "--workers", "0"), "jobs"),
-        (("small.toml", "--workers", "2", "--dask", "tcp://x:1"), "--dask"),
-        (("small.toml", "--prove", "-1"), "--prove"),
-        (("small.toml", "--generations", "0"), "generations"),
-    ],
-)
-def test_wrong_arguments_are_refused(words, place, capsys) -> None:
-    check_refused("synthesize", capsys, *words, place=place)
 
 
 @pytest.mark.slow
@@ -140,6 +123,13 @@ def test_contradictory_requirements_are_named(capsys) -> None:
 @pytest.mark.parametrize(
     ("words", "place"),
     [
+        (("--out", "x.csv"), "--out"),
+        (("--checkpoint", "x.csv"), "--checkpoint"),
+        (("--objective", "beauty"), "objective"),
+        (("--workers", "0"), "jobs"),
+        (("--workers", "2", "--dask", "tcp://x:1"), "--dask"),
+        (("--prove", "-1"), "--prove"),
+        (("--generations", "0"), "generations"),
         (("--built", "0"), "--built 0"),
         (("--mass-tolerance", "100"), "--mass-tolerance"),
         (("--front", "footprint"), "at least two"),

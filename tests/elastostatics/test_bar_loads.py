@@ -9,9 +9,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from paminsa_viz.elastostatics.bar_loads import BAR_NAMES, all_bar_loads, arm_tip, bar_loads
+from paminsa_viz.elastostatics.bar_loads import (
+    BAR_NAMES,
+    all_bar_loads,
+    arm_tip,
+    bar_loads,
+    utilization,
+)
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
-from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.dynamics import inverse_dynamics

@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paminsa_viz.elastostatics.bar_loads import bar_loads
+from paminsa_viz.elastostatics.bar_loads import bar_loads, bar_stress, utilization
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
-from paminsa_viz.elastostatics.utilization import bar_stress, utilization
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.grids import Grid, solve_field

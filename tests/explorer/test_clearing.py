@@ -10,7 +10,7 @@ import viser
 
 from paminsa_viz.clearance import ALL_PAIRS, PairGroup, clearance, nearest_points
 from paminsa_viz.explorer import actions, clearing, tab_store
-from paminsa_viz.explorer.clearing import MotionJob, find_along, find_nearest, pose_job
+from paminsa_viz.explorer.clearing import find_along, find_nearest, motion_job, pose_job
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.results import MotionStore
@@ -22,6 +22,7 @@ from paminsa_viz.explorer.scene.contacts import nearest_bodies
 from paminsa_viz.explorer.scene.layers import LAYERS, SceneContext
 from paminsa_viz.explorer.scene.nodes import LayerView
 from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.files.example_designs import ExampleDesign, example_design
 from paminsa_viz.plots.clearance_series import motion_clearance
 from tests.support.desk import Desk
@@ -32,7 +33,7 @@ PANEL = CLEARANCE
 
 def known(state: State) -> State:
     """Return the state once the clearance of its pose is there."""
-    return state.updated("clearing", pose=find_nearest(pose_job(state)))
+    return state.updated("clearing", pose=solve(find_nearest, pose_job(state)))
 
 
 @pytest.fixture
@@ -87,8 +88,8 @@ def test_motion_warns_with_the_time_and_has_a_curve(state: State) -> None:
     assert waiting is not None
     assert not any(np.isfinite(t.values).any() for c in drawn_charts(state, waiting)
                    for t in c.traces)  # fmt: skip
-    outcome = find_along(MotionJob(analysis, ALL_PAIRS))
-    found = outcome.found
+    outcome = solve(find_along, motion_job(state, analysis))
+    found = outcome.result
     assert found is not None
     every = clearance(analysis.design, analysis.trajectory.pose[::10]).least
     assert found.distance <= np.nanmin(every) + 1e-4

@@ -17,6 +17,7 @@ from paminsa_viz.explorer.motion.planning import planned
 from paminsa_viz.explorer.panels import drives_panel as panel
 from paminsa_viz.explorer.panels.compare_panel import differences_html
 from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.model import InvalidInput
 
 WEAK = """kind,name,source,rotor_inertia_kg_cm2,rated_torque_Nm,peak_torque_Nm,rated_speed_rpm,\
@@ -30,7 +31,7 @@ screw,<b>spindle</b>,test,,,,,,,,10,0.9
 def searched(state: State) -> State:
     started = panel.find(state)
     assert started.driving.running is not None
-    return panel.receive(started, find_drives(started.driving.running))
+    return panel.receive(started, solve(find_drives, started.driving.running))
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +44,7 @@ def test_lists_name_feasible_drives_and_their_margins(found: State) -> None:
     assert "M1 to M3" in text
     assert "have changed" not in text
     assert text.count("<tr") == 1 + LISTED
-    assert all(one.feasible for row in found.driving.outcome.rows for one in row)  # type: ignore[union-attr]
+    assert all(one.feasible for row in found.driving.result.rows for one in row)  # type: ignore[union-attr]
     assert "RMS torque" in panel.facts_html(compute(found))
 
 
@@ -64,7 +65,7 @@ def test_the_choice_is_the_designs_and_can_be_undone_and_shared(found: State) ->
 def test_lists_say_when_they_are_of_something_else(found: State) -> None:
     for other in (
         actions.vary(found, {"payload.mass": 1.0}),
-        panel.change_settings(found, dwell=1.0),
+        found.updated("driving.settings", dwell=1.0),
     ):
         assert "have changed" in panel.list_html(compute(other))
     assert set(panel._choices(found)) == {"Use for M1 to M3", "First of each list"}
@@ -86,7 +87,7 @@ def test_the_chart_holds_the_motion_inside_the_envelope(found: State) -> None:
 
 def test_a_catalog_without_a_feasible_drive_shows_the_nearest_and_advice() -> None:
     catalog = read_catalog(WEAK, "weak.csv")
-    state = searched(panel.change_settings(initial_state(), catalog=catalog))
+    state = searched(initial_state().updated("driving.settings", catalog=catalog))
     text = panel.list_html(compute(state))
     assert "0 feasible" in text
     assert "no drive fits" in text
@@ -136,20 +137,20 @@ def test_the_comparison_names_the_actuators_whose_drives_differ(found: State) ->
 
 
 def test_a_cycle_of_several_motions_is_searched_as_a_whole(found: State) -> None:
-    state = panel.change_settings(found, count=3.0, dwell=0.5)
+    state = found.updated("driving.settings", count=3.0, dwell=0.5)
     state = panel.add_motion(state)
-    state = panel.add_motion(panel.change_settings(state, count=1.0, dwell=10.0))
+    state = panel.add_motion(state.updated("driving.settings", count=1.0, dwell=10.0))
     assert "3 ×, dwell 0.5 s" in panel.intro_html(compute(state))
     assert "have changed" in panel.list_html(compute(state))
     searched_again = searched(state)
     outcome = searched_again.driving.outcome
     assert outcome is not None
-    assert outcome.selection is not None
-    load = outcome.selection.cycle.loads[0]
+    assert outcome.result is not None
+    load = outcome.result.selection.cycle.loads[0]
     duration = outcome.job.duties[0].trajectory.duration
     assert load.period == pytest.approx(4 * duration + 3 * 0.5 + 10.0)
     assert "have changed" not in panel.list_html(compute(searched_again))
     assert "Clear" in panel._cycle_choices(state)
-    full = panel.change_settings(state, cycle=state.driving.settings.cycle * 6)
+    full = state.updated("driving.settings", cycle=state.driving.settings.cycle * 6)
     with pytest.raises(InvalidInput, match="at most 12"):
         panel.add_motion(full)

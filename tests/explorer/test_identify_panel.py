@@ -14,8 +14,6 @@ from paminsa_viz.explorer import identify_actions as actions
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.identifying import (
     ExcitationJob,
-    ExcitationOutcome,
-    IdentifyOutcome,
     IdentifySettings,
     identify_logs,
     parse_gains,
@@ -24,9 +22,10 @@ from paminsa_viz.explorer.identifying import (
 from paminsa_viz.explorer.motion.planning import planned
 from paminsa_viz.explorer.panels import identify_panel, identify_text
 from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.tasks import Outcome, receive, solve
 from paminsa_viz.files.example_logs import ExampleLog, example_log
 from paminsa_viz.identification import make_log
-from paminsa_viz.model import InvalidInput, static_imbalance
+from paminsa_viz.model import InvalidInput, PaminsaError, static_imbalance
 from paminsa_viz.plots.identification_series import log_charts
 from tests.support.desk import Desk
 from tests.support.raw_page import upload_messages
@@ -37,8 +36,7 @@ HEAD = "t_s,theta1_deg,theta2_deg,theta3_deg,Z_mm,torque1_Nm,torque2_Nm,torque3_
 
 def identified(state: State) -> State:
     assert state.identifying.running is not None
-    outcome = identify_logs(state.identifying.running, lambda _: False)
-    return actions.receive(state, outcome)
+    return receive(state, "identifying", solve(identify_logs, state.identifying.running))
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +48,7 @@ def test_numbers_causes_checks_and_masses_are_told(found: State) -> None:
     frame = compute(found)
     assert "Masses and friction explain the log" in identify_text.status_html(frame)
     numbers = identify_text.numbers_html(frame)
-    assert numbers.count("pv-unknown") == len(found.identifying.findings.identification.unknown)  # type: ignore[union-attr]
+    assert numbers.count("pv-unknown") == len(found.identifying.result.identification.unknown)  # type: ignore[union-attr]
     assert "unknown" in numbers
     assert "holds" in numbers
     assert "Nothing in the log contradicts" in identify_text.causes_html(frame)
@@ -60,7 +58,7 @@ def test_numbers_causes_checks_and_masses_are_told(found: State) -> None:
 
 
 def test_charts_are_of_the_log_and_its_prediction(found: State) -> None:
-    one = found.identifying.findings.identification  # type: ignore[union-attr]
+    one = found.identifying.result.identification  # type: ignore[union-attr]
     for actuator in range(4):
         torque, rest = log_charts(one, actuator)
         measured, predicted = (trace.values for trace in torque.traces)
@@ -73,7 +71,7 @@ def test_gaps_between_pieces_are_not_drawn_over() -> None:
     kept = np.r_[0:2000, 2600:5001]
     parts = make_log(log.t[kept], log.position[kept], log.torque[kept], split=True)
     state = identified(actions.use_log(initial_state(), "log", parts))
-    torque, _ = log_charts(state.identifying.findings.identification, 0)  # type: ignore[union-attr]
+    torque, _ = log_charts(state.identifying.result.identification, 0)  # type: ignore[union-attr]
     assert np.isnan(torque.traces[0].values).sum() == 1
     assert np.all(np.diff(torque.t) > 0)
 
@@ -82,7 +80,7 @@ def test_numbers_and_residuals_are_exported(found: State) -> None:
     numbers = exports.identification_table(found, "parameters")
     assert numbers.name == "paminsa_parameters_example-log.csv"
     rows = numbers.content.decode().splitlines()
-    one = found.identifying.findings.identification  # type: ignore[union-attr]
+    one = found.identifying.result.identification  # type: ignore[union-attr]
     assert sum(row.endswith(",no") for row in rows) == len(one.unknown)
     text = exports.identification_table(found, "residuals").content.decode()
     assert (
@@ -94,7 +92,7 @@ def test_nearest_masses_become_the_design_and_can_be_saved(found: State) -> None
     used = actions.use_design(found)
     design = used.document.design
     assert design != found.document.design
-    weight = found.identifying.findings.identification.estimate("M_p2")  # type: ignore[union-attr]
+    weight = found.identifying.result.identification.estimate("M_p2")  # type: ignore[union-attr]
     assert abs(static_imbalance(design) - weight.value) < weight.half_width
     assert persistence.load(persistence.dump(used.document)).design == design
     assert "have changed since" in identify_text.status_html(compute(used))
@@ -111,13 +109,13 @@ def test_log_is_played_as_a_motion(found: State) -> None:
 
 
 def test_settings_outlive_results_and_logs(found: State) -> None:
-    changed = actions.change_settings(found, cut_off=9.0)
+    changed = found.updated("identifying.settings", cut_off=9.0)
     assert "have changed since" in identify_text.status_html(compute(changed))
-    assert changed.identifying.findings is found.identifying.findings
+    assert changed.identifying.result is found.identifying.result
     closed = actions.close_logs(changed)
     assert closed.identifying.log is None
     assert closed.identifying.settings.cut_off == 9.0
-    searching = actions.change_settings(found, period=8.0, seconds=5.0)
+    searching = found.updated("identifying.settings", period=8.0, seconds=5.0)
     assert "have changed since" not in identify_text.status_html(compute(searching))
 
 
@@ -151,13 +149,13 @@ def test_a_log_that_does_not_move_is_one_line(found: State) -> None:
     log = example_log()
     still = make_log(log.t, log.position[:1] + 0 * log.position, log.torque)
     state = identified(actions.use_log(found, "log", still))
-    assert state.identifying.findings is None
+    assert state.identifying.result is None
     text = identify_text.status_html(compute(state))
     assert "Not identified" in text
     assert "hardly moves" in text
     assert state.identifying.other is not None
     again = identified(actions.use_log(state, "log", example_log(ExampleLog.BEST)))
-    assert again.identifying.findings is not None
+    assert again.identifying.result is not None
 
 
 def test_a_wrong_gain_is_named_on_the_page(found: State) -> None:
@@ -172,8 +170,8 @@ def test_a_wrong_gain_is_named_on_the_page(found: State) -> None:
 def test_stopped_work_says_so() -> None:
     state = actions.use_log(initial_state(), "log", example_log())
     assert state.identifying.running is not None
-    outcome = identify_logs(state.identifying.running, lambda _: True)
-    assert outcome.findings is None
+    outcome = solve(identify_logs, state.identifying.running, lambda _: True)
+    assert outcome.result is None
     assert "stopped" in outcome.problem
 
 
@@ -192,14 +190,14 @@ def test_nothing_can_be_used_before_there_is_something() -> None:
 @pytest.mark.parametrize("text", ["1 2 3", "a b c d", "1 2 3 0", "1 2 3 inf"])
 def test_gains_are_four_numbers_or_none(text) -> None:
     with pytest.raises(InvalidInput, match="four numbers"):
-        actions.change_settings(initial_state(), gains=text)
+        initial_state().updated("identifying.settings", gains=text)
     assert parse_gains(" ") is None
     assert parse_gains("1, 2, 3; 40") == (1.0, 2.0, 3.0, 40.0)
 
 
 def searched(state: State, **settings: Any) -> State:
-    started = actions.search(actions.change_settings(state, **settings))
-    job = started.identifying.searching
+    started = actions.search(state.updated("identifying.settings", **settings))
+    job = started.identifying.excitation.running
     assert job is not None
     shares: list[float] = []
 
@@ -207,7 +205,8 @@ def searched(state: State, **settings: Any) -> State:
         shares.append(share)
         return len(shares) > 1
 
-    return actions.receive_excitation(started, search_excitation(job, stop_soon))
+    outcome = solve(search_excitation, job, stop_soon)
+    return receive(started, "identifying.excitation", outcome)
 
 
 @pytest.mark.slow
@@ -229,8 +228,8 @@ def test_a_search_without_result_says_why() -> None:
     state = initial_state()
     heavy = state.document.design.vary({"platform.mass": 400.0})
     job = ExcitationJob(heavy, state.identifying.settings)
-    outcome = search_excitation(job, lambda _: False)
-    shown = actions.receive_excitation(state, outcome)
+    outcome = solve(search_excitation, job)
+    shown = state.updated("identifying.excitation", outcome=outcome)
     assert "force of M4 is beyond its limit" in identify_text.excitation_html(compute(shown))
 
 
@@ -238,11 +237,11 @@ def test_failed_jobs_are_shown() -> None:
     state = actions.use_log(initial_state(), "log", example_log())
     job = state.identifying.running
     assert job is not None
-    failed = actions.receive(state, IdentifyOutcome(job, None, "it failed"))
+    outcome = Outcome(job, error=PaminsaError("it failed"))
+    failed = receive(state, "identifying", outcome)
     assert "it failed" in identify_text.status_html(compute(failed))
-    search = ExcitationJob(state.document.design, state.identifying.settings)
-    failed = actions.receive_excitation(state, ExcitationOutcome(search, None, "it failed too"))
-    assert "it failed too" in identify_text.excitation_html(compute(failed))
+    failed = state.updated("identifying.excitation", outcome=outcome)
+    assert "it failed" in identify_text.excitation_html(compute(failed))
 
 
 def test_names_from_files_are_escaped(found: State) -> None:

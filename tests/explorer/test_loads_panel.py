@@ -11,7 +11,7 @@ from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
 from paminsa_viz.elastostatics.sideways import sideways_forces
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.loads import LoadsJob, find_loads
+from paminsa_viz.explorer.loads import find_loads
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.results import MotionStore
@@ -19,6 +19,7 @@ from paminsa_viz.explorer.panels import loads_panel as panel
 from paminsa_viz.explorer.panels.export_panel import Exporter
 from paminsa_viz.explorer.panels.loads_chart import shown
 from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.singularity import singular_rotation
 from paminsa_viz.units import number
@@ -33,7 +34,7 @@ def along(tab: panel.LoadsEntries) -> State:
     state = motions.choose_kind(initial_state().updated("loads", along=True), Kind.ARCH)
     analysis = tab.motions.analysis(state)
     assert analysis is not None
-    return panel.receive(state, find_loads(LoadsJob(analysis)))
+    return panel.receive(state, solve(find_loads, analysis))
 
 
 def test_tables_are_those_of_the_pose_and_the_leg(tab: Any) -> None:
@@ -79,7 +80,7 @@ def test_a_motion_that_is_followed_shows_its_instant(tab: Any) -> None:
 def test_the_motion_table_is_of_the_current_motion(tab: Any) -> None:
     state = along(tab)
     frame = compute(state)
-    loads = state.loads.outcome.loads  # type: ignore[union-attr]
+    loads = state.loads.outcome.result  # type: ignore[union-attr]
     assert loads is not None
     text = tab.motion(frame)
     assert number(float(loads.peak[0, 8]), 3) in text

@@ -15,11 +15,10 @@ from paminsa_viz.explorer.manufacture import draw_robots
 from paminsa_viz.explorer.panels import manufacture_panel as panel
 from paminsa_viz.explorer.panels import monte_carlo_panel as robots
 from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.tasks import receive, solve
 from paminsa_viz.model import APPENDIX_4, singular_rotation
-from paminsa_viz.model.leg_deviations import NO_DEVIATIONS
-from paminsa_viz.model.tolerances import NO_TOLERANCES, Tolerances
-from paminsa_viz.precision.manufacture import manufactured_pose, tolerance_errors
-from paminsa_viz.precision.monte_carlo import monte_carlo
+from paminsa_viz.model.accuracy import NO_DEVIATIONS, NO_TOLERANCES, Tolerances
+from paminsa_viz.precision.manufacture import manufactured_pose, monte_carlo, tolerance_errors
 from tests.explorer.test_inputs import inputs_in
 from tests.support.desk import desk_with
 
@@ -67,7 +66,7 @@ def test_random_robots_come_from_the_seed_and_go_stale(moved: State) -> None:
     started = robots.start(moved.updated("manufacture", robots=300, seed=7))
     job = started.manufacture.running
     assert job is not None
-    done = robots.receive(started, draw_robots(job, lambda _: False))
+    done = receive(started, "manufacture", solve(draw_robots, job))
     expected = monte_carlo(APPENDIX_4, POSE, robots=300, seed=7)
     outcome = done.manufacture.outcome
     assert outcome is not None
@@ -87,7 +86,7 @@ def test_random_robots_come_from_the_seed_and_go_stale(moved: State) -> None:
 
 
 def test_a_job_reports_progress_and_can_be_stopped(moved: State) -> None:
-    job = moved.manufacture.started(APPENDIX_4, POSE).running
+    job = robots.start(moved).manufacture.running
     assert job is not None
     parts: list[float] = []
 
@@ -95,7 +94,7 @@ def test_a_job_reports_progress_and_can_be_stopped(moved: State) -> None:
         parts.append(done)
         return True
 
-    outcome = draw_robots(replace(job, robots=5000), stop_at_once)
+    outcome = solve(draw_robots, replace(job, robots=5000), stop_at_once)
     assert len(parts) == 1
     assert 0 < parts[0] < 1
     assert outcome.result is not None
@@ -103,11 +102,12 @@ def test_a_job_reports_progress_and_can_be_stopped(moved: State) -> None:
 
 
 def test_too_many_robots_are_a_problem_and_no_failure(moved: State) -> None:
-    job = moved.manufacture.started(APPENDIX_4, POSE).running
+    job = robots.start(moved).manufacture.running
     assert job is not None
-    outcome = draw_robots(replace(job, robots=10**8), lambda _: False)
+    outcome = solve(draw_robots, replace(job, robots=10**8))
     assert "robots" in outcome.problem
-    assert "robots" in robots.monte_carlo_html(compute(robots.receive(moved, outcome)))
+    shown = moved.updated("manufacture", outcome=outcome)
+    assert "robots" in robots.monte_carlo_html(compute(shown))
 
 
 def test_a_deviation_is_set_in_its_unit_saved_and_tilts_the_platform(moved: State) -> None:

@@ -222,14 +222,20 @@ def test_unit_is_seen_behind_the_field_and_stays_in_the_name(tab: Tab) -> None:
 def test_marks_come_and_go_with_what_they_stand_for(tab: Tab) -> None:
     tab.page.evaluate("document.body.insertAdjacentHTML('beforeend', '<p id=box></p>')")
     found = []
-    for inside in ("<div><img></div>", "<b></b>", "<div><img></div><i class=pv-heading></i>"):
-        tab.page.evaluate("html => document.getElementById('box').innerHTML = html", inside)
+    change = "html => document.getElementById('box').innerHTML = html"
+    pull = "() => document.querySelector('#box img:last-child').remove()"
+    both = "<div><img></div><i class=pv-heading></i>"
+    for script, inside in (
+        (change, "<div><img></div>"), (change, "<b></b>"), (change, both),
+        (change, "<div><img><img></div>"), (pull, ""), (pull, ""),
+    ):  # fmt: skip
+        tab.page.evaluate(script, inside)
         found.append(
             tab.page.evaluate("() => new Promise(done => setTimeout(() => done("
             "document.getElementById('box').dataset.paminsaMark), 50))")
         )  # fmt: skip
     assert [set((each or "").split()) for each in found] == [
-        {"picture"}, set(), {"picture", "heading"}
+        {"picture"}, set(), {"picture", "heading"}, {"picture"}, {"picture"}, set()
     ]  # fmt: skip
 
 

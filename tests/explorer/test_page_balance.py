@@ -71,7 +71,7 @@ def test_click_on_the_front_takes_that_design(balance: Tab) -> None:
     page.get_by_text("Pareto front: dynamic vs. static torque").click()
     balance.click("Compute the front")
     until(lambda: balance.state.balancing.front is not None, "the front")
-    designs = balance.state.balancing.front.designs
+    designs = balance.state.balancing.points
     points = page.locator(".js-plotly-plot .scatterlayer .trace").first.locator("path.point")
     until(lambda: points.count() == len(designs), "its points are drawn")
     points.nth(3).scroll_into_view_if_needed()

@@ -29,8 +29,8 @@ def test_tables_follow_the_pose_and_the_motion(tab: Tab) -> None:
     until(lambda: tab.state.loads.outcome is not None, "loads of the motion")
     outcome = tab.state.loads.outcome
     assert outcome is not None
-    assert outcome.loads is not None
-    peak = number(float(outcome.loads.peak[0, 8]), 3)
+    assert outcome.result is not None
+    peak = number(float(outcome.result.peak[0, 8]), 3)
     tab.page.get_by_test_id("loads-motion").get_by_text(peak).first.wait_for()
     with tab.page.expect_download() as download:
         tab.page.get_by_role("button", name="Bearings").click()

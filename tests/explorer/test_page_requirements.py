@@ -58,7 +58,7 @@ def test_the_largest_workspace_is_proven_and_used(tab: Tab) -> None:
     tab.open_tab("Requirements")
     tab.page.get_by_text("Largest workspace", exact=True).click()
     tab.click("Find the largest")
-    until(lambda: tab.state.requiring.largest is not None, "a proof")
+    until(lambda: tab.state.requiring.largest.outcome is not None, "a proof")
     proven = tab.state.requiring.largest.proven
     assert proven is not None
     tab.page.get_by_test_id("largest-result").get_by_text("Proven").wait_for()
@@ -80,7 +80,7 @@ def test_a_search_is_adopted_with_the_design_before_as_reference(
     tab.click("Search")
     until(lambda: tab.state.synthesizing.outcome is not None, "an answer")
     tab.page.get_by_test_id("synthesis-result").get_by_text("footprint").wait_for()
-    found = tab.state.synthesizing.result
+    found = tab.state.synthesizing.answer
     assert found is not None
     tab.click("Open as current design")
     until(lambda: tab.state.document.design == found.design, "the robot that was found")

@@ -20,8 +20,8 @@ WEIGHT = """name => {
 
 def test_a_mode_is_animated_and_a_diameter_changes_its_frequency(tab: Tab) -> None:
     tab.open_tab("Stiffness")
-    until(lambda: bool(tab.state.elastic_view.outcome), "a result")
-    before = tab.state.elastic_view.outcome
+    until(lambda: bool(tab.state.elastic_view.result), "a result")
+    before = tab.state.elastic_view.result
     assert before is not None
     result = tab.page.get_by_test_id("stiffness-result")
     result.get_by_text(f"{before.frequencies[0]:.3g}").first.wait_for()
@@ -41,7 +41,7 @@ def test_a_mode_is_animated_and_a_diameter_changes_its_frequency(tab: Tab) -> No
     field.fill("60")
     field.press("Tab")
     until(
-        lambda: tab.state.elastic_view.outcome.frequencies[0] > 1.02 * before.frequencies[0],  # type: ignore[union-attr]
+        lambda: tab.state.elastic_view.result.frequencies[0] > 1.02 * before.frequencies[0],  # type: ignore[union-attr]
         "a stiffer robot",
     )
     after = tab.state.elastic_view.outcome

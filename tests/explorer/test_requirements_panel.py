@@ -12,6 +12,7 @@ from paminsa_viz.explorer.panels import requirements_text as text
 from paminsa_viz.explorer.panels.pose_panel import strip_html
 from paminsa_viz.explorer.panels.requirements_panel import REQUIREMENTS, go_to_worst
 from paminsa_viz.explorer.requirements import actions
+from paminsa_viz.explorer.requirements.causes import surface_parts
 from paminsa_viz.explorer.requirements.checking import (
     current_check,
     find_volume,
@@ -20,8 +21,8 @@ from paminsa_viz.explorer.requirements.checking import (
     receive,
 )
 from paminsa_viz.explorer.requirements.jobs import VolumeJob
-from paminsa_viz.explorer.requirements.surface import surface_parts
 from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.quantities.requirements import Requirement
 from tests.support.desk import Desk
 
@@ -37,7 +38,7 @@ def asked() -> State:
 def solved(state: State, *, fine: bool = False) -> State:
     document = state.document
     job = VolumeJob(document.design, document.requirements, fine)
-    return receive(state, find_volume(job, lambda _: False))
+    return receive(state, solve(find_volume, job))
 
 
 def test_marks_follow_the_design(asked: State) -> None:
@@ -65,7 +66,7 @@ def test_a_worst_value_leads_to_its_pose(asked: State) -> None:
 def test_a_volume_says_what_it_is_of_and_which_requirement_takes_how_much(asked: State) -> None:
     state = solved(asked)
     shown = text.volume_html(compute(state))
-    volume = state.requiring.quick.volume  # type: ignore[union-attr]
+    volume = state.requiring.quick.result.volume  # type: ignore[union-attr]
     assert volume is not None
     assert f"{1e3 * volume.volume:.4g}" in shown
     assert "(coarse)" in shown
@@ -121,7 +122,7 @@ def test_maps_are_hatched_where_a_requirement_breaks_at_their_heading_and_height
 
 
 def test_the_surface_is_closed_and_in_the_colors_of_its_causes(asked: State) -> None:
-    volume = solved(asked).requiring.quick.volume  # type: ignore[union-attr]
+    volume = solved(asked).requiring.quick.result.volume  # type: ignore[union-attr]
     assert volume is not None
     parts = surface_parts(volume)
     content = 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,11 +20,12 @@ from paminsa_viz.explorer.synthesis import actions, cases
 from paminsa_viz.explorer.synthesis.jobs import (
     BestSoFar,
     EffortChoice,
-    PriceOutcome,
+    SearchResult,
     Shown,
-    SynthesisOutcome,
+    SynthesisJob,
 )
 from paminsa_viz.explorer.synthesis.solving import search
+from paminsa_viz.explorer.tasks import Outcome, receive, solve, stop
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
 from paminsa_viz.synthesis.answer.prices import RequirementPrice
@@ -83,23 +85,27 @@ def test_a_short_search_is_adopted_with_the_design_before_as_reference(
     assert job is not None
     seen: list[BestSoFar] = []
     done: list[float] = []
-    outcome = search(job, lambda part: done.append(part) is not None, seen.append)
+    outcome = searched(job, lambda part: done.append(part) is not None, seen.append)
     assert outcome.problem == ""
     assert done == sorted(done)
     assert seen
     state = actions.receive(actions.tell(started, job, seen[-1]), outcome)
-    assert outcome.result is not None
-    assert outcome.result.feasible
+    found = outcome.result.answer  # type: ignore[union-attr]
+    assert found.feasible
     shown = text.result_html(compute(state))
     assert "footprint" in shown
     assert "robots built within tolerances" in shown
     opened = actions.open_result(state)
-    assert opened.document.design == outcome.result.design
+    assert opened.document.design == found.design
     assert opened.document.reference == APPENDIX_4
-    assert opened.last_reachable.geometry == outcome.result.design.geometry
+    assert opened.last_reachable.geometry == found.design.geometry
     check = current_check(opened)
     assert check is not None
     assert check.holds
+
+
+def searched(job: SynthesisJob, report: Any, tell: Any) -> Outcome[SynthesisJob, SearchResult]:
+    return solve(lambda job, report: search(job, report, tell), job, report)
 
 
 def answer(state: State, radius: float, objective: float) -> SynthesisResult:
@@ -116,8 +122,8 @@ def answer(state: State, radius: float, objective: float) -> SynthesisResult:
 
 def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
     with pytest.raises(InvalidInput, match="different"):
-        actions.start(actions.change_settings(asked, against="footprint"))
-    started = actions.start(actions.change_settings(asked, against="moving_mass"))
+        actions.start(asked.updated("synthesizing.settings", against="footprint"))
+    started = actions.start(asked.updated("synthesizing.settings", against="moving_mass"))
     job = started.synthesizing.running
     assert job is not None
     assert front_key(started) is None
@@ -126,7 +132,7 @@ def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
         for size, mass, radius in ((0.4, 20.0, 0.3), (0.5, 18.0, 0.33), (0.6, 17.0, 0.36))
     )
     front = DesignFront(("footprint", "moving_mass"), points, 0, 4, 0, canceled=False)
-    state = actions.receive(started, SynthesisOutcome(job, points[0].result, front=front))
+    state = actions.receive(started, Outcome(job, SearchResult(points[0].result, front=front)))
     figure = front_figure(state)
     x, y = (figure["data"][0][axis] for axis in "xy")
     assert np.allclose(x, [400.0, 500.0, 600.0])
@@ -144,17 +150,17 @@ def test_prices_are_of_the_answer_that_is_shown(asked: State) -> None:
     started = actions.start(asked)
     job = started.synthesizing.running
     assert job is not None
-    state = actions.receive(started, SynthesisOutcome(job, answer(asked, 0.3, 0.4)))
+    state = actions.receive(started, Outcome(job, SearchResult(answer(asked, 0.3, 0.4))))
     pricing = actions.start_prices(state)
-    price_job = pricing.synthesizing.pricing
+    price_job = pricing.synthesizing.prices.running
     assert price_job is not None
-    assert actions.report_prices(pricing, price_job, 0.5).synthesizing.priced == 0.5
     found = RequirementPrice("κ ≤ 10", "1", 10.0, 0.2, 0.42, 0.39, 0.075)
-    priced = actions.receive_prices(pricing, PriceOutcome(price_job, (found,)))
+    priced = receive(pricing, "synthesizing.prices", Outcome(price_job, (found,)))
     shown = text.prices_html(compute(priced))
     assert "−10 mm" in shown  # relaxed
     assert "20 mm" in shown  # tightened
-    other = actions.receive(priced, SynthesisOutcome(job, answer(asked, 0.31, 0.41)))
+    again = priced.updated("synthesizing", running=job)
+    other = actions.receive(again, Outcome(job, SearchResult(answer(asked, 0.31, 0.41))))
     assert text.prices_html(compute(other)) == ""
     with pytest.raises(InvalidInput):
         actions.start_prices(asked)
@@ -163,11 +169,11 @@ def test_prices_are_of_the_answer_that_is_shown(asked: State) -> None:
 def test_a_search_without_an_answer_says_why_and_cannot_be_opened(asked: State) -> None:
     # No robot with R_pl < R_b can turn by 90 degrees.
     state = requirements.change(asked, theta=(-1.6, 1.6))
-    state = actions.change_settings(state, regimes="R_pl < R_b")
-    job = actions.start(state).synthesizing.running
+    state = state.updated("synthesizing.settings", regimes="R_pl < R_b")
+    started = actions.start(state)
+    job = started.synthesizing.running
     assert job is not None
-    outcome = search(job, lambda _: False, lambda _: None)
-    received = actions.receive(state, outcome)
+    received = actions.receive(started, searched(job, lambda _: False, lambda _: None))
     shown = text.result_html(compute(received))
     assert "No robot meets all requirements" in shown
     assert "is excluded" in shown
@@ -176,7 +182,7 @@ def test_a_search_without_an_answer_says_why_and_cannot_be_opened(asked: State) 
 
 
 def test_the_best_so_far_takes_the_robots_place_only_while_it_is_asked_for(asked: State) -> None:
-    started = actions.start(actions.change_settings(asked, shown=Shown.ROBOT))
+    started = actions.start(asked.updated("synthesizing.settings", shown=Shown.ROBOT))
     job = started.synthesizing.running
     assert job is not None
     assert actions.previewed(started) is started
@@ -189,9 +195,9 @@ def test_the_best_so_far_takes_the_robots_place_only_while_it_is_asked_for(asked
     assert told.document == started.document
     changed = designs.vary(told, {"payload.mass": 1.0})
     assert actions.previewed(changed) is changed
-    ghost = actions.change_settings(told, shown=Shown.GHOST)
+    ghost = told.updated("synthesizing.settings", shown=Shown.GHOST)
     assert actions.previewed(ghost) is ghost
-    stopped = actions.stop(told)
+    stopped = stop(told, "synthesizing")
     assert actions.previewed(stopped) is stopped
     assert actions.tell(stopped, job, best) is stopped
     assert np.isnan(replace(best, cost=np.nan).cost)
@@ -205,7 +211,7 @@ def test_settings_are_set_on_the_page_and_a_search_can_be_stopped(desk: Desk, as
     desk.until(
         lambda: ("geometry.base_radius", (0.2, 0.3)) in desk.state.synthesizing.settings.ranges
     )
-    desk.set("synthesize.start", True)
+    desk.set("synthesize", True)
     desk.until(lambda: desk.state.synthesizing.running is not None)
     desk.set("synthesize.stop", True)
     desk.until(lambda: desk.state.synthesizing.running is None)

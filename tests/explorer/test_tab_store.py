@@ -12,7 +12,7 @@ import pytest
 
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.explorer import actions, tab_store
-from paminsa_viz.explorer.balancing.spring_settings import SpringsFrom
+from paminsa_viz.explorer.balancing.springs import SpringsFrom
 from paminsa_viz.explorer.state import MapView, RangeMode, initial_state
 
 CHANGED = replace(

@@ -20,7 +20,7 @@ from paminsa_viz.model import (
     inverse_kinematics,
     jacobian,
 )
-from paminsa_viz.model.leg_deviations import LENGTH_NAMES, LegDeviations
+from paminsa_viz.model.accuracy import LENGTH_NAMES, LegDeviations
 from paminsa_viz.precision.closure_equations import closure_equations
 from paminsa_viz.precision.leg_lengths import (
     INDEX,

@@ -1,4 +1,6 @@
-"""Requirements: bounds on quantities of the registry, and the workspace over which they hold."""
+"""Requirements: bounds on quantities over a workspace, and their text, there and back."""
+
+from __future__ import annotations
 
 import math
 
@@ -8,6 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.quantities import QUANTITIES
+from paminsa_viz.quantities.requirement_text import (
+    parse_requirement,
+    requirement_label,
+    requirement_text,
+)
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 
 FINITE = st.floats(-1e6, 1e6)
@@ -57,3 +65,108 @@ def test_headings_of_a_requirement_go_before_those_of_all():
 def test_impossible_requirements_are_refused(make, match):
     with pytest.raises(InvalidInput, match=match):
         make()
+
+
+CASES = {
+    "condition <= 10": Requirement("condition", None, 10.0),
+    "κ ≤ 10": Requirement("condition", None, 10.0),
+    "condition<=1e1": Requirement("condition", None, 10.0),
+    "10 >= condition": Requirement("condition", None, 10.0),
+    "|tau_1| <= 15": Requirement("tau_1", -15.0, 15.0),
+    "| tau-1 | <= 15 N m": Requirement("tau_1", -15.0, 15.0),
+    "max_torque <= 15 N m": Requirement("max_torque", None, 15.0),
+    "max-torque <= 15 N·m": Requirement("max_torque", None, 15.0),
+    "error_x <= 100 um": Requirement("error_x", None, 1e-4),
+    "error_x <= 100 µm": Requirement("error_x", None, 1e-4),
+    "reach_margin >= 10 mm": Requirement("reach_margin", 0.01, None),
+    "2 <= condition <= 10": Requirement("condition", 2.0, 10.0),
+    "stiffness_x >= 40 N/mm": Requirement("stiffness_x", 40_000.0, None),
+    "pressure_1 <= 30 deg": Requirement("pressure_1", None, math.radians(30)),
+    "f_4 <= 400 for z -900..-500": Requirement("f_4", None, 400.0, None, (-0.9, -0.5)),
+    "f_4 <= 400 N for theta -30..30 deg, z -900..-500 mm": Requirement(
+        "f_4", None, 400.0, (-math.radians(30), math.radians(30)), (-0.9, -0.5)
+    ),
+}
+
+
+def close(first: Requirement, second: Requirement) -> bool:
+    def near(a: float | None, b: float | None) -> bool:
+        return (a is None) == (b is None) and (a is None or a == pytest.approx(b, rel=1e-12))
+
+    pairs = [(first.low, second.low), (first.high, second.high)]
+    for one, other in ((first.theta, second.theta), (first.z, second.z)):
+        pairs += zip(one or (None, None), other or (None, None), strict=True)
+    return first.quantity == second.quantity and all(near(a, b) for a, b in pairs)
+
+
+@pytest.mark.parametrize("text", CASES)
+def test_text_is_read(text: str) -> None:
+    assert close(parse_requirement(text), CASES[text])
+
+
+@pytest.mark.parametrize("text", CASES)
+def test_written_text_reads_back(text: str) -> None:
+    requirement = parse_requirement(text)
+    assert requirement_text(requirement).isascii()
+    assert parse_requirement(requirement_text(requirement)) == requirement
+
+
+NUMBERS = st.floats(-1e6, 1e6).map(lambda value: float(f"{value:.6g}"))
+
+
+@given(st.sampled_from(list(QUANTITIES)), NUMBERS, NUMBERS, st.integers(0, 3))
+def test_every_quantity_is_written_and_read(key: str, a: float, b: float, form: int) -> None:
+    unit = QUANTITIES[key].display
+    low, high = sorted((unit.to_si(a), unit.to_si(b)))
+    requirement = (
+        Requirement(key, low, high),
+        Requirement(key, low, None),
+        Requirement(key, None, high),
+        Requirement(key, -abs(high), abs(high)),
+    )[form]
+    assert close(parse_requirement(requirement_text(requirement)), requirement)
+
+
+@pytest.mark.parametrize("key", QUANTITIES)
+def test_unit_of_every_quantity_is_understood(key: str) -> None:
+    text = requirement_text(Requirement(key, None, 1.0))
+    assert parse_requirement(text).quantity == key
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("condition", "a bound"),
+        ("", "a bound"),
+        ("<= 10", "a bound"),
+        ("condition <= ten", "a bound"),
+        ("kondition <= 10", "did you mean condition"),
+        ("nothing_like_it <= 10", "there is no quantity"),
+        ("max_torque <= 15 Nmm", "given in N m"),
+        ("condition <= 10 mm", "no unit"),
+        ("error_x <= 1 mm", "given in um"),
+        ("|tau_1| >= 5", "a magnitude"),
+        ("1 <= |tau_1| <= 5", "a magnitude"),
+        ("|tau_1| <= -5", "a magnitude"),
+        ("5 <= condition >= 2", "same side"),
+        ("10 <= condition <= 2", "low has to be"),
+        ("condition <= 10 for theta 30..-30", "least and largest"),
+        ("condition <= 10 for theta 1..2, theta 1..2", "one range"),
+        ("condition <= 10 for y 1..2", "no range"),
+        ("condition <= 10 for z -9..-5 cm", "is in mm"),
+        ("condition <= 10 for theta -1..1 rad", "is in deg"),
+        ("condition <= 1e999", "finite"),
+        ("condition <= " + "1" * 400, "characters"),
+    ],
+)
+def test_what_is_no_requirement_is_refused(text: str, problem: str) -> None:
+    with pytest.raises(InvalidInput, match=problem):
+        parse_requirement(text)
+
+
+def test_labels_have_symbols_and_units() -> None:
+    assert requirement_label(CASES["|tau_1| <= 15"]) == "|τ₁| ≤ 15 N·m"
+    assert requirement_label(CASES["condition <= 10"]) == "κ ≤ 10"
+    assert requirement_label(CASES["reach_margin >= 10 mm"]) == "margin ≥ 10 mm"
+    label = requirement_label(CASES["f_4 <= 400 N for theta -30..30 deg, z -900..-500 mm"])
+    assert label == "F₄ ≤ 400 N for θ −30..30°, z −900..−500 mm"

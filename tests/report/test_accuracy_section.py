@@ -12,8 +12,7 @@ from paminsa_viz.model import APPENDIX_4, Design, DriveAccuracy, singular_rotati
 from paminsa_viz.precision.drive_errors import drive_errors
 from paminsa_viz.precision.manufacture import tolerance_errors
 from paminsa_viz.report.accuracy_section import accuracy_section
-from paminsa_viz.report.blocks import Note, Section, Table
-from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.report.blocks import Note, ReportRequest, Section, Table
 from paminsa_viz.trajectory import PRESET
 from paminsa_viz.units import format_value
 

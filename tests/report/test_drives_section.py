@@ -8,7 +8,7 @@ import numpy as np
 
 from paminsa_viz.model import APPENDIX_4, Design, Drive
 from paminsa_viz.report.blocks import Note, Section, Table
-from paminsa_viz.report.drives_section import drives_section
+from paminsa_viz.report.forces_section import drives_section
 from paminsa_viz.trajectory import PRESET, analyze
 
 SERVO = Drive(

@@ -8,7 +8,7 @@ import pytest
 from paminsa_viz.model import APPENDIX_4, KneeBranch, inverse_kinematics
 from paminsa_viz.palette import LEG_COLORS
 from paminsa_viz.plots.formats import drawing
-from paminsa_viz.report.sketch import draw_sketch
+from paminsa_viz.report.workspace_section import draw_sketch
 from tests.support import samples
 
 

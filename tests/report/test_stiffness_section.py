@@ -6,13 +6,12 @@ from datetime import UTC, datetime
 
 import pytest
 
-from paminsa_viz.elastostatics.drive_modes import drive_modes
+from paminsa_viz.elastostatics.drive_stiffness import drive_modes
 from paminsa_viz.elastostatics.stiffness import platform_stiffness, strain_shares
 from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.singularity import singular_radius
-from paminsa_viz.report.blocks import Note, Table
-from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.report.blocks import Note, ReportRequest, Table
 from paminsa_viz.report.stiffness_section import stiffness_section
 from paminsa_viz.trajectory import PRESET
 from paminsa_viz.units import NONE, format_value

@@ -9,11 +9,10 @@ import numpy as np
 from paminsa_viz.actuation.transmission import TRANSMISSION
 from paminsa_viz.actuation.wrench_capability import capability
 from paminsa_viz.clearance import PairGroup, clearance
-from paminsa_viz.elastostatics.bar_loads import bar_loads
-from paminsa_viz.elastostatics.drive_modes import drive_modes
+from paminsa_viz.elastostatics.bar_loads import bar_loads, utilization
+from paminsa_viz.elastostatics.drive_stiffness import drive_modes
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
 from paminsa_viz.elastostatics.stiffness import platform_stiffness
-from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.elastostatics.vibration import first_frequencies
 from paminsa_viz.model import (
     Design,

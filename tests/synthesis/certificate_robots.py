@@ -12,8 +12,7 @@ from paminsa_viz.model import Design, KneeBranch, LoadCase, LoadFrame, check_rea
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities.requirements import WorkspaceShape
-from paminsa_viz.synthesis.proof.pose_search import from_unit
-from paminsa_viz.synthesis.proof.regions import PoseRegion
+from paminsa_viz.synthesis.proof.regions import PoseRegion, from_unit
 from tests.support.samples import random_design
 
 

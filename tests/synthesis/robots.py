@@ -13,7 +13,7 @@ from paminsa_viz.model.reach import check_reach
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.quantities.requirement_text import parse_requirement
-from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
 
 TURN = math.radians(30.0)
 
@@ -21,6 +21,14 @@ TURN = math.radians(30.0)
 def needs(*texts: str, theta: tuple[float, float] = (-TURN, TURN)) -> Requirements:
     """Return requirements by their texts."""
     return Requirements(tuple(map(parse_requirement, texts)), theta)
+
+
+NEEDED = needs("condition <= 10", "max_torque <= 15 N m", "f_4 <= 450 N")
+
+
+def cylinder(diameter: float, height: float, z: float | None = -0.6) -> Workspace:
+    """Return an upright cylinder about the z-axis [m]."""
+    return Workspace(WorkspaceShape.CYLINDER, (diameter, diameter, height), (0.0, 0.0, z))
 
 
 def met(

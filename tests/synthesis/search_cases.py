@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
 from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.quantities.requirements import (
-    Requirement,
-    Requirements,
-    Workspace,
-    WorkspaceShape,
-)
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis import SearchRange, SynthesisCase
+from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case
 
 TURN = float(np.radians(30.0))
 CONDITION = Requirement("condition", high=10.0)
@@ -46,3 +43,9 @@ CELL = SynthesisCase(
     reference=replace(APPENDIX_4, payload=replace(APPENDIX_4.payload, mass=3.0)),
 )
 """Palletizing cell of 600 x 600 x 300 mm, 3 kg."""
+
+
+@cache
+def arch_case() -> SynthesisCase:
+    """Return the case that comes with the program."""
+    return load_case(EXAMPLES["arch"])

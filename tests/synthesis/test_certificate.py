@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -11,36 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model import (
-    APPENDIX_4,
-    Design,
-    check_reach,
-    measure_singularity,
-    static_torques,
-)
+from paminsa_viz.model import APPENDIX_4, Design, check_reach, measure_singularity, static_torques
 from paminsa_viz.model.reach import home_pose
-from paminsa_viz.quantities.requirements import (
-    Requirement,
-    Requirements,
-    Workspace,
-    WorkspaceShape,
-)
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.proof.certificate import prove
 from paminsa_viz.synthesis.proof.evidence import Proof, Verdict
 from paminsa_viz.synthesis.proof.families import Method
 from tests.synthesis.certificate_robots import random_poses, robots
-
-TURN = math.radians(30)
-BOUNDS = (
-    Requirement("condition", high=10.0),
-    Requirement("max_torque", high=15.0),
-    Requirement("f_4", high=450.0),
-)
-NEEDED = Requirements(BOUNDS, (-TURN, TURN))
-
-
-def cylinder(diameter: float, height: float, z: float = -0.6) -> Workspace:
-    return Workspace(WorkspaceShape.CYLINDER, (diameter, diameter, height), (0.0, 0.0, z))
+from tests.synthesis.robots import NEEDED, TURN, cylinder
 
 
 def assert_holds(design: Design, requirements: Requirements, proof: Proof, n: int) -> None:
@@ -102,8 +79,7 @@ def test_refuted_workspace_has_a_pose_that_breaks_the_bound(
 
 
 @pytest.mark.parametrize(
-    ("workspace", "name"),
-    [(cylinder(0.3, 0.9), "reach"), (cylinder(0.52, 0.1), "singularity")],
+    ("workspace", "name"), [(cylinder(0.3, 0.9), "reach"), (cylinder(0.52, 0.1), "singularity")]
 )
 def test_refuted_reach_has_a_pose_that_cannot_be_taken(workspace: Workspace, name: str) -> None:
     proof = prove(APPENDIX_4, Requirements((), (-TURN, TURN)), workspace)
@@ -151,7 +127,7 @@ def test_bounds_hold_over_their_own_headings_and_heights() -> None:
 def test_what_cannot_be_proven_is_named_and_sampled() -> None:
     sampled = Requirement("transmission", low=0.1)
     impossible = Requirement("transmission", low=0.99)
-    proof = prove(APPENDIX_4, replace(NEEDED, bounds=(*BOUNDS, sampled)), cylinder(0.2, 0.2))
+    proof = prove(APPENDIX_4, replace(NEEDED, bounds=(*NEEDED.bounds, sampled)), cylinder(0.2, 0.2))
     assert proof.verdict is Verdict.PROVEN
     assert proof.sampled == (sampled,)
     assert proof.evidence[-1].verdict is Verdict.SAMPLED

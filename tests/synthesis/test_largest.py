@@ -10,12 +10,7 @@ import pytest
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, check_reach, measure_singularity, static_torques
-from paminsa_viz.quantities.requirements import (
-    Requirement,
-    Requirements,
-    Workspace,
-    WorkspaceShape,
-)
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.proof.bisection import Gauge
 from paminsa_viz.synthesis.proof.certificate import prove, region_of
 from paminsa_viz.synthesis.proof.evidence import Verdict
@@ -23,18 +18,10 @@ from paminsa_viz.synthesis.proof.families import Method
 from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace
 from paminsa_viz.synthesis.proof.regions import Growth
 from tests.synthesis.certificate_robots import random_poses
+from tests.synthesis.robots import NEEDED, TURN, cylinder
 
-TURN = math.radians(30)
-NEEDED = Requirements(
-    (
-        Requirement("condition", high=10.0),
-        Requirement("max_torque", high=15.0),
-        Requirement("f_4", high=450.0),
-    ),
-    (-TURN, TURN),
-)
 CONDITION = Requirements((Requirement("condition", high=10.0),))
-CYLINDER = Workspace(WorkspaceShape.CYLINDER, (0.3, 0.3, 0.2), (0.0, 0.0, -0.6))
+CYLINDER = cylinder(0.3, 0.2)
 
 
 def size(found: LargestWorkspace) -> tuple[float, float, float]:

@@ -8,19 +8,8 @@ import numpy as np
 import pytest
 
 from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.quantities.requirements import (
-    Requirement,
-    Requirements,
-    Workspace,
-    WorkspaceShape,
-)
-from paminsa_viz.synthesis import (
-    Effort,
-    Regime,
-    SearchRange,
-    SynthesisCase,
-    synthesize,
-)
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
+from paminsa_viz.synthesis import Effort, Regime, SearchRange, SynthesisCase, synthesize
 from paminsa_viz.synthesis.answer.prices import requirement_prices
 from paminsa_viz.synthesis.search.outer import refined
 

@@ -12,8 +12,13 @@ from hypothesis import strategies as st
 from paminsa_viz.model import APPENDIX_4, Design, Geometry, check_reach, singular_radius
 from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.quantities.requirements import WorkspaceShape
-from paminsa_viz.synthesis.proof.pose_search import freedom, from_unit, lowest
-from paminsa_viz.synthesis.proof.regions import PoseRegion, leg_distances, region_margins
+from paminsa_viz.synthesis.proof.regions import (
+    PoseRegion,
+    freedom,
+    from_unit,
+    lowest,
+    region_margins,
+)
 from tests.synthesis.certificate_robots import random_poses, robots
 
 LENGTHS = st.floats(0.0, 0.3)
@@ -57,7 +62,7 @@ def test_some_pose_has_the_least_and_the_largest_distance(region: PoseRegion, sw
     g = Geometry(crank_length=0.9, coupler_length=1.1)
     if swap:
         g = Geometry(crank_length=0.9, coupler_length=1.1, base_radius=0.1, platform_radius=0.35)
-    low, high = leg_distances(g, region)
+    low, high = region.leg_distances(g)
     for leg in range(3):
 
         def distance(poses: Any, leg: int = leg) -> Any:
@@ -85,7 +90,7 @@ def test_least_distance_toward_each_corner_and_side(
     half = np.array([0.004, 0.007])  # no square, whose far corner is in the same direction
     x, y = nearest + half * toward * np.sign(gap)
     region = PoseRegion(WorkspaceShape.BOX, (x, y, -0.6), (*half, 0.1), (0.0, 2 * np.pi))
-    low, _ = leg_distances(g, region)
+    low, _ = region.leg_distances(g)
     expected = abs(gap)
     if gap < 0 and 0 in side:  # the ends of a side are nearer to a circle around it
         across = half[side.index(0)]

@@ -65,18 +65,8 @@ def test_every_pose_has_an_image_that_is_kept(seed: int) -> None:
     ("design", "bound", "region", "theta"),
     [
         (APPENDIX_4, Requirement("tau_1", high=5.0), CENTERED, (-0.5, 0.5)),
-        (
-            replace(APPENDIX_4, load=LoadCase(force_x=1.0)),
-            BOUNDS[2],
-            CENTERED,
-            (-0.5, 0.5),
-        ),
-        (
-            replace(APPENDIX_4, load=LoadCase(moment_z=1.0)),
-            BOUNDS[2],
-            CENTERED,
-            (-0.5, 0.5),
-        ),
+        (replace(APPENDIX_4, load=LoadCase(force_x=1.0)), BOUNDS[2], CENTERED, (-0.5, 0.5)),
+        (replace(APPENDIX_4, load=LoadCase(moment_z=1.0)), BOUNDS[2], CENTERED, (-0.5, 0.5)),
         (APPENDIX_4, BOUNDS[2], replace(CENTERED, center=(0.1, 0.0, -0.6)), (-0.5, 0.4)),
     ],
 )

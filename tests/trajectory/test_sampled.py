@@ -1,12 +1,14 @@
-"""Sampled trajectories: what is accepted, and what lies between samples."""
+"""Sampled trajectories: what lies between samples, and what is made of someone else's."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 from paminsa_viz.model import InvalidInput
-from paminsa_viz.trajectory import Trajectory, point_to_point, via_points
+from paminsa_viz.trajectory import Trajectory, from_samples, point_to_point, via_points
 from tests.trajectory.plans import A, B, C
 
 T = np.array([0.0, 0.3, 1.0])
@@ -25,8 +27,8 @@ def test_between_samples_a_quintic_comes_back_exactly() -> None:
 
 def test_any_samples_are_met_and_joined_smoothly() -> None:
     made = Trajectory(T, ROWS, ROWS[::-1], -ROWS)
-    for found, given in zip(made.at(T), (ROWS, ROWS[::-1], -ROWS), strict=True):
-        np.testing.assert_allclose(found, given, atol=1e-12)
+    for found, wanted in zip(made.at(T), (ROWS, ROWS[::-1], -ROWS), strict=True):
+        np.testing.assert_allclose(found, wanted, atol=1e-12)
     t, h = np.array([0.1, 0.5, 0.9]), 1e-6
     state, before, after = made.at(t), made.at(t - h), made.at(t + h)
     np.testing.assert_allclose((after.pose - before.pose) / (2 * h), state.velocity, atol=1e-7)
@@ -76,3 +78,112 @@ def test_errors_name_the_argument(argument: str, change: dict) -> None:
     with pytest.raises(InvalidInput) as caught:
         Trajectory(**parts)
     assert caught.value.argument == argument
+
+
+EXACT = point_to_point(A, B, 1.2).sample(400)
+
+
+def test_rates_of_smooth_samples_are_recovered() -> None:
+    made = from_samples(EXACT.t, EXACT.pose)
+    np.testing.assert_allclose(made.velocity, EXACT.velocity, atol=1e-9)
+    np.testing.assert_allclose(made.acceleration, EXACT.acceleration, atol=1e-7)
+    assert made.notes == ("Velocity and acceleration are those of a spline of degree 5.",)
+    half = from_samples(EXACT.t, EXACT.pose, EXACT.velocity)
+    np.testing.assert_allclose(half.acceleration, EXACT.acceleration, atol=1e-9)
+    whole = from_samples(EXACT.t, EXACT.pose, EXACT.velocity, EXACT.acceleration)
+    np.testing.assert_array_equal(whole.acceleration, EXACT.acceleration)
+    assert whole.notes == ()
+
+
+def test_few_waypoints_at_rest_make_the_planners_motion() -> None:
+    times = np.array([0.0, 0.7, 2.0])
+    made = from_samples(times, [A, C, B], rest=True)
+    plan = via_points([A, C, B], times=times)
+    for found, exact in zip(made.at(np.linspace(0, 2, 30)), plan.at(np.linspace(0, 2, 30)),
+                            strict=True):  # fmt: skip
+        np.testing.assert_allclose(found, exact, atol=1e-9)
+
+
+@pytest.mark.parametrize("count", range(2, 8))
+def test_any_number_of_samples(count: int) -> None:
+    """A polynomial of the degree that the samples can carry comes back."""
+    degree = {2: 1, 3: 2, 4: 3, 5: 3}.get(count, 5)
+    t = np.linspace(0, 1, count) ** 1.3
+    pose = (t**degree)[:, None] * [1.0, 2.0, 0.1, -1.0]
+    made = from_samples(t, pose)
+    rate = degree * (t ** max(degree - 1, 0))[:, None] * [1.0, 2.0, 0.1, -1.0]
+    np.testing.assert_allclose(made.velocity, rate, atol=1e-9)
+
+
+def test_times_start_at_zero_and_turns_are_unwrapped() -> None:
+    turning = EXACT.pose.copy()
+    turning[:, 2] = 6.0 * EXACT.t
+    wrapped = turning.copy()
+    wrapped[:, 2] = np.mod(turning[:, 2] + np.pi, 2 * np.pi) - np.pi
+    made = from_samples(EXACT.t + 3.5, wrapped)
+    assert made.t[0] == 0.0
+    np.testing.assert_allclose(made.t, EXACT.t, atol=1e-12)
+    np.testing.assert_allclose(made.pose[:, 2], turning[:, 2], atol=1e-12)
+    assert "shifted by -3.5 s" in made.notes[0]
+    assert "full turn" in made.notes[1]
+
+
+def test_coarse_digits_are_noted() -> None:
+    notes = from_samples(EXACT.t, np.round(EXACT.pose, 4)).notes
+    assert any("steps of 0.0001" in note for note in notes)
+    assert not any("steps of" in note for note in from_samples(EXACT.t, EXACT.pose).notes)
+
+
+@pytest.mark.parametrize(
+    ("velocity", "acceleration", "word"),
+    [(180 / np.pi, 1.0, "velocity of theta"), (1.0, 180 / np.pi, "acceleration of theta")],
+)
+def test_rates_in_another_unit_are_noted(velocity, acceleration, word) -> None:
+    scale = np.array([1.0, 1.0, velocity, 1.0])
+    growth = np.array([1.0, 1.0, acceleration, 1.0])
+    made = from_samples(
+        EXACT.t, EXACT.pose, EXACT.velocity * scale, EXACT.acceleration * growth * scale
+    )
+    assert word in made.notes[0]
+
+
+def test_constant_coordinate_gives_no_note_on_digits() -> None:
+    level = EXACT.pose * [1.0, 0.0, 1.0, 1.0]
+    assert not any("steps of" in note for note in from_samples(EXACT.t, level).notes)
+
+
+def test_bad_samples_are_rejected() -> None:
+    with pytest.raises(InvalidInput, match="together with the velocity"):
+        from_samples(EXACT.t, EXACT.pose, None, EXACT.acceleration)
+    with pytest.raises(InvalidInput, match="increase"):
+        from_samples(EXACT.t[::-1], EXACT.pose)
+    with pytest.raises(InvalidInput, match="pose"):
+        from_samples(EXACT.t, EXACT.pose[:-1])
+
+
+SIZES = st.floats(-330, 308).map(lambda power: 10.0**power)
+
+
+@given(
+    steps=st.lists(SIZES, min_size=1, max_size=8),
+    start=st.just(0.0) | SIZES | SIZES.map(float.__neg__),
+    size=st.just(1.0) | SIZES,
+    rates=st.integers(0, 2),
+    rest=st.booleans(),
+)
+@example(steps=[1e-310, 1e-310], start=0.0, size=1.0, rates=0, rest=False)
+@example(steps=[1e16, 0.1], start=-1e16, size=1.0, rates=1, rest=False)
+@example(steps=[1e308, 1e308], start=-1e308, size=1.0, rates=0, rest=True)
+@example(steps=[1.0, 1.0], start=0.0, size=1e308, rates=0, rest=False)
+def test_numbers_of_any_size_make_a_finite_motion_or_are_refused(
+    steps, start, size, rates, rest
+) -> None:
+    with np.errstate(over="ignore"):
+        times = np.cumsum([start, *steps])
+    pose = size * np.sin(np.arange(times.size))[:, None] * [0.1, 0.2, 0.3, 0.4]
+    try:
+        made = from_samples(times, pose, *[pose] * rates, rest=rest)
+    except InvalidInput:
+        return
+    between = made.at(np.linspace(0.0, made.duration, 50))
+    assert all(np.isfinite(values).all() for values in (*between, *made.at(made.t)))

@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from paminsa_viz.explorer.actions import renamed_if_changed, with_document
-from paminsa_viz.explorer.balancing.jobs import Goal, Job, Outcome, Task
+from paminsa_viz.explorer import tasks
+from paminsa_viz.explorer.actions import with_design
+from paminsa_viz.explorer.balancing.jobs import BalanceJob, Goal, Task
 from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.tasks import Outcome
 from paminsa_viz.model import Design, InvalidInput
 from paminsa_viz.model.parameters import Counterweight
 
@@ -20,7 +22,7 @@ def change_settings(state: State, **changes: Any) -> State:
     settings = replace(balancing.settings, **changes)
     if settings == balancing.settings:  # an input may say again what it holds
         return state
-    refused = balancing.outcome is not None and balancing.outcome.problem is not None
+    refused = balancing.outcome is not None and balancing.outcome.error is not None
     outcome = None if refused else balancing.outcome
     return state.updated("balancing", settings=settings, outcome=outcome)
 
@@ -32,14 +34,10 @@ def choose_goal(state: State, goal: Goal) -> State:
     return change_settings(state, goal=goal, exact=goal.static)
 
 
-def make_job(state: State, task: Task) -> Job:
+def make_job(state: State, task: Task) -> BalanceJob:
     """Return a task for the current state."""
-    document = state.document
     found = motions.planned(state)
-    return Job(
-        task, document.design, *document.pose[2:], found.trajectory,
-        found.problem, state.balancing.settings, state.condition_limit,
-    )  # fmt: skip
+    return BalanceJob.of(state, state.balancing.settings, task, found.trajectory, found.problem)
 
 
 def balance_now(state: State) -> State:
@@ -50,7 +48,7 @@ def balance_now(state: State) -> State:
     """
     started = start(state, Task.PAPER)
     job = started.balancing.running
-    return started if job is None else receive_result(started, run(job))
+    return started if job is None else receive_result(started, tasks.solve(run, job))
 
 
 def start(state: State, task: Task) -> State:
@@ -61,41 +59,30 @@ def start(state: State, task: Task) -> State:
     """
     if state.balancing.running is not None:
         raise InvalidInput("balance", "the last task still runs; stop it or wait")
-    running = make_job(state, task)
-    return state.updated("balancing", running=running, done=0.0)
+    return tasks.start(state, "balancing", make_job(state, task))
 
 
-def stop(state: State) -> State:
-    """Cancel the task that runs."""
-    return state.updated("balancing", running=None)
-
-
-def report_progress(state: State, job: Job, done: float) -> State:
-    """Show how far a task is, 0 to 1."""
-    if state.balancing.running is not job:
-        return state
-    return state.updated("balancing", done=done)
-
-
-def receive_result(state: State, outcome: Outcome) -> State:
+def receive_result(state: State, outcome: Outcome[BalanceJob, Any]) -> State:
     """Take over the outcome of the task that runs; that of an older one is dropped.
 
     A better design is worked on from now on, the one before pinned to compare with, if that one was
     not changed in the meantime.
     """
-    if state.balancing.running is not outcome.job:
+    job, balanced = outcome.job, outcome.result
+    if state.balancing.running != job:
         return state
-    if outcome.job.task is Task.FRONT:
-        return state.updated("balancing", running=None, front=outcome)
-    if outcome.job.task is Task.SENSITIVITY:
-        return state.updated("balancing", running=None, tornado=outcome)
-    if outcome.after is not None and state.document.design != outcome.job.design:
-        problem = InvalidInput("design", "it was changed in the meantime; start again")
-        outcome = Outcome(outcome.job, problem=problem)
-    state = state.updated("balancing", running=None, outcome=outcome)
-    if outcome.after is None or outcome.after == state.document.design:
+    state = state.updated("balancing", running=None)
+    if job.task is Task.FRONT:
+        return state.updated("balancing", front=outcome)
+    if job.task is Task.SENSITIVITY:
+        return state.updated("balancing", tornado=outcome)
+    if balanced is not None and state.document.design != job.design:
+        error = InvalidInput("design", "it was changed in the meantime; start again")
+        return state.updated("balancing", outcome=Outcome(job, error=error))
+    state = state.updated("balancing", outcome=outcome)
+    if balanced is None or balanced.after == state.document.design:
         return state
-    return _compared(state, outcome.after, outcome.job.design)
+    return _compared(state, balanced.after, job.design)
 
 
 def choose_point(state: State, index: int) -> State:
@@ -104,24 +91,21 @@ def choose_point(state: State, index: int) -> State:
     Raises:
         InvalidInput: If there is no such point.
     """
-    found = state.balancing.front
-    if found is None or index not in range(len(found.designs)):
+    front, points = state.balancing.front, state.balancing.points
+    if front is None or index not in range(len(points)):
         raise InvalidInput("front", "there is no such point")
-    return _compared(
-        state.updated("balancing", outcome=None), found.designs[index], found.job.design
-    )
+    return _compared(state.updated("balancing", outcome=None), points[index], front.job.design)
 
 
 def chosen_point(state: State) -> int | None:
     """Return which point of the front is worked on, or None."""
-    found = state.balancing.front
-    designs = () if found is None else found.designs
-    return designs.index(state.document.design) if state.document.design in designs else None
+    points, design = state.balancing.points, state.document.design
+    return points.index(design) if design in points else None
 
 
 def _compared(state: State, design: Design, reference: Design) -> State:
-    design = renamed_if_changed(design)
-    return with_document(state, replace(state.document, design=design, reference=reference))
+    document = replace(state.document, reference=reference)
+    return with_design(replace(state, document=document), design)
 
 
 def set_counterweights(state: State, weights: tuple[Counterweight, ...]) -> State:
@@ -130,9 +114,7 @@ def set_counterweights(state: State, weights: tuple[Counterweight, ...]) -> Stat
     Raises:
         InvalidDesign: If they are too many.
     """
-    changed = replace(state.document.design, counterweights=weights)
-    design = renamed_if_changed(changed)
-    return with_document(state, replace(state.document, design=design))
+    return with_design(state, replace(state.document.design, counterweights=weights))
 
 
 def add_counterweight(state: State, bar: str, joint: int) -> State:

@@ -1,4 +1,4 @@
-"""Tasks of the balance and their outcomes: plain data."""
+"""Tasks of the balance and what they find: plain data."""
 
 from __future__ import annotations
 
@@ -17,9 +17,11 @@ from paminsa_viz.balancing import (
 )
 from paminsa_viz.balancing.changes import MOST
 from paminsa_viz.balancing.sensitivity import MASSES
+from paminsa_viz.explorer.balancing.plane import PlaneJob
 from paminsa_viz.explorer.balancing.weight_clearance import WeightClearance
-from paminsa_viz.model import Design, InvalidInput, PaminsaError
-from paminsa_viz.model.singular_limit import CONDITION_LIMIT
+from paminsa_viz.explorer.settings import PERCENT, Settings, setting
+from paminsa_viz.explorer.tasks import Outcome, TaskState
+from paminsa_viz.model import Design, InvalidInput
 from paminsa_viz.trajectory import Trajectory
 
 
@@ -64,31 +66,48 @@ SLOTS = (("slot_b8", "b8", 8), ("slot_b3", "b3", 7))
 
 
 @dataclass(frozen=True)
-class BalanceSettings:
+class BalanceSettings(Settings):
     """What a person set.
 
     Attributes:
         goal: What is minimized.
         motion_weight: Weight of the motion against the static torques, 0 to 1, for `Goal.BOTH`.
-        movable: Joints and links that may change.
-        max_increase: By how much each of them may grow [kg].
-        max_decrease: By what part each may shrink, 0 to 1.
         slot_b8, slot_b3: Counterweights beyond joint 8 on B8, and beyond joint 7 on B3.
-        exact: Whether M_p2 has to be zero.
-        max_added: Largest added mass of the robot, for goals on the motion [kg]; 0 for no limit.
         variation: By what part each value varies in the sensitivity, 0 to 1.
     """
 
-    goal: Goal = Goal.ADDED
+    goal: Goal = setting(
+        Goal.ADDED, "Goal", "What is minimized; torques are those of M1–M3"
+    )  # fmt: skip
     motion_weight: float = 0.5
-    movable: FreeMasses = FreeMasses.NONE
-    max_increase: float = 5.0
-    max_decrease: float = 0.0
+    movable: FreeMasses = setting(
+        FreeMasses.NONE, "Joints, links", "Which other masses of a leg may change"
+    )
+    max_increase: float = setting(
+        5.0, "Max increase [kg]",
+        "By how much each of them may grow; a link's inertia grows in proportion",
+        range=(0.0, 100.0), step=0.001,
+    )  # fmt: skip
+    max_decrease: float = setting(
+        0.0, "Max decrease [%]", "By what part each of them may shrink", range=(0.0, 1.0),
+        step=0.1, unit=PERCENT,
+    )  # fmt: skip
     slot_b8: CounterweightSlot = CounterweightSlot(max_mass=5.0)
     slot_b3: CounterweightSlot = CounterweightSlot(max_mass=5.0)
-    exact: bool = True
-    max_added: float = 0.0
-    variation: float = 0.05
+    exact: bool = setting(
+        True, "only M_p2 = 0",
+        "Otherwise a balance comes as near as it can, and other goals are free of it",
+    )  # fmt: skip
+    max_added: float = setting(
+        0.0, "Max added [kg]",
+        "Largest added mass of the whole robot, for goals on the motion and for the front; "
+        "0: no limit",
+        range=(0.0, 1e3), step=0.001,
+    )  # fmt: skip
+    variation: float = setting(
+        0.05, "Variation ± [%]", "Of every mass and length, one at a time", range=(0.001, 0.5),
+        step=0.1, unit=PERCENT,
+    )  # fmt: skip
 
     @property
     def counterweight_ranges(self) -> tuple[CounterweightRange, ...]:
@@ -135,28 +154,19 @@ class Task(Enum):
     SENSITIVITY = "the sensitivity"
 
 
-@dataclass(frozen=True, eq=False)
-class Job:
+@dataclass(frozen=True)
+class BalanceJob(PlaneJob):
     """A task with everything it depends on.
 
     Attributes:
         task: What is computed.
-        design: The robot as it is.
-        theta, z: The plane of poses of the static torques, that of the maps [rad, m].
         trajectory: The current motion, or None.
         problem: Why there is no motion.
-        settings: What a person set.
-        condition_limit: Largest condition number of a pose of the plane that counts.
     """
 
     task: Task
-    design: Design
-    theta: float
-    z: float
     trajectory: Trajectory | None
     problem: str
-    settings: BalanceSettings
-    condition_limit: float = CONDITION_LIMIT
 
 
 @dataclass(frozen=True)
@@ -178,50 +188,51 @@ class Effect:
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
-    """What came of a job: an optimum, a front or a tornado, or why there is none.
+class Balanced:
+    """The optimal masses.
 
     Attributes:
-        job: The job.
-        after: The best design, or None.
+        after: The best design.
         optimum: It, with its proof.
         effects: What it does to torques and masses.
         weights: Whether its counterweights hit anything; None without any.
-        front: The front, if that was the task.
-        designs: The designs of its points.
-        tornado: The sensitivity, if that was the task.
-        problem: Why there is nothing.
     """
 
-    job: Job
-    after: Design | None = None
-    optimum: Optimum | None = None
-    effects: tuple[Effect, ...] = ()
-    front: ParetoFront | None = None
-    designs: tuple[Design, ...] = ()
-    tornado: Tornado | None = None
-    problem: PaminsaError | None = None
-    weights: WeightClearance | None = None
+    after: Design
+    optimum: Optimum
+    effects: tuple[Effect, ...]
+    weights: WeightClearance | None
+
+
+@dataclass(frozen=True, eq=False)
+class MassFront:
+    """A Pareto front, and the designs of its points."""
+
+    front: ParetoFront
+    designs: tuple[Design, ...]
+
+
+BalanceOutcome = Outcome[BalanceJob, Balanced]
 
 
 @dataclass(frozen=True)
-class Balancing:
-    """The balancing of a session.
+class Balancing(TaskState[BalanceJob, Balanced]):
+    """The balancing of a session; one of its tasks runs at a time.
 
     Attributes:
         settings: What a person set.
-        running: The job that runs, or None.
-        done: What part of it is done, 0 to 1.
-        outcome: The last optimum, or why there is none, or None.
-        front: The last front, likewise.
-        tornado: The last sensitivity, likewise.
+        front: What came of the last front, or None.
+        tornado: What came of the last sensitivity, or None.
         output: Which of `paminsa_viz.balancing.OUTPUTS` the tornado chart shows.
     """
 
     settings: BalanceSettings = field(default_factory=BalanceSettings)
-    running: Job | None = None
-    done: float = 0.0
-    outcome: Outcome | None = None
-    front: Outcome | None = None
-    tornado: Outcome | None = None
+    front: Outcome[BalanceJob, MassFront] | None = None
+    tornado: Outcome[BalanceJob, Tornado] | None = None
     output: int = 0
+
+    @property
+    def points(self) -> tuple[Design, ...]:
+        """Designs of the points of the last front."""
+        found = None if self.front is None else self.front.result
+        return () if found is None else found.designs

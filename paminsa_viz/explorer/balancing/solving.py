@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 
@@ -15,6 +14,7 @@ from paminsa_viz.balancing import (
     Optimum,
     StaticPeak,
     Term,
+    Tornado,
     TrajectoryPeak,
     TrajectoryRms,
     balance,
@@ -24,19 +24,20 @@ from paminsa_viz.balancing import (
     whole_mass,
 )
 from paminsa_viz.explorer.balancing.jobs import (
+    Balanced,
+    BalanceJob,
     BalanceSettings,
     Effect,
     Goal,
-    Job,
-    Outcome,
+    MassFront,
     Task,
     changes_of,
 )
 from paminsa_viz.explorer.balancing.weight_clearance import WeightClearance, weight_clearance
 from paminsa_viz.explorer.maps import COARSE
+from paminsa_viz.explorer.tasks import Report
 from paminsa_viz.model import (
     Design,
-    Field,
     Geometry,
     Grid,
     InvalidInput,
@@ -47,8 +48,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.parameters import Counterweight
-from paminsa_viz.model.singular_limit import counting
-from paminsa_viz.plots.map_data import half_width, workspace_field
+from paminsa_viz.plots.map_data import half_width
 from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, analyze, solve_trajectory
 from paminsa_viz.trajectory.integrals import time_weights
 
@@ -63,25 +63,23 @@ MOST_POSES = 240
 SAME_PLACE = 1e-9
 """Counterweights on one bar nearer to each other than this are one [m]."""
 
-Progress = Callable[[float], bool]
-"""Takes what part is done, and returns whether to stop."""
+
+def run(job: BalanceJob, report: Report) -> Balanced | MassFront | Tornado:
+    """Solve a task.
+
+    Raises:
+        PaminsaError: If it has no solution.
+    """
+    if job.task is Task.FRONT:
+        return _front(job, report)
+    if job.task is Task.SENSITIVITY:
+        return _tornado(job)
+    found = balance(job.design) if job.task is Task.PAPER else _best(job)
+    after = tidied(found.after)
+    return Balanced(after, found, effects(job, after), weights_of(job, after))
 
 
-def run(job: Job, progress: Progress = lambda _: False) -> Outcome:
-    """Solve a task; what cannot be done is part of the outcome."""
-    try:
-        if job.task is Task.FRONT:
-            return _front(job, progress)
-        if job.task is Task.SENSITIVITY:
-            return _tornado(job)
-        found = balance(job.design) if job.task is Task.PAPER else _best(job)
-        after = tidied(found.after)
-        return Outcome(job, after, found, effects(job, after), weights=weights_of(job, after))
-    except PaminsaError as error:
-        return Outcome(job, problem=error)
-
-
-def _best(job: Job) -> Optimum:
+def _best(job: BalanceJob) -> Optimum:
     settings = job.settings
     changes = changes_of(settings, job.design)
     if settings.goal.static:
@@ -95,10 +93,11 @@ def _best(job: Job) -> Optimum:
         return optimize(job.design, changes, peak, limits=limits)
     if settings.goal is Goal.RMS:
         return optimize(job.design, changes, TrajectoryRms(motion(job)), limits=limits)
+    static = StaticPeak(job.plane(COARSE))
     # Each counts by what it is now, so that the share is one of like with like.
     parts = (
         (settings.motion_weight, peak, dynamic_torque(job, job.design)[0]),
-        (1 - settings.motion_weight, StaticPeak(plane(job)), static_torque(job, job.design)[0]),
+        (1 - settings.motion_weight, static, static_torque(job, job.design)[0]),
     )
     goals = [(share / (now or 1.0), term) for share, term, now in parts]
     return optimize(job.design, changes, goals, limits=limits)
@@ -108,32 +107,31 @@ def _limits(settings: BalanceSettings) -> list[tuple[Term, float]]:
     return [(AddedMass(), settings.max_added)] if settings.max_added > 0 else []
 
 
-def _front(job: Job, progress: Progress) -> Outcome:
+def _front(job: BalanceJob, report: Report) -> MassFront:
     found = pareto_front(
         job.design, changes_of(job.settings, job.design), TrajectoryPeak(motion(job)),
-        StaticPeak(plane(job)), points=FRONT_POINTS, limits=_limits(job.settings),
-        progress=lambda done, of: progress(done / of),
+        StaticPeak(job.plane(COARSE)), points=FRONT_POINTS, limits=_limits(job.settings),
+        progress=lambda done, of: report(done / of),
     )  # fmt: skip
-    return Outcome(job, front=found, designs=tuple(tidied(p.design) for p in found.points))
+    return MassFront(found, tuple(tidied(p.design) for p in found.points))
 
 
-def _tornado(job: Job) -> Outcome:
+def _tornado(job: BalanceJob) -> Tornado:
     settings, design = job.settings, job.design
     try:
         trajectory = motion(job).trajectory
     except PaminsaError:  # what it matters to the motion then has no value
         trajectory = None
-    found = tornado(design, middle(job), trajectory, change=settings.variation)
-    return Outcome(job, tornado=found)
+    return tornado(design, middle(job), trajectory, change=settings.variation)
 
 
-def middle(job: Job) -> Grid:
+def middle(job: BalanceJob) -> Grid:
     """Return poses around the robot's axis that stay clear of limits when lengths change a little.
 
     Raises:
         InvalidInput: If there is no room around the axis at this theta and z.
     """
-    clear = plane(job).status == Limit.OK
+    clear = job.plane(COARSE).status == Limit.OK
     half = COARSE // 2
     sizes = range(half, 0, -1)
     most = next((n for n in sizes if clear[half - n : half + n, half - n : half + n].all()), 0)
@@ -160,7 +158,7 @@ def tidied(design: Design) -> Design:
     return replace(design, counterweights=tuple(kept))
 
 
-def effects(job: Job, after: Design) -> tuple[Effect, ...]:
+def effects(job: BalanceJob, after: Design) -> tuple[Effect, ...]:
     """Return what the step from the job's design to another one does."""
     ends = (job.design, after)
     found = [
@@ -176,11 +174,11 @@ def effects(job: Job, after: Design) -> tuple[Effect, ...]:
     return tuple(found)
 
 
-def weights_of(job: Job, design: Design) -> WeightClearance | None:
+def weights_of(job: BalanceJob, design: Design) -> WeightClearance | None:
     """Return whether counterweights hit anything, in the plane of the maps and on the motion."""
     if not design.counterweights:
         return None
-    field = plane(job)
+    field = job.plane(COARSE)
     poses = [field.grid.poses()[field.status == Limit.OK]]
     if job.trajectory is not None:
         every = max(job.trajectory.size // MOST_POSES, 1)
@@ -197,10 +195,10 @@ SIZES = {
 """What is compared of each actuator, and the units of M1 to M4."""
 
 
-def actuator_sizes(job: Job, design: Design) -> Array:
+def actuator_sizes(job: BalanceJob, design: Design) -> Array:
     """Return `SIZES` of M1..M4, (4, 4); NaN where no pose counts or no motion runs."""
     sizes = np.full((len(SIZES), 4), np.nan)
-    field = plane(job)
+    field = job.plane(COARSE)
     if (used := field.status == Limit.OK).any():
         sizes[0] = np.abs(field.torques(design)[:, used]).max(axis=1)
     try:
@@ -212,16 +210,16 @@ def actuator_sizes(job: Job, design: Design) -> Array:
     return sizes
 
 
-def static_torque(job: Job, design: Design) -> tuple[float, float]:
+def static_torque(job: BalanceJob, design: Design) -> tuple[float, float]:
     """Return peak and RMS of the static torques of M1..M3 over the plane [N m]; NaN without one."""
-    field = plane(job)
+    field = job.plane(COARSE)
     torque = field.torques(design)[:3, field.status == Limit.OK]
     if torque.size == 0:
         return np.nan, np.nan
     return float(np.abs(torque).max()), float(np.sqrt(np.mean(torque**2)))
 
 
-def dynamic_torque(job: Job, design: Design) -> tuple[float, float]:
+def dynamic_torque(job: BalanceJob, design: Design) -> tuple[float, float]:
     """Return peak and RMS of the torques of M1..M3 in the motion [N m]; NaN if it cannot run."""
     try:
         solved = motion(job)
@@ -232,7 +230,7 @@ def dynamic_torque(job: Job, design: Design) -> tuple[float, float]:
     return float(np.abs(torque).max()), float(np.sqrt(square.mean()))
 
 
-def motion(job: Job) -> SolvedTrajectory:
+def motion(job: BalanceJob) -> SolvedTrajectory:
     """Return the current motion, solved.
 
     Raises:
@@ -250,18 +248,3 @@ def motion(job: Job) -> SolvedTrajectory:
 @lru_cache(maxsize=2)
 def _solved(geometry: Geometry, trajectory: Trajectory, gravity: float) -> SolvedTrajectory:
     return solve_trajectory(geometry, trajectory, gravity=gravity)
-
-
-def plane(job: Job) -> Field:
-    """Return the plane of the maps; poses that do not count are singular there.
-
-    Torques have no bound there: a peak would be that of the cell that happens to come nearest.
-    """
-    return _plane(job.design.geometry, job.theta, job.z, job.condition_limit)
-
-
-@lru_cache(maxsize=2)
-def _plane(geometry: Geometry, theta: float, z: float, limit: float) -> Field:
-    field = workspace_field(geometry, theta, z, COARSE)
-    near = (field.status == Limit.OK) & ~counting(field, limit)
-    return replace(field, status=np.where(near, np.uint8(Limit.SINGULAR), field.status))

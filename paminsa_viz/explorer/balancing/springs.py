@@ -1,65 +1,97 @@
-"""Springs next to the design: the fit, and what the actuators hold with them.
+"""Springs next to the design: where they are, their fit, and what the actuators hold with them.
 
 Springs are no part of a design: all else on the page is of the robot without them.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING
 
-from paminsa_viz.balancing import fit_springs, spring_torques
-from paminsa_viz.explorer.balancing.spring_settings import (
-    HEIGHTS,
-    LENGTHS,
-    SpringJob,
-    SpringOutcome,
-    SpringSettings,
+from paminsa_viz.balancing import (
+    SpringFit,
+    SpringPlace,
+    at_joint,
+    fit_springs,
+    on_guide,
+    on_slider,
+    spring_torques,
 )
-from paminsa_viz.explorer.state import State
-from paminsa_viz.model import InvalidInput, PaminsaError
+from paminsa_viz.explorer import tasks
+from paminsa_viz.explorer.balancing.plane import PlaneJob
+from paminsa_viz.explorer.settings import MILLIMETERS, Settings, setting
+from paminsa_viz.explorer.tasks import TaskState
+from paminsa_viz.model import InvalidInput
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.singular_limit import counting
-from paminsa_viz.plots.map_data import workspace_field
+
+if TYPE_CHECKING:
+    from paminsa_viz.explorer.state import State
 
 CELLS = 41
 """Poses along each side of the map that springs are fitted on."""
 
-
-def change_settings(state: State, **changes: Any) -> State:
-    """Change where springs are.
-
-    Raises:
-        InvalidInput: If a number is out of its range.
-    """
-    settings = replace(state.springing.settings, **changes)
-    numbers = (
-        ("height", settings.height, HEIGHTS),
-        ("radius", settings.radius, LENGTHS),
-        ("free length", settings.least, LENGTHS),
-        ("free length", settings.most, LENGTHS),
-    )
-    for name, value, (low, high) in numbers:
-        if not low <= value <= high:
-            text = f"{1e3 * low:g} to {1e3 * high:g} mm is possible, not {1e3 * value:g}"
-            raise InvalidInput(name, text)
-    if settings.least > settings.most:
-        raise InvalidInput("free length", "its range has to end above where it starts")
-    return state.updated("springing", settings=settings)
+LENGTHS = (0.0, 1.0)
+"""Shortest and longest free length [m]."""
 
 
-def wanted(state: State) -> SpringJob:
-    """Return the fit of the current state."""
-    document = state.document
-    _, _, theta, z = document.pose
-    return SpringJob(
-        document.design, theta, z, state.springing.settings, state.condition_limit
+class SpringsFrom(Enum):
+    """Where the springs start; they end at joint 9 of their leg."""
+
+    SLIDER = "mast on slider 8"
+    GUIDE = "post on guide link"
+
+
+@dataclass(frozen=True)
+class SpringSettings(Settings):
+    """Where springs are; ``least`` and ``most`` are the range of their free length [m]."""
+
+    start: SpringsFrom = setting(
+        SpringsFrom.SLIDER, "Springs from",
+        "One on each leg, to the knee 9. A mast on slider 8 travels along the guide; with a "
+        "free length of zero its spring balances exactly",
     )  # fmt: skip
+    height: float = setting(
+        0.1, "Height [mm]", "Of the mast or post, above the guides", range=(0.005, 1.0),
+        unit=MILLIMETERS,
+    )  # fmt: skip
+    radius: float = setting(
+        0.05, "Radius [mm]", "Of the post, from the leg axis toward the platform", range=LENGTHS,
+        unit=MILLIMETERS,
+    )  # fmt: skip
+    least: float = setting(0.0, "Free length [mm]", range=LENGTHS, unit=MILLIMETERS)
+    most: float = setting(0.0, "Free length [mm]", range=LENGTHS, unit=MILLIMETERS)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.least > self.most:
+            raise InvalidInput("free length", "its range has to end above where it starts")
+
+    @property
+    def place(self) -> SpringPlace:
+        """The anchors and ranges of the fit."""
+        slider = self.start is SpringsFrom.SLIDER
+        first = on_slider(self.height) if slider else on_guide(self.radius, self.height)
+        return SpringPlace(
+            first, at_joint(9), min_free_length=self.least, max_free_length=self.most
+        )
+
+
+@dataclass(frozen=True)
+class Springing(TaskState[PlaneJob, SpringFit]):
+    """The springs of a session: their fit and its settings."""
+
+    settings: SpringSettings = field(default_factory=SpringSettings)
+
+
+def wanted(state: State) -> PlaneJob:
+    """Return the fit of the current state."""
+    return PlaneJob.of(state, state.springing.settings)
 
 
 def start(state: State) -> State:
     """Start the fit of the current state."""
-    return state.updated("springing", running=wanted(state))
+    return tasks.start(state, "springing", wanted(state))
 
 
 def clear(state: State) -> State:
@@ -67,28 +99,13 @@ def clear(state: State) -> State:
     return state.updated("springing", running=None, outcome=None)
 
 
-def receive(state: State, outcome: SpringOutcome) -> State:
-    """Take over the result of the fit that runs; that of an older one is dropped."""
-    if state.springing.running is not outcome.job:
-        return state
-    return state.updated("springing", running=None, outcome=outcome)
+def fit(job: PlaneJob, _: object) -> SpringFit:
+    """Fit the springs.
 
-
-def run(job: SpringJob) -> SpringOutcome:
-    """Fit; raises nothing that is the robot's or the person's fault."""
-    try:
-        field = workspace_field(job.design.geometry, job.theta, job.z, CELLS)
-        poses = field.grid.poses()[counting(field, job.condition_limit)]
-        place: SpringSettings = job.settings
-        return SpringOutcome(job, fit_springs(job.design, [place.place], poses))
-    except PaminsaError as error:
-        return SpringOutcome(job, None, str(error))
-
-
-def is_current(state: State) -> bool:
-    """Whether the springs were fitted to the current design, plane and settings."""
-    outcome = state.springing.outcome
-    return outcome is not None and outcome.job.same(wanted(state))
+    Raises:
+        PaminsaError: If there are none, or no pose to fit them on.
+    """
+    return fit_springs(job.design, [job.settings.place], job.poses(CELLS))
 
 
 def relieved(state: State, torques: Array) -> Array | None:
@@ -101,8 +118,7 @@ def relieved(state: State, torques: Array) -> Array | None:
     Returns:
         None without springs.
     """
-    outcome = state.springing.outcome
-    if outcome is None or outcome.fit is None:
+    found, last = state.springing.result, state.last_reachable
+    if found is None:
         return None
-    geometry, pose = state.last_reachable.geometry, state.last_reachable.pose
-    return torques + spring_torques(geometry, outcome.fit.springs, pose)
+    return torques + spring_torques(last.geometry, found.springs, last.pose)

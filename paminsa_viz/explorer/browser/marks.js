@@ -29,7 +29,7 @@
   };
 
   // --- marks --------------------------------------------------------------------------------
-  const marked = new Map(); // element: {mark: the element that it is marked for}
+  const marked = new Map(); // element: {mark: the elements that it is marked for}
   const write = (element, marks) => {
     const text = Object.keys(marks).join(" ");
     if (element.getAttribute(MARK) !== text) element.setAttribute(MARK, text);
@@ -37,15 +37,17 @@
   const mark = (element, name, source) => {
     if (!element) return;
     const marks = marked.get(element) ?? {};
-    marks[name] = source;
+    (marks[name] ??= new Set()).add(source);
     marked.set(element, marks);
     write(element, marks);
   };
   const unmark = () => {
     for (const [element, marks] of marked) {
-      const gone = Object.keys(marks).filter((name) => !element.contains(marks[name]));
-      for (const name of gone) delete marks[name];
-      if (gone.length) write(element, marks);
+      for (const [name, sources] of Object.entries(marks)) {
+        for (const source of sources) if (!element.contains(source)) sources.delete(source);
+        if (!sources.size) delete marks[name];
+      }
+      write(element, marks);
       if (!element.isConnected) marked.delete(element);
     }
   };

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
+from paminsa_viz.explorer import tasks
 from paminsa_viz.explorer.actions import with_document
 from paminsa_viz.explorer.motion import planning
 from paminsa_viz.explorer.motion.description import (
@@ -17,12 +18,13 @@ from paminsa_viz.explorer.motion.description import (
     require_possible,
     started,
 )
-from paminsa_viz.explorer.motion.jobs import Answer, SimulationJob, SimulationOutcome, make_job
+from paminsa_viz.explorer.motion.jobs import SimulationJob, make_job
 from paminsa_viz.explorer.motion.planning import Planned
 from paminsa_viz.explorer.motion.simulated import shown_simulation
 from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.tasks import Outcome
 from paminsa_viz.model import InvalidInput
-from paminsa_viz.trajectory import PRESET, Trajectory
+from paminsa_viz.trajectory import PRESET, Simulation, Trajectory
 
 
 def planned(state: State) -> Planned:
@@ -192,23 +194,23 @@ def simulate(state: State) -> State:
         raise InvalidInput("simulation", "the last one still runs")
     if state.plots.plot not in SIMULATED:
         state = state.updated("plots", plot="errors")
-    return state.updated("simulating", running=wanted_job(state))
+    return tasks.start(state, "simulating", wanted_job(state))
 
 
 def simulation_is_current(state: State) -> bool:
     """Whether the last simulation is one of the current design, motion and settings."""
     outcome = state.simulating.outcome
     try:
-        return outcome is not None and outcome.job.same(wanted_job(state))
+        return outcome is not None and outcome.job == wanted_job(state)
     except InvalidInput:
         return False
 
 
-def receive_simulation(state: State, outcome: SimulationOutcome) -> State:
+def receive_simulation(state: State, outcome: Outcome[SimulationJob, Simulation]) -> State:
     """Take over the outcome of the job that runs, and play it; that of an older one is dropped."""
-    if state.simulating.running is not outcome.job:
+    received = tasks.receive(state, "simulating", outcome)
+    if received is state:
         return state
-    received = state.updated("simulating", running=None, outcome=outcome)
     if shown_simulation(received.document, received.simulating) is None:
         return with_document(received, received.document)
     return play(received.updated("playback", time=0.0))
@@ -218,8 +220,3 @@ def show_simulation(state: State, shown: bool) -> State:
     """Let the robot in the scene move as simulated, or as planned."""
     changed = state.updated("simulating", shown=shown)
     return with_document(changed, changed.document)
-
-
-def receive_engine_answer(state: State, answer: Answer) -> State:
-    """Take over the torques of an engine, or why there are none."""
-    return replace(state, engine_answer=answer)

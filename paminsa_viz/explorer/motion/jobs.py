@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.comparison import Comparison, torque_scale
+from paminsa_viz.explorer.settings import MILLIMETERS, Settings, setting
+from paminsa_viz.explorer.tasks import Outcome, TaskState
 from paminsa_viz.model import Design, InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.plots.series import EngineTorques
@@ -26,87 +28,73 @@ from paminsa_viz.trajectory import (
     simulate,
 )
 
-BANDWIDTHS = (0.0, 50.0)
-"""Lowest and highest bandwidth of the controller [Hz]."""
-DAMPINGS = (0.0, 5.0)
-PAYLOAD_MISMATCHES = (-10.0, 50.0)
-"""How much lighter or heavier the carried payload may be than the controller takes it for [kg]."""
-
-INITIAL_ERRORS = (-0.1, 0.1)
-"""Error of x at the start [m]."""
-
 LONGEST = 60.0
 """Longest motion that is simulated on the page [s]."""
 
 
 @dataclass(frozen=True)
-class SimulationSettings:
+class SimulationSettings(Settings):
     """Robot and controller of a simulation.
 
     The default carries 5 kg that the controller does not know of, with gains so low that the robot
     is seen to sink below its path.
 
     Attributes:
-        control: How the actuators are commanded.
-        bandwidth: Of the error's own motion [Hz].
-        damping: Its damping ratio.
-        payload_mismatch: Payload that the controller does not know of [kg].
-        knows_friction: Whether the controller makes up for the design's friction.
-        initial_error: Error of x at the start [m].
+        bandwidth: [Hz].
+        payload_mismatch: [kg].
+        initial_error: [m].
     """
 
-    control: ControlMode = ControlMode.PD
-    bandwidth: float = 3.0
-    damping: float = 1.0
-    payload_mismatch: float = 5.0
-    knows_friction: bool = True
-    initial_error: float = 0.0
+    control: ControlMode = setting(
+        ControlMode.PD, "Control",
+        "Feed-forward alone has no feedback: the robot is unstable without it",
+        options={
+            "computed torque": ControlMode.COMPUTED_TORQUE,
+            "feed-forward + PD": ControlMode.PD,
+            "feed-forward alone": ControlMode.FEED_FORWARD,
+        },
+    )  # fmt: skip
+    bandwidth: float = setting(
+        3.0, "Bandwidth [Hz]", "Of the error's own motion; the gains follow from it",
+        range=(0.0, 50.0), step=0.5,
+    )  # fmt: skip
+    damping: float = setting(1.0, "Damping ratio", range=(0.0, 5.0), step=0.1)
+    payload_mismatch: float = setting(
+        5.0, "Payload mismatch [kg]", "Payload of the robot beyond what the controller assumes",
+        range=(-10.0, 50.0), step=0.1,
+    )  # fmt: skip
+    knows_friction: bool = setting(
+        True, "Friction is known",
+        "The friction itself is a number of the design, zero in the paper",
+    )  # fmt: skip
+    initial_error: float = setting(
+        0.0, "Initial error [mm]", "Error of x at the start", range=(-0.1, 0.1), unit=MILLIMETERS
+    )
 
     def controller(self) -> Controller:
         """Return the controller."""
         return Controller(self.control, self.bandwidth, self.damping)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class SimulationJob:
-    """What was simulated, to compare a result with the current state."""
+    """What is simulated."""
 
     design: Design
     trajectory: Trajectory
     settings: SimulationSettings
 
-    def same(self, other: SimulationJob) -> bool:
-        """Whether another job has the same result."""
-        return (
-            self.trajectory is other.trajectory
-            and self.settings == other.settings
-            and self.design == other.design
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class SimulationOutcome:
-    """What came of a job: a simulation, or why there is none."""
-
-    job: SimulationJob
-    simulation: Simulation | None
-    problem: str = ""
-
 
 @dataclass(frozen=True)
-class Simulating:
+class Simulating(TaskState[SimulationJob, Simulation]):
     """The simulation of a session.
 
     Attributes:
         settings: What a person set.
-        running: The job that runs, or None.
-        outcome: The last result, or None.
         shown: Whether the scene plays the simulated robot, next to where it should be.
     """
 
     settings: SimulationSettings = field(default_factory=SimulationSettings)
-    running: SimulationJob | None = None
-    outcome: SimulationOutcome | None = None
     shown: bool = True
 
 
@@ -125,20 +113,20 @@ def make_job(
     return SimulationJob(design, trajectory, settings)
 
 
-def run(job: SimulationJob) -> SimulationOutcome:
-    """Simulate; raises nothing that is the robot's or the person's fault."""
+def run(job: SimulationJob, _: object) -> Simulation:
+    """Simulate.
+
+    Raises:
+        PaminsaError: If the robot cannot start, or its payload is not possible.
+    """
     settings, model = job.settings, job.design
     if not settings.knows_friction:
         model = model.without_friction()
-    try:
-        payload = replace(model.payload, mass=model.payload.mass + settings.payload_mismatch)
-        simulation = simulate(
-            replace(job.design, payload=payload), job.trajectory, model=model,
-            controller=settings.controller(), offset=(settings.initial_error, 0.0, 0.0, 0.0),
-        )  # fmt: skip
-        return SimulationOutcome(job, simulation)
-    except PaminsaError as error:
-        return SimulationOutcome(job, None, str(error))
+    payload = replace(model.payload, mass=model.payload.mass + settings.payload_mismatch)
+    return simulate(
+        replace(job.design, payload=payload), job.trajectory, model=model,
+        controller=settings.controller(), offset=(settings.initial_error, 0.0, 0.0, 0.0),
+    )  # fmt: skip
 
 
 MOST_SAMPLES = 250
@@ -179,7 +167,7 @@ class EngineAnswer:
         return torque_scale(thinned.design, poses, self.engine.torque[good])
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class EngineRequest:
     """What an engine is asked: its torques along an analyzed motion."""
 
@@ -187,48 +175,36 @@ class EngineRequest:
     engine: str = "MuJoCo"
 
 
-@dataclass(frozen=True, eq=False)
-class Answer:
-    """What came of asking an engine.
+Answer = Outcome[EngineRequest, EngineAnswer]
 
-    Attributes:
-        request: What it was asked.
-        found: Its torques, or None.
-        problem: Why there are none.
-        missing: Whether that is because there is no engine here, whatever the design.
+
+def serves(answer: Answer, analysis: TrajectoryAnalysis, engine: str = "MuJoCo") -> bool:
+    """Whether an answer holds for a design on a motion, of this engine.
+
+    Where the engine is missing, it holds for all.
     """
-
-    request: EngineRequest
-    found: EngineAnswer | None
-    problem: str = ""
-    missing: bool = False
-
-    def serves(self, analysis: TrajectoryAnalysis, engine: str = "MuJoCo") -> bool:
-        """Whether it holds for a design on a motion, of this engine, and is not another's."""
-        own = self.request.analysis
-        return self.request.engine == engine and (
-            self.missing
-            or (own.trajectory is analysis.trajectory and own.design == analysis.design)
-        )
+    own = answer.job.analysis
+    return answer.job.engine == engine and (
+        isinstance(answer.error, EngineMissing)
+        or (own.trajectory is analysis.trajectory and own.design == analysis.design)
+    )
 
 
-def ask_engine(request: EngineRequest) -> Answer:
-    """Ask an engine for the torques of a design on a motion."""
+def ask_engine(request: EngineRequest) -> EngineAnswer:
+    """Ask an engine for the torques of a design on a motion.
+
+    Raises:
+        PaminsaError: If there is no engine, or the robot cannot run the motion.
+    """
     # Late: what engines need takes half a second to load.
     from paminsa_viz.engines.verification import TOLERANCE
     from paminsa_viz.plots.verified import engine_torques
 
-    analysis = request.analysis
-    try:
-        trajectory = analysis.trajectory
-        count = min(trajectory.size, MOST_SAMPLES)
-        kept = np.linspace(0, trajectory.size - 1, count).round().astype(np.intp)
-        thinned = analyze(analysis.design, trajectory.take(kept))
-        if not thinned.check.good.any():
-            return Answer(request, None, "the robot cannot run any of the motion")
-        engine = replace(engine_torques(thinned, request.engine), samples=kept)
-        return Answer(request, EngineAnswer(thinned, engine, TOLERANCE))
-    except EngineMissing as error:
-        return Answer(request, None, str(error), missing=True)
-    except PaminsaError as error:
-        return Answer(request, None, str(error))
+    analysis, trajectory = request.analysis, request.analysis.trajectory
+    count = min(trajectory.size, MOST_SAMPLES)
+    kept = np.linspace(0, trajectory.size - 1, count).round().astype(np.intp)
+    thinned = analyze(analysis.design, trajectory.take(kept))
+    if not thinned.check.good.any():
+        raise PaminsaError("the robot cannot run any of the motion")
+    engine = replace(engine_torques(thinned, request.engine), samples=kept)
+    return EngineAnswer(thinned, engine, TOLERANCE)

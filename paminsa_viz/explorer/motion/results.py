@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.explorer.clearing import along
-from paminsa_viz.explorer.motion.jobs import Answer
+from paminsa_viz.explorer.motion.jobs import Answer, serves
 from paminsa_viz.explorer.motion.planning import planned
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Design, Misprint
@@ -69,9 +69,8 @@ class MotionStore:
             reference = self._analysis("reference", document.reference, motion)
         if state.plots.published:
             published = self._analysis("published", document.design, motion, Misprint.ALL)
-        outcome, answer = state.simulating.outcome, state.engine_answer
-        simulation = outcome.simulation if outcome else None
-        if answer is not None and not answer.serves(current, state.plots.checker):
+        simulation, answer = state.simulating.result, state.engine_answer
+        if answer is not None and not serves(answer, current, state.plots.checker):
             answer = None
         near = None
         if state.plots.plot == "clearance":
@@ -102,7 +101,7 @@ def _collect(
 ) -> MotionResults:
     engine = None
     if engine_wanted:
-        found = answer.found if answer else None
+        found = answer.result if answer else None
         unknown = np.full(current.torque.shape, np.nan)
         engine = found.engine if found else EngineTorques("engine", unknown)
     return MotionResults(

@@ -19,13 +19,13 @@ def shown_simulation(document: Document, simulating: Simulating) -> Simulation |
     An outcome of another design or motion is not shown.
     """
     outcome = simulating.outcome
-    if not simulating.shown or outcome is None or outcome.simulation is None:
+    if not simulating.shown or outcome is None or outcome.result is None:
         return None
     job = outcome.job
     trajectory = planned(document.motion, document.design).trajectory
     if job.trajectory is not trajectory or job.design != document.design:
         return None
-    return outcome.simulation
+    return outcome.result
 
 
 def simulated_pose(simulation: Simulation, time: float) -> Pose:

@@ -38,3 +38,20 @@ _ENVIRONMENT.filters |= {
 def render(template: str, **context: Any) -> str:
     """Return a template of this folder filled in, as HTML; all but `Markup` is escaped."""
     return _ENVIRONMENT.get_template(template).render(context)
+
+
+def note(testid: str, text: str, *, muted: bool = False) -> str:
+    """Return a text as HTML, in gray if it is muted."""
+    return render("note.j2", testid=testid, text=text, muted=muted)
+
+
+def status(testid: str, level: str, title: str, *lines: str) -> str:
+    """Return a box with a title and lines below it; its color is that of the level.
+
+    Args:
+        testid: Name for tests.
+        level: ``ok``, ``warn``, ``bad`` or ``plain``.
+        title: The first line.
+        lines: Others; empty ones are left out.
+    """
+    return render("status.j2", testid=testid, level=level, title=title, lines=filter(None, lines))

@@ -7,16 +7,15 @@ from typing import Any
 
 from viser import Icon
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.background import BackgroundJob
+from paminsa_viz.explorer import actions, tasks
+from paminsa_viz.explorer.background import TaskRunner, is_running
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.jobs import (
     SLOTS,
+    BalanceSettings,
     CounterweightSlot,
     FreeMasses,
     Goal,
-    Job,
-    Outcome,
     Task,
 )
 from paminsa_viz.explorer.balancing.solving import run
@@ -31,60 +30,39 @@ from paminsa_viz.explorer.entries import (
     Html,
     Progress,
 )
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import (
-    MILLIMETERS,
-    PERCENT,
-    PLAIN,
-    Checkbox,
-    Dropdown,
-    Number,
-    Pair,
-    Slider,
-    attribute,
-)
+from paminsa_viz.explorer.inputs import Dropdown, Pair, Slider, attribute
 from paminsa_viz.explorer.maps import hold_range, toggle_difference
 from paminsa_viz.explorer.panels import balance_charts as charts
 from paminsa_viz.explorer.panels import balance_text as text
-from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels import note
 from paminsa_viz.explorer.panels.counterweights_panel import COUNTERWEIGHTS
 from paminsa_viz.explorer.panels.design_panel import gauge_html
+from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart
 from paminsa_viz.explorer.panels.springs_panel import SPRINGS
 from paminsa_viz.explorer.panels.tolerance_panel import TOLERANCES
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.setting_inputs import SettingInputs
+from paminsa_viz.explorer.settings import MILLIMETERS, PERCENT, PLAIN
 from paminsa_viz.explorer.state import State
-from paminsa_viz.model import InvalidInput
-from paminsa_viz.units import DisplayUnit
 
-
-def _setting(name: str) -> dict[str, Any]:
-    """Return how an input reads and applies one of the settings."""
-    return attribute(f"balancing.settings.{name}", balancing.change_settings)
+_setting = SettingInputs(
+    "balance", "balancing.settings", BalanceSettings, balancing.change_settings
+)
+_busy = is_running("balancing")
 
 
 def _idle(state: State) -> bool:
-    return state.balancing.running is None
+    return not _busy(state)
 
 
-def _busy(state: State) -> bool:
-    return state.balancing.running is not None
+def _stop(state: State) -> State:
+    return tasks.stop(state, "balancing")
 
 
 def _running(task: Task) -> Condition:
     return lambda state: (
         state.balancing.running is not None and (state.balancing.running.task is task)
     )
-
-
-def _number(
-    name: str, label: str, high: float, hint: str, *, low: float = 0.0, step: float = 0.001,
-    unit: DisplayUnit = PLAIN, visible: Condition | None = None,
-) -> Number:  # fmt: skip
-    """Return the input of one number of the settings."""
-    return Number(
-        f"balance.{name}", label, range=(low, high), step=step, unit=unit, hint=hint,
-        visible=visible, **_setting(name),
-    )  # fmt: skip
 
 
 def _slot(name: str, bar: str, joint: int) -> Pair:
@@ -110,55 +88,33 @@ def _frees_masses(state: State) -> bool:
 
 
 SETTINGS = (
-    Dropdown(
-        "balance.goal", "Goal", options={goal.value: goal for goal in Goal},
-        hint="What is minimized; torques are those of M1–M3",
-        read=lambda state: state.balancing.settings.goal, apply=balancing.choose_goal,
-    ),
+    _setting("goal", apply=balancing.choose_goal),
     Slider(
         "balance.motion_weight", "Weight of motion [%]", range=(0.0, 100.0), step=1.0, unit=PERCENT,
         hint="Against the static torques; each peak relative to its current value",
         visible=lambda state: state.balancing.settings.goal is Goal.BOTH,
-        **_setting("motion_weight"),
+        **attribute("balancing.settings.motion_weight", balancing.change_settings),
     ),
-    Checkbox(
-        "balance.exact", "only M_p2 = 0",
-        hint="Otherwise a balance comes as near as it can, and other goals are free of it",
-        **_setting("exact"),
-    ),
+    _setting("exact"),
     Html(
         "balance.slots",
-        content=render(
-            "note.j2", testid="", muted=True,
-            text="Counterweights past a joint: longest lever [mm], largest mass on each leg [kg]. "
-            "Whether they hit another body is checked with the result.",
+        content=note(
+            "", "Counterweights past a joint: longest lever [mm], largest mass on each leg [kg]. "
+            "Whether they hit another body is checked with the result.", muted=True,
         ),
     ),
     *(_slot(*slot) for slot in SLOTS),
-    Dropdown(
-        "balance.movable", "Joints, links", options={item.value: item for item in FreeMasses},
-        hint="Which other masses of a leg may change",
-        **_setting("movable"),
-    ),
-    _number(
-        "max_increase", "Max increase [kg]", 100.0, visible=_frees_masses,
-        hint="By how much each of them may grow; a link's inertia grows in proportion",
-    ),
-    _number(
-        "max_decrease", "Max decrease [%]", 1.0, step=0.1, unit=PERCENT, visible=_frees_masses,
-        hint="By what part each of them may shrink",
-    ),
-    _number(
-        "max_added", "Max added [kg]", 1e3,
-        hint="Largest added mass of the whole robot, for goals on the motion and for the front; "
-        "0: no limit",
-        visible=lambda state: not state.balancing.settings.goal.static,
+    _setting("movable"),
+    _setting("max_increase", visible=_frees_masses),
+    _setting("max_decrease", visible=_frees_masses),
+    _setting(
+        "max_added", visible=lambda state: not state.balancing.settings.goal.static
     ),
     Button(
         "balance.optimize", "Optimize", visible=_idle,
         effect=partial(balancing.start, task=Task.OPTIMUM),
     ),
-    Button("balance.stop", "Stop", color="gray", visible=_busy, effect=balancing.stop),
+    Button("balance.stop", "Stop", color="gray", visible=_busy, effect=_stop),
 )  # fmt: skip
 
 
@@ -167,8 +123,7 @@ def _has_front(state: State) -> bool:
 
 
 def _points(state: State) -> tuple[float, float]:
-    outcome = state.balancing.front
-    return 1.0, float(max(len(outcome.designs) if outcome else 0, 2))
+    return 1.0, float(max(len(state.balancing.points), 2))
 
 
 FRONT = (
@@ -180,14 +135,14 @@ FRONT = (
     ),
     Progress("front.progress", read=lambda state: state.balancing.done,
              visible=_running(Task.FRONT)),
-    Button("front.stop", "Stop", color="gray", visible=_running(Task.FRONT), effect=balancing.stop),
+    Button("front.stop", "Stop", color="gray", visible=_running(Task.FRONT), effect=_stop),
     Folder(
         "front.place", visible=_has_front,
         entries=(
             Custom(
                 "front.chart",
                 make=partial(
-                    charts.BalanceChart, key=charts.front_key, figure=charts.front_figure,
+                    PlotlyChart, key=charts.front_key, figure=charts.front_figure,
                     aspect=0.82,
                 ),
             ),
@@ -203,10 +158,7 @@ FRONT = (
 
 SENSITIVITY = (
     Html("tornado.text", content=text.sensitivity_html),
-    _number(
-        "variation", "Variation ± [%]", 0.5, low=0.001, step=0.1, unit=PERCENT,
-        hint="Of every mass and length, one at a time",
-    ),
+    _setting("variation"),
     Button(
         "tornado.compute", "Compute", visible=_idle,
         effect=partial(balancing.start, task=Task.SENSITIVITY),
@@ -222,7 +174,7 @@ SENSITIVITY = (
             Custom(
                 "tornado.chart",
                 make=partial(
-                    charts.BalanceChart, key=charts.tornado_key, figure=charts.tornado_figure,
+                    PlotlyChart, key=charts.tornado_key, figure=charts.tornado_figure,
                     aspect=1.15,
                 ),
             ),
@@ -231,6 +183,12 @@ SENSITIVITY = (
 )  # fmt: skip
 
 BALANCE = (
+    Custom(
+        "balance.job",
+        make=partial(
+            TaskRunner, path="balancing", find=run, receive=balancing.receive_result, undo=True
+        ),
+    ),
     Html("balance.gauge", content=gauge_html),
     Button(
         "balance", "Balance as in the paper", icon=Icon.SCALE, effect=balancing.balance_now,
@@ -264,26 +222,17 @@ BALANCE = (
 
 
 class BalancePanel(Panel):
-    """The entries above, the job that computes what is started, and clicks on the front."""
+    """The entries above, and clicks on the front."""
 
     def __init__(self, session: Session, bridge: Bridge) -> None:
         super().__init__(session, BALANCE)
-        self._job: BackgroundJob[Job, Outcome] = BackgroundJob(
-            session, "balance", run, balancing.receive_result, progress=balancing.report_progress,
-            failed=lambda job, problem: Outcome(job, problem=InvalidInput("balance", problem)),
-        )  # fmt: skip
         bridge.on("click", self._click)
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the state, and start what is requested."""
-        self._job.request(frame.state.balancing.running)
-        super().draw(frame, dragging)
 
     def _click(self, data: Any) -> None:
         """Work on the point of the front that was clicked; ``data`` comes from the page."""
 
         def choose(state: State) -> State:
-            index = charts.clicked_point(data, state.balancing.front)
+            index = charts.clicked_point(data, state)
             return state if index is None else balancing.choose_point(state, index)
 
         if isinstance(data, dict) and data.get("title") == charts.FRONT:

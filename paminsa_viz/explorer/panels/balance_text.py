@@ -12,9 +12,10 @@ from operator import attrgetter
 from markupsafe import Markup
 
 from paminsa_viz.balancing import ActiveConstraint, InfeasibleBounds
-from paminsa_viz.explorer.balancing.jobs import Effect, Goal, Outcome, Task
+from paminsa_viz.explorer.balancing.jobs import Balanced, BalanceOutcome, Effect, Goal, Task
+from paminsa_viz.explorer.balancing.weight_clearance import WeightClearance
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels import render, status
 from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.units import number, percent_change, symbol_html, symbols_html, unit_text
@@ -36,53 +37,48 @@ def status_html(frame: Frame) -> str:
     balancing = frame.state.balancing
     running, outcome = balancing.running, balancing.outcome
     if running is not None and running.task in (Task.PAPER, Task.OPTIMUM):
-        return _status("plain", "Optimizing …")
+        return status("balance-status", "plain", "Optimizing …")
     if outcome is None:
         return render("balance_intro.j2")
-    if outcome.problem is not None:
-        return problem_html(outcome.problem)
-    if outcome.after is None:
-        return ""
-    return _status(*_headline(outcome, outcome.after, frame.state.document.design))
+    if outcome.error is not None:
+        return problem_html(outcome.error)
+    return status("balance-status", *_headline(outcome, frame.state.document.design))
 
 
 def problem_html(problem: PaminsaError, testid: str = "balance-status") -> str:
     """Return why there is no result, and which bounds to move."""
     if not isinstance(problem, InfeasibleBounds):
-        return _status("bad", "Not possible", str(problem), testid=testid)
+        return status(testid, "bad", "Not possible", str(problem))
     return render(
         "infeasible.j2", testid=testid, limits=problem.limits, relax=problem.relax,
         variable=variable_html,
     )  # fmt: skip
 
 
-def _status(level: str, title: str, *lines: str | Markup, testid: str = "balance-status") -> str:
-    return render("status.j2", testid=testid, level=level, title=title, lines=filter(None, lines))
-
-
-def _headline(outcome: Outcome, after: Design, current: Design) -> tuple[str | Markup, ...]:
-    left, goal = static_imbalance(after), _goal(outcome)
+def _headline(outcome: BalanceOutcome, current: Design) -> tuple[str, ...]:
+    """Return level, title and a line of a result."""
+    found, before, goal = outcome.result, outcome.job.design, _goal(outcome)
+    if found is None:
+        return "plain", ""
+    left = static_imbalance(found.after)
+    level, head, rest = "ok", f"Least {goal.value}", ""
     if abs(left) <= BALANCED:
-        found = "ok", "Statically balanced", Markup(
-            "in every pose, on both branches of the knee (<i>M</i><sub>p2</sub> = 0)"
-        )  # fmt: skip
+        head = "Statically balanced"
+        rest = Markup("in every pose, on both branches of the knee (<i>M</i><sub>p2</sub> = 0)")
     elif goal.static:
-        head = f"As near to balance as the bounds allow: {number(left)} N"
-        found = "warn", head, "what keeps it from zero is listed below"
-    else:
-        found = "ok", f"Least {goal.value}", ""
-    level, head, rest = found
-    if after == outcome.job.design:
+        level, head = "warn", f"As near to balance as the bounds allow: {number(left)} N"
+        rest = "what keeps it from zero is listed below"
+    if found.after == before:
         return level, head, "the design is optimal already; nothing was changed"
-    if after == current:
-        price = price_text(outcome)
-        return level, head, *filter(None, (rest, price and f"The price: {price}"))
-    again = current == outcome.job.design
+    if found.after == current:
+        price = price_text(found)
+        return level, head, rest, f"The price: {price}" if price else ""
+    again = current == before
     rest = "the one before is shown again" if again else "it has been changed since"
     return "plain", "Not the design that is shown", rest
 
 
-def _goal(outcome: Outcome) -> Goal:
+def _goal(outcome: BalanceOutcome) -> Goal:
     return Goal.ADDED if outcome.job.task is Task.PAPER else outcome.job.settings.goal
 
 
@@ -99,27 +95,27 @@ def variable_html(name: str) -> Markup:
 
 
 @lru_cache(maxsize=4)
-def details_html(outcome: Outcome | None) -> str:
+def details_html(outcome: BalanceOutcome | None) -> str:
     """Return what was changed, what that does, and the certificate; empty without a result."""
-    if outcome is None or outcome.optimum is None or outcome.after is None:
+    found = None if outcome is None else outcome.result
+    if outcome is None or found is None:
         return ""
-    optimum, goal = outcome.optimum, _goal(outcome)
+    optimum, goal = found.optimum, _goal(outcome)
     unit = "" if goal is Goal.BOTH else unit_text(optimum.values[-1 if goal.static else 0].unit)
-    near = goal.static and abs(static_imbalance(outcome.after)) > BALANCED
+    near = goal.static and abs(static_imbalance(found.after)) > BALANCED
     return render(
-        "balance_result.j2", outcome=outcome, optimum=optimum, degrees=math.degrees, unit=unit,
-        groups=[(name, list(rows)) for name, rows in groupby(outcome.effects, attrgetter("group"))],
+        "balance_result.j2", job=outcome.job, optimum=optimum, degrees=math.degrees, unit=unit,
+        groups=[(name, list(rows)) for name, rows in groupby(found.effects, attrgetter("group"))],
         grown=grown, change=lambda effect: percent_change(effect.before, effect.after),
-        goal=_goal_text(goal), changes=_changes(outcome.job.design, outcome.after),
+        goal=_goal_text(goal), changes=_changes(outcome.job.design, found.after),
         bounds=[item for item in optimum.active if _relaxable(item)][:MAX_BOUNDS],
         worth="N" if near else unit, variable=variable_html, sides=_SIDES,
-        hit=Markup(weights_html(outcome)),
+        hit=Markup(weights_html(found.weights)),
     )  # fmt: skip
 
 
-def weights_html(outcome: Outcome) -> str:
+def weights_html(found: WeightClearance | None) -> str:
     """Return whether the counterweights hit another body; empty without counterweights."""
-    found = outcome.weights
     if found is None:
         return ""
     one, other = found.names
@@ -136,7 +132,7 @@ def weights_html(outcome: Outcome) -> str:
     else:
         level, title = "ok", f"Counterweights are clear by {1e3 * found.distance:.1f} mm"
         lines = [f"nearest: {one} and {other}, at {place}; {found.poses} poses checked"]
-    return _status(level, title, *lines, testid="weight-clearance")
+    return status("weight-clearance", level, title, *lines)
 
 
 def grown(effect: Effect) -> bool:
@@ -144,14 +140,14 @@ def grown(effect: Effect) -> bool:
     return bool(effect.group) and effect.after > (1 + NOTABLE) * effect.before + 1e-9
 
 
-def price_text(outcome: Outcome) -> str:
+def price_text(found: Balanced) -> str:
     """Return which actuators have to give more than before, and by how much; empty for none."""
     parts: dict[str, list[str]] = {}
-    for effect in outcome.effects:
+    for effect in found.effects:
         if grown(effect) and not effect.group.startswith("RMS"):
             change = percent_change(effect.before, effect.after)
             parts.setdefault(effect.label, []).append(f"{effect.group} {change}")
-    return "; ".join(f"{name}: {', '.join(found)}" for name, found in parts.items())
+    return "; ".join(f"{name}: {', '.join(texts)}" for name, texts in parts.items())
 
 
 def _goal_text(goal: Goal) -> str:
@@ -192,20 +188,20 @@ def _relaxable(item: ActiveConstraint) -> bool:
 
 def front_html(frame: Frame) -> str:
     """Return what the Pareto front is, or why there is none."""
-    outcome = frame.state.balancing.front
-    if outcome is not None and outcome.problem is not None:
-        return problem_html(outcome.problem, "front")
-    return render("front.j2", count=0 if outcome is None else len(outcome.designs))
+    balancing = frame.state.balancing
+    if balancing.front is not None and balancing.front.error is not None:
+        return problem_html(balancing.front.error, "front")
+    return render("front.j2", count=len(balancing.points))
 
 
 def sensitivity_html(frame: Frame) -> str:
     """Return what the tornado chart is of, or that it is being computed, or why there is none."""
     balancing = frame.state.balancing
-    outcome = balancing.tornado
-    if balancing.running is not None and balancing.running.task is Task.SENSITIVITY:
-        return _status("plain", "Computing …", testid="tornado")
-    if outcome is not None and outcome.problem is not None:
-        return problem_html(outcome.problem, "tornado")
+    running, outcome = balancing.running, balancing.tornado
+    if running is not None and running.task is Task.SENSITIVITY:
+        return status("tornado", "plain", "Computing …")
+    if outcome is not None and outcome.error is not None:
+        return problem_html(outcome.error, "tornado")
     return render(
         "sensitivity.j2", outcome=outcome, output=balancing.output,
         current=frame.state.document.design,

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from paminsa_viz.clearance import PairGroup
 from paminsa_viz.explorer import clearing
-from paminsa_viz.explorer.clearing import REQUIRED
+from paminsa_viz.explorer.clearing import ClearanceSettings
 from paminsa_viz.explorer.entries import Entry, Folder, Html
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import MILLIMETERS, Checkbox, Number, attribute
-from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.inputs import Checkbox
+from paminsa_viz.explorer.panels import note, status
+from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state import State
 from paminsa_viz.units import format_value
 
@@ -18,15 +19,15 @@ def clearance_html(frame: Frame) -> str:
     state = frame.state
     found = clearing.nearest(state)
     if found is None:
-        known = state.clearing.pose is not None and state.clearing.pose.nearest is None
+        known = state.clearing.pose is not None and state.clearing.pose.result is None
         text = "No pair of bodies is checked." if known else "Computing …"
-        return render("note.j2", testid="clearance", muted=True, text=text)
+        return note("clearance", text, muted=True)
     distance, why = clearing.reason(state)
     level, title = "ok", f"{format_value(distance, 'm', 3)} apart"
     if why:
         level, title = ("bad", "Bodies overlap") if distance < 0 else ("warn", "Bodies are close")
     line = why or f"{found.names[0]} and {found.names[1]} are nearest"
-    return render("status.j2", testid="clearance", level=level, title=title, lines=[line])
+    return status("clearance", level, title, line)
 
 
 def _switch(group: PairGroup) -> Checkbox:
@@ -48,12 +49,7 @@ CLEARANCE: tuple[Entry, ...] = (
         "clearance", "Clearance between bodies", open=False,
         entries=(
             Html("clearance.text", content=clearance_html),
-            Number(
-                "clearance.required", "Warn below [mm]", range=REQUIRED, step=1.0,
-                unit=MILLIMETERS, **attribute("clearance_view.required"),
-                hint="Least distance of two bodies; less is a warning at the pose and along "
-                "the motion",
-            ),
+            SettingInputs("clearance", "clearance_view", ClearanceSettings)("required"),
             *map(_switch, PairGroup),
         ),
     ),

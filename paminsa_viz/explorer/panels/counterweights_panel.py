@@ -8,8 +8,9 @@ from functools import partial
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.entries import ButtonGroup, Effect, Folder, Html
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import MILLIMETERS, PLAIN, Dropdown, Pair
+from paminsa_viz.explorer.inputs import Dropdown, Pair
 from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.settings import MILLIMETERS, PLAIN
 from paminsa_viz.explorer.state import State
 from paminsa_viz.meshes.loads import clearance_text
 from paminsa_viz.model.parameters import BAR_ENDS, MOST_COUNTERWEIGHTS

@@ -8,7 +8,7 @@ from collections.abc import Hashable
 import numpy as np
 
 from paminsa_viz.actuation.selection import cloud
-from paminsa_viz.explorer.panels.balance_charts import AXIS, CONFIG, LAYOUT, Tree
+from paminsa_viz.explorer.panels.plotly_chart import Tree, figure
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED
@@ -30,12 +30,12 @@ def chart_key(state: State) -> Hashable | None:
 def chart_figure(state: State) -> Tree:
     """Return the figure of a drive's torques over its speeds, inside its envelope."""
     driving = state.driving
-    one, outcome = driving.shown, driving.outcome
-    if one is None or outcome is None or outcome.selection is None:
+    one, found = driving.shown, driving.result
+    if one is None or found is None:
         raise ValueError("there is no drive to show")
     drive = one.drive
     shared = driving.shared(driving.actuator)
-    clouds = [cloud(outcome.selection.cycle.loads[j], drive) for j in shared]
+    clouds = [cloud(found.selection.cycle.loads[j], drive) for j in shared]
     top = max(1.25 * max(float(np.abs(speed).max()) for speed, _ in clouds), 1e-6)
     corners = [(min(s, top) if math.isinf(s) else s, t) for s, t in drive.corners]
     corners = [(s, t) for s, t in corners if math.isfinite(t)]
@@ -72,7 +72,7 @@ def chart_figure(state: State) -> Tree:
                 "hovertemplate": hover,
             }
         )  # fmt: skip
-    mean = RPM * drive.ratio * outcome.selection.cycle.loads[driving.actuator].mean_speed
+    mean = RPM * drive.ratio * found.selection.cycle.loads[driving.actuator].mean_speed
     data.append(
         {
             "type": "scatter", "mode": "markers", "name": f"RMS {ACTUATORS[driving.actuator]}",
@@ -80,12 +80,5 @@ def chart_figure(state: State) -> Tree:
             "marker": {"color": INK, "size": 10, "symbol": "x"}, "hovertemplate": hover,
         }
     )  # fmt: skip
-    return {
-        "data": data,
-        "layout": LAYOUT | {
-            "xaxis": AXIS | {"title": {"text": "motor speed [rpm]"}},
-            "yaxis": AXIS | {"title": {"text": "motor torque [N·m]"}},
-            "legend": {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"},
-        },
-        "config": CONFIG,
-    }  # fmt: skip
+    legend = {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"}
+    return figure(data, "motor speed [rpm]", "motor torque [N·m]", legend=legend)

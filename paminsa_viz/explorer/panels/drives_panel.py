@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import partial
+from operator import methodcaller
 from typing import Any
 
 from viser import Icon
@@ -12,27 +13,29 @@ from viser import Icon
 from paminsa_viz.actuation.catalog import CatalogError, read_catalog
 from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.actuation.selection import DriveFigures, size_design
-from paminsa_viz.explorer.actions import renamed_if_changed, with_document
-from paminsa_viz.explorer.background import BackgroundJob
-from paminsa_viz.explorer.drives import MOST_MOTIONS, DriveJob, DriveOutcome, find_drives
+from paminsa_viz.explorer import actions, tasks
+from paminsa_viz.explorer.background import TaskRunner, is_running
+from paminsa_viz.explorer.drives import (
+    MOST_MOTIONS,
+    DriveJob,
+    DriveLists,
+    DriveSettings,
+    find_drives,
+)
 from paminsa_viz.explorer.entries import Button, ButtonGroup, Custom, Effect, Folder, Html, Upload
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, attribute
+from paminsa_viz.explorer.inputs import Dropdown, attribute
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.panels import render
-from paminsa_viz.explorer.panels.balance_charts import BalanceChart
+from paminsa_viz.explorer.panels import note, render
 from paminsa_viz.explorer.panels.drives_chart import RPM, chart_figure, chart_key
+from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.tasks import Outcome
 from paminsa_viz.model import NO_DRIVES, Drive, InvalidInput
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.units import NONE, number
-
-
-def change_settings(state: State, **changes: Any) -> State:
-    """Change the settings of the search."""
-    settings = replace(state.driving.settings, **changes)
-    return state.updated("driving", settings=settings)
 
 
 def find(state: State) -> State:
@@ -44,7 +47,7 @@ def find(state: State) -> State:
     settings = state.driving.settings
     duties = settings.cycle or (_current(state)._replace(repeats=1.0),)
     bare = replace(state.document.design, drives=NO_DRIVES)
-    return state.updated("driving", running=DriveJob(bare, duties, settings))
+    return tasks.start(state, "driving", DriveJob(bare, duties, settings))
 
 
 def _current(state: State) -> Duty:
@@ -64,12 +67,12 @@ def add_motion(state: State) -> State:
     cycle = state.driving.settings.cycle
     if len(cycle) == MOST_MOTIONS:
         raise InvalidInput("cycle", f"at most {MOST_MOTIONS} motions are possible here")
-    return change_settings(state, cycle=(*cycle, _current(state)))
+    return state.updated("driving.settings", cycle=(*cycle, _current(state)))
 
 
-def receive(state: State, outcome: DriveOutcome) -> State:
-    """Take over a result."""
-    return state.updated("driving", running=None, outcome=outcome, row=0)
+def receive(state: State, outcome: Outcome[DriveJob, DriveLists]) -> State:
+    """Take over a result; the first of its drives is shown."""
+    return tasks.receive(state, "driving", outcome).updated("driving", row=0)
 
 
 def choose(state: State, row: int | None) -> State:
@@ -79,51 +82,31 @@ def choose(state: State, row: int | None) -> State:
         InvalidInput: If there is none.
     """
     driving, design = state.driving, state.document.design
-    outcome = driving.outcome
-    if outcome is None or outcome.selection is None:
+    if driving.result is None:
         raise InvalidInput("drives", "none have been found yet")
-    drives = list(design.drives)
     if row is None:
-        drives = list(outcome.selection.design(design).drives)
-    else:
-        for j in driving.shared(driving.actuator):
-            drives[j] = driving.listed[row].drive
-    return _with_drives(state, drives)
+        return actions.with_design(state, driving.result.selection.design(design))
+    drives: Any = list(design.drives)
+    for j in driving.shared(driving.actuator):
+        drives[j] = driving.listed[row].drive
+    return actions.with_design(state, replace(design, drives=tuple(drives)))
 
 
 def remove(state: State) -> State:
     """Take all drives off the design."""
-    return _with_drives(state, list(NO_DRIVES))
-
-
-def _with_drives(state: State, drives: list[Any]) -> State:
-    design = renamed_if_changed(replace(state.document.design, drives=tuple(drives)))
-    return with_document(state, replace(state.document, design=design))
+    return actions.with_design(state, replace(state.document.design, drives=NO_DRIVES))
 
 
 def _open(session: Session, name: str, content: bytes) -> None:
     if not content:
         raise CatalogError(name, "is empty or too large")
     catalog = read_catalog(content, name)
-    session.dispatch("drives.catalog", lambda state: change_settings(state, catalog=catalog))
+    action = methodcaller("updated", "driving.settings", catalog=catalog)
+    session.dispatch("drives.catalog", action)
     parts = len(catalog.motors), len(catalog.gears), len(catalog.transmissions)
     session.notify(
         "Catalog opened", "{}: {} motors, {} gears, {} screws and belts".format(name, *parts)
     )
-
-
-class _Finder:
-    """Runs the searches of a session."""
-
-    def __init__(self, session: Session) -> None:
-        self._job: BackgroundJob[DriveJob, DriveOutcome] = BackgroundJob(
-            session, "drives", lambda job, _: find_drives(job), receive,
-            failed=lambda job, problem: DriveOutcome(job, None, problem=problem), undo=False,
-        )  # fmt: skip
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Start the search that is wanted."""
-        self._job.request(frame.state.driving.running)
 
 
 def intro_html(frame: Frame) -> str:
@@ -137,17 +120,17 @@ def intro_html(frame: Frame) -> str:
 
 def list_html(frame: Frame) -> str:
     """Return the list of an actuator's drives, or why there is none."""
-    driving, outcome = frame.state.driving, frame.state.driving.outcome
-    if outcome is None:
+    driving = frame.state.driving
+    outcome, found = driving.outcome, driving.result
+    if outcome is None or found is None:
         return ""
     trajectory = motions.planned(frame.state).trajectory
     return render(
-        "drives_list.j2", outcome=outcome, rows=driving.listed, chosen=driving.row,
-        name=_name(frame.state, driving.actuator), advice=outcome.advice[driving.actuator],
-        count=0 if outcome.selection is None else len(outcome.selection.rows[driving.actuator]),
-        stale=not outcome.job.serves(frame.state.document.design, trajectory)
-        or outcome.job.settings != driving.settings
-        or outcome.job.settings.catalog is not driving.settings.catalog,
+        "drives_list.j2", rows=driving.listed, chosen=driving.row,
+        name=_name(frame.state, driving.actuator), advice=found.advice[driving.actuator],
+        count=len(found.selection.rows[driving.actuator]),
+        stale=outcome.job.settings != driving.settings
+        or not outcome.job.serves(frame.state.document.design, trajectory),
     )  # fmt: skip
 
 
@@ -206,8 +189,8 @@ def own_html(frame: Frame) -> str:
     design, outcome = frame.state.document.design, frame.state.driving.outcome
     sized: tuple[DriveFigures | None, ...] = (None,) * 4
     trajectory = motions.planned(frame.state).trajectory
-    if outcome is not None and outcome.selection and outcome.job.serves(design, trajectory):
-        sized = size_design(outcome.selection.cycle, design)
+    if outcome is not None and outcome.result and outcome.job.serves(design, trajectory):
+        sized = size_design(outcome.result.selection.cycle, design)
     rows = [
         (f"m{j + 1}", name, drive, one)
         for j, (name, drive, one) in enumerate(zip(ACTUATORS, design.drives, sized, strict=True))
@@ -215,12 +198,8 @@ def own_html(frame: Frame) -> str:
     return render("drives_own.j2", rows=rows, any=any(design.drives))
 
 
-def _busy(state: State) -> bool:
-    return state.driving.running is not None
-
-
 def _found(state: State) -> bool:
-    return state.driving.outcome is not None and state.driving.outcome.selection is not None
+    return state.driving.result is not None
 
 
 def _options(state: State) -> dict[str, int]:
@@ -246,49 +225,36 @@ def _choices(state: State) -> dict[str, Effect]:
 def _cycle_choices(state: State) -> dict[str, Effect]:
     found: dict[str, Effect] = {"Add this motion": add_motion}
     if state.driving.settings.cycle:
-        found["Clear"] = partial(change_settings, cycle=())
+        found["Clear"] = methodcaller("updated", "driving.settings", cycle=())
     return found
 
 
-def _setting(name: str) -> dict[str, Any]:
-    return attribute(f"driving.settings.{name}", change_settings)
+def problem_html(frame: Frame) -> str:
+    """Return why there are no drives."""
+    outcome = frame.state.driving.outcome
+    problem = "" if outcome is None else outcome.problem
+    return note("drives-problem", problem) if problem else ""
 
+
+_setting = SettingInputs("drives", "driving.settings", DriveSettings)
 
 DRIVES = (
     Html("drives.intro", content=intro_html, idle=True),
-    Dropdown(
-        "drives.order", "Order",
-        options={"lightest first": "mass", "cheapest first": "cost", "most margin first": "margin"},
-        hint="Of the feasible drives", **_setting("order"),
-    ),
-    Checkbox(
-        "drives.same", "M1–M3 alike", hint="The three rotary actuators have the same drive",
-        **_setting("same"),
-    ),
-    Number(
-        "drives.inertia_ratio", "Inertia ratio ≤", range=(0.0, 1e6), step=1.0,
-        hint="Largest inertia of the robot over that of the motor, at the motor's shaft; 0: any",
-        **_setting("inertia_ratio"),
-    ),
-    Number(
-        "drives.dwell", "Dwell [s]", range=(0.0, 1e6), step=0.1,
-        hint="How long the robot waits after the motion; a brake or a self-locking screw holds it",
-        **_setting("dwell"),
-    ),
-    Number(
-        "drives.count", "Times", range=(1.0, 1e6), step=1.0,
-        hint="How often the motion is made in a cycle of several motions", **_setting("count"),
-    ),
+    *map(_setting, ("order", "same", "inertia_ratio", "dwell", "count")),
     ButtonGroup("drives.cycle", "Cycle", choices=_cycle_choices),
     Upload(
         "drives.upload", "Open a catalog…", receive=_open, icon=Icon.UPLOAD, mime_type=".csv",
         color="gray", hint="A CSV file of motors, gears, screws and belts; see docs/drives.md",
     ),
     Button(
-        "drives.find", "Find drives", icon=Icon.ENGINE, effect=find, undo=False, disabled=_busy,
+        "drives.find", "Find drives", icon=Icon.ENGINE, effect=find, undo=False,
+        disabled=is_running("driving"),
         hint="Measures every pair of the catalog on the current motion",
     ),
-    Custom("drives.job", make=_Finder),
+    Custom(
+        "drives.job",
+        make=partial(TaskRunner, path="driving", find=find_drives, receive=receive),
+    ),
     Folder(
         "drives.found", visible=_found,
         entries=(
@@ -305,22 +271,12 @@ DRIVES = (
             ),
             Custom(
                 "drives.chart",
-                make=partial(BalanceChart, key=chart_key, figure=chart_figure, aspect=1.0),
+                make=partial(PlotlyChart, key=chart_key, figure=chart_figure, aspect=1.0),
             ),
             Html("drives.facts", content=facts_html, idle=True),
         ),
     ),
-    Html(
-        "drives.problem",
-        content=lambda frame: _problem_html(frame.state),
-    ),
+    Html("drives.problem", content=problem_html),
     ButtonGroup("drives.choice", "Design", choices=_choices),
     Html("drives.own", content=own_html, idle=True),
 )  # fmt: skip
-
-
-def _problem_html(state: State) -> str:
-    outcome = state.driving.outcome
-    if outcome is None or not outcome.problem:
-        return ""
-    return render("note.j2", testid="drives-problem", muted=False, text=outcome.problem)

@@ -10,7 +10,7 @@ from viser import Icon
 
 from paminsa_viz.explorer import exports
 from paminsa_viz.explorer import identify_actions as actions
-from paminsa_viz.explorer.background import BackgroundJob
+from paminsa_viz.explorer.background import TaskRunner, is_running, task_entries
 from paminsa_viz.explorer.entries import (
     Button,
     ButtonGroup,
@@ -19,29 +19,22 @@ from paminsa_viz.explorer.entries import (
     Entry,
     Folder,
     Html,
-    Progress,
     Run,
     Upload,
 )
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.identifying import (
-    CUT_OFFS,
-    HARMONICS,
-    MOST_PAYLOAD,
-    PERIODS,
-    SEARCH_TIMES,
-    ExcitationJob,
-    ExcitationOutcome,
-    IdentifyJob,
-    IdentifyOutcome,
+    IdentifySettings,
     identify_logs,
+    parse_gains,
     search_excitation,
 )
-from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, TextBox, attribute
+from paminsa_viz.explorer.inputs import Dropdown, attribute
 from paminsa_viz.explorer.panels import identify_text as text
 from paminsa_viz.explorer.panels.export_panel import Exporter
 from paminsa_viz.explorer.panels.motion_chart import LOWEST, MotionChart
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.log_table import parse_log
@@ -64,31 +57,10 @@ def _open(place: str, session: Session, name: str, content: bytes) -> None:
     settings = session.state.identifying.settings
     lines = io.StringIO(content.decode("utf-8-sig", errors="surrogateescape"), newline="")
     log = parse_log(
-        lines, name, gains=settings.gain_values, split=settings.split, timeout=UPLOAD_TIMEOUT
+        lines, name, gains=parse_gains(settings.gains), split=settings.split, timeout=UPLOAD_TIMEOUT
     )
     session.dispatch(f"identify.{place}", lambda state: actions.use_log(state, place, log))
     session.notify("Log opened", f"{log.name}, {len(log.t)} rows")
-
-
-class _Jobs:
-    """Runs the identifications and searches of a session."""
-
-    def __init__(self, session: Session) -> None:
-        self._logs: BackgroundJob[IdentifyJob, IdentifyOutcome] = BackgroundJob(
-            session, "identify", identify_logs, actions.receive,
-            failed=lambda job, problem: IdentifyOutcome(job, None, problem), undo=False,
-        )  # fmt: skip
-        self._motions: BackgroundJob[ExcitationJob, ExcitationOutcome] = BackgroundJob(
-            session, "excitation", search_excitation, actions.receive_excitation,
-            failed=lambda job, problem: ExcitationOutcome(job, None, problem),
-            progress=actions.search_progress, undo=False,
-        )  # fmt: skip
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Start what is wanted."""
-        own = frame.state.identifying
-        self._logs.request(own.running)
-        self._motions.request(own.searching)
 
 
 class _Charts:
@@ -103,27 +75,22 @@ class _Charts:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what has changed."""
         own = frame.state.identifying
-        key = (own.findings, own.actuator)
+        found = own.result
+        key = (found, own.actuator)
         if dragging or key == self._drawn:
             return
         self._drawn = key
-        found = own.findings
         charts = (None, None) if found is None else log_charts(found.identification, own.actuator)
         for chart, data in zip(self._charts, charts, strict=True):
             chart.draw(data)
 
 
 def _found(state: State) -> bool:
-    return state.identifying.findings is not None
-
-
-def _searching(state: State) -> bool:
-    return state.identifying.searching is not None
+    return state.identifying.result is not None
 
 
 def _has_motion(state: State) -> bool:
-    outcome = state.identifying.excited
-    return outcome is not None and outcome.excitation is not None
+    return state.identifying.excitation.result is not None
 
 
 def _log_choices(state: State) -> dict[str, Effect]:
@@ -133,8 +100,7 @@ def _log_choices(state: State) -> dict[str, Effect]:
     return found
 
 
-def _setting(name: str) -> dict[str, Any]:
-    return attribute(f"identifying.settings.{name}", actions.change_settings)
+_setting = SettingInputs("identify", "identifying.settings", IdentifySettings)
 
 
 def _upload(place: str, label: str, hint: str) -> Upload:
@@ -160,51 +126,19 @@ def identify_entries() -> tuple[Entry, ...]:
             entries=(
                 _upload("other", "Second log…", "On another motion: validates the first"),
                 _upload("loaded", "Log with payload…", "Gives the payload, or a common gain"),
-                Number(
-                    "identify.payload", "Payload [kg]", range=(0.0, MOST_PAYLOAD), step=0.1,
-                    hint="Of the third log; 0: not weighed", **_setting("payload"),
-                ),
-                Number(
-                    "identify.cut_off", "Cut-off [Hz]", range=CUT_OFFS, step=0.5,
-                    hint="Where the filter halves; 8 to 12 Hz suits most logs",
-                    **_setting("cut_off"),
-                ),
-                TextBox(
-                    "identify.gains", "Gains",
-                    hint="For logs of currents: N·m/A of M1 to M3 and N/A of M4; type them before "
-                    "the log is opened",
-                    **_setting("gains"),
-                ),
-                Checkbox(
-                    "identify.split", "Split at gaps",
-                    hint="Instead of refusing a log with gaps or rows out of reach",
-                    **_setting("split"),
-                ),
-                Checkbox(
-                    "identify.delay", "Fit a delay",
-                    hint="Of the torques after the positions", **_setting("delay"),
-                ),
-                Checkbox(
-                    "identify.legs", "Legs of their own",
-                    hint="Fit how the legs’ masses differ", **_setting("legs"),
-                ),
-                Checkbox(
-                    "identify.rotors", "Rotors differ",
-                    hint="Fit how the rotors’ inertias of M1 to M3 differ", **_setting("rotors"),
-                ),
-                Checkbox(
-                    "identify.constrain", "Hold the identity",
-                    hint="Of the masses, which only springs break", **_setting("constrain"),
-                ),
+                *map(_setting, ("payload", "cut_off", "gains", "split")),
+                *map(_setting, ("delay", "legs", "rotors", "constrain")),
             ),
         ),
         Button(
             "identify.run", "Identify", icon=Icon.ZOOM_CHECK, effect=actions.identify, undo=False,
             visible=lambda state: state.identifying.log is not None,
-            disabled=lambda state: state.identifying.running is not None,
+            disabled=is_running("identifying"),
             hint="Fit the log again, with these settings and this design’s lengths",
         ),
-        Custom("identify.jobs", make=_Jobs),
+        Custom(
+            "identify.job", make=partial(TaskRunner, path="identifying", find=identify_logs)
+        ),
         Html("identify.status", content=text.status_html),
         Folder(
             "identify.found", visible=_found,
@@ -243,31 +177,21 @@ def identify_entries() -> tuple[Entry, ...]:
         Folder(
             "identify.excitation", "Motion for a log",
             entries=(
-                Number(
-                    "identify.period", "Period [s]", range=PERIODS, step=1.0, **_setting("period")
-                ),
-                Number(
-                    "identify.harmonics", "Harmonics", range=HARMONICS, step=1.0,
-                    read=lambda state: float(state.identifying.settings.harmonics),
-                    apply=lambda state, count: actions.change_settings(
-                        state, harmonics=round(count)
+                *map(_setting, ("period", "harmonics", "seconds")),
+                *task_entries(
+                    "identifying.excitation",
+                    Button(
+                        "identify.search", "Find the best motion", icon=Icon.WAVE_SINE,
+                        effect=actions.search, undo=False,
+                        hint="A D-optimal multi-sine within the drives’ limits and κ ≤ 5",
                     ),
                 ),
-                Number(
-                    "identify.seconds", "Search for [s]", range=SEARCH_TIMES, step=5.0,
-                    **_setting("seconds"),
+                Custom(
+                    "identify.excitation.job",
+                    make=partial(
+                        TaskRunner, path="identifying.excitation", find=search_excitation
+                    ),
                 ),
-                Button(
-                    "identify.search", "Find the best motion", icon=Icon.WAVE_SINE,
-                    effect=actions.search, undo=False, visible=lambda state: not _searching(state),
-                    hint="A D-optimal multi-sine within the drives’ limits and κ ≤ 5",
-                ),
-                Progress(
-                    "identify.progress", read=lambda state: state.identifying.done,
-                    visible=_searching,
-                ),
-                Button("identify.stop", "Stop", color="gray", effect=actions.stop, undo=False,
-                       visible=_searching),
                 Html("identify.excited", content=text.excitation_html, idle=True),
                 ButtonGroup(
                     "identify.motion", "Motion", visible=_has_motion,

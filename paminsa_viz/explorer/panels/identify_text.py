@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels import note, render, status
 from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.results import Estimate
 from paminsa_viz.model.drive import ACTUATORS
@@ -25,33 +25,21 @@ def logs_html(frame: Frame) -> str:
 def status_html(frame: Frame) -> str:
     """Return how the identification went, in a box."""
     own, design = frame.state.identifying, frame.state.document.design
+    outcome, found = own.outcome, own.result
     if own.running is not None:
-        return render(
-            "status.j2", testid="identify-status", level="plain", title="Identifying …", lines=[]
-        )
-    outcome = own.outcome
+        return status("identify-status", "plain", "Identifying …")
     if outcome is None:
         return ""
-    found = outcome.findings
     if found is None:
-        lines = [outcome.problem]
-        return render(
-            "status.j2", testid="identify-status", level="bad", title="Not identified", lines=lines
-        )
-    lines = []
-    identity = found.identification.identity
-    for cause in found.causes.named:
-        lines.append(f"{cause.label}: {_size(cause)}")
-    if identity.holds is False:
+        return status("identify-status", "bad", "Not identified", outcome.problem)
+    lines = [f"{cause.label}: {_size(cause)}" for cause in found.causes.named]
+    if found.identification.identity.holds is False:
         lines.append("the masses' identity fails: a spring, or another law")
     good = not lines
     title = "Masses and friction explain the log" if good else "The model lacks something"
     if own.stale(design):
         lines.append("design, logs or settings have changed since")
-    return render(
-        "status.j2", testid="identify-status", level="ok" if good else "warn", title=title,
-        lines=lines,
-    )  # fmt: skip
+    return status("identify-status", "ok" if good else "warn", title, *lines)
 
 
 def _size(cause: Cause) -> str:
@@ -61,7 +49,7 @@ def _size(cause: Cause) -> str:
 
 def numbers_html(frame: Frame) -> str:
     """Return the estimates with their intervals; what is unknown is gray."""
-    found = frame.state.identifying.findings
+    found = frame.state.identifying.result
     if found is None:
         return ""
     one = found.identification
@@ -87,7 +75,7 @@ def _row(item: Estimate) -> dict[str, object]:
 
 def causes_html(frame: Frame) -> str:
     """Return what was tried as a cause, and what the log cannot show."""
-    found = frame.state.identifying.findings
+    found = frame.state.identifying.result
     if found is None:
         return ""
     causes = found.causes
@@ -98,7 +86,7 @@ def causes_html(frame: Frame) -> str:
 
 def checks_html(frame: Frame) -> str:
     """Return what the second and the third log say."""
-    found = frame.state.identifying.findings
+    found = frame.state.identifying.result
     if found is None:
         return ""
     check, payload = found.validation, found.payload
@@ -120,7 +108,7 @@ def checks_html(frame: Frame) -> str:
 
 def masses_html(frame: Frame) -> str:
     """Return the nearest masses; those of which the log says nothing are gray."""
-    found = frame.state.identifying.findings
+    found = frame.state.identifying.result
     if found is None:
         return ""
     rows = [
@@ -139,12 +127,12 @@ def masses_html(frame: Frame) -> str:
 
 def excitation_html(frame: Frame) -> str:
     """Return what the motion is worth, and the limits that it keeps."""
-    outcome = frame.state.identifying.excited
+    outcome = frame.state.identifying.excitation.outcome
     if outcome is None:
         return ""
-    found = outcome.excitation
+    found = outcome.result
     if found is None:
-        return render("note.j2", testid="excitation", muted=False, text=outcome.problem)
+        return note("excitation", outcome.problem)
     rows = [
         (
             row.name,

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from viser import Icon
 
-from paminsa_viz.explorer.background import BackgroundJob
-from paminsa_viz.explorer.entries import Button, Custom, Html, Progress
+from paminsa_viz.explorer.background import TaskRunner, task_entries
+from paminsa_viz.explorer.entries import Button, Custom, Html
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, attribute
-from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels import note, render
 from paminsa_viz.explorer.requirements import largest
-from paminsa_viz.explorer.requirements.jobs import LargestJob, LargestOutcome
-from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.requirements.jobs import LargestState
+from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state import State
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
@@ -19,9 +20,6 @@ from paminsa_viz.synthesis.proof.evidence import Evidence, Verdict
 from paminsa_viz.synthesis.proof.largest import LargestWorkspace
 from paminsa_viz.synthesis.proof.regions import Growth
 from paminsa_viz.units import format_value, number
-
-LONGEST = 600.0
-"""Longest time that can be asked for [s]."""
 
 
 def workspace_text(workspace: Workspace) -> str:
@@ -34,12 +32,12 @@ def workspace_text(workspace: Workspace) -> str:
 
 def result_html(frame: Frame) -> str:
     """Return what is proven, how far it is from what cannot be, and why it ends there."""
-    outcome = frame.state.requiring.largest
-    if outcome is None or frame.state.requiring.running is not None:
+    search = frame.state.requiring.largest
+    outcome, found = search.outcome, search.result
+    if outcome is None or search.running is not None:
         return ""
-    found = outcome.found
     if found is None:
-        return render("note.j2", testid="largest-problem", muted=False, text=outcome.problem)
+        return note("largest-problem", outcome.problem)
     workspace = found.workspace
     place = ""
     if workspace is not None:
@@ -74,64 +72,33 @@ def _row(item: Evidence) -> dict[str, str]:
     }  # fmt: skip
 
 
-def _busy(state: State) -> bool:
-    return state.requiring.running is not None
-
-
-def _idle(state: State) -> bool:
-    return state.requiring.running is None
-
-
 def _is_proven(state: State) -> bool:
-    outcome = state.requiring.largest
-    return outcome is not None and outcome.proven is not None and _idle(state)
+    search = state.requiring.largest
+    return search.proven is not None and search.running is None
 
 
-class LargestSolver:
-    """Runs the searches for the largest workspace of a session."""
-
-    def __init__(self, session: Session) -> None:
-        self._job: BackgroundJob[LargestJob, LargestOutcome] = BackgroundJob(
-            session, "requirements.largest", largest.find_largest, largest.receive,
-            failed=lambda job, problem: LargestOutcome(job, problem=problem),
-            progress=largest.report_progress, undo=False,
-        )  # fmt: skip
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Start the search that is wanted."""
-        self._job.request(frame.state.requiring.running)
-
+_setting = SettingInputs("largest", "requiring.largest", LargestState)
 
 LARGEST_WORKSPACE = (
-    Dropdown(
-        "largest.shape", "Shape", options={shape.value: shape for shape in WorkspaceShape},
-        hint="Its proportions, and its center unless that is free, are those of the required one",
-        **attribute("requiring.shape"),
+    _setting("shape"),
+    _setting("growth", options={growth.value: growth.name for growth in Growth}),
+    _setting("free"),
+    _setting("seconds"),
+    *task_entries(
+        "requiring.largest",
+        Button(
+            "largest.start", "Find the largest", icon=Icon.CERTIFICATE, effect=largest.start,
+            undo=False,
+            hint="Reach and singularities in closed form, condition number, torques and F₄ by "
+            "interval bisection",
+        ),
     ),
-    Dropdown(
-        "largest.growth", "Grows", options={growth.value: growth.name for growth in Growth},
-        hint="The other extents are those of the required workspace",
-        **attribute("requiring.growth"),
-    ),
-    Checkbox(
-        "largest.free", "Free center", hint="Otherwise the required workspace's, or home",
-        **attribute("requiring.free"),
-    ),
-    Number(
-        "largest.seconds", "Time limit [s]", range=(1.0, LONGEST), step=1.0,
-        hint="Longer proofs leave a smaller gap", **attribute("requiring.seconds"),
-    ),
-    Button(
-        "largest.start", "Find the largest", icon=Icon.CERTIFICATE, effect=largest.start,
-        visible=_idle, undo=False,
-        hint="Reach and singularities in closed form, condition number, torques and F₄ by interval "
-        "bisection",
-    ),
-    Progress("largest.progress", visible=_busy, read=lambda state: state.requiring.done),
-    Button("largest.stop", "Stop", color="gray", visible=_busy, effect=largest.stop, undo=False),
     Html("largest.result", content=result_html),
     Button(
         "largest.use", "Use as required workspace", visible=_is_proven, effect=largest.use,
     ),
-    Custom("largest.job", make=LargestSolver),
+    Custom(
+        "largest.job",
+        make=partial(TaskRunner, path="requiring.largest", find=largest.find_largest),
+    ),
 )  # fmt: skip

@@ -11,29 +11,31 @@ import numpy as np
 
 from paminsa_viz.elastostatics.bar_loads import BAR_NAMES
 from paminsa_viz.elastostatics.joint_forces import JOINTS
+from paminsa_viz.elastostatics.motion_loads import MotionLoads
 from paminsa_viz.explorer import exports
-from paminsa_viz.explorer.background import BackgroundJob
+from paminsa_viz.explorer.background import JobRunner
 from paminsa_viz.explorer.entries import ButtonGroup, Custom, Effect, Entry, Html
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import Checkbox, Dropdown, attribute
 from paminsa_viz.explorer.loads import (
-    LoadsJob,
     LoadsOutcome,
+    LoadsState,
     bars_at,
     find_loads,
     forces_at,
     sideways_at,
 )
 from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels import note, render
 from paminsa_viz.explorer.panels.export_panel import Exporter
 from paminsa_viz.explorer.panels.loads_chart import motion_chart, section_chart, shown
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.loads_table import bar_table, bearing_table, joint_table, motion_loads_table
 from paminsa_viz.files.tables import DataTable, table_bytes
 from paminsa_viz.model import InvalidInput, Limit
 from paminsa_viz.model.elastic import BARS
+from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import NONE, number
 
 
@@ -99,17 +101,15 @@ class LoadsEntries(NamedTuple):
 
     def curves(self, frame: Frame) -> str:
         """Return the chosen joint's force along the motion."""
-        outcome = frame.state.loads.outcome
-        if not self.along(frame.state) or outcome is None or outcome.loads is None:
-            return ""
-        return motion_chart(outcome.loads, frame.state.loads.joint)
+        found = self.found(frame.state)
+        return "" if found is None else motion_chart(found, frame.state.loads.joint)
 
-    def along(self, state: State) -> bool:
-        """Whether there are loads of the current design along the current motion."""
-        view = state.loads
-        if not view.along or view.outcome is None or view.outcome.loads is None:
-            return False
-        return view.outcome.job.analysis is self.motions.analysis(state)
+    def found(self, state: State) -> MotionLoads | None:
+        """Return the loads of the current design along the current motion, if they are known."""
+        outcome = state.loads.outcome
+        if not state.loads.along or outcome is None:
+            return None
+        return outcome.result if outcome.job is self.motions.analysis(state) else None
 
     def motion(self, frame: Frame) -> str:
         """Return the motion table of the chosen leg, or why there is none."""
@@ -118,14 +118,13 @@ class LoadsEntries(NamedTuple):
             return ""
         analysis = self.motions.analysis(frame.state)
         if analysis is None:
-            text = "There is no motion; see the tab “Motion”."
-            return render("note.j2", testid="loads-problem", muted=False, text=text)
+            return note("loads-problem", "There is no motion; see the tab “Motion”.")
         outcome = view.outcome
-        if outcome is None or outcome.job.analysis is not analysis:
-            return render("note.j2", testid="loads-problem", muted=True, text="Computing …")
-        if outcome.loads is None:
-            return render("note.j2", testid="loads-problem", muted=False, text=outcome.problem)
-        loads, leg = outcome.loads, view.leg
+        if outcome is None or outcome.job is not analysis:
+            return note("loads-problem", "Computing …", muted=True)
+        if outcome.result is None:
+            return note("loads-problem", outcome.problem)
+        loads, leg = outcome.result, view.leg
         rows = [
             (
                 joint.label, _text(loads.peak[leg, i]), f"{loads.peak_time[leg, i]:.2f}",
@@ -147,7 +146,7 @@ class LoadsEntries(NamedTuple):
     def files(self, exporter: Exporter, state: State) -> dict[str, Effect]:
         """Return the buttons of the tables."""
         names = ["Joints", "Bar"]
-        if self.along(state):
+        if self.found(state) is not None:
             names += ["Bearings", "Samples"]
 
         def make(name: str, session: Session) -> exports.File:
@@ -172,10 +171,10 @@ class LoadsEntries(NamedTuple):
     def _table(self, state: State, name: str) -> DataTable:
         if name in ("Bearings", "Samples"):
             outcome = state.loads.outcome
-            if outcome is None or outcome.loads is None:
+            if outcome is None or outcome.result is None:
                 raise InvalidInput("motion", "there are no loads along a motion yet")
             make = bearing_table if name == "Bearings" else motion_loads_table
-            return make(outcome.loads)
+            return make(outcome.result)
         at = shown(state, self.motions)
         forces = forces_at(at)
         if forces.status != Limit.OK or state.document.pose != state.last_reachable.pose:
@@ -186,27 +185,18 @@ class LoadsEntries(NamedTuple):
         return bar_table(forces, pose, state.loads.bar)
 
 
-class _LoadsAlong:
-    """Computes the loads along the motion while they are wanted."""
+class LoadsRunner(JobRunner[TrajectoryAnalysis, MotionLoads]):
+    """Computes the loads along the motion while they are wanted, once nothing is dragged."""
 
     def __init__(self, session: Session, motions: MotionStore) -> None:
+        super().__init__(session, "loads", find_loads, receive)
         self._motions = motions
-        self._wanted: LoadsJob | None = None
-        self._job: BackgroundJob[LoadsJob, LoadsOutcome] = BackgroundJob(
-            session, "loads", lambda job, _: find_loads(job), receive,
-            failed=lambda job, problem: LoadsOutcome(job, None, problem), undo=False,
-        )  # fmt: skip
 
     def draw(self, frame: Frame, dragging: bool) -> None:
-        """Start a job for what is shown now, once nothing is dragged."""
-        if dragging:
-            return
-        analysis = self._motions.analysis(frame.state) if frame.state.loads.along else None
-        if analysis is None:
-            self._wanted = None
-        elif self._wanted is None or self._wanted.analysis is not analysis:
-            self._wanted = LoadsJob(analysis)
-        self._job.request(self._wanted)
+        """Ask for what is wanted."""
+        if not dragging:
+            state = frame.state
+            self.request(self._motions.analysis(state) if state.loads.along else None)
 
 
 def receive(state: State, outcome: LoadsOutcome) -> State:
@@ -228,32 +218,19 @@ def _percent(share: float) -> str:
 def loads_entries(motions: MotionStore) -> Sequence[Entry]:
     """Return the entries of the tab; analyzed motions come from the store."""
     tab, exporter = LoadsEntries(motions), Exporter()
+    setting = SettingInputs("loads", "loads", LoadsState)
 
     return (
         Html("loads.intro", content=tab.intro, idle=True),
-        Dropdown(
-            "loads.leg", "Leg", options={f"leg {leg}": leg - 1 for leg in (1, 2, 3)},
-            hint="Whose joints and bars are listed", **attribute("loads.leg"),
-        ),
+        setting("leg"),
         Html("loads.joints", content=tab.joints, idle=True),
         Html("loads.bars", content=tab.bars, idle=True),
-        Dropdown(
-            "loads.bar", "Bar", options={name: bar for bar, name in BAR_NAMES.items()},
-            hint="Axial force, shear force and bending moment along it", **attribute("loads.bar"),
-        ),
+        setting("bar"),
         Html("loads.sections", content=tab.sections, idle=True),
-        Checkbox(
-            "loads.along", "Along the motion",
-            hint="Peak, RMS and equivalent load of every joint on the current motion",
-            **attribute("loads.along"),
-        ),
-        Custom("loads.job", make=lambda session: _LoadsAlong(session, motions)),
+        setting("along"),
+        Custom("loads.job", make=partial(LoadsRunner, motions=motions)),
         Html("loads.motion", content=tab.motion, idle=True),
-        Dropdown(
-            "loads.joint", "Joint", visible=tab.along,
-            options={f"joint {j.label}" if j.key[0].isdigit() else j.label: j.key for j in JOINTS},
-            hint="Whose force is plotted, of all legs", **attribute("loads.joint"),
-        ),
+        setting("joint", visible=lambda state: tab.found(state) is not None),
         Html("loads.curves", content=tab.curves, idle=True),
         ButtonGroup(
             "loads.files", "CSV", choices=partial(tab.files, exporter),

@@ -28,8 +28,7 @@ from paminsa_viz.explorer.panels.monte_carlo_panel import (
 )
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import PARAMETER, Design
-from paminsa_viz.model.leg_deviations import LEG_NAMES, NO_DEVIATIONS
-from paminsa_viz.model.tolerances import NO_TOLERANCES, Tolerances
+from paminsa_viz.model.accuracy import LEG_NAMES, NO_DEVIATIONS, NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import ToleranceErrors, manufactured_pose, tolerance_errors
 from paminsa_viz.precision.unequal_legs import Closure
@@ -80,8 +79,7 @@ def legs_html(frame: Frame) -> str:
 
 def set_tolerances(state: State, tolerances: Tolerances) -> State:
     """Change all tolerances."""
-    design = actions.renamed_if_changed(replace(state.document.design, tolerances=tolerances))
-    return actions.with_document(state, replace(state.document, design=design))
+    return actions.with_design(state, replace(state.document.design, tolerances=tolerances))
 
 
 def _tolerance_choices(state: State) -> dict[str, Effect]:
@@ -97,8 +95,7 @@ def _tolerance_choices(state: State) -> dict[str, Effect]:
 def equal_legs(state: State) -> State:
     """Give all legs the geometry's lengths."""
     legs = dict(zip(LEG_NAMES, NO_DEVIATIONS, strict=True))
-    design = actions.renamed_if_changed(replace(state.document.design, **legs))
-    return actions.with_document(state, replace(state.document, design=design))
+    return actions.with_design(state, replace(state.document.design, **legs))
 
 
 def _leg_choices(state: State) -> dict[str, Effect]:
@@ -136,18 +133,22 @@ _LABELS = {
 }  # fmt: skip
 
 
-def _slider(name: str) -> Slider:
-    path = f"tolerances.{name}"
+def error_slider(path: str, label: str, high: float, step: float, hint: str = "") -> Slider:
+    """Return the slider of an error of the design, in micrometers or degrees."""
     parameter = PARAMETER[path]
     unit = display_unit("m:um" if parameter.unit == "m" else "rad")
-    high, step = (500.0, 1.0) if parameter.unit == "m" else (0.2, 0.001)
-    label = parameter.label[0].upper() + parameter.label[1:]
     return Slider(
-        path, _LABELS[name], range=(0.0, high), step=step, unit=unit, fit=grown,
-        hint=f"{label} [{unit.text}]",
+        path, label, range=(0.0, high), step=step, unit=unit, fit=grown,
+        hint=f"{parameter.label[0].upper()}{parameter.label[1:]}{hint} [{unit.text}]",
         read=lambda state: state.document.design.value(path),
         apply=lambda state, value: actions.vary(state, {path: value}),
     )  # fmt: skip
+
+
+def _slider(name: str) -> Slider:
+    path = f"tolerances.{name}"
+    high, step = (500.0, 1.0) if PARAMETER[path].unit == "m" else (0.2, 0.001)
+    return error_slider(path, _LABELS[name], high, step)
 
 
 MANUFACTURE = (
@@ -166,7 +167,7 @@ MANUFACTURE = (
         ),
     ),
     Folder(
-        "manufacture.robots", "Random robots (Monte Carlo)", entries=MONTE_CARLO,
+        "manufacture.random", "Random robots (Monte Carlo)", entries=MONTE_CARLO,
     ),
     Folder(
         "manufacture.legs", "Deviations of each leg", open=False,

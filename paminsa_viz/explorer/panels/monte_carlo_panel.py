@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from viser import Icon
 
-from paminsa_viz.explorer.background import BackgroundJob
-from paminsa_viz.explorer.entries import Button, Custom, Entry, Html, Progress
+from paminsa_viz.explorer import tasks
+from paminsa_viz.explorer.background import TaskRunner, task_entries
+from paminsa_viz.explorer.entries import Button, Custom, Entry, Html
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import Number
-from paminsa_viz.explorer.manufacture import (
-    MOST_ROBOTS,
-    MonteCarloJob,
-    MonteCarloOutcome,
-    draw_robots,
-)
+from paminsa_viz.explorer.manufacture import Manufacture, MonteCarloJob, draw_robots
 from paminsa_viz.explorer.motion.description import Pose
 from paminsa_viz.explorer.panels import render
-from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Design
-from paminsa_viz.model.leg_deviations import LEG_NAMES
+from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.units import display_unit, fixed, number
 
 NAMES = ("x", "y", "θ", "z", "tilt about x", "tilt about y")
@@ -55,42 +51,11 @@ def error_row(name: str, unit: str, *values: Any) -> tuple[str, str, list[str]]:
 
 def start(state: State) -> State:
     """Draw robots at random, for the pose where the robot is."""
-    design, pose = state.document.design, state.last_reachable.pose
-    geometry = state.last_reachable.geometry
-    return replace(
-        state, manufacture=state.manufacture.started(replace(design, geometry=geometry), pose)
-    )
-
-
-def stop(state: State) -> State:
-    """Stop drawing robots."""
-    return state.updated("manufacture", running=None)
-
-
-def receive(state: State, outcome: MonteCarloOutcome) -> State:
-    """Take over a result."""
-    return state.updated("manufacture", running=None, outcome=outcome)
-
-
-def _progress(state: State, job: MonteCarloJob, done: float) -> State:
-    if state.manufacture.running is not job:
-        return state
-    return state.updated("manufacture", done=done)
-
-
-class _Drawer:
-    """Runs the jobs of a session."""
-
-    def __init__(self, session: Session) -> None:
-        self._job: BackgroundJob[MonteCarloJob, MonteCarloOutcome] = BackgroundJob(
-            session, "manufacture", draw_robots, receive,
-            failed=lambda job, problem: MonteCarloOutcome(job, None, problem),
-            progress=_progress, undo=False,
-        )  # fmt: skip
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Start the job that is wanted."""
-        self._job.request(frame.state.manufacture.running)
+    own, last = state.manufacture, state.last_reachable
+    design = replace(state.document.design, geometry=last.geometry)
+    return tasks.start(
+        state, "manufacture", MonteCarloJob(design, last.pose, own.robots, own.seed)
+    )  # fmt: skip
 
 
 def monte_carlo_html(frame: Frame) -> str:
@@ -114,33 +79,18 @@ def monte_carlo_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
-def _busy(state: State) -> bool:
-    return state.manufacture.running is not None
-
+_setting = SettingInputs("manufacture", "manufacture", Manufacture)
 
 MONTE_CARLO: tuple[Entry, ...] = (
-    Number(
-        "manufacture.count", "Robots", range=(1.0, float(MOST_ROBOTS)), step=100.0,
-        read=lambda state: state.manufacture.robots,
-        apply=lambda state, value: state.updated("manufacture", robots=round(value)),
-        undo=False,
+    _setting("robots", undo=False),
+    _setting("seed", undo=False),
+    *task_entries(
+        "manufacture",
+        Button(
+            "manufacture.start", "Run Monte Carlo", icon=Icon.DICE, effect=start, undo=False,
+            hint="Draws lengths within the tolerances and solves each robot, at this pose",
+        ),
     ),
-    Number(
-        "manufacture.seed", "Seed", range=(0.0, 1e9), step=1.0,
-        hint="The same seed draws the same robots",
-        read=lambda state: state.manufacture.seed,
-        apply=lambda state, value: state.updated("manufacture", seed=round(value)),
-        undo=False,
-    ),
-    Button(
-        "manufacture.start", "Run Monte Carlo", icon=Icon.DICE, effect=start, undo=False,
-        visible=lambda state: not _busy(state),
-        hint="Draws lengths within the tolerances and solves each robot, at this pose",
-    ),
-    Progress(
-        "manufacture.progress", read=lambda state: state.manufacture.done, visible=_busy
-    ),
-    Button("manufacture.stop", "Stop", color="gray", visible=_busy, effect=stop),
-    Custom("manufacture.job", make=_Drawer),
+    Custom("manufacture.job", make=partial(TaskRunner, path="manufacture", find=draw_robots)),
     Html("manufacture.found", content=monte_carlo_html, idle=True),
 )  # fmt: skip

@@ -8,42 +8,26 @@ import numpy as np
 from viser import Icon
 
 from paminsa_viz.clearance import clearance_reason
-from paminsa_viz.explorer import actions, clearing
-from paminsa_viz.explorer.background import BackgroundJob
+from paminsa_viz.explorer import clearing
+from paminsa_viz.explorer.background import TaskRunner, is_running
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.entries import Button, Condition, Entry, Folder, Html
+from paminsa_viz.explorer.entries import Button, Custom, Entry, Folder, Html
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import (
-    MILLIMETERS,
-    PLAIN,
-    Checkbox,
-    Dropdown,
-    Number,
-    Range,
-    Slider,
-    attribute,
-)
+from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Slider, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import SPEEDS
-from paminsa_viz.explorer.motion.jobs import (
-    BANDWIDTHS,
-    DAMPINGS,
-    INITIAL_ERRORS,
-    PAYLOAD_MISMATCHES,
-    SimulationJob,
-    SimulationOutcome,
-    run,
-)
+from paminsa_viz.explorer.motion.jobs import SimulationSettings, run
 from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.panels import motion_points, render
+from paminsa_viz.explorer.panels import motion_points, note, render, status
 from paminsa_viz.explorer.panels.crossing_text import chart_html, crossing_html
 from paminsa_viz.explorer.panels.motion_description import DESCRIPTION
 from paminsa_viz.explorer.scene.path import hue_gradient, path_scale
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.state import State
 from paminsa_viz.trajectory import ControlMode, TrajectoryAnalysis
-from paminsa_viz.units import DisplayUnit, number
+from paminsa_viz.units import number
 
 TIME = "t  [s]"
 ACTUATORS = {f"M{j + 1}": j for j in range(4)}
@@ -79,7 +63,7 @@ def status_html(state: State, analysis: TrajectoryAnalysis | None) -> str:
         if why:
             level, title = "bad" if near.distance < 0 else "warn", f"{title}, bodies too close"
             lines.insert(0, f"{why}, at {number(near.t, 3)} s")
-    return render("status.j2", testid="motion-status", level=level, title=title, lines=lines)
+    return status("motion-status", level, title, *lines)
 
 
 def playback_end(state: State) -> float:
@@ -122,17 +106,6 @@ def _legend_html(actuator: int, analysis: TrajectoryAnalysis | None) -> str:
     return render("motion_path.j2", hues=hue_gradient(scale), name=name, scale=scale)
 
 
-def _setting(
-    name: str, label: str, limits: Range, step: float, hint: str,
-    unit: DisplayUnit = PLAIN, visible: Condition | None = None,
-) -> Number:  # fmt: skip
-    """Return the input of one number of the simulation."""
-    return Number(
-        f"simulation.{name}", label, range=limits, step=step, unit=unit, hint=hint,
-        visible=visible, **attribute(f"simulating.settings.{name}"),
-    )  # fmt: skip
-
-
 def _has_feedback(state: State) -> bool:
     return state.simulating.settings.control is not ControlMode.FEED_FORWARD
 
@@ -147,10 +120,10 @@ def simulation_html(frame: Frame) -> str:
             "The controller does not know of a part of the payload. Errors and torques are plotted "
             "in “Motion plots”, and the robot moves as simulated in the scene."
         )
-        return render("note.j2", testid="simulation", muted=True, text=text)
+        return note("simulation", text, muted=True)
     if simulating.running is None and outcome is not None:
         level, title, lines = "bad", "Not simulated", [outcome.problem]
-        simulation = outcome.simulation
+        simulation = outcome.result
         if simulation is not None:
             drift = float(np.abs(simulation.energy_drift).max())
             lines = [
@@ -164,41 +137,25 @@ def simulation_html(frame: Frame) -> str:
             if not motions.simulation_is_current(frame.state):
                 level = "warn" if simulation.stopped is None else level
                 lines.append("of an earlier design, motion or setting: simulate again")
-    return render("status.j2", testid="simulation", level=level, title=title, lines=lines)
+    return status("simulation", level, title, *lines)
 
+
+_setting = SettingInputs("simulation", "simulating.settings", SimulationSettings)
 
 SIMULATION: tuple[Entry, ...] = (
-    Dropdown(
-        "simulation.control", "Control",
-        options={
-            "computed torque": ControlMode.COMPUTED_TORQUE,
-            "feed-forward + PD": ControlMode.PD,
-            "feed-forward alone": ControlMode.FEED_FORWARD,
-        },
-        hint="Feed-forward alone has no feedback: the robot is unstable without it",
-        **attribute("simulating.settings.control"),
-    ),
-    _setting(
-        "bandwidth", "Bandwidth [Hz]", BANDWIDTHS, 0.5,
-        "Of the error's own motion; the gains follow from it", visible=_has_feedback,
-    ),
-    _setting("damping", "Damping ratio", DAMPINGS, 0.1, "", visible=_has_feedback),
-    _setting(
-        "payload_mismatch", "Payload mismatch [kg]", PAYLOAD_MISMATCHES, 0.1,
-        "Payload of the robot beyond what the controller assumes",
-    ),
-    _setting(
-        "initial_error", "Initial error [mm]", INITIAL_ERRORS, 1.0, "Error of x at the start",
-        unit=MILLIMETERS,
-    ),
-    Checkbox(
-        "simulation.friction", "Controller knows the friction",
-        hint="The friction itself is a number of the design, zero in the paper",
-        **attribute("simulating.settings.knows_friction"),
-    ),
+    _setting("control"),
+    _setting("bandwidth", visible=_has_feedback),
+    _setting("damping", visible=_has_feedback),
+    *map(_setting, ("payload_mismatch", "initial_error", "knows_friction")),
     Button(
         "simulation", "Simulate", icon=Icon.PLAYER_TRACK_NEXT, effect=motions.simulate,
-        disabled=lambda state: state.simulating.running is not None,
+        disabled=is_running("simulating"),
+    ),
+    Custom(
+        "simulation.job",
+        make=partial(
+            TaskRunner, path="simulating", find=run, receive=motions.receive_simulation, undo=True
+        ),
     ),
     Html("simulation.outcome", content=simulation_html),
     Checkbox(
@@ -232,11 +189,7 @@ def motion_entries(store: MotionStore) -> tuple[Entry, ...]:
         Folder(
             "motion.path", "Path in the scene", open=False,
             entries=(
-                Checkbox(
-                    "layers.path", "Show the path", hint="Drawn on the maps as well",
-                    read=lambda state: "path" in state.layers,
-                    apply=lambda state, shown: actions.set_layers(state, path=shown),
-                ),
+                layer_switch("layers.path", "path", "Show the path", "Drawn on the maps as well"),
                 Dropdown(
                     "plots.color", "Colored by", options=ACTUATORS,
                     hint="Torque or force of this actuator; red where the motion fails",
@@ -255,17 +208,8 @@ def motion_entries(store: MotionStore) -> tuple[Entry, ...]:
 
 
 class MotionPanel(Panel):
-    """The entries of the tab, and the job that simulates."""
+    """The entries of the tab, and presses on its list of poses."""
 
     def __init__(self, session: Session, bridge: Bridge, store: MotionStore) -> None:
         super().__init__(session, motion_entries(store))
         bridge.on(motion_points.SELECT, partial(motion_points.receive_row, session))
-        self._job: BackgroundJob[SimulationJob, SimulationOutcome] = BackgroundJob(
-            session, "simulation", lambda job, _: run(job), motions.receive_simulation,
-            failed=lambda job, problem: SimulationOutcome(job, None, problem),
-        )  # fmt: skip
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the state, and simulate what is requested."""
-        self._job.request(frame.state.simulating.running)
-        super().draw(frame, dragging)

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
 
 from paminsa_viz.engines import why_missing
-from paminsa_viz.explorer.background import BackgroundJob
+from paminsa_viz.explorer.background import JobRunner
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge, Slots, marker
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import COMPARED, PLOTS, SIMULATED
-from paminsa_viz.explorer.motion.jobs import Answer, EngineRequest, ask_engine
+from paminsa_viz.explorer.motion.jobs import EngineAnswer, EngineRequest, ask_engine
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.motion_chart import PLACE, MotionChart, TimeCursor
@@ -173,7 +174,7 @@ def _engine(state: State, found: MotionResults) -> dict[str, object]:
     context: dict[str, object] = {
         "marked": state.plots.plot == "torques", "answer": found.answer, "own": None
     }  # fmt: skip
-    check = found.answer.found if found.answer else None
+    check = found.answer.result if found.answer else None
     if check is not None:
         published = found.sources.published
         context |= {
@@ -216,7 +217,7 @@ def numbers_html(
 
 def difference_html(drawn: tuple[Chart, ...], found: MotionResults, time: float) -> str:
     """Return the table of differences to an engine, over the largest torque, with a verdict."""
-    check = found.answer.found if found.answer else None
+    check = found.answer.result if found.answer else None
     shares: dict[str, list[float]] = {}
     if check is not None:
         for suffix, analysis in (("", found.analysis), ("as published", found.sources.published)):
@@ -258,10 +259,9 @@ class EngineChecker:
     """Asks an engine as soon as a design and motion have not changed for a while."""
 
     def __init__(self, session: Session) -> None:
-        self._job: BackgroundJob[EngineRequest, Answer] = BackgroundJob(
-            session, "plots.engine_answer", lambda request, _: ask_engine(request),
-            motions.receive_engine_answer,
-            failed=lambda request, problem: Answer(request, None, problem), undo=False,
+        self._job: JobRunner[EngineRequest, EngineAnswer] = JobRunner(
+            session, "engine_answer", lambda request, _: ask_engine(request),
+            lambda state, answer: replace(state, engine_answer=answer),
         )  # fmt: skip
         self._seen: EngineRequest | None = None
         self._since = 0.0
@@ -274,11 +274,11 @@ class EngineChecker:
             engine: Which engine's.
             dragging: Whether the state changes; perhaps something else, or the motion plays.
         """
-        now, seen = time.monotonic(), self._seen
-        if found is None:
-            self._seen = None
+        now = time.monotonic()
+        request = None if found is None else EngineRequest(found.analysis, engine)
+        if request != self._seen:
+            self._seen, self._since = request, now
+        if found is None or found.answer is not None:
             return
-        if seen is None or seen.analysis is not found.analysis or seen.engine != engine:
-            self._seen, self._since = EngineRequest(found.analysis, engine), now
-        if found.answer is None and (not dragging or now - self._since >= IDLE_DELAY):
-            self._job.request(self._seen)
+        if not dragging or now - self._since >= IDLE_DELAY:
+            self._job.request(request)

@@ -9,14 +9,7 @@ from paminsa_viz.explorer import actions as poses
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.entries import ButtonGroup, Condition, Custom, Effect, Folder, Html
-from paminsa_viz.explorer.inputs import (
-    MILLIMETERS,
-    Checkbox,
-    Dropdown,
-    Number,
-    Pair,
-    attribute,
-)
+from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, Pair, attribute
 from paminsa_viz.explorer.panels import requirements_text as text
 from paminsa_viz.explorer.panels.largest_panel import LARGEST_WORKSPACE
 from paminsa_viz.explorer.panels.requirement_inputs import DEGREES, EDIT, has_selected
@@ -25,6 +18,7 @@ from paminsa_viz.explorer.requirements.checking import VolumeSolver
 from paminsa_viz.explorer.requirements.saved import asked
 from paminsa_viz.explorer.requirements.suggestions import default_workspace
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.settings import MILLIMETERS
 from paminsa_viz.explorer.state import State
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
 

@@ -9,7 +9,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.requirements.causes import CauseGroup, cause_groups
 from paminsa_viz.explorer.requirements.checking import current_check, current_volume
-from paminsa_viz.explorer.requirements.jobs import VolumeOutcome
+from paminsa_viz.explorer.requirements.jobs import VolumeResult
 from paminsa_viz.explorer.requirements.saved import asked
 from paminsa_viz.explorer.state import State
 from paminsa_viz.quantities.requirement_text import requirement_label
@@ -95,7 +95,8 @@ def note_of(state: State, check: RequirementsCheck) -> str:
     """Return what a check is over, and how fine."""
     low, high = (format_value(end, "rad") for end in state.document.requirements.theta)
     known = state.requiring.fine
-    fine = "finely sampled" if known and known.check is check else "coarsely sampled"
+    result = None if known is None else known.result
+    fine = "finely sampled" if result and result.check is check else "coarsely sampled"
     return f"{OVER[check.over]} from θ {low} to {high}, {fine}"
 
 
@@ -134,16 +135,16 @@ def volume_html(frame: Frame) -> str:
     if not asked(state.document.requirements):
         return ""
     outcome = current_volume(state)
-    volume = None if outcome is None else outcome.volume
-    if outcome is None or volume is None:
+    found = None if outcome is None else outcome.result
+    if outcome is None or found is None:
         problem = "" if outcome is None else outcome.problem
         return render("requirements_volume.j2", problem=problem, waiting=outcome is None)
+    volume = found.volume
     return render(
         "requirements_volume.j2", problem="", waiting=False, fine=outcome.job.fine,
         volume=number(LITERS * volume.volume, 4), error=number(LITERS * volume.error, 2),
         utilization=percent(volume.utilization), reachable=number(LITERS * volume.reachable_volume),
-        conflict=outcome.conflict,
-        groups=[_group(volume, group) for group in shown_groups(outcome, volume)],
+        conflict=found.conflict, groups=[_group(volume, each) for each in shown_groups(found)],
     )  # fmt: skip
 
 
@@ -156,10 +157,10 @@ def percent(part: float) -> str:
     return f"{number(100 * part, 3)} %" if math.isfinite(part) else NONE
 
 
-def shown_groups(outcome: VolumeOutcome, volume: Volume) -> list[CauseGroup]:
+def shown_groups(found: VolumeResult) -> list[CauseGroup]:
     """Return all requirements, and of the other causes those that end the volume somewhere."""
-    colors = {part.color for part in outcome.surface}
-    groups, _ = cause_groups(volume.causes)
+    colors = {part.color for part in found.surface}
+    groups, _ = cause_groups(found.volume.causes)
     return [each for each in groups[1:] if each.requirement is not None or each.color in colors]
 
 

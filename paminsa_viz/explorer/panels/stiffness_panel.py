@@ -5,27 +5,29 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from paminsa_viz.elastostatics.sections import tube_fits
 from paminsa_viz.elastostatics.stiffness import SHARES
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.background import BackgroundJob
+from paminsa_viz.explorer.background import JobRunner
 from paminsa_viz.explorer.elasticity import (
     CASES,
     MODES,
     ElasticJob,
     ElasticOutcome,
+    ElasticResult,
+    ElasticView,
     analyze_elasticity,
 )
 from paminsa_viz.explorer.entries import ButtonGroup, Custom, Effect, Entry, Folder, Html
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, Slider, attribute
-from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.inputs import Dropdown, Number, Slider, attribute
+from paminsa_viz.explorer.panels import note, render
 from paminsa_viz.explorer.panels.design_layout import is_changed, slider
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import PARAMETER
 from paminsa_viz.model.drive import ACTUATORS
@@ -109,14 +111,14 @@ def _open_number(
     )
 
 
-def _joint(name: str, label: str, step: float) -> Number:
+def _joint(name: str, label: str) -> Number:
     """Return the input of the stiffness of a joint."""
     path = f"elastic.{name}"
     parameter = PARAMETER[path]
     text = f"{parameter.label[:1].upper()}{parameter.label[1:]}; 0: rigid"
     return _open_number(
-        f"stiffness.{name}", f"{label} [{parameter.display.text}]", text, lambda _: path, step,
-        parameter.display,
+        f"stiffness.{name}", f"{label} [{parameter.display.text}]", text, lambda _: path,
+        1000.0, parameter.display,
     )  # fmt: skip
 
 
@@ -130,34 +132,26 @@ def _section(name: str, label: str, step: float) -> Number:
     )  # fmt: skip
 
 
-class _Analyzer:
-    """Runs the analyses of a session.
+class Analyzer(JobRunner[ElasticJob, ElasticResult]):
+    """Analyzes what is shown.
 
     While something is dragged, only if a layer shows the result or elastic data change.
     """
 
     def __init__(self, session: Session) -> None:
-        self._job: BackgroundJob[ElasticJob, ElasticOutcome] = BackgroundJob(
-            session, "stiffness", lambda job, _: analyze_elasticity(job), receive,
-            failed=lambda job, problem: ElasticOutcome(job, problem=problem), undo=False,
-        )  # fmt: skip
-        self._wanted: ElasticJob | None = None
+        super().__init__(session, "elastic_view", analyze_elasticity, receive)
 
     def draw(self, frame: Frame, dragging: bool) -> None:
-        """Start the analysis of what is shown."""
-        state, before = frame.state, self._wanted
-        pose = state.last_reachable.pose
-        job = ElasticJob(frame.shown_design, pose, state.elastic_view.case)
-        if before is not None:
-            if (before.design, before.pose, before.case) == (job.design, job.pose, job.case):
+        """Analyze what is shown, unless it can wait."""
+        state, last = frame.state, self.wanted
+        job = ElasticJob(frame.shown_design, state.last_reachable.pose, state.elastic_view.case)
+        if dragging:
+            if last is None:
                 return
-            live = job.design.elastic != before.design.elastic or job.case != before.case
-            if dragging and not (live or state.layers.intersection(LAYERS)):
+            live = job.design.elastic != last.design.elastic or job.case != last.case
+            if not (live or state.layers.intersection(LAYERS)):
                 return
-        elif dragging:
-            return
-        self._wanted = job
-        self._job.request(job)
+        self.request(job)
 
 
 def receive(state: State, outcome: ElasticOutcome) -> State:
@@ -170,10 +164,10 @@ def result_html(frame: Frame) -> str:
     outcome = frame.state.elastic_view.outcome
     if outcome is None:
         return ""
-    found = outcome.stiffness
-    if outcome.problem or found is None or outcome.twist is None:
-        text = f"No stiffness at this pose: {outcome.problem}."
-        return render("note.j2", testid="stiffness-problem", muted=False, text=text)
+    result = outcome.result
+    if result is None:
+        return note("stiffness-problem", f"No stiffness at this pose: {outcome.problem}.")
+    found, twist = result.stiffness, result.twist
     stiffness = [
         ("x", float(found.along(0)) * 1e-3, "N/mm"),
         ("y", float(found.along(1)) * 1e-3, "N/mm"),
@@ -181,29 +175,24 @@ def result_html(frame: Frame) -> str:
         ("θ", float(found.along(5)), "N·m/rad"),
         ("tilt", float(found.tilt), "N·m/rad"),
     ]
-    twist, tilt = outcome.twist, float(np.hypot(*outcome.twist[3:5]))
+    motors: list[tuple[str, float]] = []
+    if result.compensation is not None:
+        moves = 1e3 * np.asarray(result.compensation.actuators)
+        motors = list(zip(ACTUATORS, moves.tolist(), strict=True))
     return render(
         "stiffness.j2", stiffness=stiffness, case=CASES[outcome.job.case][0],
-        loaded=outcome.shares is not None, moved=(1e3 * twist[:3]).tolist(),
-        turn=1e3 * float(twist[5]), tilt=1e3 * tilt, motors=_motors(outcome),
-        frequencies=outcome.frequencies, mode=frame.state.elastic_view.mode,
+        loaded=result.shares is not None, moved=(1e3 * twist[:3]).tolist(),
+        turn=1e3 * float(twist[5]), tilt=1e3 * float(np.hypot(*twist[3:5])), motors=motors,
+        frequencies=result.frequencies, mode=frame.state.elastic_view.mode,
     )  # fmt: skip
-
-
-def _motors(outcome: ElasticOutcome) -> list[tuple[str, float]]:
-    """Return how far the motors M1..M4 move to compensate a deflection [mrad, mm]."""
-    if outcome.compensation is None:
-        return []
-    moves = 1e3 * np.asarray(outcome.compensation.actuators)
-    return list(zip(ACTUATORS, moves.tolist(), strict=True))
 
 
 def shares_html(frame: Frame) -> str:
     """Return the share of each part in the strain energy as bars, the largest first."""
-    outcome = frame.state.elastic_view.outcome
-    if outcome is None or outcome.shares is None:
+    outcome, result = frame.state.elastic_view.outcome, frame.state.elastic_view.result
+    if outcome is None or result is None or result.shares is None:
         return ""
-    shares = np.asarray(outcome.shares.share)
+    shares = np.asarray(result.shares.share)
     names = [{"drive": "M1–M3"}.get(name, name) for name in SHARES]
     rows = sorted(zip(names, shares.tolist(), strict=True), key=lambda row: -row[1])
     rows = [row for row in rows if row[1] >= 0.0005]
@@ -225,37 +214,33 @@ def sections_html(frame: Frame) -> str:
 
 
 def _modes(state: State) -> dict[str, int]:
-    outcome = state.elastic_view.outcome
-    found = () if outcome is None else outcome.frequencies
+    result = state.elastic_view.result
+    found = () if result is None else result.frequencies
     texts = {f"{i + 1}: {number(f, 3)} Hz": i for i, f in enumerate(found)}
     return texts or {f"{i + 1}": i for i in range(MODES)}
 
 
-def _layer(key: str, label: str, hint: str) -> Checkbox:
-    return Checkbox(
-        f"stiffness.{key}", label, hint=hint,
-        read=lambda state: key in state.layers,
-        apply=lambda state, visible: actions.set_layers(state, **{key: visible}),
-    )  # fmt: skip
-
-
-def _attribute(name: str) -> dict[str, Any]:
-    return attribute(f"elastic_view.{name}")
-
+_setting = SettingInputs("stiffness", "elastic_view", ElasticView)
 
 STIFFNESS = (
     Html("stiffness.result", content=result_html),
     Dropdown(
         "stiffness.mode", "Mode", options=_modes, hint="Natural frequency of the animated mode",
-        **_attribute("mode"),
+        **attribute("elastic_view.mode"),
     ),
-    _layer("mode_shape", "Animate mode", "The chosen mode in the scene, enlarged and slowed down"),
-    Dropdown(
-        "stiffness.case", "Load case", hint="Deflection and strain energy are under this load",
-        options={name: key for key, (name, _) in CASES.items()}, **_attribute("case"),
+    layer_switch(
+        "stiffness.mode_shape", "mode_shape", "Animate mode",
+        "The chosen mode in the scene, enlarged and slowed down",
     ),
-    _layer("deflection", "Deflection", "The robot under the load case, enlarged"),
-    _layer("compliance", "Compliance ellipsoid", "Displacements by 100 N in every direction"),
+    _setting("case"),
+    layer_switch(
+        "stiffness.deflection", "deflection", "Deflection",
+        "The robot under the load case, enlarged",
+    ),
+    layer_switch(
+        "stiffness.compliance", "compliance", "Compliance ellipsoid",
+        "Displacements by 100 N in every direction",
+    ),
     Html("stiffness.shares", content=shares_html),
     _folder("Material", MATERIAL, opened=False),
     _folder("Drives, motor locked", DRIVE, opened=True),
@@ -265,21 +250,18 @@ STIFFNESS = (
     Folder(
         "stiffness.joints", "Joints and guides, 0: rigid", open=False,
         entries=(
-            _joint("bearing_radial", "bearing across", 1000.0),
-            _joint("bearing_axial", "bearing along", 1000.0),
-            _joint("bearing_tilt", "bearing tilt", 1000.0),
-            _joint("ball", "ball joint 5", 1000.0),
-            _joint("guide", "guide across", 1000.0),
-            _joint("guide_tilt", "guide tilt", 1000.0),
+            _joint("bearing_radial", "bearing across"),
+            _joint("bearing_axial", "bearing along"),
+            _joint("bearing_tilt", "bearing tilt"),
+            _joint("ball", "ball joint 5"),
+            _joint("guide", "guide across"),
+            _joint("guide_tilt", "guide tilt"),
         ),
     ),
     Folder(
         "stiffness.section", "Sections that are no tubes, 0: the tube's", open=False,
         entries=(
-            Dropdown(
-                "stiffness.bar", "Bar", options={bar.upper(): bar for bar in BARS},
-                **_attribute("bar"),
-            ),
+            _setting("bar"),
             _section("area", "area", 1.0),
             _section("inertia_in", "I in plane", 100.0),
             _section("inertia_out", "I across", 100.0),
@@ -287,6 +269,6 @@ STIFFNESS = (
         ),
     ),
     Html("stiffness.sections", content=sections_html, idle=True),
-    Custom("stiffness.job", make=_Analyzer),
+    Custom("stiffness.job", make=Analyzer),
 )  # fmt: skip
 """The tab's entries."""

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels import note, render
 from paminsa_viz.explorer.panels.design_layout import is_changed
 from paminsa_viz.explorer.panels.largest_panel import workspace_text
 from paminsa_viz.explorer.state import State
@@ -59,21 +59,20 @@ def best_html(frame: Frame) -> str:
 
 def has_robot(state: State) -> bool:
     """Whether a robot was found that meets all requirements."""
-    result = state.synthesizing.result
-    return result is not None and result.feasible and state.synthesizing.running is None
+    answer = state.synthesizing.answer
+    return answer is not None and answer.feasible and state.synthesizing.running is None
 
 
 def result_html(frame: Frame) -> str:
     """Return the answer: what was found, what decides, how sure it is, and what has changed."""
     synthesizing = frame.state.synthesizing
-    outcome = synthesizing.outcome
+    outcome, result = synthesizing.outcome, synthesizing.answer
     if outcome is None or synthesizing.running is not None:
         return ""
-    result = synthesizing.result
-    if result is None:
-        return render("note.j2", testid="synthesis-problem", muted=False, text=outcome.problem)
+    if outcome.result is None or result is None:
+        return note("synthesis-problem", outcome.problem)
     objective = find_objective(result.case.objective)
-    built = outcome.built
+    built = outcome.result.built
     return render(
         "synthesize_result.j2", feasible=result.feasible, seconds=number(outcome.seconds, 2),
         trials=result.trials, poses=result.poses, canceled=result.canceled,
@@ -118,8 +117,7 @@ def refusals(result: SynthesisResult) -> list[tuple[str, str]]:
 
 def against_text(state: State) -> str:
     """Return the second objective of the chosen point of a front, or nothing."""
-    outcome, point = state.synthesizing.outcome, state.synthesizing.point
-    front = None if outcome is None else outcome.front
+    front, point = state.synthesizing.front, state.synthesizing.point
     if front is None or point >= len(front.points):
         return ""
     objective = find_objective(front.objectives[1])
@@ -129,11 +127,11 @@ def against_text(state: State) -> str:
 def prices_html(frame: Frame) -> str:
     """Return what each requirement costs the objective."""
     synthesizing = frame.state.synthesizing
-    found, result = synthesizing.prices, synthesizing.result
-    if found is None or result is None or found.job.result is not result:
+    outcome, result = synthesizing.prices.outcome, synthesizing.answer
+    if outcome is None or result is None or outcome.job.answer is not result:
         return ""
-    if found.problem:
-        return render("note.j2", testid="prices-problem", muted=False, text=found.problem)
+    if outcome.result is None:
+        return note("prices-problem", outcome.problem)
     objective = find_objective(result.case.objective)
     rows = [
         (
@@ -141,7 +139,7 @@ def prices_html(frame: Frame) -> str:
             format_value(one.relaxed - result.objective, objective.unit, 3),
             format_value(one.tightened - result.objective, objective.unit, 3),
         )
-        for one in found.prices
+        for one in outcome.result
     ]  # fmt: skip
     steps = f"{100 * STEP:g} %"
     return render("synthesize_prices.j2", rows=rows, step=steps, objective=objective.label)

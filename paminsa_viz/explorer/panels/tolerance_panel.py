@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from paminsa_viz.explorer.background import BackgroundJob
-from paminsa_viz.explorer.balancing import tolerances
-from paminsa_viz.explorer.balancing.tolerances import LengthJob, LengthOutcome, of_masses, run
+from functools import partial
+
+from paminsa_viz.explorer import tasks
+from paminsa_viz.explorer.background import TaskRunner, is_running
+from paminsa_viz.explorer.balancing.plane import PlaneJob
+from paminsa_viz.explorer.balancing.tolerances import ToleranceSettings, draw_robots, of_masses
 from paminsa_viz.explorer.entries import Button, Custom, Entry, Html
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import PERCENT, Number, attribute
-from paminsa_viz.explorer.panels import render
-from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.panels import render, status
+from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import PARAMETER
 
@@ -17,23 +19,14 @@ LEADING = 3
 """Masses that are named, by their share in the variance."""
 
 
-def wanted(state: State) -> LengthJob:
+def wanted(state: State) -> PlaneJob:
     """Return the sample of the current state."""
-    document, limit = state.document, state.condition_limit
-    _, _, theta, z = document.pose
-    return LengthJob(document.design, theta, z, state.tolerating.settings.length, limit)
+    return PlaneJob.of(state, state.tolerating.settings.length)
 
 
 def start(state: State) -> State:
     """Draw robots of the current state."""
-    return state.updated("tolerating", running=wanted(state))
-
-
-def receive(state: State, outcome: LengthOutcome) -> State:
-    """Take over the result of the sample that runs; that of an older one is dropped."""
-    if state.tolerating.running is not outcome.job:
-        return state
-    return state.updated("tolerating", running=None, outcome=outcome)
+    return tasks.start(state, "tolerating", wanted(state))
 
 
 def masses_html(frame: Frame) -> str:
@@ -60,54 +53,29 @@ def _symbol(path: str) -> str:
 def lengths_html(frame: Frame) -> str:
     """Return the spread of the peak torque from the tolerance of lengths."""
     tolerating = frame.state.tolerating
-    outcome = tolerating.outcome
+    outcome, found = tolerating.outcome, tolerating.result
     if tolerating.running is not None:
-        return render("status.j2", testid="tolerance", level="plain", title="Computing …", lines=[])
+        return status("tolerance", "plain", "Computing …")
     if outcome is None:
         return ""
-    if outcome.found is None:
-        return render(
-            "status.j2", testid="tolerance", level="bad", title="No sample",
-            lines=[outcome.problem],
-        )  # fmt: skip
-    found = outcome.found
+    if found is None:
+        return status("tolerance", "bad", "No sample", outcome.problem)
     return render(
         "tolerance_lengths.j2", found=found, robots=found.peaks.size,
         lost=int((found.lost > 0).sum()), stale=outcome.job != wanted(frame.state),
     )  # fmt: skip
 
 
-class RobotDrawer:
-    """Draws the robots that are asked for."""
-
-    def __init__(self, session: Session) -> None:
-        self._job: BackgroundJob[LengthJob, LengthOutcome] = BackgroundJob(
-            session, "tolerance", lambda job, _: run(job), receive, undo=False,
-            failed=lambda job, problem: LengthOutcome(job, None, problem),
-        )  # fmt: skip
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Start what is requested."""
-        del dragging
-        self._job.request(frame.state.tolerating.running)
-
+_setting = SettingInputs("tolerance", "tolerating.settings", ToleranceSettings)
 
 TOLERANCES: tuple[Entry, ...] = (
-    Custom("tolerance.drawer", make=RobotDrawer),
-    Number(
-        "tolerance.mass", "Masses ± [%]", range=tolerances.MASSES, step=0.5, unit=PERCENT,
-        hint="Of every mass of joints, links and counterweights, in each leg by itself",
-        **attribute("tolerating.settings.mass"),
-    ),
+    Custom("tolerance.drawer", make=partial(TaskRunner, path="tolerating", find=draw_robots)),
+    _setting("mass"),
     Html("tolerance.masses", content=masses_html, idle=True),
-    Number(
-        "tolerance.length", "Lengths ± [%]", range=tolerances.LENGTHS, step=0.05, unit=PERCENT,
-        hint="Of k, R_b, R_pl, the bars, l_B5 and the places of counterweights, in all legs alike",
-        **attribute("tolerating.settings.length"),
-    ),
+    _setting("length"),
     Button(
         "tolerance.draw", "Draw robots", effect=start, undo=False,
-        disabled=lambda state: state.tolerating.running is not None,
+        disabled=is_running("tolerating"),
         hint="200 robots within the tolerance of lengths, on the map at this θ and z",
     ),
     Html("tolerance.lengths", content=lengths_html, idle=True),

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import time
 from functools import lru_cache
 
-from paminsa_viz.explorer.background import BackgroundJob, Report
+from paminsa_viz.explorer.background import JobRunner
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.requirements.contradictions import conflict_text
-from paminsa_viz.explorer.requirements.jobs import Placed, VolumeJob, VolumeOutcome
+from paminsa_viz.explorer.requirements.causes import conflict_text, surface_parts
+from paminsa_viz.explorer.requirements.jobs import Placed, VolumeJob, VolumeOutcome, VolumeResult
 from paminsa_viz.explorer.requirements.saved import asked
-from paminsa_viz.explorer.requirements.surface import surface_parts
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.tasks import Report
 from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.volume.check import RequirementsCheck, check_requirements
@@ -45,8 +44,8 @@ def current_check(state: State) -> RequirementsCheck | None:
     if not asked(document.requirements):
         return None
     for outcome in (state.requiring.fine, state.requiring.quick):
-        if outcome is not None and outcome.check is not None and outcome.job.serves(document):
-            return outcome.check
+        if outcome is not None and outcome.result is not None and outcome.job.serves(document):
+            return outcome.result.check
     if is_quick(document.requirements):
         return _at_once(document.design, document.requirements)
     return None
@@ -74,9 +73,12 @@ def placed_workspace(state: State) -> Placed | None:
     return workspace.shape, workspace.size, (x, y, z)
 
 
-def find_volume(job: VolumeJob, report: Report) -> VolumeOutcome:
-    """Find the volume and what holds; what is the robot's fault is no error."""
-    start = time.monotonic()
+def find_volume(job: VolumeJob, report: Report) -> VolumeResult:
+    """Find the volume and what holds.
+
+    Raises:
+        PaminsaError: If the requirements cannot be checked, or the work was stopped.
+    """
     try:
         volume = solve_volume(
             job.design, job.requirements, resolution=FINE if job.fine else COARSE,
@@ -87,13 +89,11 @@ def find_volume(job: VolumeJob, report: Report) -> VolumeOutcome:
             progress=lambda done: report(VOLUME_SHARE + (1 - VOLUME_SHARE) * done),
         )  # fmt: skip
     except Canceled:
-        return VolumeOutcome(job, problem="canceled")
-    except PaminsaError as error:
-        return VolumeOutcome(job, problem=str(error))
+        raise PaminsaError("canceled") from None
     surface = surface_parts(volume) if job.fine else ()
     workspace = None if volume.empty else job.requirements.workspace
     conflict = "" if check.holds else conflict_text(volume, workspace)
-    return VolumeOutcome(job, volume, check, surface, conflict, time.monotonic() - start)
+    return VolumeResult(volume, check, surface, conflict)
 
 
 def receive(state: State, outcome: VolumeOutcome) -> State:
@@ -108,28 +108,20 @@ class VolumeSolver:
     """Finds the volume of what is shown: coarse at once, fine when the page is idle."""
 
     def __init__(self, session: Session) -> None:
-        self._jobs = {
-            fine: BackgroundJob[VolumeJob, VolumeOutcome](
-                session, f"requirements.{'fine' if fine else 'quick'}", find_volume, receive,
-                failed=lambda job, problem: VolumeOutcome(job, problem=problem), undo=False,
-            )
-            for fine in (False, True)
-        }  # fmt: skip
-        self._wanted: dict[bool, VolumeJob | None] = {False: None, True: None}
+        self._quick, self._fine = (
+            JobRunner(session, f"requiring.{name}", find_volume, receive)
+            for name in ("quick", "fine")
+        )
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Ask for what is not known yet."""
-        state = frame.state
-        if state.synthesizing.running is not None:  # it needs all cores, and shows other robots
-            return
-        document, known = state.document, state.requiring
-        for fine, outcome in ((False, known.quick), (True, known.fine)):
-            wanted = self._wanted[fine]
-            if not asked(document.requirements):
-                wanted = None
-            elif wanted is None or not wanted.serves(document):
-                there = outcome is not None and outcome.job.serves(document)
-                waits = there or (fine and dragging)
-                wanted = None if waits else VolumeJob(document.design, document.requirements, fine)
-            self._wanted[fine] = wanted
-            self._jobs[fine].request(wanted)
+        document, known = frame.state.document, frame.state.requiring
+        if frame.state.synthesizing.running is not None:
+            return  # it needs all cores, and shows other robots
+        for runner, outcome in ((self._quick, known.quick), (self._fine, known.fine)):
+            fine = runner is self._fine
+            job = VolumeJob(document.design, document.requirements, fine)
+            there = outcome is not None and outcome.job == job
+            waits = fine and dragging and runner.wanted != job
+            needed = asked(document.requirements) and not (there or waits)
+            runner.request(job if needed else None)

@@ -7,7 +7,7 @@ from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import TABLE_FORMATS
 
 VOLUME_KINDS = ("stl", "glb", *TABLE_FORMATS)
-"""Endings of the files, see `synthesis.volume_files.VOLUME_FORMATS`."""
+"""Endings of the files, see `synthesis.volume.surface.VOLUME_FORMATS`."""
 
 
 def volume_file(state: State, kind: str) -> File:
@@ -20,8 +20,8 @@ def volume_file(state: State, kind: str) -> File:
     from paminsa_viz.synthesis.volume.surface import volume_bytes  # loads SciPy
 
     document, known = state.document, state.requiring.fine
-    if known is not None and known.volume is not None and known.job.serves(document):
-        volume = known.volume
+    if known is not None and known.result is not None and known.job.serves(document):
+        volume = known.result.volume
     else:
         volume = solve_volume(document.design, document.requirements)
     parts = ("paminsa", plain(document.design.name), "volume")

@@ -1,4 +1,4 @@
-"""Jobs on requirements and what came of them: plain data of the state."""
+"""Jobs on requirements and what they find: plain data of the state."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.explorer.settings import setting
+from paminsa_viz.explorer.tasks import Outcome, TaskState
 from paminsa_viz.model import Design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
 
 if TYPE_CHECKING:
     from paminsa_viz.explorer.state import Document
-    from paminsa_viz.synthesis.proof.largest import LargestWorkspace
     from paminsa_viz.synthesis.volume.check import RequirementsCheck
     from paminsa_viz.synthesis.volume.solve import Volume
 
@@ -22,32 +23,23 @@ Placed = tuple[WorkspaceShape, tuple[float, float, float], tuple[float, float, f
 """Shape, size and center of a workspace [m]."""
 
 
-@dataclass(frozen=True, eq=False)
-class AboutRequirements:
-    """A job on a design and what it has to do.
+@dataclass(frozen=True)
+class VolumeJob:
+    """The volume of a design, and which requirements hold.
 
     Attributes:
         design: The robot.
         requirements: What it has to do.
+        fine: Whether finely sampled, with the surface.
     """
 
     design: Design
     requirements: Requirements
+    fine: bool = False
 
     def serves(self, document: Document) -> bool:
         """Whether its result is about a document's design and requirements."""
         return self.design == document.design and self.requirements == document.requirements
-
-
-@dataclass(frozen=True, eq=False)
-class VolumeJob(AboutRequirements):
-    """The volume and what holds.
-
-    Attributes:
-        fine: Whether finely sampled, with the surface.
-    """
-
-    fine: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,38 +58,39 @@ class SurfacePart:
 
 
 @dataclass(frozen=True, eq=False)
-class VolumeOutcome:
-    """What came of a volume.
+class VolumeResult:
+    """A volume.
 
     Attributes:
-        job: The job.
-        volume: Where all requirements hold, or None.
-        check: Which requirements hold, or None.
-        surface: Its surface, a part for each cause.
+        volume: Where all requirements hold.
+        check: Which requirements hold.
+        surface: Its surface, a part for each cause; nothing if it is coarse.
         conflict: Which requirements leave nothing, or no place for the workspace; what would help.
-        seconds: How long it took.
-        problem: Why there is none.
     """
 
-    job: VolumeJob
-    volume: Volume | None = None
-    check: RequirementsCheck | None = None
+    volume: Volume
+    check: RequirementsCheck
     surface: tuple[SurfacePart, ...] = ()
     conflict: str = ""
-    seconds: float = 0.0
-    problem: str = ""
 
 
-@dataclass(frozen=True, eq=False)
-class LargestJob(AboutRequirements):
+VolumeOutcome = Outcome[VolumeJob, VolumeResult]
+
+
+@dataclass(frozen=True)
+class LargestJob:
     """The largest workspace that is proven.
 
     Attributes:
+        design: The robot.
+        requirements: What it has to do.
         workspace: Its proportions, and its center as far as it is given.
-        growth: Name of the extents that grow, of `synthesis.largest.Growth`.
+        growth: Name of the extents that grow, of `synthesis.proof.regions.Growth`.
         seconds: Time limit [s].
     """
 
+    design: Design
+    requirements: Requirements
     workspace: Workspace
     growth: str
     seconds: float
@@ -105,27 +98,34 @@ class LargestJob(AboutRequirements):
     def serves(self, document: Document) -> bool:
         """Whether its result is about a document's design and bounds."""
         held, now = self.requirements, document.requirements
-        return self.design == document.design and (held.bounds, held.theta) == (
-            now.bounds,
-            now.theta,
-        )
+        same = (held.bounds, held.theta) == (now.bounds, now.theta)
+        return same and self.design == document.design
 
 
-@dataclass(frozen=True, eq=False)
-class LargestOutcome:
-    """What came of it.
+@dataclass(frozen=True)
+class LargestState(TaskState[LargestJob, "LargestWorkspace"]):
+    """The search for the largest workspace, and what a person set for it."""
 
-    Attributes:
-        job: The job.
-        proven: The region, or None.
-        found: What is proven and how, or None.
-        problem: Why there is none.
-    """
+    shape: WorkspaceShape = setting(
+        WorkspaceShape.CYLINDER, "Shape",
+        "Its proportions, and its center unless that is free, are those of the required one",
+    )  # fmt: skip
+    growth: str = setting(
+        "ALL", "Grows", "The other extents are those of the required workspace"
+    )  # fmt: skip
+    free: bool = setting(False, "Free center", "Otherwise the required workspace's, or home")
+    seconds: float = setting(
+        15.0, "Time limit [s]", "Longer proofs leave a smaller gap", range=(1.0, 600.0)
+    )
 
-    job: LargestJob
-    proven: Placed | None = None
-    found: LargestWorkspace | None = None
-    problem: str = ""
+    @property
+    def proven(self) -> Placed | None:
+        """Shape, size and center of the workspace that was proven last, or None."""
+        workspace = None if self.result is None else self.result.workspace
+        if workspace is None:
+            return None
+        x, y, z = (float(place or 0.0) for place in workspace.center)
+        return workspace.shape, workspace.size, (x, y, z)
 
 
 @dataclass(frozen=True)
@@ -135,20 +135,10 @@ class Requiring:
     Attributes:
         selected: Index of the requirement that is edited.
         quick, fine: The last volumes, coarse and fine, or None.
-        shape, growth, free, seconds: Of the largest workspace that is asked for: its shape, which
-            extents grow, whether its center is free, and the time limit [s].
-        running: The job on the largest workspace that runs, or None.
-        done: What part of it is done, 0 to 1.
-        largest: The last largest workspace, or None.
+        largest: The search for the largest workspace.
     """
 
     selected: int = 0
     quick: VolumeOutcome | None = None
     fine: VolumeOutcome | None = None
-    shape: WorkspaceShape = WorkspaceShape.CYLINDER
-    growth: str = "ALL"
-    free: bool = False
-    seconds: float = 15.0
-    running: LargestJob | None = None
-    done: float = 0.0
-    largest: LargestOutcome | None = None
+    largest: LargestState = LargestState()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -37,6 +38,9 @@ THIN, THICK = 0.0045, 0.0095
 
 NEXT_TO_LIFT: Final = 0.072 * np.array([np.cos(np.pi / 6), np.sin(np.pi / 6)])
 """Place of the force arrow next to the lift's axis, (x, y) [m]."""
+
+ARROW_TURNS: Final = (*about_z(np.array([*AXIS_ANGLES, 0.0])),)
+"""Quaternions of the four arrows."""
 
 _RINGS, _SIDES = 24, 8
 
@@ -110,27 +114,30 @@ def arrow_scales(design: Design) -> tuple[float, float]:
     return max(torque, 1e-6), max(1.5 * lift_constant(design), 1e-6)
 
 
+@lru_cache(maxsize=8)
+def _arc_places(geometry: Geometry) -> tuple[tuple[float, ...], ...]:
+    height = ARC_HEIGHT * geometry.knee.sign
+    return tuple((*geometry.base_radius * axis, height) for axis in LEG_AXES)
+
+
 def torque_arrows(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
     """Draw the layer ``torques``: torques of M1..M3 and the force of M4.
 
     The longest arrow is a full scale, see `arrow_scales`; greater values are drawn as
     long, and values that are not finite are not drawn.
     """
-    geometry = frame.shown_design.geometry
     torque, force = arrow_scales(frame.shown_design)
     with np.errstate(all="ignore"):
         fractions = frame.torques / [torque, torque, torque, force]
-    height = ARC_HEIGHT * geometry.knee.sign
-    places = [(*geometry.base_radius * axis, height) for axis in LEG_AXES]
-    places.append((*NEXT_TO_LIFT, frame.configuration.actuators[3]))
-    turns = about_z(np.array([*AXIS_ANGLES, 0.0]))
+    lift = (*NEXT_TO_LIFT, frame.configuration.actuators[3])
+    places = (*_arc_places(frame.shown_design.geometry), lift)
     for index, fraction in enumerate(fractions):
         if np.isfinite(fraction) and abs(fraction) > 1e-4:
             shape = arc_arrow(fraction) if index < 3 else force_arrow(fraction)
             color = palette.ACTUATOR_COLORS[index]
             yield mesh(
                 f"/efforts/m{index + 1}", shape, FACES, color,
-                place=places[index], turn=turns[index],
+                place=places[index], turn=ARROW_TURNS[index],
             )  # fmt: skip
 
 

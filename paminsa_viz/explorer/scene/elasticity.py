@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from functools import lru_cache
 from typing import Final
@@ -12,7 +11,9 @@ import numpy as np
 from paminsa_viz.elastostatics.center_lines import CenterLines
 from paminsa_viz.explorer.elasticity import CASES, ElasticOutcome
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.motion.description import Pose
 from paminsa_viz.explorer.motion.results import MotionStore
+from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import NO_SHADOWS, Node, ball, curves, label, mesh
 from paminsa_viz.meshes.vibrating import vibrating_glb
 from paminsa_viz.units import number
@@ -44,13 +45,6 @@ BELOW: Final = {"mode": 0.16, "deflection": 0.23, "compliance": 0.3}
 """Distances of the labels below the platform [m]."""
 
 
-def nice_scale(largest: float, longest: float) -> float:
-    """Return 1, 2 or 5 times a power of ten by which ``largest`` is at most ``longest`` long."""
-    most = longest / max(largest, 1e-15)
-    power = 10.0 ** math.floor(math.log10(most))
-    return next(step * power for step in (5, 2, 1) if step * power <= most * (1 + 1e-9))
-
-
 def _outcome(frame: Frame) -> ElasticOutcome | None:
     """Return the result about the pose and the lengths that are shown, or None."""
     outcome, last = frame.state.elastic_view.outcome, frame.state.last_reachable
@@ -66,17 +60,18 @@ def mode_shape(frame: Frame, _motions: MotionStore) -> tuple[Node, ...]:
     one is removed as soon as the robot moves.
     """
     outcome, mode = _outcome(frame), frame.state.elastic_view.mode
-    if outcome is None or outcome.shapes is None or mode >= len(outcome.frequencies):
+    found = None if outcome is None else outcome.result
+    if outcome is None or found is None or mode >= len(found.frequencies) or not found.shapes:
         return ()
-    return _animated(outcome, outcome.shapes, mode)
+    text = mode_text(mode, found.frequencies[mode])
+    return _animated(outcome.job.pose, found.shapes, mode, text)
 
 
 @lru_cache(maxsize=2)
-def _animated(outcome: ElasticOutcome, shapes: CenterLines, mode: int) -> tuple[Node, ...]:
+def _animated(pose: Pose, shapes: CenterLines, mode: int, text: str) -> tuple[Node, ...]:
     moves = shapes.moves[..., mode] * LONGEST_SWING / shapes.largest[mode]
     data = vibrating_glb(shapes.points, moves, radius=TUBE, color=MODE_COLOR, period=PERIOD)
-    text = mode_text(mode, outcome.frequencies[mode])
-    x, y, _, z = outcome.job.pose
+    x, y, _, z = pose
     return (
         Node(MODE_NODE, "glb", {"glb_data": data}, NO_SHADOWS),
         label("/elastic/mode_label", text, (x, y, z - BELOW["mode"])),
@@ -94,10 +89,10 @@ def mode_text(mode: int, frequency: float) -> str:
 def deflection(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
     """Draw the layer ``deflection``: center lines under the load case, displacements enlarged."""
     outcome = _outcome(frame)
-    if outcome is None or outcome.deflected is None:
+    found = None if outcome is None or outcome.result is None else outcome.result.deflected
+    if outcome is None or found is None:
         return
-    found = outcome.deflected
-    scale = nice_scale(float(found.largest[0]), LARGEST)
+    scale = BAR / round_scale(float(found.largest[0]), LARGEST)
     moved = found.points + scale * found.moves[..., 0]
     yield curves("/elastic/deflected", moved, frame.state.theme.shown(DEFLECTED_COLOR), 4.0)
     place = found.points[found.names.index("platform"), 0] - [0, 0, BELOW["deflection"]]
@@ -108,10 +103,10 @@ def deflection(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
 def compliance(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
     """Draw the layer ``compliance``: displacements of P by a force of one size, all around."""
     outcome = _outcome(frame)
-    found = None if outcome is None or outcome.stiffness is None else outcome.stiffness.compliance
-    if outcome is None or found is None:
+    if outcome is None or outcome.result is None:
         return
-    scale = nice_scale(float(np.linalg.norm(found[:3, :3], 2)), LONGEST_AXIS)
+    found = outcome.result.stiffness.compliance
+    scale = BAR / round_scale(float(np.linalg.norm(found[:3, :3], 2)), LONGEST_AXIS)
     shape = scale * ball(1.0).vertices @ found[:3, :3].T
     x, y, _, z = outcome.job.pose
     yield mesh(

@@ -204,7 +204,8 @@ class Nodes:
         before, handle = self._shown.get(node.name, (None, None))
         if before is not None and before.count == node.count:
             for name, value in node.live.items():
-                if node.spaced is None or name != "position":
+                moved_by_spacing = node.spaced is not None and name == "position"
+                if value is not before.live[name] and not moved_by_spacing:
                     setattr(handle, name, value)  # viser sends only what is different
             return handle
         if handle is not None:

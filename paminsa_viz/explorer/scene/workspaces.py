@@ -12,7 +12,7 @@ from paminsa_viz import palette
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.requirements.checking import placed_workspace
-from paminsa_viz.explorer.requirements.jobs import VolumeOutcome
+from paminsa_viz.explorer.requirements.jobs import VolumeResult
 from paminsa_viz.explorer.scene.nodes import Node, curves, mesh
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import WorkspaceShape
@@ -30,16 +30,16 @@ def volume(frame: Frame, _motions: MotionStore) -> tuple[Node, ...]:
     Nothing is drawn that is of another design or of other requirements.
     """
     outcome = frame.state.requiring.fine
-    if outcome is None or not outcome.job.serves(frame.state.document):
+    if outcome is None or outcome.result is None or not outcome.job.serves(frame.state.document):
         return ()
-    return _surface(outcome)
+    return _surface(outcome.result)
 
 
 @lru_cache(maxsize=2)
-def _surface(outcome: VolumeOutcome) -> tuple[Node, ...]:
+def _surface(found: VolumeResult) -> tuple[Node, ...]:
     return tuple(
         mesh(f"/requirements/volume/{i}", part.vertices, part.faces, part.color, opacity=OPACITY)
-        for i, part in enumerate(outcome.surface)
+        for i, part in enumerate(found.surface)
     )
 
 
@@ -53,7 +53,8 @@ def required_workspace(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
 def proven_workspace(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
     """Draw the outline of the largest workspace that is proven."""
     largest = frame.state.requiring.largest
-    if largest is not None and largest.proven and largest.job.serves(frame.state.document):
+    outcome = largest.outcome
+    if largest.proven and outcome is not None and outcome.job.serves(frame.state.document):
         yield curves("/requirements/proven", outline(*largest.proven), palette.OK, 3.0)
 
 

@@ -3,26 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
+from paminsa_viz.explorer import tasks
 from paminsa_viz.explorer.actions import load_design, move, stop_following, with_document
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.synthesis.jobs import (
     BestSoFar,
     PriceJob,
-    PriceOutcome,
     Range,
+    SearchResult,
     Shown,
     SynthesisJob,
-    SynthesisOutcome,
 )
+from paminsa_viz.explorer.tasks import Outcome
 from paminsa_viz.model import InvalidInput
-
-
-def change_settings(state: State, **changes: Any) -> State:
-    """Change the settings of the search."""
-    settings = replace(state.synthesizing.settings, **changes)
-    return state.updated("synthesizing", settings=settings)
 
 
 def set_range(state: State, path: str, ends: Range) -> State:
@@ -34,7 +28,7 @@ def set_range(state: State, path: str, ends: Range) -> State:
     if ends[0] > ends[1]:
         raise InvalidInput(path, f"low <= high is needed, not {ends[0]:g} to {ends[1]:g}")
     kept = tuple(item for item in state.synthesizing.settings.ranges if item[0] != path)
-    return change_settings(state, ranges=(*kept, (path, ends)))
+    return state.updated("synthesizing.settings", ranges=(*kept, (path, ends)))
 
 
 def start(state: State) -> State:
@@ -54,30 +48,26 @@ def start(state: State) -> State:
     if settings.against == settings.objective:
         raise InvalidInput("objective", "two different ones are needed for a Pareto front")
     job = SynthesisJob(case, settings.effort, document.design, settings.against)
-    return state.updated("synthesizing", running=job, best=BestSoFar())
-
-
-def stop(state: State) -> State:
-    """End the search; what it has found so far stays in sight."""
-    return state.updated("synthesizing", running=None)
+    return tasks.start(state, "synthesizing", job).updated("synthesizing", best=BestSoFar())
 
 
 def tell(state: State, job: SynthesisJob, best: BestSoFar) -> State:
     """Take over how far a search is."""
-    if state.synthesizing.running is not job:
+    if state.synthesizing.running != job:
         return state
-    return state.updated("synthesizing", best=best)
+    return state.updated("synthesizing", best=best, done=best.done)
 
 
-def receive(state: State, outcome: SynthesisOutcome) -> State:
-    """Take over a result."""
-    return state.updated("synthesizing", running=None, best=None, outcome=outcome, point=0)
+def receive(state: State, outcome: Outcome[SynthesisJob, SearchResult]) -> State:
+    """Take over a result; of a front, its first point is shown."""
+    received = tasks.receive(state, "synthesizing", outcome)
+    return state if received is state else received.updated("synthesizing", best=None, point=0)
 
 
 def choose_point(state: State, index: int) -> State:
     """Show another robot of the front."""
-    outcome = state.synthesizing.outcome
-    count = 0 if outcome is None or outcome.front is None else len(outcome.front.points)
+    front = state.synthesizing.front
+    count = 0 if front is None else len(front.points)
     return state.updated("synthesizing", point=index) if 0 <= index < count else state
 
 
@@ -87,28 +77,11 @@ def start_prices(state: State) -> State:
     Raises:
         InvalidInput: If there is none.
     """
-    result = state.synthesizing.result
-    if result is None or not result.feasible:
+    answer = state.synthesizing.answer
+    if answer is None or not answer.feasible:
         raise InvalidInput("synthesis", "no robot has been found yet")
-    job = PriceJob(result, state.synthesizing.settings.effort)
-    return state.updated("synthesizing", pricing=job, priced=0.0)
-
-
-def stop_prices(state: State) -> State:
-    """End that."""
-    return state.updated("synthesizing", pricing=None)
-
-
-def report_prices(state: State, job: PriceJob, done: float) -> State:
-    """Take over what part is done."""
-    return (
-        state.updated("synthesizing", priced=done) if state.synthesizing.pricing is job else state
-    )
-
-
-def receive_prices(state: State, outcome: PriceOutcome) -> State:
-    """Take over the prices."""
-    return state.updated("synthesizing", pricing=None, prices=outcome)
+    job = PriceJob(answer, state.synthesizing.settings.effort)
+    return tasks.start(state, "synthesizing.prices", job)
 
 
 def open_result(state: State) -> State:
@@ -119,8 +92,7 @@ def open_result(state: State) -> State:
     Raises:
         InvalidInput: If there is none.
     """
-    outcome = state.synthesizing.outcome
-    result = state.synthesizing.result
+    outcome, result = state.synthesizing.outcome, state.synthesizing.answer
     if outcome is None or result is None or not result.feasible:
         raise InvalidInput("synthesis", "no robot has been found yet")
     requirements = replace(outcome.job.case.requirements, workspace=result.workspace)

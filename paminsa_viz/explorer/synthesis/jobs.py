@@ -1,4 +1,4 @@
-"""The search for a robot on the page: settings, job, progress and outcome, as plain data."""
+"""The search for a robot on the page: settings, jobs, progress and results, as plain data."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING
 
+from paminsa_viz.explorer.settings import Settings, setting
+from paminsa_viz.explorer.tasks import TaskState
 from paminsa_viz.model import Design
 
 if TYPE_CHECKING:
@@ -39,7 +41,7 @@ class Shown(Enum):
 
 
 @dataclass(frozen=True)
-class SynthesisSettings:
+class SynthesisSettings(Settings):
     """What a person set.
 
     Attributes:
@@ -47,24 +49,34 @@ class SynthesisSettings:
             length is held where the two are equal.
         objective: Key of what is minimized.
         against: Key of a second objective, for a Pareto front of both; empty for none.
-        regimes: Which of base and platform may be larger, a key of `cases.REGIMES`.
-        above_guides: Whether heights above the guides count.
-        effort: How long to search.
-        seed: The same seed gives the same result.
-        shown: How the best so far is shown.
+        regimes: A key of `cases.REGIMES`.
     """
 
     ranges: tuple[tuple[str, Range], ...] = ()
-    objective: str = "footprint"
-    against: str = ""
-    regimes: str = BOTH
-    above_guides: bool = False
-    effort: EffortChoice = EffortChoice.QUICK
-    seed: int = 0
-    shown: Shown = Shown.GHOST
+    objective: str = setting("footprint", "Objective", "What is minimized, or maximized")
+    against: str = setting(
+        "", "Against",
+        "A second objective, for a Pareto front of robots; takes as many searches as it has points",
+    )  # fmt: skip
+    regimes: str = setting(
+        BOTH, "Radii",
+        "With R_pl < R_b there is a singular rotation, with R_pl > R_b there is none: two "
+        "different kinds of robots, searched one after the other",
+    )  # fmt: skip
+    above_guides: bool = setting(
+        False, "Above the guides", "Whether joints 5 may be above the guides"
+    )
+    effort: EffortChoice = setting(
+        EffortChoice.QUICK, "Effort",
+        "How long to search; longer searches work in processes of their own",
+    )  # fmt: skip
+    seed: int = setting(0, "Seed", "The same seed gives the same result", range=(0.0, 1e6))
+    shown: Shown = setting(
+        Shown.GHOST, "Best so far", "How the best robot so far is shown while the search runs"
+    )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class SynthesisJob:
     """A search with everything it depends on.
 
@@ -103,83 +115,58 @@ class BestSoFar:
 
 
 @dataclass(frozen=True, eq=False)
-class SynthesisOutcome:
-    """What came of a search.
+class SearchResult:
+    """What a search found.
 
     Attributes:
-        job: The job.
-        result: What was found, or None.
+        answer: The robot.
         built: Robots built within tolerances, or None.
         front: The front of two objectives, or None.
-        seconds: How long it took.
-        problem: Why there is none.
     """
 
-    job: SynthesisJob
-    result: SynthesisResult | None = None
+    answer: SynthesisResult
     built: BuildYield | None = None
     front: DesignFront | None = None
-    seconds: float = 0.0
-    problem: str = ""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class PriceJob:
     """What the requirements of an answer cost.
 
     Attributes:
-        result: The answer.
+        answer: The answer.
         effort: How long its search looked.
     """
 
-    result: SynthesisResult
+    answer: SynthesisResult
     effort: EffortChoice
 
 
-@dataclass(frozen=True, eq=False)
-class PriceOutcome:
-    """What came of it.
-
-    Attributes:
-        job: The job.
-        prices: The prices, or nothing.
-        problem: Why there are none.
-    """
-
-    job: PriceJob
-    prices: tuple[RequirementPrice, ...] = ()
-    problem: str = ""
-
-
 @dataclass(frozen=True)
-class Synthesizing:
+class Synthesizing(TaskState[SynthesisJob, SearchResult]):
     """What the tab *Synthesize* shows.
 
     Attributes:
         settings: What a person set.
-        running: The job that runs, or None.
-        best: How far it is.
-        outcome: The last result, or None.
+        best: How far the search is.
         point: Index of the chosen point of the front.
-        pricing: The job on prices that runs, or None.
-        priced: What part of it is done, 0 to 1.
-        prices: The last prices, or None.
+        prices: The task that works out prices.
     """
 
     settings: SynthesisSettings = SynthesisSettings()
-    running: SynthesisJob | None = None
     best: BestSoFar | None = None
-    outcome: SynthesisOutcome | None = None
     point: int = 0
-    pricing: PriceJob | None = None
-    priced: float = 0.0
-    prices: PriceOutcome | None = None
+    prices: TaskState[PriceJob, tuple[RequirementPrice, ...]] = TaskState()
 
     @property
-    def result(self) -> SynthesisResult | None:
+    def front(self) -> DesignFront | None:
+        """The front that was found, or None."""
+        return None if self.result is None else self.result.front
+
+    @property
+    def answer(self) -> SynthesisResult | None:
         """The answer that is shown: of the chosen point of a front, else of the search."""
-        outcome = self.outcome
-        if outcome is None:
+        if self.result is None:
             return None
-        points = () if outcome.front is None else outcome.front.points
-        return points[self.point].result if 0 <= self.point < len(points) else outcome.result
+        points = () if self.front is None else self.front.points
+        return points[self.point].result if 0 <= self.point < len(points) else self.result.answer

@@ -7,18 +7,18 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paminsa_viz.explorer.background import Report
 from paminsa_viz.explorer.synthesis.jobs import (
     BestSoFar,
     EffortChoice,
     PriceJob,
-    PriceOutcome,
+    SearchResult,
     SynthesisJob,
-    SynthesisOutcome,
 )
+from paminsa_viz.explorer.tasks import Report
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.studies.executors import Workers, here, processes
 from paminsa_viz.synthesis.answer.checks import AnswerMargins, BuildYield, build_yield
@@ -27,6 +27,9 @@ from paminsa_viz.synthesis.search.objectives import find_objective
 from paminsa_viz.synthesis.search.outer import SearchProgress
 from paminsa_viz.synthesis.search.result import SynthesisResult
 from paminsa_viz.synthesis.search.solve import synthesize
+
+if TYPE_CHECKING:
+    from paminsa_viz.synthesis.answer.prices import RequirementPrice
 
 PERIOD = 0.5
 """Time between two robots that are shown [s]: each is drawn with bodies of other lengths."""
@@ -111,52 +114,49 @@ def best_robot(job: SynthesisJob, progress: SearchProgress) -> BestSoFar:
     return BestSoFar(feasible=progress.feasible, design=design, center=(x, y, z))
 
 
-def search(job: SynthesisJob, report: Report, tell: Tell) -> SynthesisOutcome:
-    """Run a search, then measure robots built within tolerances."""
-    start = time.monotonic()
-    try:
-        with workers_for(job.effort) as workers:
-            shown = ProgressReport(job, report, tell)
-            if job.against:
-                return find_front(job, workers, shown, start)
-            result = synthesize(job.case, workers=workers, progress=shown)
-            built = None
-            if result.feasible and not report(SEARCH_SHARE):
-                built = tolerances(result, workers, report)
-    except PaminsaError as error:
-        return SynthesisOutcome(job, problem=str(error), seconds=time.monotonic() - start)
-    return SynthesisOutcome(job, result, built, seconds=time.monotonic() - start)
+def search(job: SynthesisJob, report: Report, tell: Tell) -> SearchResult:
+    """Run a search, then measure robots built within tolerances.
+
+    Raises:
+        PaminsaError: If no search is possible, or a front has no points.
+    """
+    with workers_for(job.effort) as workers:
+        shown = ProgressReport(job, report, tell)
+        if job.against:
+            return find_front(job, workers, shown)
+        answer = synthesize(job.case, workers=workers, progress=shown)
+        built = None
+        if answer.feasible and not report(SEARCH_SHARE):
+            built = tolerances(answer, workers, report)
+    return SearchResult(answer, built)
 
 
-def find_front(
-    job: SynthesisJob, workers: Workers, shown: ProgressReport, start: float
-) -> SynthesisOutcome:
-    """Search for the Pareto front of two objectives."""
+def find_front(job: SynthesisJob, workers: Workers, shown: ProgressReport) -> SearchResult:
+    """Search for the Pareto front of two objectives.
+
+    Raises:
+        PaminsaError: If it has no points.
+    """
     from paminsa_viz.synthesis.search.front import design_front
 
     front = design_front(
         job.case, (job.case.objective, job.against), points=POINTS, workers=workers,
         progress=shown.of_front,
     )  # fmt: skip
-    seconds = time.monotonic() - start
     if not front.points:
         problem = "No robot meets all requirements; search one objective alone for the reasons."
-        return SynthesisOutcome(job, front=front, problem=problem, seconds=seconds)
-    return SynthesisOutcome(job, front.points[0].result, front=front, seconds=seconds)
+        raise PaminsaError(problem)
+    return SearchResult(front.points[0].result, front=front)
 
 
-def find_prices(job: PriceJob, report: Report) -> PriceOutcome:
+def find_prices(job: PriceJob, report: Report) -> tuple[RequirementPrice, ...]:
     """Work out what the requirements of an answer cost."""
     from paminsa_viz.synthesis.answer.prices import requirement_prices
 
-    try:
-        with workers_for(job.effort) as workers:
-            prices = requirement_prices(
-                job.result, workers=workers, progress=lambda done, count: report(done / count)
-            )
-    except PaminsaError as error:
-        return PriceOutcome(job, problem=str(error))
-    return PriceOutcome(job, prices)
+    with workers_for(job.effort) as workers:
+        return requirement_prices(
+            job.answer, workers=workers, progress=lambda done, count: report(done / count)
+        )
 
 
 def tolerances(result: SynthesisResult, workers: Workers, report: Report) -> BuildYield:

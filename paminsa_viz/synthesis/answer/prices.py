@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.synthesis.search.case import SynthesisCase
 from paminsa_viz.synthesis.search.objectives import find_objective
@@ -114,19 +114,17 @@ def requirement_prices(
                 ends.append(best(item.moved(item.bound + side * size)))
             except ValueError:  # no such case: an empty range, a workspace of no size
                 ends.append(np.nan)
-        tightened, relaxed = ends
-        high = base if np.isnan(tightened) else tightened
-        low = base if np.isnan(relaxed) else relaxed
-        width = size * ((not np.isnan(tightened)) + (not np.isnan(relaxed)))
+        high, low = (base if np.isnan(end) else end for end in ends)
+        width = size * np.count_nonzero(~np.isnan(ends))
         price = (high - low) / width if width else np.nan
         if abs(high - low) <= STILL * abs(base):
             price = 0.0
+        tightened, relaxed = (sign * end for end in ends)
         prices.append(
             RequirementPrice(
-                item.label, item.unit, item.bound, size, sign * tightened, sign * relaxed,
-                float(price),
+                item.label, item.unit, item.bound, size, tightened, relaxed, float(price)
             )
-        )  # fmt: skip
+        )
         if progress is not None and progress(number + 1, len(items)):
             break
     return tuple(sorted(prices, key=lambda p: -abs(np.nan_to_num(p.price)) * p.step))
@@ -136,57 +134,50 @@ def _requirables(result: SynthesisResult, numbers: Sequence[float]) -> Iterator[
     case = result.case
     bounds = case.requirements.bounds
     for index, outcome in enumerate(result.outcomes):
-        if not outcome.active:
-            continue
-        if index < len(bounds):
+        if outcome.active and index < len(bounds):
             yield _bound(case, index, outcome.value)
-        else:
+        elif outcome.active:
             yield _limit(case, index - len(bounds))
     for index, (item, value) in enumerate(zip(case.ranges, numbers, strict=True)):
         near = AT_END * (item.high - item.low)
-        for end, tighter in (("low", 1.0), ("high", -1.0)):
+        for end, word, tighter in (("low", "least", 1.0), ("high", "largest", -1.0)):
             at = getattr(item, end)
             if abs(value - at) <= near:
                 yield Requirable(
-                    f"{'least' if end == 'low' else 'largest'} {item.path.partition('.')[2]}",
+                    f"{word} {item.path.partition('.')[2]}",
                     "" if item.path == "geometry.magnification" else "m", at, tighter,
-                    lambda v, i=index, e=end: _with_range(case, i, e, v),
+                    partial(_with_range, case, index, end),
                 )  # fmt: skip
-    searched = set(case.paths)
-    workspace = case.workspace
-    if "workspace.width" not in searched:
+    (width, depth, height), (low, high) = case.workspace.size, case.requirements.theta
+    if "workspace.width" not in case.paths:
         yield Requirable(
-            "width of the workspace", "m", workspace.size[0], 1.0,
-            lambda v: _with_size(case, (v, workspace.size[1] * v / workspace.size[0], None)),
+            "width of the workspace", "m", width, 1.0,
+            lambda v: _with_size(case, (v, depth * v / width, height)),
         )  # fmt: skip
-    if "workspace.height" not in searched:
+    if "workspace.height" not in case.paths:
         yield Requirable(
-            "height of the workspace", "m", workspace.size[2], 1.0,
-            lambda v: _with_size(case, (None, None, v)),
+            "height of the workspace", "m", height, 1.0,
+            lambda v: _with_size(case, (width, depth, v)),
         )  # fmt: skip
-    low, high = case.requirements.theta
     if low < high:
-        yield Requirable("range of theta", "rad", high - low, 1.0, lambda v: _with_turn(case, v))
+        yield Requirable("range of theta", "rad", high - low, 1.0, partial(_with_turn, case))
 
 
 def _bound(case: SynthesisCase, index: int, value: float) -> Requirable:
     bound = case.requirements.bounds[index]
-    entry = bound.entry
     both = bound.low is not None and bound.high is not None and bound.low == -bound.high
     upper = bound.low is None or (
         bound.high is not None and (both or abs(value - bound.high) <= abs(value - bound.low))
     )
 
     def moved(at: float) -> SynthesisCase:
-        if upper:
-            other = replace(bound, high=at, low=-at if both else bound.low)
-        else:
-            other = replace(bound, low=at)
-        return with_bound(case, index, other)
+        ends = {"high": at, "low": -at} if both else {"high" if upper else "low": at}
+        bounds = _replaced(case.requirements.bounds, index, **ends)
+        return replace(case, requirements=replace(case.requirements, bounds=bounds))
 
     at = bound.high if upper else bound.low
     assert at is not None
-    return Requirable(entry.title, entry.unit, at, -1.0 if upper else 1.0, moved)
+    return Requirable(bound.entry.title, bound.entry.unit, at, -1.0 if upper else 1.0, moved)
 
 
 def _limit(case: SynthesisCase, index: int) -> Requirable:
@@ -194,37 +185,26 @@ def _limit(case: SynthesisCase, index: int) -> Requirable:
     objective = find_objective(limit.objective)
 
     def moved(at: float) -> SynthesisCase:
-        limits = list(case.limits)
-        limits[index] = replace(limit, most=at)
-        return replace(case, limits=tuple(limits))
+        return replace(case, limits=_replaced(case.limits, index, most=at))
 
     return Requirable(objective.title, objective.unit, limit.most, -objective.sign, moved)
 
 
-def with_bound(case: SynthesisCase, index: int, bound: Requirement) -> SynthesisCase:
-    """Return a case with another bound in place of one."""
-    bounds = list(case.requirements.bounds)
-    bounds[index] = bound
-    return replace(case, requirements=replace(case.requirements, bounds=tuple(bounds)))
+def _replaced(items: Sequence[Any], index: int, **changes: float) -> tuple[Any, ...]:
+    """Return items with changes in one of them."""
+    return (*items[:index], replace(items[index], **changes), *items[index + 1 :])
 
 
 def _with_range(case: SynthesisCase, index: int, end: str, value: float) -> SynthesisCase:
-    ranges = list(case.ranges)
-    ranges[index] = replace(ranges[index], **{end: value})
-    return replace(case, ranges=tuple(ranges))
+    return replace(case, ranges=_replaced(case.ranges, index, **{end: value}))
 
 
-def _with_size(case: SynthesisCase, size: tuple[float | None, ...]) -> SynthesisCase:
-    workspace = case.workspace
-    width, depth, height = (
-        old if new is None else new for old, new in zip(workspace.size, size, strict=True)
-    )
-    other = replace(workspace, size=(width, depth, height))
-    return replace(case, requirements=replace(case.requirements, workspace=other))
+def _with_size(case: SynthesisCase, size: tuple[float, float, float]) -> SynthesisCase:
+    workspace = replace(case.workspace, size=size)
+    return replace(case, requirements=replace(case.requirements, workspace=workspace))
 
 
 def _with_turn(case: SynthesisCase, width: float) -> SynthesisCase:
-    low, high = case.requirements.theta
-    middle = 0.5 * (low + high)
+    middle = 0.5 * sum(case.requirements.theta)
     theta = (middle - 0.5 * width, middle + 0.5 * width)
     return replace(case, requirements=replace(case.requirements, theta=theta))

@@ -9,9 +9,8 @@ linear, and all rounding. In contrast to plain intervals terms that cancel do so
 box of width w is too wide by no more than a multiple of w^2 (Comba and Stolfi 1993; Stolfi and de
 Figueiredo 2003; with a fixed number of terms Messine 2002).
 
-The operations are plain formulas of numbers, as those of the model: they serve NumPy arrays (many
-boxes) and, compiled, single numbers. A range that an operation is not defined on, such as the
-reciprocal of one with zero, is infinite or NaN from there on.
+The fields are NumPy arrays, one entry a box. A range that an operation is not defined on, such as
+the reciprocal of one with zero, is infinite or NaN from there on.
 """
 
 from __future__ import annotations
@@ -39,25 +38,35 @@ class Affine:
         self.c, self.x, self.y, self.t, self.z, self.e = c, x, y, t, z, e
 
     def __add__(self, other: Any) -> Affine:
-        return added(self, other) if isinstance(other, Affine) else shifted(self, other)
+        a, b = self, other
+        if not isinstance(b, Affine):
+            e = a.e + ROUND * (np.abs(a.c) + np.abs(b))
+            return Affine(a.c + b, a.x, a.y, a.t, a.z, e)
+        e = a.e + b.e + ROUND * (size(a) + size(b))
+        return Affine(a.c + b.c, a.x + b.x, a.y + b.y, a.t + b.t, a.z + b.z, e)
 
     def __sub__(self, other: Any) -> Affine:
-        return subtracted(self, other) if isinstance(other, Affine) else shifted(self, -other)
+        return self + (-other)
 
     def __rsub__(self, other: Any) -> Affine:
-        return shifted(negated(self), other)
+        return -self + other
 
     def __mul__(self, other: Any) -> Affine:
-        return multiplied(self, other) if isinstance(other, Affine) else scaled(self, other)
+        if isinstance(other, Affine):
+            return _product(self, other)
+        e = np.abs(other) * (self.e + ROUND * size(self))
+        return Affine(
+            self.c * other, self.x * other, self.y * other, self.t * other, self.z * other, e
+        )
 
     def __truediv__(self, other: Affine) -> Affine:
-        return multiplied(self, inverted(other))
+        return self * inverted(other)
 
     def __rtruediv__(self, other: Any) -> Affine:
-        return scaled(inverted(self), other)
+        return inverted(self) * other
 
     def __neg__(self) -> Affine:
-        return negated(self)
+        return Affine(-self.c, -self.x, -self.y, -self.t, -self.z, self.e)
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -89,35 +98,7 @@ def upper(a: Any) -> Any:
     return a.c + (radius(a) + a.e) + ROUND * size(a)
 
 
-def added(a: Any, b: Any) -> Affine:
-    """Return the sum of two ranges."""
-    e = a.e + b.e + ROUND * (size(a) + size(b))
-    return Affine(a.c + b.c, a.x + b.x, a.y + b.y, a.t + b.t, a.z + b.z, e)
-
-
-def subtracted(a: Any, b: Any) -> Affine:
-    """Return the difference of two ranges."""
-    e = a.e + b.e + ROUND * (size(a) + size(b))
-    return Affine(a.c - b.c, a.x - b.x, a.y - b.y, a.t - b.t, a.z - b.z, e)
-
-
-def negated(a: Any) -> Affine:
-    """Return the range of the opposite numbers."""
-    return Affine(-a.c, -a.x, -a.y, -a.t, -a.z, a.e)
-
-
-def shifted(a: Any, number: Any) -> Affine:
-    """Return the sum of a range and a number."""
-    return Affine(a.c + number, a.x, a.y, a.t, a.z, a.e + ROUND * (np.abs(a.c) + np.abs(number)))
-
-
-def scaled(a: Any, number: Any) -> Affine:
-    """Return the product of a range and a number."""
-    e = np.abs(number) * (a.e + ROUND * size(a))
-    return Affine(a.c * number, a.x * number, a.y * number, a.t * number, a.z * number, e)
-
-
-def multiplied(a: Any, b: Any) -> Affine:
+def _product(a: Affine, b: Affine) -> Affine:
     """Return the product of two ranges.
 
     Of the products of two places, a square lies between 0 and 1, the others between -1 and 1.
@@ -188,10 +169,7 @@ def cosine_and_sine(middle: Any, half: Any) -> tuple[Affine, Affine]:
     most = half * half * half * 0.0641501
     turn_s = Affine(none, none, none, np.sin(half), none, most + ROUND)
     c, s = np.cos(middle), np.sin(middle)
-    return (
-        subtracted(scaled(turn_c, c), scaled(turn_s, s)),
-        added(scaled(turn_c, s), scaled(turn_s, c)),
-    )
+    return turn_c * c - turn_s * s, turn_c * s + turn_s * c
 
 
 def box_variables(middle: Any, half: Any) -> tuple[Affine, Affine, Affine, Affine, Affine]:

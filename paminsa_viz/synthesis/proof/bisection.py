@@ -126,33 +126,29 @@ class Nearest:
     remaining: Array = field(default_factory=lambda: np.zeros((0, 2, 4)))
 
 
-@dataclass
 class _Pool:
-    """Boxes that wait, (n, 4), with their gauges."""
+    """Boxes that wait, (n, 2, 4) by middles and half widths, with their gauges."""
 
-    middle: Array
-    half: Array
-    gauge: Array
+    def __init__(self, gauge: Gauge, middle: Array, half: Array) -> None:
+        self._of = gauge
+        self.boxes, self.gauge = np.zeros((0, 2, 4)), np.zeros(0)
+        self.add(middle, half)
+
+    def add(self, middle: Array, half: Array) -> None:
+        self.boxes = np.concatenate([self.boxes, np.stack([middle, half], axis=1)])
+        self.gauge = np.concatenate([self.gauge, self._of.of_boxes(middle, half)])
+
+    def keep(self, chosen: NDArray[np.bool_]) -> None:
+        self.boxes, self.gauge = self.boxes[chosen], self.gauge[chosen]
 
     def take(self, count: int) -> tuple[Array, Array, Array]:
         """Remove the boxes of least gauge and return them."""
-        if len(self.gauge) <= count:
-            chosen = np.ones(len(self.gauge), bool)
-        else:
-            chosen = np.zeros(len(self.gauge), bool)
-            chosen[np.argpartition(self.gauge, count)[:count]] = True
-        taken = self.middle[chosen], self.half[chosen], self.gauge[chosen]
+        chosen = np.ones(len(self.gauge), bool)
+        if len(self.gauge) > count:
+            chosen[np.argpartition(self.gauge, count)[count:]] = False
+        taken, near = self.boxes[chosen], self.gauge[chosen]
         self.keep(~chosen)
-        return taken
-
-    def keep(self, chosen: NDArray[np.bool_]) -> None:
-        self.middle, self.half = self.middle[chosen], self.half[chosen]
-        self.gauge = self.gauge[chosen]
-
-    def add(self, middle: Array, half: Array, gauge: Array) -> None:
-        self.middle = np.concatenate([self.middle, middle])
-        self.half = np.concatenate([self.half, half])
-        self.gauge = np.concatenate([self.gauge, gauge])
+        return taken[:, 0], taken[:, 1], near
 
 
 def first_box(group: BoundGroup, region: PoseRegion, same: Symmetry) -> tuple[Array, Array] | None:
@@ -198,7 +194,7 @@ def nearest_violation(
     start = first_box(group, gauge.region.scaled(upper, gauge.grows), same)
     if start is None:
         return Nearest(upper, upper, None, -1, np.full(count, np.inf), 0)
-    pool = _Pool(*start, gauge.of_boxes(*start))
+    pool = _Pool(gauge, *start)
     first, pose, broken, lower = control.boxes, None, -1, np.inf
     end = control.elapsed + time_limit
     proven: list[tuple[Array, Array]] = []
@@ -225,21 +221,21 @@ def nearest_violation(
         if found is not None:
             upper, pose, broken = found
             if tolerance is None:
-                pool.add(middle, half, near)
+                pool.add(middle, half)
                 break
         stuck = (half <= SMALLEST).all(axis=1)
         lower = min(lower, near[stuck].min(initial=np.inf))
         middle, half = _cut(middle[~stuck], half[~stuck])
         kept = same.kept(middle, half)
-        middle, half = middle[kept], half[kept]
-        pool.add(middle, half, gauge.of_boxes(middle, half))
+        pool.add(middle[kept], half[kept])
     lower = min(lower, upper, pool.gauge.min(initial=np.inf))
     if tolerance is None and pose is not None:
         lower = min(lower, float(gauge.of_poses(pose[None])[0]))
     worst = np.full(count, np.inf)
     for near, margins in proven:
         worst = np.minimum(worst, margins[near <= lower].min(axis=0, initial=np.inf))
-    remaining = np.stack([pool.middle - pool.half, pool.middle + pool.half], axis=1)
+    middle, half = np.moveaxis(pool.boxes, 1, 0)
+    remaining = np.stack([middle - half, middle + half], axis=1)
     boxes = control.boxes - first
     return Nearest(float(lower), upper, pose, broken, worst, boxes, remaining)
 
@@ -254,9 +250,7 @@ def _broken(
     if not len(middle):
         return None
     x, y, z = gauge.region.center
-    theta = middle[:, 2]
-    target = np.stack([np.full_like(theta, x), np.full_like(theta, y), theta], axis=-1)
-    target = np.column_stack([target, np.full_like(theta, z)])
+    target = np.where([True, True, False, True], [x, y, 0.0, z], middle)
     nearest = np.clip(target, middle - half, middle + half)
     poses = np.concatenate([nearest, middle])
     far = gauge.of_poses(poses)

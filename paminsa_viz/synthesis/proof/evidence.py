@@ -14,8 +14,15 @@ from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.synthesis.proof.families import EVERYWHERE, Method, method
-from paminsa_viz.synthesis.proof.pose_search import freedom, least_free, lowest
-from paminsa_viz.synthesis.proof.regions import Grows, PoseRegion, box, region_margins
+from paminsa_viz.synthesis.proof.regions import (
+    Grows,
+    PoseRegion,
+    box,
+    freedom,
+    least_free,
+    lowest,
+    region_margins,
+)
 
 Pose = tuple[float, float, float, float]
 

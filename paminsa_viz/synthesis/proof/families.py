@@ -18,7 +18,6 @@ from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.leg import mechanism
-from paminsa_viz.model.reach import LEAST_MARGIN
 from paminsa_viz.model.singularity import DEXTERITY
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.quantities.requirements import Range, Requirement, Requirements, WorkspaceShape
@@ -31,6 +30,10 @@ from paminsa_viz.synthesis.proof.regions import PoseRegion
 
 EVERYWHERE: Range = (-np.inf, np.inf)
 """A requirement's heights where it names none."""
+
+
+Ranges = dict[str, tuple[Array, Array]]
+"""Least and largest values over boxes (n,) by key."""
 
 
 class Method(Enum):
@@ -54,37 +57,31 @@ class Family:
     """
 
     keys: dict[str, tuple[bool, bool]]
-    ranges: Callable[[Design, Array, Array], dict[str, tuple[Array, Array]]]
+    ranges: Callable[[Design, Array, Array], Ranges]
     values: Callable[[Design, Array], dict[str, Array]]
     axes: tuple[bool, bool, bool, bool]
 
 
-def _condition_ranges(design: Design, middle: Array, half: Array) -> dict[str, tuple[Array, Array]]:
+def _condition_ranges(design: Design, middle: Array, half: Array) -> Ranges:
     most = condition_bounds(design, middle, half)
     least = np.ones_like(most)
     return {"condition": (least, most), "conditioning": (1 / most, least)}
 
 
-def _condition_values(design: Design, poses: Array) -> dict[str, Array]:
-    condition = backend.over_list(DEXTERITY, mechanism(design.geometry), poses)[:, 1]
-    return {"condition": condition, "conditioning": 1 / condition}
+def _dexterity(design: Design, poses: Array) -> dict[str, Array]:
+    determinant, condition = backend.over_list(DEXTERITY, mechanism(design.geometry), poses).T
+    return {"determinant": determinant, "condition": condition, "conditioning": 1 / condition}
 
 
-def _determinant_ranges(
-    design: Design, middle: Array, half: Array
-) -> dict[str, tuple[Array, Array]]:
+def _determinant_ranges(design: Design, middle: Array, half: Array) -> Ranges:
     low, high = determinant_bounds(design, middle, half)
     return {"determinant": (low[:, 0], high[:, 0])}
-
-
-def _determinant_values(design: Design, poses: Array) -> dict[str, Array]:
-    return {"determinant": backend.over_list(DEXTERITY, mechanism(design.geometry), poses)[:, 0]}
 
 
 _TORQUES = ("tau_1", "tau_2", "tau_3", "f_4")
 
 
-def _static_ranges(design: Design, middle: Array, half: Array) -> dict[str, tuple[Array, Array]]:
+def _static_ranges(design: Design, middle: Array, half: Array) -> Ranges:
     low, high = static_bounds(design, middle, half)
     found = {key: (low[:, i], high[:, i]) for i, key in enumerate(_TORQUES)}
     largest = np.maximum(-low[:, :3], high[:, :3]).max(axis=1)
@@ -102,20 +99,14 @@ def _static_values(design: Design, poses: Array) -> dict[str, Array]:
     return found
 
 
-def _reach_values(design: Design, poses: Array) -> dict[str, Array]:
-    return {
-        "reach_margin": backend.over_list(LEAST_MARGIN, mechanism(design.geometry), poses)[:, 0]
-    }
-
-
 FAMILIES: tuple[Family, ...] = (
     Family(
         {"condition": (False, True), "conditioning": (True, False)},
-        _condition_ranges, _condition_values, (True, True, True, False),
+        _condition_ranges, _dexterity, (True, True, True, False),
     ),
     Family(
         {"determinant": (True, True)},
-        _determinant_ranges, _determinant_values, (True, True, True, False),
+        _determinant_ranges, _dexterity, (True, True, True, False),
     ),
     Family(
         dict.fromkeys(_TORQUES, (True, True))

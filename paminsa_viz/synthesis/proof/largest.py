@@ -17,11 +17,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge, Nearest, nearest_violation
-from paminsa_viz.synthesis.proof.certificate import (
-    region_of,
-    sample_requirement,
-    sampled_evidence,
-)
+from paminsa_viz.synthesis.proof.certificate import region_of, sample_requirement, sampled_evidence
 from paminsa_viz.synthesis.proof.evidence import (
     Evidence,
     Pose,
@@ -36,8 +32,7 @@ from paminsa_viz.synthesis.proof.evidence import (
 )
 from paminsa_viz.synthesis.proof.families import BoundGroup, Method, groups, method
 from paminsa_viz.synthesis.proof.placement import CenterSearch, Place
-from paminsa_viz.synthesis.proof.pose_search import least_free
-from paminsa_viz.synthesis.proof.regions import Grows, Growth, PoseRegion
+from paminsa_viz.synthesis.proof.regions import Grows, Growth, PoseRegion, least_free
 from paminsa_viz.synthesis.volume.margins import Progress
 
 TOLERANCE = 1e-3
@@ -285,14 +280,13 @@ def largest_workspace(
         largest = Workspace(workspace.shape, size, found.center)
         evidence, path = growing.evidence(found), home_path(design.geometry, found)
         proof = Proof(Verdict.PROVEN, found, evidence, path)
-    boxes, seconds = control.boxes, control.elapsed
+    proof = replace(proof, boxes=control.boxes, seconds=control.elapsed)
     pose = growing and growing.pose
-    proof = replace(proof, boxes=boxes, seconds=seconds)
     gap = max(a - b for a, b in zip(limit, size, strict=True))
     return LargestWorkspace(
         largest, requirements.theta, proof, limit, gap,
         None if pose is None else pose_of(pose), cause,
-        growing and growing.requirement, boxes, seconds,
+        growing and growing.requirement, proof.boxes, proof.seconds,
     )  # fmt: skip
 
 

@@ -20,8 +20,15 @@ from paminsa_viz.quantities.requirements import Requirements, WorkspaceShape
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge
 from paminsa_viz.synthesis.proof.evidence import reach_scale
 from paminsa_viz.synthesis.proof.families import groups
-from paminsa_viz.synthesis.proof.pose_search import FIRST, SEED, freedom, from_unit, least_free
-from paminsa_viz.synthesis.proof.regions import Grows, PoseRegion
+from paminsa_viz.synthesis.proof.regions import (
+    FIRST,
+    SEED,
+    Grows,
+    PoseRegion,
+    freedom,
+    from_unit,
+    least_free,
+)
 from paminsa_viz.synthesis.volume.grid import Resolution
 from paminsa_viz.synthesis.volume.solve import solve_volume
 

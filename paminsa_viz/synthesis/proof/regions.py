@@ -1,4 +1,4 @@
-"""Reach and singularities over a whole region of poses, in closed form.
+"""Regions of poses: reach and singularities in closed form, and a search for their worst pose.
 
 A region is an upright cylinder or box of positions, with all headings of a range. A leg's X_1 is
 the distance of the position from P = R_b a - R_pl u, which is on an arc as theta turns, so that its
@@ -9,24 +9,24 @@ these and from the largest and least |z_5|, as z varies on its own.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
-from paminsa_viz.model.kinematics import LEG_AXES
-from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.reach import LEAST_MARGIN, Limit
+from paminsa_viz.model.singularity import singular_radius
 from paminsa_viz.quantities.requirements import Range, WorkspaceShape
+from paminsa_viz.synthesis.volume.reach import cosine_range, leg_distances
 
 ROUND = 2.0**-44
 """Bound on the rounding of a margin, as a share of the lengths that it follows from."""
-
-_ANGLE = 1e-9
-"""By how much an arc is taken longer at both ends when it is looked for an extreme [rad]."""
 
 Point = tuple[float, float, float]
 
@@ -89,6 +89,14 @@ class PoseRegion:
             return math.hypot(x, y) + self.half[0]
         return math.hypot(abs(x) + self.half[0], abs(y) + self.half[1])
 
+    def leg_distances(self, geometry: Geometry) -> tuple[Array, Array]:
+        """Return the least and the largest X_1 of each leg, each (3,) [m]."""
+        radii = (np.array([r]) for r in (geometry.base_radius, geometry.platform_radius))
+        (low,), (high,) = leg_distances(
+            *radii, np.array(self.center[:2]), np.array([self.half]), self.theta, self.shape
+        )
+        return low, high
+
 
 def box(low: Point, high: Point, theta: Range) -> PoseRegion:
     """Return the box between two corners [m], with a range of headings [rad]."""
@@ -135,7 +143,7 @@ class RegionMargins(NamedTuple):
 def region_margins(geometry: Geometry, region: PoseRegion) -> RegionMargins:
     """Return the margins of reach and to singularities over a region, in closed form."""
     g = geometry
-    low, high = leg_distances(g, region)
+    low, high = region.leg_distances(g)
     (_, _, z0), (_, _, z1) = region.low, region.high
     z5 = np.array([z0, z1]) + g.platform_joint_height
     most = float(np.abs(z5).max())
@@ -152,7 +160,7 @@ def region_margins(geometry: Geometry, region: PoseRegion) -> RegionMargins:
     )
     size = bars + g.stroke + most + g.span_ratio * (region.farthest + _arms(g))
     rb, rp = g.base_radius, g.platform_radius
-    cos_low, cos_high = _cosines(region.theta)
+    cos_low, cos_high = map(float, cosine_range(*region.theta))
     turn = rb * cos_low - rp if rb > rp else rp - rb * cos_high
     # of two nearly equal radii the difference is small, and rounding large beside it
     square = rb * rb + rp * rp - 2.0 * rb * rp * cos_high - ROUND * _arms(g) ** 2
@@ -165,64 +173,83 @@ def _arms(geometry: Geometry) -> float:
     return geometry.base_radius + geometry.platform_radius
 
 
-def _cosines(theta: Range) -> Range:
-    """Return the least and the largest cosine of a range of angles."""
-    low, high = theta
-    ends = math.cos(low), math.cos(high)
-    most = 1.0 if _within(np.array([0.0]), low, high)[0] else max(ends)
-    least = -1.0 if _within(np.array([math.pi]), low, high)[0] else min(ends)
-    return least, most
+FIRST = 4096
+"""Random poses looked at first."""
+
+KEPT = 32
+"""Best poses that are followed up, by as many others near to each."""
+
+_ROUNDS = 24
+_SHRINK = 0.6
+
+SEED = 15
+"""Seed of the random poses: an answer comes out the same again."""
 
 
-def _within(angle: Array, low: Array | float, high: Array | float) -> NDArray[np.bool_]:
-    """Say which angles are in a range, counted with every whole turn."""
-    after = np.mod(angle - low + _ANGLE, 2 * np.pi)
-    return after <= high - low + 2 * _ANGLE
+def from_unit(region: PoseRegion, unit: Array) -> Array:
+    """Return poses of a region, (n, 4), from numbers between -1 and 1, (n, 4).
 
-
-def leg_distances(geometry: Geometry, region: PoseRegion) -> tuple[Array, Array]:
-    """Return the least and the largest X_1 of each leg over a region, each (3,) [m]."""
-    g = geometry
-    axis = g.base_radius * LEG_AXES  # centers of the arcs
-    start = region.theta[0] + np.arctan2(LEG_AXES[:, 1], LEG_AXES[:, 0]) + np.pi
-    ends = start, start + (region.theta[1] - region.theta[0])
-    (x0, y0, _), (x1, y1, _) = region.low, region.high
-
-    def extremes(point: Array) -> tuple[Array, Array]:
-        """Return the least and the largest distance of a point from each arc, (3,)."""
-        to = point - axis
-        toward = np.arctan2(to[:, 1], to[:, 0])
-        angle = np.stack([*ends, toward, toward + np.pi])
-        on_arc = np.concatenate([np.ones((2, 3), bool), _within(angle[2:], *ends)])
-        x = axis[:, 0] + g.platform_radius * np.cos(angle) - point[0]
-        y = axis[:, 1] + g.platform_radius * np.sin(angle) - point[1]
-        distance = np.hypot(x, y)
-        return (
-            np.where(on_arc, distance, np.inf).min(axis=0),
-            np.where(on_arc, distance, -np.inf).max(axis=0),
-        )
-
+    For a cylinder the first two are moved into the unit disc, along the line from its center.
+    """
+    share = np.clip(unit, -1.0, 1.0)
+    plan = share[:, :2]
     if region.shape is WorkspaceShape.CYLINDER:
-        least, most = extremes(np.array(region.center[:2]))
-        return np.maximum(least - region.half[0], 0.0), most + region.half[0]
-    corners = [np.array([x, y]) for x in (x0, x1) for y in (y0, y1)]
-    most = np.max([extremes(corner)[1] for corner in corners], axis=0)
-    # The arc is nearest to the rectangle at an end, toward a corner, at a right angle to a side,
-    # or where it crosses one.
-    with np.errstate(invalid="ignore"):
-        across_x = np.arccos(np.stack([x0 - axis[:, 0], x1 - axis[:, 0]]) / g.platform_radius)
-        across_y = np.arcsin(np.stack([y0 - axis[:, 1], y1 - axis[:, 1]]) / g.platform_radius)
-    quarter = np.tile(0.5 * np.pi * np.arange(4)[:, None], (1, 3))
-    toward = [np.arctan2(*(corner - axis).T[::-1]) for corner in corners]
-    angle = np.asarray(
-        np.concatenate(
-            [np.stack([*ends, *toward]), quarter, across_x, -across_x, across_y, np.pi - across_y]
-        ),
-        np.float64,
+        plan = plan / np.maximum(1.0, np.hypot(*plan.T))[:, None]
+    x, y, z = region.center
+    low, high = region.theta
+    return np.column_stack(
+        [
+            x + region.half[0] * plan[:, 0],
+            y + region.half[1] * plan[:, 1],
+            0.5 * (low + high) + 0.5 * (high - low) * share[:, 2],
+            z + region.half[2] * share[:, 3],
+        ]
     )
-    on_arc = np.concatenate([np.ones((2, 3), bool), _within(angle[2:], *ends)])
-    x = axis[:, 0] + g.platform_radius * np.cos(angle)
-    y = axis[:, 1] + g.platform_radius * np.sin(angle)
-    gap = np.hypot(x - np.clip(x, x0, x1), y - np.clip(y, y0, y1))
-    least = np.where(on_arc & np.isfinite(gap), gap, np.inf).min(axis=0)
-    return least, most
+
+
+def lowest(value: Callable[[Array], Array], region: PoseRegion) -> tuple[Array, float]:
+    """Return the pose of a region at which a function is least, as far as sampling finds it.
+
+    Args:
+        value: The function, of poses (n, 4), (n,); NaN counts as the least.
+        region: The poses.
+    """
+    rng = np.random.default_rng(SEED)
+    unit = 1.3 * rng.uniform(-1.0, 1.0, (FIRST, 4))
+
+    def values(unit: Array) -> Array:
+        return np.nan_to_num(value(from_unit(region, unit)), nan=-np.inf)
+
+    found = values(unit)
+    width = 0.3
+    for _ in range(_ROUNDS):
+        best = np.argsort(found)[:KEPT]
+        unit, found = unit[best], found[best]
+        near = np.repeat(unit, KEPT, axis=0)
+        near = np.clip(near, -1.0, 1.0) + width * rng.normal(size=near.shape)
+        unit = np.concatenate([unit, near])
+        found = np.concatenate([found, values(near)])
+        width *= _SHRINK
+    best = int(np.argmin(found))
+    return from_unit(region, unit[best : best + 1])[0], float(found[best])
+
+
+def freedom(geometry: Geometry, poses: Array) -> Array:
+    """Return how far poses (n, 4) are from limits of reach and from singular positions, (2, n) [m].
+
+    The first is the least margin of reach. The second is the distance inside the singular circle or
+    |R_b cos theta - R_pl|, with the sign that it has at theta = 0 counted positive.
+    """
+    margin = backend.over_list(LEAST_MARGIN, mechanism(geometry), poses)[:, 0]
+    x, y, theta, _ = poses.T
+    circle = singular_radius(geometry, theta) - np.hypot(x, y)
+    difference = geometry.base_radius - geometry.platform_radius
+    turn = geometry.base_radius * np.cos(theta) - geometry.platform_radius
+    return np.stack([margin, np.minimum(circle, np.copysign(1.0, difference) * turn)])
+
+
+def least_free(geometry: Geometry, region: PoseRegion) -> tuple[Array, float, str]:
+    """Return the pose of a region with the least `freedom`, that [m], and what limits it."""
+    pose, value = lowest(lambda poses: freedom(geometry, poses).min(axis=0), region)
+    reach, singular = freedom(geometry, pose[None])[:, 0]
+    return pose, value, "reach" if reach <= singular else "singularity"

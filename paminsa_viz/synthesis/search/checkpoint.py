@@ -66,8 +66,7 @@ def load_checkpoint(path: str | os.PathLike[str], case: SynthesisCase) -> tuple[
         raise FileError(name, "is no checkpoint of a search")
     if data.get("case") != fingerprint(case):
         raise FileError(
-            name,
-            "is a checkpoint of another case; remove it to start over, or name another file",
+            name, "is a checkpoint of another case; remove it to start over, or name another file"
         )
     try:
         return tuple(_state(item, len(case.ranges)) for item in data["states"])
@@ -76,16 +75,11 @@ def load_checkpoint(path: str | os.PathLike[str], case: SynthesisCase) -> tuple[
 
 
 def _state(item: dict[str, Any], count: int) -> RegimeState:
-    population = tuple(_row(row, count) for row in item["population"])
     return RegimeState(
-        Regime[item["regime"]],
-        int(item["generation"]),
-        int(item["trials"]),
-        population,
-        _row(item["best"], count),
-        _row(item["history"], len(item["history"])),
-        bool(item["done"]),
-    )
+        Regime[item["regime"]], int(item["generation"]), int(item["trials"]),
+        tuple(_row(row, count) for row in item["population"]), _row(item["best"], count),
+        _row(item["history"], len(item["history"])), bool(item["done"]),
+    )  # fmt: skip
 
 
 def _row(values: list[Any], count: int) -> tuple[float, ...]:

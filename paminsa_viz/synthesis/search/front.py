@@ -204,9 +204,7 @@ class _Front:
             )
         return tuple(
             RegimeState(
-                regime,
-                population=cloud(case, known[regime], 0.05, OTHERS),
-                best=known[regime][-1],
+                regime, population=cloud(case, known[regime], 0.05, OTHERS), best=known[regime][-1]
             )
             for regime in case.regimes
             if regime in known
@@ -215,17 +213,11 @@ class _Front:
     def front(self) -> DesignFront:
         """Return what there is, without what is dominated."""
         values = np.array([point.values for point in self.points]).reshape(-1, len(self.names))
-        kept = [self.points[i] for i in nondominated(_rounded(self.signs * values))]
+        if len(values):  # in steps of a part of their extent, so that equal points count as equal
+            values = np.round(values / (SAME * np.maximum(np.ptp(values, axis=0), 1e-12)))
+        kept = [self.points[i] for i in nondominated(self.signs * values)]
         kept.sort(key=lambda point: self.signs[0] * point.values[0])
         return DesignFront(
             self.names, tuple(kept), len(self.points) - len(kept), self.done, self.failed,
             self.canceled,
         )  # fmt: skip
-
-
-def _rounded(values: Array) -> Array:
-    """Return values in steps of `SAME` of their extent, so that equal points count as equal."""
-    if not len(values):
-        return values
-    step = SAME * np.maximum(np.ptp(values, axis=0), 1e-12)
-    return np.round(values / step)

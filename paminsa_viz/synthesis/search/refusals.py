@@ -21,9 +21,10 @@ import numpy as np
 
 from paminsa_viz.model import measures
 from paminsa_viz.model.geometry import Geometry
+from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.synthesis.search.case import GUIDE, Guide, Regime, SynthesisCase
-from paminsa_viz.synthesis.search.region import AXES, extent, farthest, ray
+from paminsa_viz.synthesis.search.region import extent, farthest, ray
 from paminsa_viz.units import format_ascii
 
 
@@ -78,7 +79,7 @@ def _needed_offset(case: SynthesisCase, regime: Regime) -> tuple[float, str]:
         if most is None or most <= 1 or not low <= 0 <= high:
             continue
         q = critical_radius(most)
-        toward = max(ray(case.workspace, regime.sign * axis) for axis in AXES)
+        toward = max(ray(case.workspace, regime.sign * axis) for axis in LEG_AXES)
         if toward / q > found[0]:
             found = (
                 toward / q,
@@ -117,8 +118,8 @@ def least_footprint(case: SynthesisCase, regime: Regime, offset: float) -> float
         regime: Which of base and platform is larger.
         offset: A lower bound of |R_b - R_pl| [m].
     """
-    toward = max(extent(case.workspace, axis) for axis in AXES)
-    away = max(extent(case.workspace, -axis) for axis in AXES)
+    toward = max(extent(case.workspace, axis) for axis in LEG_AXES)
+    away = max(extent(case.workspace, -axis) for axis in LEG_AXES)
     rp, rb = (case.least(f"geometry.{name}_radius") for name in ("platform", "base"))
     if regime is Regime.LARGER:
         return max(rp, rb + offset) + toward
@@ -144,7 +145,7 @@ def _footprint(case: SynthesisCase, regime: Regime, offset: float, reason: str) 
 
 
 def _reach(case: SynthesisCase, regime: Regime, offset: float, reason: str) -> str | None:
-    away = max(extent(case.workspace, -regime.sign * axis) for axis in AXES)
+    away = max(extent(case.workspace, -regime.sign * axis) for axis in LEG_AXES)
     k = case.most("geometry.magnification")
     rho = offset + away
     height = case.workspace.size[2] * (0.5 if case.above_guides else 1.0)

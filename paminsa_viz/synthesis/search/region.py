@@ -9,7 +9,7 @@ numbers a leg: the least and largest X_1, and the least and largest |z_5|. X_1 i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -17,14 +17,8 @@ import numpy as np
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.geometry import Geometry
-from paminsa_viz.model.robot import AXIS_X, AXIS_Y
 from paminsa_viz.quantities.requirements import Range, Workspace, WorkspaceShape
-
-AXES = np.stack([AXIS_X, AXIS_Y], axis=-1)
-"""Directions of the leg axes (3, 2)."""
-
-SIGNS = np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)])
-"""Corners of a square."""
+from paminsa_viz.synthesis.volume.reach import SIGNS, leg_distances
 
 
 class Spans(NamedTuple):
@@ -87,28 +81,19 @@ def spans(geometries: Sequence[Geometry], workspaces: Sequence[Workspace], theta
         theta: Least and largest heading [rad].
     """
     first = workspaces[0]
-    rb = np.array([g.base_radius for g in geometries])[:, None, None]
-    rp = np.array([g.platform_radius for g in geometries])[:, None, None]
     half = 0.5 * np.array([w.size for w in workspaces])
-    # Joint 5 relative to the leg axis is q + g + R_pl (cos, sin)(alpha + theta), q in the workspace
-    # about its center.
-    g = center(first) - rb * AXES  # (n, 3, 2)
-    alpha = np.arctan2(AXES[:, 1], AXES[:, 0])[:, None]
-    if first.shape is WorkspaceShape.CYLINDER:
-        radius = half[:, :1, None]
-        far = _distance(g[:, :, None], rp, alpha, theta, largest=True) + radius
-        near = _distance(g[:, :, None], rp, alpha, theta, largest=False) - radius
-    else:
-        at_corners = g[:, :, None] + SIGNS * half[:, None, None, :2]
-        far = _distance(at_corners, rp, alpha, theta, largest=True)
-        near = _from_box(g, rp, alpha, theta, half[:, :2])
+    near, far = leg_distances(
+        np.array([g.base_radius for g in geometries]),
+        np.array([g.platform_radius for g in geometries]),
+        center(first), half, theta, first.shape,
+    )  # fmt: skip
     z = np.array([w.center[2] for w in workspaces], np.float64)
     z = z + np.array([g.platform_joint_height for g in geometries])
     low, high = z - half[:, 2], z + half[:, 2]
     sign = np.array([g.knee.sign for g in geometries])
     return Spans(
-        np.maximum(near.min(axis=(1, 2)), 0.0),
-        far.max(axis=(1, 2)),
+        near.min(axis=1),
+        far.max(axis=1),
         np.maximum(np.maximum(low, -high), 0.0),
         np.maximum(np.abs(low), np.abs(high)),
         np.where(sign > 0, high, -low),
@@ -133,51 +118,6 @@ def reach_margins(geometries: Sequence[Geometry], found: Spans) -> Array:
         ],
         axis=-1,
     )
-
-
-def _distance(g: Array, radius: Array, alpha: Array, theta: Range, *, largest: bool) -> Array:
-    """Return extremes of |g + radius (cos, sin)(alpha + theta)| over theta (n, 3, p).
-
-    Of vectors g (n, 3, p, 2).
-    """
-    angle = np.arctan2(g[..., 1], g[..., 0]) + (0.0 if largest else np.pi)
-    inside = (angle - alpha - theta[0]) % (2 * np.pi) <= theta[1] - theta[0]
-    length = np.hypot(g[..., 0], g[..., 1])
-    ends = np.stack([_at(g, radius, alpha + end) for end in theta])
-    if largest:
-        return np.where(inside, length + radius, ends.max(axis=0))
-    return np.where(inside, np.abs(length - radius), ends.min(axis=0))
-
-
-def _at(g: Array, radius: Array, angle: Array) -> Array:
-    return np.hypot(g[..., 0] + radius * np.cos(angle), g[..., 1] + radius * np.sin(angle))
-
-
-def _from_box(g: Array, radius: Array, alpha: Array, theta: Range, half: Array) -> Array:
-    """Return the least distances of arcs -(g + radius (cos, sin)(alpha + theta)) from a box.
-
-    Of vectors g (n, 3, 2) and boxes of half-widths (n, 2) about the origin; (n, 3, 1). It is at an
-    end of the arc, nearest to a corner, where the arc is parallel to a side, or zero where it
-    crosses a side.
-    """
-    n = len(g)
-    toward = g[:, :, None] + SIGNS * half[:, None, None]
-    nearest = np.arctan2(-toward[..., 1], -toward[..., 0])
-    parallel = np.broadcast_to(0.5 * np.pi * np.arange(4), (n, 3, 4))
-    sides = np.array([1.0, -1.0])
-    with np.errstate(invalid="ignore"):
-        x = np.arccos((sides * half[:, :1, None] - g[..., :1]) / radius)
-        y = np.arcsin((sides * half[:, 1:, None] - g[..., 1:]) / radius)
-    crossing = np.concatenate([x, -x, y, np.pi - y], axis=-1)
-    angles = np.concatenate([nearest, parallel, crossing], axis=-1)
-    inside = (angles - alpha - theta[0]) % (2 * np.pi) <= theta[1] - theta[0]
-    ends = np.broadcast_to(alpha + np.array(theta), (n, 3, 2))
-    angles = np.concatenate([np.where(inside, angles, ends[..., :1]), ends], axis=-1)
-    px = np.abs(g[..., :1] + radius * np.cos(angles)) - half[:, None, :1]
-    py = np.abs(g[..., 1:] + radius * np.sin(angles)) - half[:, None, 1:]
-    away = np.hypot(np.maximum(px, 0.0), np.maximum(py, 0.0))
-    # On a crossing rounding decides over inside or outside.
-    return np.where(away < 1e-12, 0.0, away).min(axis=-1, keepdims=True)
 
 
 @dataclass(frozen=True)
@@ -216,16 +156,16 @@ class TrialSamples:
     """Positions and headings of a workspace of width 1, and heights as shares of its height.
 
     Attributes:
-        outline: Positions on its outline (n, 2), of the radius 1 or the half-widths (1, 1).
-        within: Positions inside, and the outline (m, 2).
+        within: Positions inside and on its outline, of radius 1 or half-widths (1, 1) (m, 2).
         theta: Headings (k,) [rad].
         share: Heights from -1/2 to 1/2 (l,).
+        wrench: The load's (f_x, f_y, m_z) at the headings (k, 3) [N, N m]; none if empty.
     """
 
-    outline: Array
     within: Array
     theta: Array
     share: Array
+    wrench: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     @cached_property
     def turns(self) -> Array:
@@ -271,13 +211,12 @@ def sample(
         sides = [(along, -ones), (ones, along), (-along, ones), (-ones, -along)]
         return np.concatenate([np.stack(side, axis=-1) for side in sides])
 
-    outline = ring(density.around)
     inner = [
         share * ring(max(1, density.around // 2))
         for share in np.linspace(1.0, 0.0, density.rings)[1:-1]
     ]
-    within = np.concatenate([outline, *inner, np.zeros((1, 2))])
+    within = np.concatenate([ring(density.around), *inner, np.zeros((1, 2))])
     low = 0.0 if mirrored else theta[0]
     turns = max(2, (density.theta + 1) // 2) if mirrored else density.theta
     angles = np.linspace(low, theta[1], turns) if theta[1] > low else np.array([low])
-    return TrialSamples(outline, within, angles, np.linspace(-0.5, 0.5, density.z))
+    return TrialSamples(within, angles, np.linspace(-0.5, 0.5, density.z))

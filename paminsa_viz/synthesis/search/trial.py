@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -28,6 +28,7 @@ from paminsa_viz.synthesis.search.region import (
     sample,
     spans,
 )
+from paminsa_viz.synthesis.volume.margins import Columns
 
 SPARE = 1e-9
 """What a guide that follows is longer than the workspace takes, against rounding [m]."""
@@ -53,17 +54,6 @@ class Poses:
         turned = any((load.force_x, load.force_y, load.moment_z))
         return not single and not turned
 
-    def wrench(self, theta: Range) -> Array:
-        """Return the load's (f_x, f_y, m_z) at the headings of samples (k, 3) [N, N m]."""
-        if theta not in self._wrenches:
-            found = generalized_force(self.case.reference.load, self.over(theta).theta)
-            self._wrenches[theta] = np.ascontiguousarray(found[:, :3])
-        return self._wrenches[theta]
-
-    @cached_property
-    def _wrenches(self) -> dict[Range, Array]:
-        return {}
-
     @cached_property
     def _kept(self) -> dict[Range, TrialSamples]:
         return {}
@@ -72,7 +62,8 @@ class Poses:
         """Return the samples of the workspace with some headings."""
         if theta not in self._kept:
             found = sample(self.case.workspace, theta, self.density, alike=self.alike)
-            self._kept[theta] = found
+            force = generalized_force(self.case.reference.load, found.theta)[:, :3]
+            self._kept[theta] = replace(found, wrench=np.ascontiguousarray(force))
         return self._kept[theta]
 
     def __reduce__(self) -> tuple[type[Poses], tuple[SynthesisCase, Density]]:
@@ -160,14 +151,7 @@ class TrialRobot:
         lift = k * (c[16] * g + 3 * c[0]) + 3 * c[2] - k * load.force_z
         xy = found.place(found.within, self.workspace)
         kernels.load()[1](
-            self.mechanism,
-            float(c[1]),
-            float(lift),
-            self.poses.wrench(theta),
-            xy,
-            found.turns,
-            heights,
-            out,
+            self.mechanism, float(c[1]), float(lift), found.wrench, xy, found.turns, heights, out
         )
         return out
 
@@ -175,11 +159,7 @@ class TrialRobot:
         """Return the poses of headings and heights (h,), (n, 4)."""
         found = self.poses.over(theta)
         xy = found.place(found.within, self.workspace)
-        shape = (len(xy), len(found.theta), len(heights))
-        pose = np.empty((*shape, 4))
-        pose[..., :2] = xy[:, None, None]
-        pose[..., 2], pose[..., 3] = found.theta[:, None], heights
-        return pose.reshape(-1, 4)
+        return Columns.at(xy, found.theta, heights).poses().reshape(-1, 4)
 
     def _sprung(self, theta: Range, heights: Array) -> Array:
         """Return what `torques` returns of a robot with springs."""

@@ -151,7 +151,7 @@ def cause_slice(
             margin = bound.margin(bound.entry.over(field, design))
         margin = np.where(np.isnan(margin), -np.inf, margin)
         broken[index] = (margin < 0.0) & reachable
-        worst[index] = margin / _size(bound)
+        worst[index] = margin / bound_size(bound)
     cause = np.full(field.status.shape, INSIDE, np.uint8)
     if len(worst):
         cause = np.where(broken.any(axis=0), FIRST_REQUIREMENT + worst.argmin(axis=0), cause)
@@ -167,7 +167,7 @@ def counts(requirements: Requirements, bound: Requirement, theta: float, z: floa
     return turned and (bound.z is None or bound.z[0] <= z <= bound.z[1])
 
 
-def _size(bound: Requirement) -> float:
+def bound_size(bound: Requirement) -> float:
     """Return the size of a bound, for comparison with those of others."""
     sizes = [abs(limit) for limit in (bound.low, bound.high) if limit]
     return min(sizes) if sizes else 1.0

@@ -70,7 +70,7 @@ def axes_of(
         radius, height = max(radius, 0.1 * g.base_radius), max(height, 0.1 * bars)
     low, high = -height - g.platform_joint_height, height - g.platform_joint_height
     if not both_sides:
-        low, high = (low, min(high, 0.0)) if _below(g) else (max(low, 0.0), high)
+        low, high = (low, min(high, 0.0)) if g.knee is KneeBranch.LOWER else (max(low, 0.0), high)
     high = max(high, low + 0.1 * bars)  # with the platform's joints far above or below it
     size = (2.0 * radius) ** 2 * (high - low)
     step = float(np.cbrt(size / resolution.nodes))
@@ -92,15 +92,11 @@ def axes_of(
     return np.asarray(step * np.arange(-half, half + 1), np.float64), z, headings
 
 
-def _below(geometry: Geometry) -> bool:
-    return geometry.knee is KneeBranch.LOWER
-
-
 def home_side(geometry: Geometry, z: Array, both_sides: bool) -> Array:
     """Return how far heights are on home's side of the guides [m]."""
     if both_sides:
         return np.full(z.shape, np.inf)
-    return -z if _below(geometry) else z
+    return -z if geometry.knee is KneeBranch.LOWER else z
 
 
 def joined_to_home(

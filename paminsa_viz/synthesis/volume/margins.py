@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
@@ -15,7 +14,6 @@ from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.grids import Field, Grid
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.reach import LEAST_MARGIN, Limit, decode
-from paminsa_viz.quantities.quantity import Quantity
 from paminsa_viz.quantities.requirements import Range, Requirement, Requirements
 
 
@@ -108,20 +106,6 @@ class Canceled(Exception):
     """Work that its progress function ended."""
 
 
-@dataclass(frozen=True, eq=False)
-class HeadingMargins:
-    """Margins of requirements at columns; the least over the headings.
-
-    Attributes:
-        least: (requirements, positions, heights) least margin [SI]; minus infinite where there is
-            no value, plus infinite at heights over which a requirement does not hold.
-        coarse: (requirements, positions, heights) the same over every second heading.
-    """
-
-    least: Array
-    coarse: Array
-
-
 def headings(limits: Range, count: int) -> Array:
     """Return headings over a range, its ends among them; one for a range of one [rad]."""
     return np.linspace(*limits, count) if limits[1] > limits[0] else np.array([limits[0]])
@@ -145,7 +129,7 @@ def heading_margins(
     z: Array,
     count: int,
     progress: Progress | None = None,
-) -> HeadingMargins:
+) -> tuple[Array, Array]:
     """Evaluate every requirement at positions and heights.
 
     What does not depend on z is evaluated once a position.
@@ -157,6 +141,11 @@ def heading_margins(
         z: (heights,) [m].
         count: Headings over a range; an odd number.
         progress: Is told what part is done, and may end it.
+
+    Returns:
+        The least margins over the headings (requirements, positions, heights) [SI]: minus infinite
+        where there is no value, plus infinite at heights over which a requirement does not hold;
+        and the same over every second heading.
 
     Raises:
         Canceled: If ``progress`` says so.
@@ -194,17 +183,7 @@ def heading_margins(
         if bound.z is not None:
             free = (z < bound.z[0]) | (z > bound.z[1])
             least[index][:, free] = coarse[index][:, free] = np.inf
-    return HeadingMargins(least, coarse)
-
-
-def values_at(
-    design: Design, entries: Iterable[Quantity], columns: Columns
-) -> tuple[list[Array], NDArray[np.uint8], NDArray[np.int8]]:
-    """Return the values of quantities at columns, status and leg, each of the columns' shape."""
-    field = solve_columns(design.geometry, columns)
-    with np.errstate(all="ignore"):
-        values = [entry.over(field, design) for entry in entries]
-    return values, field.status, field.leg
+    return least, coarse
 
 
 def _groups(

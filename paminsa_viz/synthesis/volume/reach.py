@@ -1,4 +1,4 @@
-"""Reach and singularity over a whole range of headings, in closed form.
+"""Reach and singularity over a whole range of headings, at positions or sets, in closed form.
 
 The distance X_1 of joint 5 of leg k from its axis is that of two points whose angle turns with
 theta: X_1^2 = A^2 + R_pl^2 + 2 A R_pl cos(theta + alpha_k - gamma), A and gamma being length and
@@ -17,11 +17,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.reach import MARGINS, Limit
-from paminsa_viz.model.robot import AXIS_X, AXIS_Y
+from paminsa_viz.quantities.requirements import Range, WorkspaceShape
 
 TURN = 2.0 * np.pi
+
+_LONGER = 1e-9
+"""By how much an arc is taken longer at both ends when it is looked for an extreme [rad]."""
+
+SIGNS = np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)])
+"""Corners of a square."""
 
 
 def contains(low: ArrayLike, high: ArrayLike, angle: float) -> NDArray[np.bool_]:
@@ -106,7 +113,7 @@ def reach_bounds(
     rb, rp = geometry.base_radius, geometry.platform_radius
     x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
     near, far = [], []
-    for ax, ay in zip(AXIS_X, AXIS_Y, strict=True):
+    for ax, ay in LEG_AXES:
         dx, dy = x - rb * ax, y - rb * ay
         length = np.hypot(dx, dy)
         shift = np.arctan2(ay, ax) - np.arctan2(dy, dx)
@@ -127,3 +134,90 @@ def reach_bounds(
         locus - np.hypot(x, y),
         float(np.min(sign * (rb * np.array([least, largest]) - rp))),
     )
+
+
+def leg_distances(
+    base_radius: Array,
+    platform_radius: Array,
+    center: Array,
+    half: Array,
+    theta: Range,
+    shape: WorkspaceShape,
+) -> tuple[Array, Array]:
+    """Return the least and the largest X_1 of each leg over sets of positions and headings.
+
+    Args:
+        base_radius, platform_radius: Of n robots (n,) [m].
+        center: Of the sets in the horizontal plane (2,) [m].
+        half: Half extents of the set of each robot, the first two columns of (n, 2 or 3) [m]; a
+            cylinder's are its radius.
+        theta: Least and largest heading [rad].
+        shape: Of the sets.
+
+    Returns:
+        Two arrays (n, 3) [m].
+    """
+    rb, rp = base_radius[:, None, None], platform_radius[:, None, None]
+    # Joint 5 relative to the leg axis is q + g + R_pl (cos, sin)(alpha + theta), q in the set about
+    # its center.
+    g = center - rb * LEG_AXES  # (n, 3, 2)
+    alpha = np.arctan2(LEG_AXES[:, 1], LEG_AXES[:, 0])[:, None]
+    if shape is WorkspaceShape.CYLINDER:
+        radius = half[:, :1, None]
+        far = _distance(g[:, :, None], rp, alpha, theta, largest=True) + radius
+        near = _distance(g[:, :, None], rp, alpha, theta, largest=False) - radius
+    else:
+        at_corners = g[:, :, None] + SIGNS * half[:, None, None, :2]
+        far = _distance(at_corners, rp, alpha, theta, largest=True)
+        near = _from_box(g, rp, alpha, theta, half[:, :2])
+    return np.maximum(near[..., 0], 0.0), far.max(axis=-1)
+
+
+def _distance(g: Array, radius: Array, alpha: Array, theta: Range, *, largest: bool) -> Array:
+    """Return extremes of |g + radius (cos, sin)(alpha + theta)| over theta (n, 3, p).
+
+    Of vectors g (n, 3, p, 2).
+    """
+    angle = np.arctan2(g[..., 1], g[..., 0]) + (0.0 if largest else np.pi)
+    inside = _on_arc(angle - alpha, theta)
+    length = np.hypot(g[..., 0], g[..., 1])
+    ends = np.stack([_at(g, radius, alpha + end) for end in theta])
+    if largest:
+        return np.where(inside, length + radius, ends.max(axis=0))
+    return np.where(inside, np.abs(length - radius), ends.min(axis=0))
+
+
+def _on_arc(angle: Array, theta: Range) -> NDArray[np.bool_]:
+    """Return which angles are in a range, which rounding may not make shorter, to whole turns."""
+    return (angle - theta[0] + _LONGER) % TURN <= theta[1] - theta[0] + 2.0 * _LONGER
+
+
+def _at(g: Array, radius: Array, angle: Array) -> Array:
+    return np.hypot(g[..., 0] + radius * np.cos(angle), g[..., 1] + radius * np.sin(angle))
+
+
+def _from_box(g: Array, radius: Array, alpha: Array, theta: Range, half: Array) -> Array:
+    """Return the least distances of arcs -(g + radius (cos, sin)(alpha + theta)) from a box.
+
+    Of vectors g (n, 3, 2) and boxes of half-widths (n, 2) about the origin; (n, 3, 1). It is at an
+    end of the arc, nearest to a corner, where the arc is parallel to a side, or zero where it
+    crosses a side.
+    """
+    n = len(g)
+    toward = g[:, :, None] + SIGNS * half[:, None, None]
+    nearest = np.arctan2(-toward[..., 1], -toward[..., 0])
+    parallel = np.broadcast_to(0.5 * np.pi * np.arange(4), (n, 3, 4))
+    sides = np.array([1.0, -1.0])
+    with np.errstate(invalid="ignore"):
+        x = np.arccos((sides * half[:, :1, None] - g[..., :1]) / radius)
+        y = np.arcsin((sides * half[:, 1:, None] - g[..., 1:]) / radius)
+    crossing = np.concatenate([x, -x, y, np.pi - y], axis=-1)
+    angles = np.concatenate([nearest, parallel, crossing], axis=-1)
+    inside = _on_arc(angles - alpha, theta)
+    ends = np.broadcast_to(alpha + np.array(theta), (n, 3, 2))
+    angles = np.concatenate([np.where(inside, angles, ends[..., :1]), ends], axis=-1)
+    px = np.abs(g[..., :1] + radius * np.cos(angles)) - half[:, None, :1]
+    py = np.abs(g[..., 1:] + radius * np.sin(angles)) - half[:, None, 1:]
+    away = np.hypot(np.maximum(px, 0.0), np.maximum(py, 0.0))
+    # On a crossing rounding decides over inside or outside.
+    return np.where(away < 1e-12, 0.0, away).min(axis=-1, keepdims=True)

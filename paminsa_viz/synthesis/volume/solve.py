@@ -26,13 +26,7 @@ from paminsa_viz.synthesis.volume.causes import (
     margin_slope,
     reach_distances,
 )
-from paminsa_viz.synthesis.volume.grid import (
-    FINE,
-    Resolution,
-    axes_of,
-    home_side,
-    joined_to_home,
-)
+from paminsa_viz.synthesis.volume.grid import FINE, Resolution, axes_of, home_side, joined_to_home
 from paminsa_viz.synthesis.volume.margins import Progress, heading_margins
 from paminsa_viz.synthesis.volume.reach import reach_bounds
 
@@ -214,11 +208,12 @@ def _margins(
     columns = reachable.any(axis=2)
     if not columns.any() or not requirements.bounds:
         return found
-    heights = slice(*_span(np.any(reachable, axis=(0, 1))))
+    used = np.flatnonzero(reachable.any(axis=(0, 1)))
+    heights = slice(int(used[0]), int(used[-1]) + 1)
     index = np.nonzero(columns)
     positions = np.column_stack([x[index[0]], x[index[1]]])
     solved = heading_margins(design, requirements, positions, z[heights], headings, progress)
-    for target, source in zip(found, (solved.least, solved.coarse), strict=True):
+    for target, source in zip(found, solved, strict=True):
         for number in range(len(target)):
             target[number, index[0], index[1], heights] = source[number]
         for number, bound in enumerate(requirements.bounds):
@@ -242,12 +237,6 @@ def _reached(margin: Array, which: NDArray[np.uint8]) -> NDArray[np.bool_]:
     """Return where a margin and its limit are those of a pose that can be taken."""
     # A guide may be used to its end.
     return (margin > 0.0) | ((margin == 0.0) & (which % len(MARGINS) == _GUIDE))
-
-
-def _span(used: NDArray[np.bool_]) -> tuple[int, int]:
-    """Return the first index that is used and the one after the last."""
-    index = np.flatnonzero(used)
-    return int(index[0]), int(index[-1]) + 1
 
 
 def _distances(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -239,20 +238,8 @@ def _facts(volume: Volume) -> dict[str, str]:
     return facts
 
 
-def _surface(write: Callable[[VolumeSurface], bytes]) -> Callable[[Volume], bytes]:
-    return lambda volume: write(volume_surface(volume))
-
-
-def _table(kind: str) -> Callable[[Volume], bytes]:
-    return lambda volume: table_bytes(volume_table(volume), kind)
-
-
-VOLUME_FORMATS: dict[str, Callable[[Volume], bytes]] = {
-    "stl": _surface(volume_stl),
-    "glb": _surface(volume_glb),
-    **{kind: _table(kind) for kind in TABLE_FORMATS},
-}
-"""What writes a volume, by the ending of the file."""
+VOLUME_FORMATS = ("stl", "glb", *TABLE_FORMATS)
+"""Endings of the files that a volume can be written to."""
 
 
 def volume_bytes(volume: Volume, kind: str) -> bytes:
@@ -263,6 +250,9 @@ def volume_bytes(volume: Volume, kind: str) -> bytes:
     """
     if kind not in VOLUME_FORMATS:
         raise InvalidInput("kind", f"{', '.join(VOLUME_FORMATS)} are possible, not {kind!r}")
-    if volume.empty and kind not in TABLE_FORMATS:
+    if kind in TABLE_FORMATS:
+        return table_bytes(volume_table(volume), kind)
+    if volume.empty:
         raise InvalidInput("volume", "it is empty, and has no surface to write")
-    return VOLUME_FORMATS[kind](volume)
+    surface = volume_surface(volume)
+    return volume_stl(surface) if kind == "stl" else volume_glb(surface)

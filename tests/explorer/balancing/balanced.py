@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.balancing.jobs import Job, Task
+from paminsa_viz.explorer.balancing.jobs import BalanceJob, Task
 from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels.balance_text import status_html
 from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.model.parameters import Counterweight
 
 ATTACHED = Counterweight("b8", 8, 0.1, 1.0)
@@ -17,7 +18,7 @@ START = motions.choose_preset(initial_state(), "arch")
 """The state at the start, with a motion in the shape of an arch."""
 
 
-def started(state: State, task: Task) -> tuple[State, Job]:
+def started(state: State, task: Task) -> tuple[State, BalanceJob]:
     """Return the state while a task runs, and its job."""
     running = balancing.start(state, task)
     assert running.balancing.running is not None
@@ -27,7 +28,7 @@ def started(state: State, task: Task) -> tuple[State, Job]:
 def solved(state: State, task: Task = Task.OPTIMUM) -> State:
     """Return the state after a task."""
     running, job = started(state, task)
-    return balancing.receive_result(running, run(job))
+    return balancing.receive_result(running, solve(run, job))
 
 
 def status(state: State) -> str:

@@ -14,13 +14,14 @@ from paminsa_viz.balancing import InfeasibleBounds
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.jobs import CounterweightSlot, FreeMasses, Goal, Task
-from paminsa_viz.explorer.balancing.solving import plane, run, static_torque, tidied
+from paminsa_viz.explorer.balancing.solving import run, static_torque, tidied
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.maps import COARSE, MapStore, hold_range, toggle_difference
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels.balance_text import details_html
 from paminsa_viz.explorer.panels.compare_panel import differences_html
 from paminsa_viz.explorer.state import RangeMode, State
+from paminsa_viz.explorer.tasks import solve, stop
 from paminsa_viz.model import (
     APPENDIX_4,
     InvalidDesign,
@@ -57,11 +58,12 @@ def test_numbers_of_a_result_are_the_models() -> None:
     after = balancing.balance_now(START)
     outcome, motion = after.balancing.outcome, motions.planned(START).trajectory
     assert outcome is not None
-    assert outcome.optimum is not None
+    found = outcome.result
+    assert found is not None
     assert motion is not None
-    effects = {(item.group, item.label): item for item in outcome.effects}
+    effects = {(item.group, item.label): item for item in found.effects}
     mass = effects["", "mass of the robot"]
-    used = plane(outcome.job)
+    used = outcome.job.plane(COARSE)
     for side, state in (("before", START), ("after", after)):
         design = state.document.design
         loads = analyze(design, motion)
@@ -73,19 +75,19 @@ def test_numbers_of_a_result_are_the_models() -> None:
                 ("largest in motion", loads.torque[:, j]),
                 ("largest power", loads.power[:, j]),
             ):
-                found = getattr(effects[group, name], side)
-                assert found == pytest.approx(np.abs(values).max(), abs=1e-9)
+                size = getattr(effects[group, name], side)
+                assert size == pytest.approx(np.abs(values).max(), abs=1e-9)
     # M4 carries the counterweights: that is the price of a balance.
     assert effects["largest at rest", "M4"].after > 1.2 * effects["largest at rest", "M4"].before
     price = r"The price: M4: largest at rest \+2\d\.\d %, largest in motion \+\d\d\.\d %"
     assert re.search(price, status(after))
-    assert mass.after - mass.before == pytest.approx(outcome.optimum.objective)
-    assert outcome.optimum.objective == pytest.approx(8.349)
+    assert mass.after - mass.before == pytest.approx(found.optimum.objective)
+    assert found.optimum.objective == pytest.approx(8.349)
 
 
 def test_static_torque_is_that_of_all_poses_away_from_singularities() -> None:
     job = balancing.make_job(actions.move(START, theta=0.5), Task.OPTIMUM)
-    field = plane(job)
+    field = job.plane(COARSE)
     used = field.status == Limit.OK
     poses = field.grid.poses()
     assert used.any()
@@ -105,14 +107,15 @@ def test_every_goal_is_optimal_within_its_bounds(goal: Goal, movable: FreeMasses
     after = solved(balancing.change_settings(chosen, movable=movable, max_decrease=0.1))
     outcome, design = after.balancing.outcome, after.document.design
     assert outcome is not None
-    assert outcome.optimum is not None
-    assert outcome.optimum.gap < 1e-6
-    effects = {(item.group, item.label): item.after for item in outcome.effects}
+    found = outcome.result
+    assert found is not None
+    assert found.optimum.gap < 1e-6
+    effects = {(item.group, item.label): item.after for item in found.effects}
     group = {Goal.PEAK: "largest in motion", Goal.RMS: "RMS in motion"}.get(goal)
     if group is not None:
         sizes = np.array([effects[group, f"M{number}"] for number in (1, 2, 3)])
         value = sizes.max() if goal is Goal.PEAK else np.sqrt(np.mean(sizes**2))
-        assert value == pytest.approx(outcome.optimum.objective, rel=1e-9)
+        assert value == pytest.approx(found.optimum.objective, rel=1e-9)
     for weight in design.counterweights:
         assert 0 <= weight.beyond <= 0.1
         assert 0 < weight.mass <= 5
@@ -139,11 +142,11 @@ def test_result_for_another_design_or_a_stopped_job_is_dropped() -> None:
     with pytest.raises(InvalidInput, match="still runs"):
         balancing.start(running, Task.FRONT)
     changed = actions.vary(running, {"links.b4": 0.9})
-    after = balancing.receive_result(changed, run(job))
+    after = balancing.receive_result(changed, solve(run, job))
     assert after.document == changed.document
     assert "changed in the meantime" in status(after)
-    stopped = balancing.stop(running)
-    assert balancing.receive_result(stopped, run(job)) is stopped
+    stopped = stop(running, "balancing")
+    assert balancing.receive_result(stopped, solve(run, job)) is stopped
 
 
 def test_common_range_suits_both_designs() -> None:
@@ -172,7 +175,7 @@ def test_infeasible_bounds_are_reported_with_what_to_relax() -> None:
     outcome = after.balancing.outcome
     assert after.document == START.document
     assert outcome is not None
-    assert isinstance(outcome.problem, InfeasibleBounds)
+    assert isinstance(outcome.error, InfeasibleBounds)
     text = status(after)
     assert "The bounds do not allow it" in text
     assert "<b>raise</b> weight on B8 past 8 from 0.5 to 3.896 kg" in text

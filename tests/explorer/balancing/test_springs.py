@@ -8,11 +8,12 @@ import pytest
 from paminsa_viz.balancing import spring_torques
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import springs
-from paminsa_viz.explorer.balancing.spring_settings import SpringsFrom
+from paminsa_viz.explorer.balancing.springs import SpringsFrom
 from paminsa_viz.explorer.examples import EXAMPLES, open_example
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.panels.springs_panel import SPRINGS, springs_html
 from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.tasks import receive, solve
 from paminsa_viz.model import APPENDIX_4, InvalidInput, static_imbalance, static_torques
 from tests.support.desk import Desk
 
@@ -20,9 +21,9 @@ PANEL = SPRINGS
 
 
 def fitted(state: State) -> State:
-    job = springs.start(state).springing.running
-    assert job is not None
-    return springs.receive(springs.start(state).updated("springing", running=job), springs.run(job))
+    started = springs.start(state)
+    assert started.springing.running is not None
+    return receive(started, "springing", solve(springs.fit, started.springing.running))
 
 
 @pytest.fixture
@@ -34,16 +35,16 @@ def off_center() -> State:
 def test_example_of_springs_holds_itself_anywhere(off_center: State) -> None:
     state = open_example(off_center, "springs")
     assert state.springing.running is not None
-    outcome = springs.run(state.springing.running)
-    assert outcome.fit is not None
-    (spring,) = outcome.fit.springs
+    found = solve(springs.fit, state.springing.running).result
+    assert found is not None
+    (spring,) = found.springs
     # K h = M_p2 for a spring of free length zero from a mast of height h on slider 8
     assert spring.stiffness * 0.1 == pytest.approx(static_imbalance(APPENDIX_4), rel=1e-9)
     poses = np.random.default_rng(0).uniform(
         (-0.1, -0.1, -0.3, -0.6), (0.1, 0.1, 0.3, -0.5), (50, 4)
     )
     held = static_torques(APPENDIX_4, poses) + spring_torques(
-        APPENDIX_4.geometry, outcome.fit.springs, poses
+        APPENDIX_4.geometry, found.springs, poses
     )
     assert np.abs(held[:, :3]).max() <= 1e-9
 
@@ -69,9 +70,8 @@ def test_springs_change_nothing_else(off_center: State) -> None:
 
 
 def test_a_post_on_the_guide_only_comes_near(off_center: State) -> None:
-    state = fitted(springs.change_settings(off_center, start=SpringsFrom.GUIDE))
-    assert state.springing.outcome is not None
-    fit = state.springing.outcome.fit
+    state = fitted(off_center.updated("springing.settings", start=SpringsFrom.GUIDE))
+    fit = state.springing.result
     assert fit is not None
     assert 0.2 * fit.before < fit.after < fit.before
     assert fit.gap < 1e-6
@@ -80,15 +80,15 @@ def test_a_post_on_the_guide_only_comes_near(off_center: State) -> None:
 @pytest.mark.parametrize("changes", [{"height": 0.0}, {"least": 0.2, "most": 0.1}, {"most": 9.0}])
 def test_impossible_places_are_refused(changes: dict[str, float]) -> None:
     with pytest.raises(InvalidInput, match=r"possible|end above"):
-        springs.change_settings(initial_state(), **changes)
+        initial_state().updated("springing.settings", **changes)
 
 
 def test_fit_of_another_design_is_dropped(off_center: State) -> None:
     first = springs.start(off_center)
     assert first.springing.running is not None
-    outcome = springs.run(first.springing.running)
-    again = springs.start(first)
-    assert springs.receive(again, outcome) == again
+    outcome = solve(springs.fit, first.springing.running)
+    again = springs.start(actions.vary(first, {"links.b4": 0.9}))
+    assert receive(again, "springing", outcome) is again
 
 
 def test_numbers_are_typed_in_millimeters(desk: Desk) -> None:

@@ -7,11 +7,12 @@ import pytest
 
 from paminsa_viz.balancing.tolerance import mass_tolerance
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.balancing.tolerances import run
+from paminsa_viz.explorer.balancing.tolerances import draw_robots
 from paminsa_viz.explorer.examples import open_example
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.panels import tolerance_panel as panel
 from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.tasks import receive, solve
 from tests.support.desk import Desk
 
 PANEL = panel.TOLERANCES
@@ -38,14 +39,14 @@ def test_lengths_are_drawn_on_request_and_go_stale(state: State) -> None:
     asked = panel.start(state.updated("tolerating.settings", length=0.01))
     job = asked.tolerating.running
     assert job is not None
-    outcome = run(job)
-    assert outcome.found is not None
-    done = panel.receive(asked, outcome)
+    outcome = solve(draw_robots, job)
+    assert outcome.result is not None
+    done = receive(asked, "tolerating", outcome)
     text = panel.lengths_html(compute(done))
-    assert f"{outcome.found.quantile(0.95):.3f}" in text
+    assert f"{outcome.result.quantile(0.95):.3f}" in text
     assert "draw again" not in text
     assert "draw again" in panel.lengths_html(compute(actions.vary(done, {"links.b4": 0.9})))
-    assert panel.receive(done, outcome) is done
+    assert receive(done, "tolerating", outcome) is done
 
 
 def test_robots_are_drawn_in_the_background(desk: Desk) -> None:
@@ -55,5 +56,5 @@ def test_robots_are_drawn_in_the_background(desk: Desk) -> None:
     desk.until(lambda: desk.state.tolerating.outcome)
     outcome = desk.state.tolerating.outcome
     assert outcome is not None
-    assert outcome.found is not None
-    assert outcome.found.peaks.size == 200
+    assert outcome.result is not None
+    assert outcome.result.peaks.size == 200

@@ -14,6 +14,7 @@ from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.balancing.weight_clearance import weight_clearance
 from paminsa_viz.explorer.panels.balance_text import details_html
 from paminsa_viz.explorer.state import initial_state
+from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.parameters import Counterweight
 
@@ -27,7 +28,7 @@ def optimum(lever: float):
     )
     job = balancing.start(state, Task.OPTIMUM).balancing.running
     assert job is not None
-    return run(job)
+    return solve(run, job)
 
 
 def test_least_distance_is_that_of_the_pairs_with_counterweights() -> None:
@@ -48,10 +49,10 @@ def test_least_distance_is_that_of_the_pairs_with_counterweights() -> None:
 
 def test_balance_says_whether_its_counterweights_hit() -> None:
     outcome = optimum(0.3)
-    assert outcome.after is not None
-    assert outcome.after.counterweights
-    assert outcome.weights is not None
+    found = outcome.result
+    assert found.after.counterweights
+    assert found.weights is not None
     text = details_html(outcome)
     assert 'data-testid="weight-clearance"' in text
-    assert all(name in text for name in outcome.weights.names)
-    assert ("overlap by" in text) == (outcome.weights.distance < 0)
+    assert all(name in text for name in found.weights.names)
+    assert ("overlap by" in text) == (found.weights.distance < 0)

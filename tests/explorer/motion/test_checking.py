@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import threading
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from paminsa_viz.explorer.entries import given
 from paminsa_viz.explorer.inputs import Checkbox
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind
-from paminsa_viz.explorer.motion.jobs import MOST_SAMPLES, Answer, EngineRequest, ask_engine
+from paminsa_viz.explorer.motion.jobs import MOST_SAMPLES, EngineRequest, ask_engine
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.panels import motion_plots
 from paminsa_viz.explorer.panels.motion_plots import (
@@ -29,9 +30,11 @@ from paminsa_viz.explorer.panels.motion_plots import (
     drawn_charts,
 )
 from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.model import InvalidInput, KneeBranch, Misprint
-from paminsa_viz.plots.series_uplot import chart_shape, shown_curve, uplot_data
+from paminsa_viz.explorer.tasks import solve
+from paminsa_viz.model import InvalidInput, KneeBranch, Misprint, PaminsaError
+from paminsa_viz.plots.series_uplot import chart_shape, uplot_data
 from paminsa_viz.units import power_of_ten
+from tests.support.charts import shown_curve
 from tests.support.raw_page import TIMEOUT
 
 needs_mujoco = pytest.mark.usefixtures("mujoco")
@@ -57,16 +60,16 @@ def caption(found: MotionResults, state: State) -> str:
 
 def answered(state: State) -> State:
     """Return a state after the engine has computed its motion."""
-    return motions.receive_engine_answer(
-        state, ask_engine(EngineRequest(analyzed(state).analysis, state.plots.checker))
-    )
+    request = EngineRequest(analyzed(state).analysis, state.plots.checker)
+    answer = solve(lambda asked, _: ask_engine(asked), request)
+    return replace(state, engine_answer=answer)
 
 
 def engine_torques(found: MotionResults) -> Any:
     """Return the engine's torques among results."""
     assert found.answer is not None
-    assert found.answer.found is not None
-    return found.answer.found
+    assert found.answer.result is not None
+    return found.answer.result
 
 
 @needs_mujoco
@@ -265,11 +268,11 @@ class Bench:
         self.checker = EngineChecker(session)
         monkeypatch.setattr(motion_plots, "ask_engine", self._answer)
 
-    def _answer(self, request: EngineRequest) -> Answer:
+    def _answer(self, request: EngineRequest) -> None:
         self.designs.append(request.analysis.design.links.b3)
         self.came.release()
         assert self.may.acquire(timeout=TIMEOUT)
-        return Answer(request, None, "no matter")
+        raise PaminsaError("no matter")
 
     def dispatch(self, source: str, action: Any, *, step: bool) -> None:
         assert not step

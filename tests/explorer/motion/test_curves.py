@@ -7,20 +7,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paminsa_viz.clearance import ALL_PAIRS
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.clearing import MotionJob, find_along
+from paminsa_viz.explorer.clearing import find_along, motion_job
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import PLOTS, SIMULATED, Kind, PlotView
 from paminsa_viz.explorer.motion.jobs import SimulationSettings, make_job, run
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore, split_path
 from paminsa_viz.explorer.panels.motion_plots import drawn_charts
 from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.model import Misprint
 from paminsa_viz.plots import series_uplot
 from paminsa_viz.plots.series import SeriesKind, Trace, runs, statistics
 from paminsa_viz.plots.series_uplot import Chart
 from paminsa_viz.trajectory import analyze
+from tests.support.charts import shown_curve
 
 
 @pytest.fixture
@@ -71,8 +72,8 @@ def test_curves_are_the_models_torques_of_all_that_is_compared(state: State) -> 
 def test_every_plot_has_numbers(plot: SeriesKind, state: State) -> None:
     state = replace(state, plots=PlotView(plot, actuator=2, published=True))
     if plot == "clearance":  # which is found in the background
-        job = MotionJob(results(state).analysis, ALL_PAIRS)
-        state = state.updated("clearing", motion=find_along(job))
+        job = motion_job(state, results(state).analysis)
+        state = state.updated("clearing", motion=solve(find_along, job))
     drawn = drawn_charts(state, results(state))
     assert drawn
     for chart in drawn:
@@ -101,7 +102,7 @@ def test_drawn_points_are_few_and_keep_peaks_and_gaps(failing: State) -> None:
         assert series[0].size <= 1.1 * series_uplot.MOST_POINTS
         drawn = np.isin(chart.t, series[0])
         for number, trace in enumerate(chart.traces):
-            curve = series_uplot.shown_curve(series, shape, number)
+            curve = shown_curve(series, shape, number)
             np.testing.assert_array_equal(curve, trace.values[drawn])
             assert np.nanmax(curve) == np.nanmax(trace.values)
             assert np.nanmin(curve) == np.nanmin(trace.values)
@@ -161,16 +162,16 @@ def test_result_of_a_simulation_is_plotted_and_holds_for_its_design_only() -> No
     state = motions.simulate(initial_state())
     job = state.simulating.running
     assert job is not None
-    outcome = run(job)
-    assert outcome.simulation is not None
+    outcome = solve(run, job)
+    assert outcome.result is not None
     done = motions.receive_simulation(state, outcome)
     assert done.simulating.running is None
     assert motions.simulation_is_current(done)
     assert not motions.simulation_is_current(actions.vary(done, {"links.b4": 3.0}))
-    assert motions.receive_simulation(done, run(job)) is done
+    assert motions.receive_simulation(done, outcome) is done
     place, turn = drawn_charts(done, results(done))
     assert "[mm]" in place.title
-    error = np.degrees(outcome.simulation.error[:, 2])
+    error = np.degrees(outcome.result.error[:, 2])
     np.testing.assert_allclose(turn.traces[0].values, error, rtol=1e-12)
 
 
@@ -178,5 +179,5 @@ def test_impossible_load_or_path_of_a_simulation_is_explained(failing: State) ->
     motion = motions.planned(initial_state()).trajectory
     design = initial_state().document.design
     lighter = make_job(design, motion, SimulationSettings(payload_mismatch=-1.0))
-    assert "payload" in run(lighter).problem
-    assert "cannot be run" in run(motions.wanted_job(failing)).problem
+    assert "payload" in solve(run, lighter).problem
+    assert "cannot be run" in solve(run, motions.wanted_job(failing)).problem

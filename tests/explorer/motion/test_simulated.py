@@ -18,6 +18,7 @@ from paminsa_viz.explorer.scene.bodies import node_name
 from paminsa_viz.explorer.scene.ghost import OPACITY, WantedPose, translucent
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.meshes.bodies import body_glb
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.trajectory import Simulation
@@ -29,14 +30,13 @@ def simulated() -> State:
     """The preset motion, simulated with the settings of the start."""
     state = motions.simulate(initial_state())
     assert state.simulating.running is not None
-    return motions.receive_simulation(state, run(state.simulating.running))
+    return motions.receive_simulation(state, solve(run, state.simulating.running))
 
 
 def simulation(state: State) -> Simulation:
-    outcome = state.simulating.outcome
-    assert outcome is not None
-    assert outcome.simulation is not None
-    return outcome.simulation
+    found = state.simulating.result
+    assert found is not None
+    return found
 
 
 def test_start_has_something_to_see(simulated: State) -> None:

@@ -15,6 +15,7 @@ from paminsa_viz.explorer.requirements.checking import find_volume
 from paminsa_viz.explorer.requirements.files import VOLUME_KINDS, volume_file
 from paminsa_viz.explorer.requirements.jobs import VolumeJob
 from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.files.design_file import write_design
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.quantities.requirements import Requirement
@@ -24,13 +25,13 @@ from paminsa_viz.synthesis.volume.surface import VOLUME_FORMATS
 def solved(state: State) -> State:
     """Return a state whose fine volume is a coarse one: files are of what is there."""
     document = state.document
-    outcome = find_volume(VolumeJob(document.design, document.requirements), lambda _: False)
+    outcome = solve(find_volume, VolumeJob(document.design, document.requirements))
     return state.updated("requiring", fine=outcome)
 
 
 def test_the_volume_that_is_shown_is_written_in_every_format() -> None:
     state = solved(actions.suggest(initial_state()))
-    volume = state.requiring.fine.volume  # type: ignore[union-attr]
+    volume = state.requiring.fine.result.volume  # type: ignore[union-attr]
     assert volume is not None
     assert set(VOLUME_KINDS) == set(VOLUME_FORMATS)
     files = {kind: volume_file(state, kind) for kind in VOLUME_KINDS}

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from paminsa_viz.elastostatics.bar_loads import utilization
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
-from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.explorer.scene.forces import BAR, scale_text
 from paminsa_viz.explorer.scene.joint_forces import (
     LONGEST,

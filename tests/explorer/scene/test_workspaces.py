@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,9 +14,9 @@ import viser
 from paminsa_viz.explorer import actions as designs
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.requirements import actions
+from paminsa_viz.explorer.requirements.causes import surface_parts
 from paminsa_viz.explorer.requirements.checking import find_volume
-from paminsa_viz.explorer.requirements.jobs import LargestJob, LargestOutcome, VolumeJob
-from paminsa_viz.explorer.requirements.surface import surface_parts
+from paminsa_viz.explorer.requirements.jobs import LargestJob, VolumeJob
 from paminsa_viz.explorer.scene.layers import LAYERS, SceneContext, found_at
 from paminsa_viz.explorer.scene.mechanism import BEST_NODE
 from paminsa_viz.explorer.scene.nodes import LayerView
@@ -21,8 +24,9 @@ from paminsa_viz.explorer.scene.workspaces import outline
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.explorer.synthesis import actions as synthesis
 from paminsa_viz.explorer.synthesis.jobs import BestSoFar, Shown
+from paminsa_viz.explorer.tasks import Outcome, solve, stop
 from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.quantities.requirements import WorkspaceShape
+from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
 from tests.support.raw_page import RawPage
 from tests.support.scene import Scene
 
@@ -49,9 +53,10 @@ def asked() -> State:
     """The suggested requirements with their volume, coarse."""
     state = actions.suggest(initial_state())
     document = state.document
-    outcome = find_volume(VolumeJob(document.design, document.requirements), lambda _: False)
-    assert outcome.volume is not None
-    object.__setattr__(outcome, "surface", surface_parts(outcome.volume))
+    outcome = solve(find_volume, VolumeJob(document.design, document.requirements))
+    found = outcome.result
+    assert found is not None
+    outcome = replace(outcome, result=replace(found, surface=surface_parts(found.volume)))
     return state.updated("requiring", fine=outcome)
 
 
@@ -62,7 +67,7 @@ def test_the_surface_is_of_the_current_design_and_switched_by_its_layer(
     outcome = asked.requiring.fine
     assert outcome is not None
     parts = {name for name in layers.shown if name.startswith("/requirements/volume/")}
-    assert len(parts) == len(outcome.surface) > 1
+    assert len(parts) == len(outcome.result.surface) > 1
     assert layers.shown >= parts
     draw(layers, designs.vary(asked, {"geometry.base_radius": 0.36}))
     assert not layers.shown & parts
@@ -80,8 +85,9 @@ def test_required_and_proven_workspaces_are_outlined(layers: Scene, asked: State
     workspace = document.requirements.workspace
     assert workspace is not None
     job = LargestJob(document.design, document.requirements, workspace, "ALL", 1.0)
-    placed = (WorkspaceShape.BOX, (0.2, 0.1, 0.3), (0.0, 0.0, -0.5))
-    proven = asked.updated("requiring", largest=LargestOutcome(job, placed))
+    placed = Workspace(WorkspaceShape.BOX, (0.2, 0.1, 0.3), (0.0, 0.0, -0.5))
+    found: Any = SimpleNamespace(workspace=placed)
+    proven = asked.updated("requiring.largest", outcome=Outcome(job, found))
     draw(layers, proven)
     points = np.asarray(layers.nodes["/requirements/proven"].points).reshape(-1, 3)
     assert points.min(axis=0) == pytest.approx([-0.1, -0.05, -0.65])
@@ -108,7 +114,7 @@ def test_the_best_robot_is_drawn_while_it_is_searched_for(layers: Scene, asked: 
     told = synthesis.tell(started, job, best)
     draw(layers, told)
     assert BEST_NODE in layers.shown
-    draw(layers, synthesis.change_settings(told, shown=Shown.ROBOT))
+    draw(layers, told.updated("synthesizing.settings", shown=Shown.ROBOT))
     assert BEST_NODE not in layers.shown
-    draw(layers, synthesis.stop(told))
+    draw(layers, stop(told, "synthesizing"))
     assert BEST_NODE not in layers.shown

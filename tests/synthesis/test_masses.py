@@ -1,4 +1,4 @@
-"""Masses and springs of given lengths: certificate, limits, brute force, other routes."""
+"""Masses and springs of given lengths: certificate, limits, brute force, other routes, drives."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from paminsa_viz.actuation.catalog import generic_catalog
+from paminsa_viz.actuation.selection import size_design
 from paminsa_viz.balancing import (
     CounterweightRange,
     SpringPlace,
@@ -29,6 +31,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis.masses.case import InnerCase, linear_bounds
+from paminsa_viz.synthesis.masses.drives import solve_with_drives
 from paminsa_viz.synthesis.masses.program import inner_program, solve_inner
 from paminsa_viz.synthesis.masses.space import (
     InnerInfeasible,
@@ -258,3 +261,32 @@ def test_a_tolerance_saves_rounds_and_is_kept():
     rough = solve_inner(APPENDIX_4, levers, poses(), tolerance=1e-3)
     assert rough.rounds <= exact.rounds
     assert exact.objective <= rough.objective <= exact.objective * (1 + 2e-3)
+
+
+def test_masses_are_the_best_with_drives_that_fit_them():
+    case = InnerCase("peak_torque", (motion(),), MASSES, WEIGHTS[:1])
+    found = solve_with_drives(APPENDIX_4, case, poses(), generic_catalog())
+    assert found.feasible
+    driven = found.inner.design
+    assert all(driven.drives)
+    # the drives' own inertia counts: the optimum is another than without them
+    assert found.inner.objective > solve_inner(APPENDIX_4, case, poses()).objective
+    again = solve_inner(replace(APPENDIX_4, drives=driven.drives), case, poses())
+    assert again.objective == pytest.approx(found.inner.objective, rel=1e-9)
+    assert np.abs(analyze(driven, motion()).torque[:, :3]).max() == pytest.approx(
+        found.inner.objective, rel=1e-8
+    )
+    sized = size_design(found.selection.cycle, driven)
+    assert all(figures is not None and figures.feasible for figures in sized)
+
+
+def test_springs_and_missing_motions_are_refused():
+    with pytest.raises(InvalidInput, match="without springs"):
+        solve_with_drives(
+            APPENDIX_4, InnerCase("moving_mass", (), MASSES, springs=(SPRING,)), poses(),
+            generic_catalog(),
+        )  # fmt: skip
+    with pytest.raises(InvalidInput, match="at least one"):
+        solve_with_drives(
+            APPENDIX_4, InnerCase("moving_mass", (), MASSES), poses(), generic_catalog()
+        )
