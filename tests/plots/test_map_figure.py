@@ -142,9 +142,9 @@ def test_equal_input_gives_equal_bytes_in_any_thread(format: str) -> None:
     def draw(end: float) -> bytes:
         return render(made_up(), Scale(-end, end), format, width_mm=85.0, dpi=60)
 
-    alone = [draw(end) for end in (1.0, 2.0, 3.0)]
-    with ThreadPoolExecutor(3) as pool:
-        assert list(pool.map(draw, (1.0, 2.0, 3.0))) == alone
+    alone = [draw(end) for end in (1.0, 2.0)]
+    with ThreadPoolExecutor(2) as pool:
+        assert list(pool.map(draw, (1.0, 2.0))) == alone
 
 
 def test_an_svg_can_be_read_and_has_its_size() -> None:
