@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from paminsa_viz.elastostatics.field_loads import BAR_MEASURES, field_bar_loads, field_joint_forces
+from paminsa_viz.elastostatics.bar_loads import BAR_MEASURES, field_bar_loads, field_joint_forces
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS, LegJoint
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
