@@ -83,7 +83,7 @@ class MapStore:
         data = map_data(field, design, document.pose, quantities)
         if design is not document.design or not hatches(state, budget / field.status.size):
             return data
-        from paminsa_viz.explorer.requirements.slices import outside_of  # loads SciPy
+        from paminsa_viz.explorer.requirements.causes import outside_of  # loads SciPy
 
         return replace(data, outside=outside_of(field, design, document.requirements))
 

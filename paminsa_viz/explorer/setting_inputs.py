@@ -1,4 +1,4 @@
-"""Inputs of the settings of a feature, made from the fields of their dataclass."""
+"""Inputs of the settings of a feature, made from the fields of their dataclass, and of layers."""
 
 from __future__ import annotations
 
@@ -7,9 +7,19 @@ from dataclasses import fields
 from enum import Enum
 from typing import Any
 
+from paminsa_viz.explorer.actions import set_layers
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Input, Number, TextBox, attribute
 from paminsa_viz.explorer.settings import Setting
 from paminsa_viz.explorer.state import State
+
+
+def layer_switch(key: str, layer: str, label: str, hint: str, *, undo: bool = True) -> Checkbox:
+    """Return the switch of a layer of the scene."""
+    return Checkbox(
+        key, label, hint=hint, undo=undo,
+        read=lambda state: layer in state.layers,
+        apply=lambda state, visible: set_layers(state, **{layer: visible}),
+    )  # fmt: skip
 
 
 class SettingInputs:

@@ -51,6 +51,12 @@ def setting(default: Any, label: str, hint: str = "", **more: Any) -> Any:
     return field(default=default, metadata={"setting": Setting(label, hint, **more)})
 
 
+def setting_fields(kind: Any) -> dict[str, Setting]:
+    """Return the settings of a dataclass by the names of their fields."""
+    found = {item.name: item.metadata.get("setting") for item in fields(kind)}
+    return {name: one for name, one in found.items() if one is not None}
+
+
 @dataclass(frozen=True)
 class Settings:
     """Base of settings, whose numbers are in their ranges.
@@ -60,16 +66,13 @@ class Settings:
     """
 
     def __post_init__(self) -> None:
-        for item in fields(self):
-            one, value = item.metadata.get("setting"), getattr(self, item.name)
-            if one is None or isinstance(value, bool) or not isinstance(value, (int, float)):
-                continue
+        for name, one in setting_fields(self).items():
             low, high = one.range
-            if (low is None or low <= value) and (high is None or value <= high):
+            value = getattr(self, name)
+            if low is None or high is None or low <= value <= high:
                 continue
-            ends = [f"{one.unit.from_si(end):g}" for end in (low, high) if end is not None]
-            text = f"{' to '.join(ends)} is possible, not {one.unit.from_si(value):g}"
-            raise InvalidInput(one.label, text)
+            ends = f"{one.unit.from_si(low):g} to {one.unit.from_si(high):g}"
+            raise InvalidInput(one.label, f"{ends} is possible, not {one.unit.from_si(value):g}")
 
 
 def settings_data(settings: Any) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from paminsa_viz.explorer.panels import requirements_text as text
 from paminsa_viz.explorer.panels.pose_panel import strip_html
 from paminsa_viz.explorer.panels.requirements_panel import REQUIREMENTS, go_to_worst
 from paminsa_viz.explorer.requirements import actions
+from paminsa_viz.explorer.requirements.causes import surface_parts
 from paminsa_viz.explorer.requirements.checking import (
     current_check,
     find_volume,
@@ -20,7 +21,6 @@ from paminsa_viz.explorer.requirements.checking import (
     receive,
 )
 from paminsa_viz.explorer.requirements.jobs import VolumeJob
-from paminsa_viz.explorer.requirements.surface import surface_parts
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.quantities.requirements import Requirement

@@ -15,7 +15,7 @@ from paminsa_viz.explorer import actions, exports, tab_store, theme
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import COARSE, MapStore
 from paminsa_viz.explorer.panels import css_color, export_panel
-from paminsa_viz.explorer.panels.balance_charts import themed
+from paminsa_viz.explorer.panels.plotly_chart import themed
 from paminsa_viz.explorer.scene.legend import NO_LEGEND
 from paminsa_viz.explorer.state import Appearance, initial_state
 from paminsa_viz.meshes.bodies import ground_glb

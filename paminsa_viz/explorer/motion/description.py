@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 import msgspec
 
+from paminsa_viz.explorer.settings import MILLIMETERS, setting, setting_fields
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.plots.series import FigureKind, SeriesKind
 from paminsa_viz.trajectory import PRESET, PRESETS, MotionLimits, Profile, Trajectory
@@ -17,18 +18,8 @@ Pose = tuple[float, float, float, float]
 """(x, y, theta, z) [m, m, rad, m]."""
 
 MOST_WAYPOINTS = 40
-
-DURATIONS = (0.05, 600.0)
-"""Shortest and longest possible duration [s]."""
-
-RATES = (50.0, 10_000.0)
-"""Lowest and highest possible rate of samples [1/s]."""
-
 LENGTHS = (1e-4, 10.0)
 """Smallest and largest radius or height of a motion [m]."""
-
-MOST_DEVIATION = 0.1
-"""Largest possible change of a path [m]."""
 
 FARTHEST = 1e3
 """Largest coordinate of a pose of a motion [m, rad]."""
@@ -96,38 +87,54 @@ class Motion:
         preset: Key of the preset.
         start, goal: Ends of a move, a line (which keeps theta) or an arch; None for ends next to
             the middle of the workspace.
-        height: How far an arch rises [m].
         waypoints: Poses to pass.
         center: Pose of a circle's center, or None for the middle of the workspace.
-        radius: Of the circle [m].
-        profile: Time law.
         timing: What decides on the duration.
-        duration: The given duration [s].
         limits: What the shortest duration keeps.
-        cross: Whether its time law is planned through type-2 singularities, see `crosses`.
-        deviation: How far its path may be changed for that [m].
-        back: Whether the motion is followed by itself run backwards.
         table: Samples from a file; compared by identity.
-        rate: Samples a second [1/s].
+        height, radius, duration, deviation, rate: Of an arch and a circle [m], given [s], of the
+            path for the crossing of singularities [m], and of samples [1/s].
     """
 
     kind: Kind = Kind.PRESET
     preset: str = PRESETS[0].key
     start: Pose | None = None
     goal: Pose | None = None
-    height: float = 0.1
+    height: float = setting(
+        0.1, "Height [mm]", "How far the platform rises above the higher end",
+        range=(0.0, LENGTHS[1]), unit=MILLIMETERS,
+    )  # fmt: skip
     waypoints: tuple[Pose, ...] = ()
     center: Pose | None = None
-    radius: float = 0.1
-    profile: Profile = Profile.QUINTIC
+    radius: float = setting(
+        0.1, "Radius [mm]", "In the plane of x and y", range=LENGTHS, unit=MILLIMETERS
+    )
+    profile: Profile = setting(
+        Profile.QUINTIC, "Time law", "How the motion runs in time",
+        options={one.value.replace("s-c", "S-c"): one for one in Profile},
+    )  # fmt: skip
     timing: Timing = Timing.OWN
-    duration: float = 1.5
+    duration: float = setting(
+        1.5, "T [s]", "One way, if the motion returns to its start", range=(0.05, 600.0),
+        step=0.05,
+    )  # fmt: skip
     limits: MotionLimits = field(default=DEFAULT_LIMITS)
-    cross: bool = False
-    deviation: float = 0.0
-    back: bool = False
+    cross: bool = setting(
+        False, "Pass singularities",
+        "Plan the time law so that torques stay bounded where the path crosses a type-2 "
+        "singularity, and within the limits",
+    )  # fmt: skip
+    deviation: float = setting(
+        0.0, "Path may change by [mm]",
+        "Along the escape twist, where no time law will do on the path itself; 0: not at all",
+        range=(0.0, 0.1), unit=MILLIMETERS,
+    )  # fmt: skip
+    back: bool = setting(False, "Return to start", "A closed motion")
     table: Trajectory | None = None
-    rate: float = 1000.0
+    rate: float = setting(
+        1000.0, "Samples [1/s]", "A motion has at most 20,000 samples here",
+        range=(50.0, 10_000.0), step=50.0,
+    )  # fmt: skip
 
     @property
     def crosses(self) -> bool:
@@ -141,15 +148,10 @@ def require_possible(motion: Motion) -> None:
     Raises:
         InvalidInput: If one is out of its range.
     """
-    for name, (low, high) in (
-        ("duration", DURATIONS),
-        ("rate", RATES),
-        ("radius", LENGTHS),
-        ("height", (0.0, LENGTHS[1])),
-        ("deviation", (0.0, MOST_DEVIATION)),
-    ):
+    for name, one in setting_fields(Motion).items():
+        low, high = one.range
         value = getattr(motion, name)
-        if not low <= value <= high:
+        if low is not None and high is not None and not low <= value <= high:
             raise InvalidInput(name, f"{low:g} to {high:g} is possible, not {value:g}")
     if len(motion.waypoints) > MOST_WAYPOINTS:
         raise InvalidInput("waypoints", f"at most {MOST_WAYPOINTS} are possible")

@@ -11,17 +11,15 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.accuracy import no_bound, shown_errors
 from paminsa_viz.explorer.entries import ButtonGroup, Effect, Folder, Html, Tabs
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import Checkbox, Slider
+from paminsa_viz.explorer.inputs import Slider
 from paminsa_viz.explorer.panels import render
-from paminsa_viz.explorer.panels.manufacture_panel import MANUFACTURE, grown
+from paminsa_viz.explorer.panels.manufacture_panel import MANUFACTURE, error_slider
 from paminsa_viz.explorer.panels.maps_panel import choose_quantity
+from paminsa_viz.explorer.setting_inputs import layer_switch
 from paminsa_viz.explorer.state import State
-from paminsa_viz.model import PARAMETER, DriveAccuracy
+from paminsa_viz.model import DriveAccuracy
 from paminsa_viz.studies.drive_accuracy import error_rows
 from paminsa_viz.units import display_unit
-
-LAYER = "drive_errors"
-"""Layer of the scene that shows the errors."""
 
 MAPS = {
     "in the plane": "error_horizontal",
@@ -63,25 +61,14 @@ def _choices(state: State) -> dict[str, Effect]:
 
 
 def _slider(name: str, label: str, high: float, step: float) -> Slider:
-    path = f"accuracy.{name}"
-    parameter = PARAMETER[path]
-    unit = display_unit("m:um" if parameter.unit == "m" else "rad")
-    return Slider(
-        path, label, range=(0.0, high), step=step, unit=unit, fit=grown,
-        hint=f"{parameter.label[0].upper()}{parameter.label[1:]}, at the actuator [{unit.text}]",
-        read=lambda state: state.document.design.value(path),
-        apply=lambda state, value: actions.vary(state, {path: value}),
-    )  # fmt: skip
+    return error_slider(f"accuracy.{name}", label, high, step, ", at the actuator")
 
 
 DRIVES_ACCURACY = (
     Html("accuracy.pose", content=pose_html),
-    Checkbox(
-        "accuracy.layer", "Show in scene",
-        hint="Where the platform's center may be, to a stated scale",
-        read=lambda state: LAYER in state.layers,
-        apply=lambda state, visible: actions.set_layers(state, **{LAYER: visible}),
-        undo=False,
+    layer_switch(
+        "accuracy.layer", "drive_errors", "Show in scene",
+        "Where the platform's center may be, to a stated scale", undo=False,
     ),
     ButtonGroup(
         "accuracy.map", "Single map",

@@ -37,6 +37,7 @@ from paminsa_viz.explorer.panels import balance_text as text
 from paminsa_viz.explorer.panels import note
 from paminsa_viz.explorer.panels.counterweights_panel import COUNTERWEIGHTS
 from paminsa_viz.explorer.panels.design_panel import gauge_html
+from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart
 from paminsa_viz.explorer.panels.springs_panel import SPRINGS
 from paminsa_viz.explorer.panels.tolerance_panel import TOLERANCES
 from paminsa_viz.explorer.session import Session
@@ -141,7 +142,7 @@ FRONT = (
             Custom(
                 "front.chart",
                 make=partial(
-                    charts.BalanceChart, key=charts.front_key, figure=charts.front_figure,
+                    PlotlyChart, key=charts.front_key, figure=charts.front_figure,
                     aspect=0.82,
                 ),
             ),
@@ -173,7 +174,7 @@ SENSITIVITY = (
             Custom(
                 "tornado.chart",
                 make=partial(
-                    charts.BalanceChart, key=charts.tornado_key, figure=charts.tornado_figure,
+                    PlotlyChart, key=charts.tornado_key, figure=charts.tornado_figure,
                     aspect=1.15,
                 ),
             ),
@@ -231,7 +232,7 @@ class BalancePanel(Panel):
         """Work on the point of the front that was clicked; ``data`` comes from the page."""
 
         def choose(state: State) -> State:
-            index = charts.clicked_point(data, state.balancing.front)
+            index = charts.clicked_point(data, state)
             return state if index is None else balancing.choose_point(state, index)
 
         if isinstance(data, dict) and data.get("title") == charts.FRONT:

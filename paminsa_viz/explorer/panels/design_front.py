@@ -7,17 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.explorer.inputs import finite
-from paminsa_viz.explorer.panels.balance_charts import (
-    AXIS,
-    CONFIG,
-    FARTHEST_CLICK,
-    LAYOUT,
-    Tree,
-)
+from paminsa_viz.explorer.panels.plotly_chart import Tree, figure, front_trace, nearest_point
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.palette import INK, MUTED
 from paminsa_viz.synthesis.search.front import DesignFront
 from paminsa_viz.synthesis.search.objectives import find_objective
 from paminsa_viz.units import symbols_html
@@ -53,43 +45,20 @@ def front_figure(state: State) -> Tree:
     front = front_of(state)
     if front is None:
         raise ValueError("there is no front")
-    chosen = state.synthesizing.point
     x, y = front_values(front).T.tolist()
     titles = []
     for key in front.objectives[:2]:
         objective = find_objective(key)
         unit = f" [{objective.display.text}]" if objective.display.text else ""
         titles.append(symbols_html(objective.label) + unit)
-    sizes = [14 if index == chosen else 9 for index in range(len(x))]
-    colors = [INK if index == chosen else MUTED for index in range(len(x))]
-    return {
-        "data": [
-            {
-                "type": "scatter", "mode": "lines+markers", "x": x, "y": y, "showlegend": False,
-                "line": {"color": "#c3cad1", "width": 2, "shape": "linear"},
-                "marker": {"size": sizes, "color": colors, "opacity": 1},
-                "hovertemplate": "%{x:.4~g}<br>%{y:.4~g}<extra></extra>", "cliponaxis": False,
-            },
-        ],
-        "layout": LAYOUT | {
-            "meta": DESIGN_FRONT,
-            "xaxis": AXIS | {"title": {"text": titles[0]}},
-            "yaxis": AXIS | {"title": {"text": titles[1]}},
-        },
-        "config": CONFIG,
-    }  # fmt: skip
+    trace = front_trace(
+        x, y, state.synthesizing.point, showlegend=False,
+        hovertemplate="%{x:.4~g}<br>%{y:.4~g}<extra></extra>",
+    )  # fmt: skip
+    return figure([trace], *titles, meta=DESIGN_FRONT)
 
 
 def clicked_point(data: Any, state: State) -> int | None:
-    """Return the robot that a click means, sent by the page as (x, y) of the chart, or None."""
+    """Return the robot that a click means, or None; ``data`` comes from the page."""
     front = front_of(state)
-    if front is None or not isinstance(data, dict):
-        return None
-    x, y = finite(data.get("x")), finite(data.get("y"))
-    if x is None or y is None:
-        return None
-    points = front_values(front)
-    span = np.maximum(np.ptp(points, axis=0), 1e-9)
-    distance = np.hypot(*((points - [x, y]) / span).T)
-    nearest = int(distance.argmin())
-    return nearest if distance[nearest] <= FARTHEST_CLICK else None
+    return None if front is None else nearest_point(data, front_values(front))

@@ -8,7 +8,7 @@ from collections.abc import Hashable
 import numpy as np
 
 from paminsa_viz.actuation.selection import cloud
-from paminsa_viz.explorer.panels.balance_charts import AXIS, CONFIG, LAYOUT, Tree
+from paminsa_viz.explorer.panels.plotly_chart import Tree, figure
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED
@@ -80,12 +80,5 @@ def chart_figure(state: State) -> Tree:
             "marker": {"color": INK, "size": 10, "symbol": "x"}, "hovertemplate": hover,
         }
     )  # fmt: skip
-    return {
-        "data": data,
-        "layout": LAYOUT | {
-            "xaxis": AXIS | {"title": {"text": "motor speed [rpm]"}},
-            "yaxis": AXIS | {"title": {"text": "motor torque [N·m]"}},
-            "legend": {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"},
-        },
-        "config": CONFIG,
-    }  # fmt: skip
+    legend = {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"}
+    return figure(data, "motor speed [rpm]", "motor torque [N·m]", legend=legend)

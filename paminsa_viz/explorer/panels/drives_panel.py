@@ -27,8 +27,8 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels import note, render
-from paminsa_viz.explorer.panels.balance_charts import BalanceChart
 from paminsa_viz.explorer.panels.drives_chart import RPM, chart_figure, chart_key
+from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state import State
@@ -271,7 +271,7 @@ DRIVES = (
             ),
             Custom(
                 "drives.chart",
-                make=partial(BalanceChart, key=chart_key, figure=chart_figure, aspect=1.0),
+                make=partial(PlotlyChart, key=chart_key, figure=chart_figure, aspect=1.0),
             ),
             Html("drives.facts", content=facts_html, idle=True),
         ),

@@ -133,18 +133,22 @@ _LABELS = {
 }  # fmt: skip
 
 
-def _slider(name: str) -> Slider:
-    path = f"tolerances.{name}"
+def error_slider(path: str, label: str, high: float, step: float, hint: str = "") -> Slider:
+    """Return the slider of an error of the design, in micrometers or degrees."""
     parameter = PARAMETER[path]
     unit = display_unit("m:um" if parameter.unit == "m" else "rad")
-    high, step = (500.0, 1.0) if parameter.unit == "m" else (0.2, 0.001)
-    label = parameter.label[0].upper() + parameter.label[1:]
     return Slider(
-        path, _LABELS[name], range=(0.0, high), step=step, unit=unit, fit=grown,
-        hint=f"{label} [{unit.text}]",
+        path, label, range=(0.0, high), step=step, unit=unit, fit=grown,
+        hint=f"{parameter.label[0].upper()}{parameter.label[1:]}{hint} [{unit.text}]",
         read=lambda state: state.document.design.value(path),
         apply=lambda state, value: actions.vary(state, {path: value}),
     )  # fmt: skip
+
+
+def _slider(name: str) -> Slider:
+    path = f"tolerances.{name}"
+    high, step = (500.0, 1.0) if PARAMETER[path].unit == "m" else (0.2, 0.001)
+    return error_slider(path, _LABELS[name], high, step)
 
 
 MANUFACTURE = (

@@ -11,24 +11,16 @@ from paminsa_viz.explorer.entries import Condition, Entry, Folder, Html, Upload
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, attribute
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import (
-    DURATIONS,
-    LARGEST_LIMIT,
-    LENGTHS,
-    MOST_DEVIATION,
-    RATES,
-    Kind,
-    Timing,
-)
+from paminsa_viz.explorer.motion.description import LARGEST_LIMIT, Kind, Motion, Timing
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.motion_points import POINTS
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.settings import MILLIMETERS, PLAIN, Range
+from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.trajectory_table import parse_trajectory
-from paminsa_viz.trajectory import PRESETS, Profile
-from paminsa_viz.units import DisplayUnit, display_unit
+from paminsa_viz.trajectory import PRESETS
+from paminsa_viz.units import display_unit
 
 MOTIONS: dict[str, str | Kind] = {
     **{f"Preset: {preset.label}": preset.key for preset in PRESETS},
@@ -103,17 +95,6 @@ def _open(session: Session, name: str, content: bytes) -> None:
     session.notify("Motion opened", f"{table.name}, {table.size} rows")
 
 
-def _number(
-    name: str, label: str, limits: Range, step: float, hint: str,
-    visible: Condition | None = None, unit: DisplayUnit = PLAIN,
-) -> Number:  # fmt: skip
-    """Return the input of one number of the motion."""
-    return Number(
-        f"motion.{name}", label, range=limits, step=step, unit=unit, hint=hint,
-        visible=visible, **attribute(f"document.motion.{name}", motions.change),
-    )  # fmt: skip
-
-
 def _not_crossing(state: State) -> bool:
     """Whether accelerations and jerks can be limited; the planner through singularities cannot."""
     return not _crosses(state)
@@ -144,6 +125,8 @@ def timing_options(state: State) -> Mapping[str, Timing]:
     return {label: t for label, t in TIMINGS.items() if preset or t is not Timing.OWN}
 
 
+_setting = SettingInputs("motion", "document.motion", Motion, motions.change)
+
 DESCRIPTION: tuple[Entry, ...] = (
     Dropdown(
         "motion.kind", "Motion", options=MOTIONS, hint="A ready-made motion, or one of your own",
@@ -151,14 +134,8 @@ DESCRIPTION: tuple[Entry, ...] = (
     ),
     Html("motion.file.about", content=file_html, visible=_kind(Kind.TABLE)),
     *POINTS,
-    _number(
-        "radius", "Radius [mm]", LENGTHS, 1.0, "In the plane of x and y", _kind(Kind.CIRCLE),
-        MILLIMETERS,
-    ),
-    _number(
-        "height", "Height [mm]", (0.0, LENGTHS[1]), 1.0,
-        "How far the platform rises above the higher end", _kind(Kind.ARCH), MILLIMETERS,
-    ),
+    _setting("radius", visible=_kind(Kind.CIRCLE)),
+    _setting("height", visible=_kind(Kind.ARCH)),
     Folder(
         "motion.file", "CSV file", visible=_kind(Kind.TABLE),
         entries=(
@@ -173,41 +150,21 @@ DESCRIPTION: tuple[Entry, ...] = (
             ),
         ),
     ),
-    Dropdown(
-        "motion.profile", "Time law",
-        options={
-            "quintic": Profile.QUINTIC,
-            "trapezoid": Profile.TRAPEZOID,
-            "S-curve": Profile.S_CURVE,
-        },
-        hint="How the motion runs in time",
+    _setting(
+        "profile",
         visible=lambda state: state.document.motion.kind.has_law and not _crosses(state),
-        **attribute("document.motion.profile", motions.change),
     ),
-    Checkbox(
-        "motion.cross", "Pass singularities",
-        hint="Plan the time law so that torques stay bounded where the path crosses a type-2 "
-        "singularity, and within the limits",
-        visible=lambda state: state.document.motion.kind.can_cross,
-        **attribute("document.motion.cross", motions.change),
-    ),
-    _number(
-        "deviation", "Path may change by [mm]", (0.0, MOST_DEVIATION), 1.0,
-        "Along the escape twist, where no time law will do on the path itself; 0: not at all",
-        _crosses, MILLIMETERS,
-    ),
-    Checkbox(
-        "motion.back", "Return to start", visible=_planned, hint="A closed motion",
-        **attribute("document.motion.back", motions.change),
-    ),
+    _setting("cross", visible=lambda state: state.document.motion.kind.can_cross),
+    _setting("deviation", visible=_crosses),
+    _setting("back", visible=_planned),
     Dropdown(
         "motion.timing", "Duration", options=timing_options, visible=_planned,
         hint="Given, or the shortest in which the robot keeps its limits", read=current_timing,
         apply=lambda state, timing: motions.change(state, timing=timing),
     ),
-    _number(
-        "duration", "T [s]", DURATIONS, 0.05, "One way, if the motion returns to its start",
-        lambda state: _planned(state) and current_timing(state) is Timing.GIVEN,
+    _setting(
+        "duration",
+        visible=lambda state: _planned(state) and current_timing(state) is Timing.GIVEN,
     ),
     Folder(
         "motion.limits", "Limits",
@@ -218,15 +175,15 @@ DESCRIPTION: tuple[Entry, ...] = (
                 "motion.limits.note",
                 content=lambda frame: render("motion_limits.j2", crosses=_crosses(frame.state)),
             ),
-            _limit("speed", "m/s", "m/s", 0.1),
-            _limit("turn_speed", "°/s", "rad/s", 10.0),
-            _limit("acceleration", "m/s²", "m/s^2", 0.5, _not_crossing),
-            _limit("turn_acceleration", "°/s²", "rad/s^2", 100.0, _not_crossing),
-            _limit("jerk", "m/s³", "m/s^3", 10.0, _not_crossing),
-            _limit("turn_jerk", "°/s³", "rad/s^3", 1000.0, _not_crossing),
-            _limit("torque", "M1–3 N·m", "N m", 0.5),
-            _limit("force", "F₄ N", "N", 10.0),
+            _limit("speed", "Speed [m/s]", "m/s", 0.1),
+            _limit("turn_speed", "Speed [°/s]", "rad/s", 10.0),
+            _limit("acceleration", "Accel. [m/s²]", "m/s^2", 0.5, _not_crossing),
+            _limit("turn_acceleration", "Accel. [°/s²]", "rad/s^2", 100.0, _not_crossing),
+            _limit("jerk", "Jerk [m/s³]", "m/s^3", 10.0, _not_crossing),
+            _limit("turn_jerk", "Jerk [°/s³]", "rad/s^3", 1000.0, _not_crossing),
+            _limit("torque", "M1–M3 [N·m]", "N m", 0.5),
+            _limit("force", "F₄ [N]", "N", 10.0),
         ),
     ),
-    _number("rate", "Samples [1/s]", RATES, 50.0, "A motion has at most 20,000 samples here"),
+    _setting("rate"),
 )  # fmt: skip

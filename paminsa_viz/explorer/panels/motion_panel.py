@@ -8,7 +8,7 @@ import numpy as np
 from viser import Icon
 
 from paminsa_viz.clearance import clearance_reason
-from paminsa_viz.explorer import actions, clearing
+from paminsa_viz.explorer import clearing
 from paminsa_viz.explorer.background import TaskRunner, is_running
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
@@ -24,7 +24,7 @@ from paminsa_viz.explorer.panels.crossing_text import chart_html, crossing_html
 from paminsa_viz.explorer.panels.motion_description import DESCRIPTION
 from paminsa_viz.explorer.scene.path import hue_gradient, path_scale
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.setting_inputs import SettingInputs
+from paminsa_viz.explorer.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.state import State
 from paminsa_viz.trajectory import ControlMode, TrajectoryAnalysis
 from paminsa_viz.units import number
@@ -189,11 +189,7 @@ def motion_entries(store: MotionStore) -> tuple[Entry, ...]:
         Folder(
             "motion.path", "Path in the scene", open=False,
             entries=(
-                Checkbox(
-                    "layers.path", "Show the path", hint="Drawn on the maps as well",
-                    read=lambda state: "path" in state.layers,
-                    apply=lambda state, shown: actions.set_layers(state, path=shown),
-                ),
+                layer_switch("layers.path", "path", "Show the path", "Drawn on the maps as well"),
                 Dropdown(
                     "plots.color", "Colored by", options=ACTUATORS,
                     hint="Torque or force of this actuator; red where the motion fails",

@@ -7,16 +7,16 @@ import re
 from functools import partial
 from typing import Any
 
-from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.entries import Button, ButtonGroup, Entry, Folder, Html
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import Checkbox, Number
+from paminsa_viz.explorer.inputs import Number
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion import points
 from paminsa_viz.explorer.motion.description import FARTHEST, Kind, Motion
 from paminsa_viz.explorer.motion.planning import checked_poses
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.setting_inputs import layer_switch
 from paminsa_viz.explorer.state import State
 from paminsa_viz.units import display_unit, number
 
@@ -120,11 +120,9 @@ POINTS: tuple[Entry, ...] = (
                 },
                 visible=_waypoints, hint="Pass the marked waypoint earlier or later, or remove it",
             ),
-            Checkbox(
-                "motion.points.handle", "Points in scene",
-                hint="The poses in the scene: click one, then drag it by its arrows",
-                read=lambda state: "points" in state.layers,
-                apply=lambda state, shown: actions.set_layers(state, points=shown),
+            layer_switch(
+                "motion.points.handle", "points", "Points in scene",
+                "The poses in the scene: click one, then drag it by its arrows",
             ),
         ),
     ),

@@ -12,64 +12,56 @@ from paminsa_viz.explorer.requirements.actions import Side, selected, side_of
 from paminsa_viz.explorer.settings import MILLIMETERS
 from paminsa_viz.explorer.state import State
 from paminsa_viz.quantities import families
-from paminsa_viz.quantities.requirements import Range
+from paminsa_viz.quantities.requirements import Range, Requirement
 from paminsa_viz.units import display_unit
 
 DEGREES = display_unit("rad")
+
+
+NOTHING = Requirement(next(iter(families().values()))[0].key, high=0.0)
+"""What hidden inputs show."""
 
 
 def has_selected(state: State) -> bool:
     return selected(state) is not None
 
 
+def _edited(state: State) -> Requirement:
+    return selected(state) or NOTHING
+
+
 def _side(state: State) -> Side:
-    one = selected(state)
-    return Side.MOST if one is None else side_of(one)
+    return side_of(_edited(state))
 
 
 def _family(state: State) -> str:
-    one = selected(state)
-    return next(iter(families())) if one is None else one.entry.family
-
-
-def _quantity(state: State) -> str:
-    one = selected(state)
-    return families()[_family(state)][0].key if one is None else one.quantity
+    return _edited(state).entry.family
 
 
 def _unit(state: State, name: str) -> str:
-    one = selected(state)
-    unit = "" if one is None else one.entry.display.text
+    unit = _edited(state).entry.display.text
     return f"{name} [{unit}]" if unit else name
 
 
 def _bound(state: State) -> float:
     """Return the number of the selected requirement as it is shown."""
-    one = selected(state)
-    if one is None:
-        return 0.0
+    one = _edited(state)
     value = one.low if side_of(one) is Side.LEAST else one.high
     return one.entry.display.from_si(0.0 if value is None else value)
 
 
 def _set_bound(state: State, value: float) -> State:
-    one = selected(state)
-    return state if one is None else actions.set_bound(state, one.entry.display.to_si(value))
+    return actions.set_bound(state, _edited(state).entry.display.to_si(value))
 
 
 def _ends(state: State) -> Range:
-    one = selected(state)
-    if one is None or one.low is None or one.high is None:
-        return 0.0, 0.0
+    one = _edited(state)
     unit = one.entry.display
-    return unit.from_si(one.low), unit.from_si(one.high)
+    return unit.from_si(one.low or 0.0), unit.from_si(one.high or 0.0)
 
 
 def _set_ends(state: State, ends: Range) -> State:
-    one = selected(state)
-    if one is None:
-        return state
-    low, high = map(one.entry.display.to_si, ends)
+    low, high = map(_edited(state).entry.display.to_si, ends)
     return actions.edit(state, low=low, high=high)
 
 
@@ -77,13 +69,10 @@ def _own(name: str, label: str, unit_label: str, unit: Any, step: float) -> tupl
     """Return the switch and the ends of a range that the selected requirement has of its own."""
 
     def has(state: State) -> bool:
-        one = selected(state)
-        return one is not None and getattr(one, name) is not None
+        return getattr(_edited(state), name) is not None
 
     def read(state: State) -> Range:
-        one = selected(state)
-        found = None if one is None else getattr(one, name)
-        return (0.0, 0.0) if found is None else found
+        return getattr(_edited(state), name) or (0.0, 0.0)
 
     return (
         Checkbox(
@@ -113,7 +102,7 @@ EDIT = (
     Dropdown(
         "requirements.quantity", "Quantity",
         options=lambda state: {q.label: q.key for q in families()[_family(state)]},
-        read=_quantity, apply=actions.choose_quantity,
+        read=lambda state: _edited(state).quantity, apply=actions.choose_quantity,
     ),
     Dropdown(
         "requirements.side", "Bound", options={side.value: side for side in Side},

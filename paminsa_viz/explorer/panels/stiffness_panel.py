@@ -23,11 +23,11 @@ from paminsa_viz.explorer.elasticity import (
 )
 from paminsa_viz.explorer.entries import ButtonGroup, Custom, Effect, Entry, Folder, Html
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, Slider, attribute
+from paminsa_viz.explorer.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.panels import note, render
 from paminsa_viz.explorer.panels.design_layout import is_changed, slider
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.setting_inputs import SettingInputs
+from paminsa_viz.explorer.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import PARAMETER
 from paminsa_viz.model.drive import ACTUATORS
@@ -220,14 +220,6 @@ def _modes(state: State) -> dict[str, int]:
     return texts or {f"{i + 1}": i for i in range(MODES)}
 
 
-def _layer(key: str, label: str, hint: str) -> Checkbox:
-    return Checkbox(
-        f"stiffness.{key}", label, hint=hint,
-        read=lambda state: key in state.layers,
-        apply=lambda state, visible: actions.set_layers(state, **{key: visible}),
-    )  # fmt: skip
-
-
 _setting = SettingInputs("stiffness", "elastic_view", ElasticView)
 
 STIFFNESS = (
@@ -236,10 +228,19 @@ STIFFNESS = (
         "stiffness.mode", "Mode", options=_modes, hint="Natural frequency of the animated mode",
         **attribute("elastic_view.mode"),
     ),
-    _layer("mode_shape", "Animate mode", "The chosen mode in the scene, enlarged and slowed down"),
+    layer_switch(
+        "stiffness.mode_shape", "mode_shape", "Animate mode",
+        "The chosen mode in the scene, enlarged and slowed down",
+    ),
     _setting("case"),
-    _layer("deflection", "Deflection", "The robot under the load case, enlarged"),
-    _layer("compliance", "Compliance ellipsoid", "Displacements by 100 N in every direction"),
+    layer_switch(
+        "stiffness.deflection", "deflection", "Deflection",
+        "The robot under the load case, enlarged",
+    ),
+    layer_switch(
+        "stiffness.compliance", "compliance", "Compliance ellipsoid",
+        "Displacements by 100 N in every direction",
+    ),
     Html("stiffness.shares", content=shares_html),
     _folder("Material", MATERIAL, opened=False),
     _folder("Drives, motor locked", DRIVE, opened=True),

@@ -14,13 +14,13 @@ from paminsa_viz.explorer.entries import Button, Custom, Folder, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Pair, Slider
 from paminsa_viz.explorer.panels import synthesize_text as text
-from paminsa_viz.explorer.panels.balance_charts import BalanceChart
 from paminsa_viz.explorer.panels.design_front import (
     DESIGN_FRONT,
     clicked_point,
     front_figure,
     front_key,
 )
+from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.settings import MILLIMETERS, PLAIN
@@ -135,7 +135,7 @@ SYNTHESIZE = (
         entries=(
             Custom(
                 "synthesize.chart",
-                make=partial(BalanceChart, key=front_key, figure=front_figure, aspect=0.82),
+                make=partial(PlotlyChart, key=front_key, figure=front_figure, aspect=0.82),
             ),
             Slider(
                 "synthesize.point", "Point", range=_points, step=1.0, undo=False,

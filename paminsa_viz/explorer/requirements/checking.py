@@ -6,10 +6,9 @@ from functools import lru_cache
 
 from paminsa_viz.explorer.background import JobRunner
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.requirements.contradictions import conflict_text
+from paminsa_viz.explorer.requirements.causes import conflict_text, surface_parts
 from paminsa_viz.explorer.requirements.jobs import Placed, VolumeJob, VolumeOutcome, VolumeResult
 from paminsa_viz.explorer.requirements.saved import asked
-from paminsa_viz.explorer.requirements.surface import surface_parts
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.tasks import Report

@@ -50,13 +50,13 @@ def test_points_of_the_front_are_designs_with_the_torques_they_say() -> None:
         assert np.abs(torque).max() == pytest.approx(first, rel=1e-6)
         still = static_torque(job, after.document.design)[0]
         assert still == pytest.approx(second, rel=1e-6, abs=1e-7)
-        assert clicked_point({"x": first, "y": second}, outcome) == index
+        assert clicked_point({"x": first, "y": second}, after) == index
         marks = front_figure(after)["data"][0]["marker"]["size"]
         assert marks.index(max(marks)) == index
     with pytest.raises(InvalidInput, match="no such point"):
         balancing.choose_point(after, len(points))
     for elsewhere in ({"x": 1e6, "y": 0}, {"x": "1", "y": 0}, [1]):
-        assert clicked_point(elsewhere, outcome) is None
+        assert clicked_point(elsewhere, after) is None
 
 
 def test_front_that_is_stopped_stops() -> None:
