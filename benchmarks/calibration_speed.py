@@ -10,11 +10,10 @@ import numpy as np
 from benchmarks.measure import best, heading, number, table
 from paminsa_viz.model import APPENDIX_4, forward_kinematics, inverse_kinematics
 from paminsa_viz.precision.calibration import calibrate
+from paminsa_viz.precision.calibration_problem import measuring_poses
 from paminsa_viz.precision.leg_lengths import nominal_lengths
-from paminsa_viz.precision.manufacture import tolerance_errors
+from paminsa_viz.precision.manufacture import monte_carlo, tolerance_errors
 from paminsa_viz.precision.measurements import Measurements, coordinate_scales, predict
-from paminsa_viz.precision.measuring_poses import measuring_poses
-from paminsa_viz.precision.monte_carlo import monte_carlo
 from paminsa_viz.precision.unequal_legs import nominal_pose, sensitivities, solve_pose
 
 CELLS = 72

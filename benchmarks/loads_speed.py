@@ -11,8 +11,12 @@ from collections.abc import Callable
 import numpy as np
 
 from benchmarks.measure import heading, number, table
-from paminsa_viz.elastostatics.bar_loads import all_bar_loads, utilization
-from paminsa_viz.elastostatics.field_loads import field_bar_loads, field_joint_forces
+from paminsa_viz.elastostatics.bar_loads import (
+    all_bar_loads,
+    field_bar_loads,
+    field_joint_forces,
+    utilization,
+)
 from paminsa_viz.elastostatics.joint_forces import joint_forces
 from paminsa_viz.elastostatics.motion_loads import motion_loads
 from paminsa_viz.model import APPENDIX_4

@@ -27,6 +27,7 @@ from paminsa_viz.model.dynamics import friction_torque
 from paminsa_viz.model.load import NO_LOAD
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.trajectory import Trajectory, actuator_inertia, analyze
+from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.integrals import running_integral
 
 INERTIA_SAMPLES = 200
@@ -88,15 +89,13 @@ class Blocks(NamedTuple):
     """The signals of a load in blocks of neighboring samples; the last one repeats its end.
 
     Attributes:
-        width: Samples of a block.
-        signals: (6, blocks, width).
-        speed: Size of the speed, (blocks, width).
+        signals: (6, blocks, `BLOCK_WIDTH`).
+        speed: Size of the speed, (blocks, `BLOCK_WIDTH`).
         sample, speed_sample: Those of a sample in the middle of each block, (6, blocks), (blocks,).
         middle, half_range: Middle and half width of each signal's range, (6, blocks).
         speed_least, speed_top: Range of the speed's size, (blocks,).
     """
 
-    width: int
     signals: Array
     speed: Array
     sample: Array
@@ -105,11 +104,6 @@ class Blocks(NamedTuple):
     half_range: Array
     speed_least: Array
     speed_top: Array
-
-    @property
-    def number(self) -> int:
-        """Number of blocks."""
-        return len(self.speed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,21 +130,17 @@ class ActuatorLoad:
         """Samples of all motions, (6, n)."""
         return np.ascontiguousarray(np.concatenate([p.signals for p in self.passages], axis=1))
 
-    @property
-    def size(self) -> int:
-        """Number of samples."""
-        return self.signals.shape[1]
-
     @cached_property
     def blocks(self) -> Blocks:
         """The signals in blocks of `BLOCK_WIDTH`."""
-        count = -(-self.size // BLOCK_WIDTH)
-        padded = np.pad(self.signals, ((0, 0), (0, count * BLOCK_WIDTH - self.size)), "edge")
+        size = self.signals.shape[1]
+        count = -(-size // BLOCK_WIDTH)
+        padded = np.pad(self.signals, ((0, 0), (0, count * BLOCK_WIDTH - size)), "edge")
         signals = padded.reshape(6, count, BLOCK_WIDTH)
         low, high = signals.min(axis=2), signals.max(axis=2)
         speed, at = np.abs(signals[Signal.SPEED]), BLOCK_WIDTH // 2
         return Blocks(
-            BLOCK_WIDTH, signals, speed, np.ascontiguousarray(signals[:, :, at]), speed[:, at],
+            signals, speed, np.ascontiguousarray(signals[:, :, at]), speed[:, at],
             (low + high) / 2, (high - low) / 2, speed.min(axis=1), speed.max(axis=1),
         )  # fmt: skip
 
@@ -252,8 +242,8 @@ def duty_cycle(design: Design, duties: Sequence[Duty], *, slower: float = 1.0) -
         raise InvalidInput("slower", f"a number above 0 is needed, not {slower!r}")
     plain = replace(design, drives=NO_DRIVES)
     solved = [_solved(plain, duty.trajectory) for duty in duties]
-    parts = [_passages(plain, duty, one, slower) for duty, one in zip(duties, solved, strict=True)]
-    inertia = np.max([one.inertia for one in solved], axis=0)
+    parts = [_passages(duty, *one[:2], slower) for duty, one in zip(duties, solved, strict=True)]
+    inertia = np.max([largest for _, _, largest in solved], axis=0)
     loads = tuple(
         ActuatorLoad(name, tuple(part[j] for part in parts), float(inertia[j]))
         for j, name in enumerate(ACTUATORS)
@@ -261,34 +251,19 @@ def duty_cycle(design: Design, duties: Sequence[Duty], *, slower: float = 1.0) -
     return DutyCycle(plain, tuple(duties), slower, loads)
 
 
-class _Solved(NamedTuple):
-    """A motion at its own pace: torques, and those at rest, speed, acceleration, each (n, 4).
-
-    ``held`` (4,) holds its last pose, ``inertia`` (4,) is the largest along it.
-    """
-
-    torque: Array
-    static: Array
-    speed: Array
-    growth: Array
-    held: Array
-    inertia: Array
-
-
 @lru_cache(maxsize=4)
-def _solved(design: Design, motion: Trajectory) -> _Solved:
-    """Solve a motion; kept, as one that is stretched in time needs no more."""
+def _solved(design: Design, motion: Trajectory) -> tuple[TrajectoryAnalysis, Array, Array]:
+    """Return a motion at its own pace, the torques that hold it (n, 4), the largest inertias (4,).
+
+    Kept, as a motion that is stretched in time needs no more.
+    """
     analysis = analyze(design, motion)
     analysis.check.require()
     static = static_torques(replace(design, load=NO_LOAD), motion.pose)
     if analysis.solved.loaded(design):
         static = static + analysis.solved.load_torques(design)
     step = max(1, motion.size // INERTIA_SAMPLES)
-    inertia = np.nanmax(actuator_inertia(design, motion.pose[::step]), axis=0)
-    solved = analysis.solved
-    return _Solved(
-        analysis.torque, static, solved.speed, solved.actuator_acceleration, static[-1], inertia
-    )
+    return analysis, static, np.nanmax(actuator_inertia(design, motion.pose[::step]), axis=0)
 
 
 def load_signals(torque: Array, growth: Array, speed: Array) -> Array:
@@ -305,15 +280,17 @@ def load_signals(torque: Array, growth: Array, speed: Array) -> Array:
     return np.stack([driving, braking, resting, growth, speed, np.sign(speed)])
 
 
-def _passages(design: Design, duty: Duty, solved: _Solved, slower: float) -> list[DutyMotion]:
+def _passages(
+    duty: Duty, analysis: TrajectoryAnalysis, static: Array, slower: float
+) -> list[DutyMotion]:
     """Return a motion as the four actuators see it."""
-    speed, growth = solved.speed / slower, solved.growth / slower**2
-    torque = solved.torque
+    own_speed, torque = analysis.solved.speed, analysis.torque
+    speed, growth = own_speed / slower, analysis.solved.actuator_acceleration / slower**2
     if slower != 1.0:
-        friction = design.actuator_friction
-        dynamic = torque - friction_torque(friction, solved.speed) - solved.static
-        torque = solved.static + dynamic / slower**2 + friction_torque(friction, speed)
+        friction = analysis.design.actuator_friction
+        dynamic = torque - friction_torque(friction, own_speed) - static
+        torque = static + dynamic / slower**2 + friction_torque(friction, speed)
     signals = load_signals(torque, growth, speed)
     times = duty.trajectory.t
     t, count, dwell = slower * (times - times[0]), float(duty.repeats), float(duty.dwell)
-    return [DutyMotion(t, signals[:, :, j], count, dwell, float(solved.held[j])) for j in range(4)]
+    return [DutyMotion(t, signals[:, :, j], count, dwell, float(static[-1, j])) for j in range(4)]

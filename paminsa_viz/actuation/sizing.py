@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.actuation.drive_table import DriveTable
-from paminsa_viz.actuation.duty import ActuatorLoad, DutyCycle, Signal
+from paminsa_viz.actuation.duty import BLOCK_WIDTH, ActuatorLoad, DutyCycle, Signal
 from paminsa_viz.actuation.thermal import thermal_share
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
@@ -55,7 +55,8 @@ def envelope_share(
     n = table.ratio if ratio is None else ratio
     for concave in (True, False):
         chosen = np.flatnonzero(table.concave == concave)
-        look, size = (_largest_of_lines, load.blocks.number) if concave else (_largest, load.size)
+        look = _largest_of_lines if concave else _largest
+        size = len(load.blocks.speed) if concave else load.signals.shape[1]
         step = max(1, BLOCK // size)
         for start in range(0, len(chosen), step):
             rows = chosen[start : start + step]
@@ -110,8 +111,8 @@ def _largest_of_lines(
     first = np.flatnonzero(best == largest[rows])
     _, picked = np.unique(rows[first], return_index=True)
     chosen = first[picked]
-    sample = places[chosen] * blocks.width + within[chosen]
-    return largest, np.minimum(sample, load.size - 1)
+    sample = places[chosen] * BLOCK_WIDTH + within[chosen]
+    return largest, np.minimum(sample, load.signals.shape[1] - 1)
 
 
 def _largest(

@@ -29,12 +29,17 @@ class _Search:
         self.thread: threading.Thread | None = None
 
     def compiled(self) -> Any:
+        """Return the compiled search, and wait for it."""
         with self.lock:
             if self.function is None:
                 self.function = _compile()
             return self.function
 
     def get(self, poses: int) -> Any:
+        """Return `search.least_distances` for a number of poses: compiled if that pays.
+
+        While it is compiled in the background, few poses do not wait for it.
+        """
         self.requested += poses
         waiting = self.thread is not None and self.thread.is_alive()
         if self.function is None and (poses < WORTH if waiting else self.requested < WORTH):
@@ -43,19 +48,8 @@ class _Search:
 
 
 _search = _Search()
-
-
-def least_distances(poses: int) -> Any:
-    """Return `search.least_distances` for a number of poses: compiled if that pays.
-
-    While it is compiled in the background, few poses do not wait for it.
-    """
-    return _search.get(poses)
-
-
-def compiled() -> Any:
-    """Return the compiled search, and wait for it."""
-    return _search.compiled()
+least_distances = _search.get
+compiled = _search.compiled
 
 
 def compile_in_background() -> threading.Thread:

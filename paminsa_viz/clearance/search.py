@@ -11,8 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.clearance.distance import rod_distance, solid_distance
-from paminsa_viz.clearance.nearest import CAPSULE, convex_solid
+from paminsa_viz.clearance.distance import solid_distance
+from paminsa_viz.clearance.nearest import (
+    CAPSULE,
+    convex_solid,
+    nearest_on_segment,
+    nearest_point,
+)
 
 
 def rod_gap(a: Any, i: int, b: Any, j: int) -> Any:
@@ -34,6 +39,26 @@ def rod_gap(a: Any, i: int, b: Any, j: int) -> Any:
         s = min(max((uv * t - uw) / uu, 0.0), 1.0)
     dx, dy, dz = wx + s * ux - t * vx, wy + s * uy - t * vy, wz + s * uz - t * vz
     return np.sqrt(dx * dx + dy * dy + dz * dz) - a[i, 6] - b[j, 6]
+
+
+def rod_distance(rods: Any, i: int, solid: Any, frame: Any) -> Any:
+    """Return the distance of a capsule to a solid, minus infinity where its core is inside.
+
+    ``rods`` (..., 7) holds the ends of the core, and the radius, in the world [m].
+    """
+    x, y, z = rods[i, 0] - frame[9], rods[i, 1] - frame[10], rods[i, 2] - frame[11]
+    dx, dy, dz = rods[i, 3] - rods[i, 0], rods[i, 4] - rods[i, 1], rods[i, 5] - rods[i, 2]
+    px = frame[0] * x + frame[3] * y + frame[6] * z
+    py = frame[1] * x + frame[4] * y + frame[7] * z
+    pz = frame[2] * x + frame[5] * y + frame[8] * z
+    ex = frame[0] * dx + frame[3] * dy + frame[6] * dz
+    ey = frame[1] * dx + frame[4] * dy + frame[7] * dz
+    ez = frame[2] * dx + frame[5] * dy + frame[8] * dz
+    t = nearest_on_segment(solid, px, py, pz, ex, ey, ez)
+    px, py, pz = px + t * ex, py + t * ey, pz + t * ez
+    qx, qy, qz = nearest_point(solid, px, py, pz)
+    gap = np.sqrt((px - qx) ** 2 + (py - qy) ** 2 + (pz - qz) ** 2)
+    return gap - solid.radius - rods[i, 6] if gap > 0.0 else -np.inf
 
 
 def box_gap(a: Any, i: int, b: Any, j: int) -> Any:

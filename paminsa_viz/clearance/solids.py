@@ -89,26 +89,6 @@ class Primitive:
                 along, radius = np.zeros(3), float(np.hypot(half[0], half[2]))
         return np.array([*(self.center - along), *(self.center + along), radius])
 
-    def outside(self, points: Array) -> Array:
-        """Return how far points (..., 3) of the body's frame are outside, 0 inside (...) [m]."""
-        p = (np.asarray(points) - self.center) @ self.rotation
-        high = np.maximum(np.abs(p[..., 2]) - self.size[2], 0.0)
-        if self.kind == CYLINDER:
-            flat = np.maximum(np.hypot(p[..., 0], p[..., 1]) - self.size[0], 0.0)
-        elif self.kind == PRISM:
-            edges = np.roll(self.corners, -1, axis=0) - self.corners
-            from_corner = p[..., None, :2] - self.corners
-            along = np.sum(from_corner * edges, axis=-1) / np.sum(edges**2, axis=-1)
-            nearest = self.corners + np.clip(along, 0.0, 1.0)[..., None] * edges
-            flat = np.linalg.norm(p[..., None, :2] - nearest, axis=-1).min(axis=-1)
-            cross = edges[:, 0] * from_corner[..., 1] - edges[:, 1] * from_corner[..., 0]
-            flat = np.where((cross >= 0.0).all(axis=-1), 0.0, flat)
-        else:
-            flat = np.hypot(
-                *np.moveaxis(np.maximum(np.abs(p[..., :2]) - self.size[:2], 0.0), -1, 0)
-            )
-        return np.maximum(np.hypot(flat, high) - self.radius, 0.0)
-
 
 NO_CORNERS: Final = np.zeros((0, 2))
 
@@ -200,7 +180,3 @@ class Body:
     solids: tuple[Primitive, ...]
     carrier: str = ""
     joints: tuple[int, ...] = ()
-
-    def outside(self, points: Array) -> Array:
-        """Return how far points (..., 3) of its frame are outside of all its solids (...) [m]."""
-        return np.min([solid.outside(points) for solid in self.solids], axis=0)

@@ -18,8 +18,12 @@ from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.reach import home_pose, require_reachable
 from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors
 from paminsa_viz.precision.leg_lengths import LENGTHS
-from paminsa_viz.precision.manufacture import manufactured_pose, tolerance_errors
-from paminsa_viz.precision.monte_carlo import MonteCarlo, monte_carlo
+from paminsa_viz.precision.manufacture import (
+    MonteCarlo,
+    manufactured_pose,
+    monte_carlo,
+    tolerance_errors,
+)
 from paminsa_viz.precision.unequal_legs import COORDINATES, Closure
 from paminsa_viz.report.accuracy_section import drive_blocks, manufacture_blocks
 from paminsa_viz.studies.drive_accuracy import (
@@ -82,6 +86,8 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
         pose = self.given_pose or home_pose(geometry)
         require_reachable(geometry, pose)
         region = self.given_region(design)
+        if not self.z:
+            region = replace(region, z=(home_pose(geometry)[3],))
         here = drive_errors(geometry, design.accuracy, pose)
         over = RegionResults(design, region)
         drawn = None

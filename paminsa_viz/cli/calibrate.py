@@ -21,9 +21,9 @@ from paminsa_viz.files.tables import table_bytes, table_endings
 from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.precision.calibration import Calibration, calibrate, describe
+from paminsa_viz.precision.calibration_problem import measuring_poses
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
 from paminsa_viz.precision.measurements import InvalidMeasurement, Measurements, PredictionErrors
-from paminsa_viz.precision.measuring_poses import measuring_poses
 from paminsa_viz.precision.unequal_legs import COORDINATES
 from paminsa_viz.units import MM, format_ascii
 

@@ -241,8 +241,7 @@ def axes_of(bar: str, frame: LegFrame) -> Array:
     """Return the element axes of a bar in the leg frames, columns e, n, b, (..., 3 legs, 3, 3)."""
     a, b, c = _axes_parts(bar)
     if bar not in TURNS:
-        fixed = c + b if bar == "b2" else c - a
-        return np.broadcast_to(fixed, (*frame.rho.shape, 3, 3))
+        return np.broadcast_to(_turned(bar, 3), (*frame.rho.shape, 3, 3))
     pair = (frame.phi, frame.psi, frame.arm)[TURNS[bar] // 5]
     cosine, sine = pair[..., :1, None], pair[..., 1:, None]
     return cosine * a + sine * b + c

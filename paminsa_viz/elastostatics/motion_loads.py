@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from paminsa_viz.elastostatics.bar_loads import bar_loads, utilization
-from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS, JointForces, joint_forces
+from paminsa_viz.elastostatics.joint_forces import JOINTS, JointForces, joint_forces
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.elastic import BARS
@@ -116,12 +116,6 @@ class MotionLoads:
     def utilization(self) -> Array:
         """Stress over yield stress in the leg's plane, (n, 3 legs, 7) [1]."""
         return utilization(self.forces)
-
-    @cached_property
-    def moment_peak(self) -> Array:
-        """Largest moments on the bearing of M_k and at joint 2, (3 legs, 2) [N m]."""
-        index = [JOINT_INDEX["m"], JOINT_INDEX["2"]]
-        return np.abs(self.forces.moment[..., index]).max(axis=0)
 
 
 def motion_loads(analysis: TrajectoryAnalysis) -> MotionLoads | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -10,6 +10,7 @@ from typing import Any
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.clearing import ClearanceChecker
+from paminsa_viz.explorer.entries import Entry
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.accuracy_panel import ACCURACY
 from paminsa_viz.explorer.panels.balance_panel import BalancePanel
@@ -27,7 +28,7 @@ from paminsa_viz.explorer.panels.synthesize_panel import SynthesizePanel
 from paminsa_viz.explorer.panels.view_panel import register_commands, view_entries
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.scene.legend import SceneLegend
-from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.session import Session, View
 from paminsa_viz.explorer.tab_store import TabStore
 
 
@@ -45,35 +46,28 @@ def build_tabs(
     motions = context.motions or MotionStore()
     legend = SceneLegend(bridge)
     maps = MapsPanel(session, bridge, motions, legend)
-    with places["Design"]:
-        design = Panel(session, DESIGN)
-    with places["Balance"]:
-        balance = BalancePanel(session, bridge)
+    tables: dict[str, Sequence[Entry]] = {
+        "Design": DESIGN, "Drives": DRIVES, "Loads": loads_entries(motions), "Accuracy": ACCURACY,
+        "Stiffness": STIFFNESS, "Identify": identify_entries(), "Compare": COMPARE,
+        "View": view_entries(), "File": FILE,
+    }  # fmt: skip
+    panels = {
+        "Balance": BalancePanel,
+        "Requirements": RequirementsPanel,
+        "Synthesize": SynthesizePanel,
+    }
+    views: dict[str, View] = {}
+    for name, entries in tables.items():
+        with places[name]:
+            views[name] = Panel(session, entries)
+    for name, panel in panels.items():
+        with places[name]:
+            views[name] = panel(session, bridge)
     with places["Motion"]:
-        motion = MotionPanel(session, bridge, motions)
-    with places["Drives"]:
-        drives = Panel(session, DRIVES)
-    with places["Loads"]:
-        loads = Panel(session, loads_entries(motions))
-    with places["Accuracy"]:
-        accuracy = Panel(session, ACCURACY)
-    with places["Stiffness"]:
-        stiffness = Panel(session, STIFFNESS)
-    with places["Identify"]:
-        identify = Panel(session, identify_entries())
-    with places["Requirements"]:
-        requirements = RequirementsPanel(session, bridge)
-    with places["Synthesize"]:
-        synthesize = SynthesizePanel(session, bridge)
-    with places["Compare"]:
-        compare = Panel(session, COMPARE)
-    with places["View"]:
-        view = Panel(session, view_entries())
-    with places["File"]:
-        files = Panel(session, FILE)
-        bridge.on(EXAMPLE, partial(receive_example, session))
-    session.fast += [design, balance, motion, drives, loads, accuracy, stiffness, identify, view]
-    session.fast += [requirements, synthesize]
+        views["Motion"] = MotionPanel(session, bridge, motions)
+    bridge.on(EXAMPLE, partial(receive_example, session))
+    compare, files = views.pop("Compare"), views.pop("File")
+    session.fast += views.values()
     floor = build_views(replace(context, maps=maps.store, legend=legend), animated=False)
     session.deferred += [maps, *floor, legend, compare, files, TabStore(bridge)]
     session.deferred.append(ClearanceChecker(session, motions))

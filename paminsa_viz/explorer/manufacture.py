@@ -8,7 +8,7 @@ from paminsa_viz.explorer.motion.description import Pose
 from paminsa_viz.explorer.settings import setting
 from paminsa_viz.explorer.tasks import Report, TaskState
 from paminsa_viz.model import Design
-from paminsa_viz.precision.monte_carlo import MonteCarlo, monte_carlo
+from paminsa_viz.precision.manufacture import MonteCarlo, monte_carlo
 
 MOST_ROBOTS = 200_000
 """Most robots of a job: some twenty seconds."""

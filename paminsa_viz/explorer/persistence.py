@@ -85,22 +85,19 @@ def dump(document: Document, identify: IdentifySettings | None = None) -> str:
 
     The settings of the identification can come with it; its logs and results do not.
     """
-    settings = {} if identify is None else changed_data(identify, IdentifySettings())
-    reference = document.reference
-    motion = motion_data(document.motion)
-    requirements = requirements_data(document.requirements)
-    return json.dumps(
-        _described(document.design)
-        | {
-            "version": VERSION,
-            "assembly": document.design.geometry.knee.value,
-            "pose": document.pose,
-            "reference": None if reference is None else _described(reference),
-        }
-        | ({"motion": motion} if motion else {})
-        | ({"requirements": requirements} if requirements else {})
-        | ({"identify": settings} if settings else {})
-    )
+    reference, start = document.reference, IdentifySettings()
+    described = _described(document.design) | {
+        "version": VERSION,
+        "assembly": document.design.geometry.knee.value,
+        "pose": document.pose,
+        "reference": None if reference is None else _described(reference),
+    }
+    optional = {
+        "motion": motion_data(document.motion),
+        "requirements": requirements_data(document.requirements),
+        "identify": changed_data(identify or start, start),
+    }
+    return json.dumps(described | {name: data for name, data in optional.items() if data})
 
 
 def load_settings(text: str) -> IdentifySettings:

@@ -15,9 +15,8 @@ import numpy as np
 
 from paminsa_viz.identification.base_parameters import identity_row
 from paminsa_viz.identification.cause_columns import SPRING, PossibleCause, possible_causes
-from paminsa_viz.identification.estimate import NormalBlocks, jackknife, normal_blocks
+from paminsa_viz.identification.estimate import NormalBlocks, directions, jackknife, normal_blocks
 from paminsa_viz.identification.results import Identification
-from paminsa_viz.model.arrays import Array
 
 SIGNIFICANCE = 1e-3
 """Chance of naming a cause in a log of a robot as the model has it."""
@@ -144,14 +143,13 @@ def _tried(
     tries = max(1, len(places))  # p values are multiplied by it (Bonferroni)
     solution = identification.solution
     weight = 1 / solution.noise**2
-    matrix = np.einsum("j,bjac->bac", weight, blocks.matrix)
-    right = np.einsum("j,bja->ba", weight, blocks.right)
+    matrix, right = blocks.weighted(weight)
     square = float((weight * blocks.square.sum(axis=0)).sum())
     # the whole log first, then without each block
     whole = np.concatenate([[matrix.sum(axis=0)], matrix.sum(axis=0) - matrix])
     force = np.concatenate([[right.sum(axis=0)], right.sum(axis=0) - right])
     tried = [places[item.label] for item in candidates]
-    span = _span(whole[0][np.ix_(base, base)])
+    span, _ = directions(whole[0][np.ix_(base, base)])
     inner = span.T @ whole[:, base][:, :, base] @ span
     cross = span.T @ whole[:, base][:, :, tried]  # (B + 1, q, K)
     solved = np.linalg.solve(
@@ -192,11 +190,3 @@ def _tried(
             )
         )  # fmt: skip
     return found
-
-
-def _span(matrix: Array) -> Array:
-    """Return directions (n, q) in which a normal matrix is well conditioned."""
-    diagonal = np.diag(matrix)
-    scale = np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 1.0)
-    values, vectors = np.linalg.eigh(matrix * scale * scale[:, None])
-    return scale[:, None] * vectors[:, values > 1e-11 * values[-1]]

@@ -52,6 +52,18 @@ class NormalBlocks(NamedTuple):
     square: Array
     samples: Array
 
+    def weighted(self, weight: Array) -> tuple[Array, Array]:
+        """Return matrices (B, n, n) and right sides (B, n) with the actuators weighed by (4,)."""
+        matrix = np.einsum("j,bjac->bac", weight, self.matrix)
+        return matrix, np.einsum("j,bja->ba", weight, self.right)
+
+
+def half_widths(blocks: int) -> float:
+    """Return the half width of an interval over its standard error: Student's t for B - 1."""
+    from scipy.stats import t  # takes a while to load
+
+    return float(t.ppf(0.5 + 0.5 * CONFIDENCE, blocks - 1))
+
 
 def jackknife(without: Array) -> Array:
     """Return standard errors (n,) from values (B, n) without each block."""
@@ -133,10 +145,8 @@ class FitSolution:
 
     @property
     def quantile(self) -> float:
-        """Half width of an interval over its standard error: Student's t for B - 1."""
-        from scipy.stats import t  # takes a while to load
-
-        return float(t.ppf(0.5 + 0.5 * CONFIDENCE, self.blocks - 1))
+        """Half width of an interval over its standard error, see `half_widths`."""
+        return half_widths(self.blocks)
 
     def deviation(self, rows: Array) -> Array:
         """Return the standard errors of rows x, (r,) for rows (r, n); of the jackknife."""
@@ -181,8 +191,7 @@ def solve(blocks: NormalBlocks) -> FitSolution:
         variance = np.maximum(_residual(blocks, x) / count, floor)
     x, excited, hidden, whole, force = _weighted(blocks, variance)
     noise = np.sqrt(np.maximum(_residual(blocks, x) / count, floor))
-    parts = np.einsum("j,bjac->bac", 1 / variance, blocks.matrix)
-    forces = np.einsum("j,bja->ba", 1 / variance, blocks.right)
+    parts, forces = blocks.weighted(1 / variance)
     left = excited.T @ (whole - parts) @ excited
     rest = ((force - forces) @ excited)[..., None]
     try:
@@ -196,7 +205,7 @@ def _weighted(blocks: NormalBlocks, variance: Array) -> tuple[Array, Array, Arra
     """Return x, the excited and the hidden directions, and the weighted normal equations."""
     whole = np.einsum("j,bjac->ac", 1 / variance, blocks.matrix)
     force = np.einsum("j,bja->a", 1 / variance, blocks.right)
-    excited, hidden = _directions(whole)
+    excited, hidden = directions(whole)
     inner = np.linalg.solve(excited.T @ whole @ excited, excited.T @ force)
     return excited @ inner, excited, hidden, whole, force
 
@@ -207,8 +216,12 @@ def _residual(blocks: NormalBlocks, x: Array) -> Array:
     return blocks.square.sum(axis=0) - 2 * right @ x + np.einsum("a,jac,c->j", x, matrix, x)
 
 
-def _directions(whole: Array) -> tuple[Array, Array]:
-    """Return the excited directions (n, q) of a normal matrix, and the hidden ones (n, n - q)."""
+def directions(whole: Array) -> tuple[Array, Array]:
+    """Return the excited directions (n, q) of a normal matrix, and the hidden ones (n, n - q).
+
+    Raises:
+        InvalidLog: If none is excited.
+    """
     diagonal = np.diag(whole)
     scale = np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 1.0)
     values, vectors = np.linalg.eigh(whole * scale * scale[:, None])

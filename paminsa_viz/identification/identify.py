@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -46,29 +46,19 @@ FEW_SECONDS = 20.0
 """Shorter logs than this get a note [s]."""
 
 
-@dataclass(frozen=True, eq=False)
-class PreparedLog:
-    """A log with its unfiltered poses, ready to be filtered at any cut-off."""
-
-    log: Log
-    pose: Array
-    pieces: list[slice]
-
-
-def prepare(log: Log, design: Design, start: ArrayLike | None = None) -> PreparedLog:
-    """Solve the poses of a log; see `log_poses`."""
-    return PreparedLog(log, *log_poses(log, design.geometry, start))
-
-
 def filtered(
-    prepared: PreparedLog, design: Design, settings: IdentificationSettings, factor: float = 1.0
+    log: Log,
+    design: Design,
+    settings: IdentificationSettings,
+    solved: tuple[Array, list[slice]],
+    factor: float = 1.0,
 ) -> Signals:
-    """Filter a prepared log at the cut-off times a factor, with the cut-off's own thinning."""
+    """Filter a log, its `log_poses` solved, at the cut-off times a factor; thinned as without."""
     return filter_log(
-        prepared.log, design.geometry, prepared.pose, prepared.pieces,
+        log, design.geometry, *solved,
         cut_off=settings.cut_off * factor,
         transition_speed=design.friction.transition_speed,
-        thinning=thinning_for(prepared.log.rate, settings.cut_off),
+        thinning=thinning_for(log.rate, settings.cut_off),
     )  # fmt: skip
 
 
@@ -98,8 +88,8 @@ def identify(
     settings = IdentificationSettings() if settings is None else settings
     if not design.gravity > 0:
         raise InvalidInput("design", "identification needs gravity above 0: it weighs the robot")
-    prepared = prepare(log, design, start)
-    signals = filtered(prepared, design, settings)
+    solved = log_poses(log, design.geometry, start)
+    signals = filtered(log, design, settings, solved)
     require_motion(signals)
     model, blocks, solution, numbers, lag = _fit(design, signals, settings)
     quantile, error = solution.quantile, solution.deviation(model.report)
@@ -123,7 +113,7 @@ def identify(
     if estimates[0].high < 0:
         notes.append("the weight is negative: the sign of force4, or of its gain, is wrong")
     if settings.robustness:
-        notes += _moves(prepared, design, settings, estimates, values, error)
+        notes += _moves(log, solved, design, settings, estimates, values, error)
     return Identification(
         design, log, settings,
         None if start is None else tuple(np.asarray(start, np.float64).tolist()),
@@ -182,7 +172,7 @@ def require_motion(signals: Signals) -> None:
 
 
 def _moves(
-    prepared: PreparedLog, design: Design, settings: IdentificationSettings,
+    log: Log, solved: tuple[Array, list[slice]], design: Design, settings: IdentificationSettings,
     estimates: tuple[Estimate, ...], values: Array, error: Array,
 ) -> list[str]:  # fmt: skip
     """Return warnings about known numbers that move with the cut-off."""
@@ -190,7 +180,7 @@ def _moves(
     seen = LEAST_MOVE * np.array([item.parameter.most for item in estimates])
     for factor in OTHER_CUT_OFFS:
         try:
-            signals = filtered(prepared, design, settings, factor)
+            signals = filtered(log, design, settings, solved, factor)
             model, _, solution, _, lag = _fit(design, signals, settings)
         except (InvalidLog, InvalidInput):
             return [f"the log does not allow {factor * settings.cut_off:.3g} Hz for comparison"]

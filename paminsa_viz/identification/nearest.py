@@ -104,7 +104,8 @@ def nearest_masses(identification: Identification, spread: float = SPREAD) -> Ne
     deviation = _prior_deviation(paths, prior, spread)
     root, target = _told(identification)
     steps = _bounded(paths)  # masses = steps @ v with v >= 0
-    lowest = np.linalg.solve(steps, np.array([_least(path) for path in paths]))
+    least = [SMALLEST if PARAMETER[path].positive else 0.0 for path in paths]
+    lowest = np.linalg.solve(steps, np.array(least))
     inverse = np.diag(1 / deviation)
     left = np.concatenate([root @ columns @ steps, inverse @ steps]) * deviation
     right = np.concatenate([target - root @ fixed, prior / deviation])
@@ -168,11 +169,6 @@ def _bounded(paths: list[str]) -> Array:
         across, along = (paths.index(f"inertias.{bar}_{kind}") for kind in ("transverse", "axial"))
         steps[across, along] = 0.5
     return steps
-
-
-def _least(path: str) -> float:
-    """Return the smallest number that a design takes."""
-    return SMALLEST if PARAMETER[path].positive else 0.0
 
 
 def _with_actuators(identification: Identification) -> Design:

@@ -10,16 +10,17 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification.columns import FitModel, fit_model
 from paminsa_viz.identification.estimate import (
-    CONFIDENCE,
     FitSolution,
     block_numbers,
+    half_widths,
     jackknife,
     normal_blocks,
     solve,
 )
 from paminsa_viz.identification.filtering import Signals
-from paminsa_viz.identification.identify import filtered, prepare, require_motion, shifted
+from paminsa_viz.identification.identify import filtered, require_motion, shifted
 from paminsa_viz.identification.log import Log
+from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.identification.results import Identification
 from paminsa_viz.model.arrays import Array
 
@@ -169,7 +170,7 @@ def _modeled(
     """Return another log's signals and columns, with the delay of the first taken off."""
     start = identification.start if start is None else start
     design, settings = identification.design, identification.settings
-    signals = filtered(prepare(log, design, start), design, settings)
+    signals = filtered(log, design, settings, log_poses(log, design.geometry, start))
     require_motion(signals)
     if identification.lag:
         signals = shifted(signals, identification.lag)
@@ -183,15 +184,13 @@ def _step(
 
     Variances are those of leaving out blocks of this log, and of the first one.
     """
-    from scipy.stats import t as student  # takes a while to load
-
     n = columns.shape[-1]
     both = np.concatenate([columns, model.columns], axis=-1)
     blocks = normal_blocks(both, model.torque, numbers)
     left = model.torque - model.columns @ first.x
     noise = solve(normal_blocks(columns, left, numbers)).noise
-    matrix = np.einsum("j,bjac->bac", noise**-2, blocks.matrix[..., :n, :])
-    right = np.einsum("j,bja->ba", noise**-2, blocks.right[..., :n])
+    matrix, right = blocks.weighted(noise**-2)
+    matrix, right = matrix[:, :n], right[:, :n]
 
     def fitted(matrix: Array, right: Array, x: Array) -> Array:
         force = right - np.einsum("...ac,...c->...a", matrix[..., n:], x)
@@ -201,6 +200,5 @@ def _step(
     value = fitted(whole, force, first.x)
     here = jackknife(fitted(whole - matrix, force - right, first.x))
     there = jackknife(fitted(whole[None], force[None], first.without))
-    fewest = min(len(matrix), first.blocks)
-    quantile = float(student.ppf(0.5 + 0.5 * CONFIDENCE, fewest - 1))
+    quantile = half_widths(min(len(matrix), first.blocks))
     return value, quantile * np.sqrt(here**2 + there**2)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     )
     from paminsa_viz.meshes.library import MissingMeshes, fixed_part
     from paminsa_viz.meshes.part import MeshPart
-    from paminsa_viz.meshes.posed import assemble_glb
+    from paminsa_viz.meshes.robot_files import assemble_glb
 
 __all__ = [
     "BODIES",
@@ -47,7 +47,7 @@ _HOMES = {
     "bodies": ("STANDING", "body_glb", "color_of", "lengths_of", "make_body", "prepare"),
     "library": ("MissingMeshes", "fixed_part"),
     "part": ("MeshPart",),
-    "posed": ("assemble_glb",),
+    "robot_files": ("assemble_glb",),
 }
 """Modules of the other names. They are imported on first use: trimesh takes half a second,
 which lengths alone do not need."""

@@ -253,11 +253,6 @@ def platform(radius: float, joint_height: float) -> MeshPart:
     return part.join(fixed_part("tool_flange").moved((0.0, 0.0, top - size.PLATE_THICKNESS)))
 
 
-def slider() -> MeshPart:
-    """Return the slider; origin at joint 8."""
-    return fixed_part("slider")
-
-
 def swivel() -> MeshPart:
     """Return the swivel of the platform; origin at joint 5."""
     return fixed_part("swivel_disc").join(fixed_part("swivel_head"))
@@ -268,16 +263,11 @@ _STANDING_MAKERS: Final[dict[str, Callable[[Geometry], MeshPart]]] = {
     "m2": partial(frame.motor, 1), "m3": partial(frame.motor, 2), "m4": frame.lift,
 }  # fmt: skip
 _MOVING_MAKERS: Final[dict[str, Callable[..., MeshPart]]] = {
-    "carriage": carriage, "platform": platform, "guide": guide, "shaft": shaft, "slider": slider,
+    "carriage": carriage, "platform": platform, "guide": guide, "shaft": shaft,
+    "slider": partial(fixed_part, "slider"),
     "swivel": swivel, "b3": bar_b3, "b4": bar_b4, "b7": bar, "b8": bar,
 }  # fmt: skip
 """Makers of bodies by kind; those of moving bodies take what `lengths_of` returns."""
-
-
-def leg_axis(geometry: Geometry, leg: int) -> tuple[float, float, float]:
-    """Return where a leg's axis (index 0 to 2) crosses the plane of the guides [m]."""
-    x, y, _ = polar(geometry.base_radius, AXIS_ANGLES[leg])
-    return float(x), float(y), 0.0
 
 
 @lru_cache(maxsize=256)

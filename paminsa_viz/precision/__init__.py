@@ -6,9 +6,7 @@ order x, y, theta, z, and tilt about x and y where the legs are unequal.
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING
-
+from paminsa_viz.precision.calibration import Calibration, Combination, calibrate
 from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors, field_drive_errors
 from paminsa_viz.precision.leg_lengths import (
     LENGTHS,
@@ -18,13 +16,14 @@ from paminsa_viz.precision.leg_lengths import (
     with_deviations,
 )
 from paminsa_viz.precision.manufacture import (
+    MonteCarlo,
     ToleranceErrors,
     design_sensitivities,
     manufactured_pose,
+    monte_carlo,
     tolerance_errors,
 )
 from paminsa_viz.precision.measurements import Measurements, PredictionErrors, prediction_errors
-from paminsa_viz.precision.monte_carlo import MonteCarlo, monte_carlo
 from paminsa_viz.precision.unequal_legs import (
     Closure,
     Sensitivities,
@@ -33,9 +32,6 @@ from paminsa_viz.precision.unequal_legs import (
     solve_actuators,
     solve_pose,
 )
-
-if TYPE_CHECKING:
-    from paminsa_viz.precision.calibration import Calibration, Combination, calibrate
 
 __all__ = [
     "LENGTHS",
@@ -66,17 +62,3 @@ __all__ = [
     "tolerance_errors",
     "with_deviations",
 ]
-
-_HOMES = {
-    "Calibration": "calibration",
-    "Combination": "calibration",
-    "calibrate": "calibration",
-}
-"""Modules that are imported late: SciPy's optimizers take a while to load."""
-
-
-def __getattr__(name: str) -> object:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    found = globals()[name] = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
-    return found

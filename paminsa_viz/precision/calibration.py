@@ -18,7 +18,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import stdtrit
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
@@ -35,8 +34,6 @@ from paminsa_viz.precision.measurements import (
 
 KNOWN = 1e-3
 """Half interval up to which a combination that shows in second order is fitted [m]."""
-
-CONFIDENCE = 0.95
 
 _ROUNDS = 5
 
@@ -136,7 +133,7 @@ def calibrate(
     origin = problem.scaled(start)
     values, rank, singular = _first_fit(problem, origin)
     values, basis, found, noise = _fit_known(problem, origin, values, rank)
-    margin = stdtrit(problem.freedom(len(found)), 0.5 + CONFIDENCE / 2)
+    margin = problem.margin(len(found))
     combinations = tuple(
         Combination(
             direction.reshape(3, -1), float(size / np.sqrt(problem.rows)),
@@ -180,8 +177,7 @@ def _fit_known(
     basis, found = np.zeros((COUNT, 0)), np.zeros(0)
     for _ in range(_ROUNDS):
         _, singular, directions = np.linalg.svd(problem.jacobian(values), full_matrices=False)
-        margin = stdtrit(problem.freedom(count), 0.5 + CONFIDENCE / 2)
-        known = (margin * noise < KNOWN * singular) & (singular > GAP * singular[0])
+        known = (problem.margin(count) * noise < KNOWN * singular) & (singular > GAP * singular[0])
         before, count = count, int(known.sum())
         basis, found = directions[:count].T, singular[:count]
         values = problem.fit(origin, basis, values)

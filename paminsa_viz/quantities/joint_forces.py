@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from paminsa_viz.elastostatics.field_loads import BAR_MEASURES, field_bar_loads, field_joint_forces
+from paminsa_viz.elastostatics.bar_loads import BAR_MEASURES, field_bar_loads, field_joint_forces
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS, LegJoint
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -16,13 +14,22 @@ _PER_FORCE = 4e-6
 _PER_BAR = 1.2e-5
 
 
-def _force(index: int) -> Callable[[Field, Design], Array]:
-    return lambda field, design: field_joint_forces(field, design)[index]
+def _force(key: str, symbol: str, label: str, title: str, unit: str, index: int) -> Quantity:
+    """Return a row of the forces and moments at the joints as a quantity."""
+
+    def value(field: Field, design: Design) -> Array:
+        return field_joint_forces(field, design)[index]
+
+    return Quantity(key, symbol, label, title, unit, UNIT_TORQUES, value, cost=_PER_FORCE)
 
 
-def _bar(name: str) -> Callable[[Field, Design], Array]:
-    index = BAR_MEASURES.index(name)
-    return lambda field, design: field_bar_loads(field, design)[index]
+def _bar(key: str, symbol: str, label: str, title: str, unit: str, measure: str) -> Quantity:
+    """Return one of `BAR_MEASURES` as a quantity."""
+
+    def value(field: Field, design: Design) -> Array:
+        return field_bar_loads(field, design)[BAR_MEASURES.index(measure)]
+
+    return Quantity(key, symbol, label, title, unit, UNIT_TORQUES, value, cost=_PER_BAR)
 
 
 def _largest(field: Field, design: Design) -> Array:
@@ -34,44 +41,27 @@ def _joint(joint: LegJoint) -> Quantity:
     symbol = {"m": "F M", "guide": "F guide"}.get(joint.key, f"F {joint.label}")
     name = {"m": "bearing of M", "guide": "guide"}.get(joint.key, f"joint {joint.label}")
     where = "" if joint.key == "5" else ", in the leg's plane"
-    return Quantity(
-        key, symbol, f"force at {name}",
-        f"Largest static force at {name} over the legs{where}", "N", UNIT_TORQUES,
-        _force(JOINT_INDEX[joint.key]), cost=_PER_FORCE,
-    )  # fmt: skip
+    title = f"Largest static force at {name} over the legs{where}"
+    return _force(key, symbol, f"force at {name}", title, "N", JOINT_INDEX[joint.key])
 
 
 JOINT_FORCES = in_family(
     "joint forces",
-    Quantity(
-        "joint_force", "max F", "largest joint force",
-        "Largest static force at any joint: in the leg's plane, at joint 5 in space", "N",
-        UNIT_TORQUES, _largest, cost=_PER_FORCE,
-    ),
+    Quantity("joint_force", "max F", "largest joint force",
+             "Largest static force at any joint: in the leg's plane, at joint 5 in space", "N",
+             UNIT_TORQUES, _largest, cost=_PER_FORCE),
     *(_joint(joint) for joint in JOINTS),
-    Quantity(
-        "bearing_moment", "M bearing", "moment on the bearing of M",
-        "Largest static tilting moment on the bearings of M1 to M3, in the leg's plane", "N m",
-        UNIT_TORQUES, _force(len(JOINTS)), cost=_PER_FORCE,
-    ),
-    Quantity(
-        "arm_moment", "M 2", "moment at joint 2",
-        "Largest static moment of a shaft on its arm B1, in the leg's plane", "N m",
-        UNIT_TORQUES, _force(len(JOINTS) + 1), cost=_PER_FORCE,
-    ),
-    Quantity(
-        "bar_moment", "max M", "largest bending moment",
-        "Largest static bending moment of any bar, in the leg's plane", "N m", UNIT_TORQUES,
-        _bar("bending"), cost=_PER_BAR,
-    ),
-    Quantity(
-        "bar_axial", "max N", "largest axial force",
-        "Largest static tension or compression of any bar, in the leg's plane", "N", UNIT_TORQUES,
-        _bar("axial"), cost=_PER_BAR,
-    ),
-    Quantity(
-        "utilization", "σ/R_p", "utilization of the bars",
-        "Largest static stress of any bar over the yield stress, in the leg's plane", "1",
-        UNIT_TORQUES, _bar("utilization"), cost=_PER_BAR,
-    ),
+    _force("bearing_moment", "M bearing", "moment on the bearing of M",
+           "Largest static tilting moment on the bearings of M1 to M3, in the leg's plane",
+           "N m", len(JOINTS)),
+    _force("arm_moment", "M 2", "moment at joint 2",
+           "Largest static moment of a shaft on its arm B1, in the leg's plane",
+           "N m", len(JOINTS) + 1),
+    _bar("bar_moment", "max M", "largest bending moment",
+         "Largest static bending moment of any bar, in the leg's plane", "N m", "bending"),
+    _bar("bar_axial", "max N", "largest axial force",
+         "Largest static tension or compression of any bar, in the leg's plane", "N", "axial"),
+    _bar("utilization", "σ/R_p", "utilization of the bars",
+         "Largest static stress of any bar over the yield stress, in the leg's plane", "1",
+         "utilization"),
 )  # fmt: skip

@@ -9,8 +9,12 @@ from paminsa_viz.model.accuracy import NO_DEVIATIONS, DriveAccuracy
 from paminsa_viz.model.design import Design
 from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors
 from paminsa_viz.precision.leg_lengths import LENGTHS
-from paminsa_viz.precision.manufacture import ToleranceErrors, manufactured_pose, tolerance_errors
-from paminsa_viz.precision.monte_carlo import MonteCarlo
+from paminsa_viz.precision.manufacture import (
+    MonteCarlo,
+    ToleranceErrors,
+    manufactured_pose,
+    tolerance_errors,
+)
 from paminsa_viz.precision.unequal_legs import Closure
 from paminsa_viz.report.blocks import Block, Note, ReportRequest, Row, Section, Table
 from paminsa_viz.studies.drive_accuracy import error_rows, region_errors, statistics

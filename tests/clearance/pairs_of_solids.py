@@ -65,3 +65,22 @@ def extent(solid: Primitive, rotation: Array, place: Array, direction: Array) ->
         return reach + (local[:, :2] @ solid.corners.T).max(axis=1)
     norm = np.linalg.norm(direction, axis=1)
     return reach + np.abs(local[:, :2]) @ solid.size[:2] + solid.radius * norm
+
+
+def outside(solid: Primitive, points: Array) -> Array:
+    """Return how far points (..., 3) of the body's frame are outside, 0 inside (...) [m]."""
+    p = (np.asarray(points) - solid.center) @ solid.rotation
+    high = np.maximum(np.abs(p[..., 2]) - solid.size[2], 0.0)
+    if solid.kind == CYLINDER:
+        flat = np.maximum(np.hypot(p[..., 0], p[..., 1]) - solid.size[0], 0.0)
+    elif solid.kind == PRISM:
+        edges = np.roll(solid.corners, -1, axis=0) - solid.corners
+        from_corner = p[..., None, :2] - solid.corners
+        along = np.sum(from_corner * edges, axis=-1) / np.sum(edges**2, axis=-1)
+        nearest = solid.corners + np.clip(along, 0.0, 1.0)[..., None] * edges
+        flat = np.linalg.norm(p[..., None, :2] - nearest, axis=-1).min(axis=-1)
+        cross = edges[:, 0] * from_corner[..., 1] - edges[:, 1] * from_corner[..., 0]
+        flat = np.where((cross >= 0.0).all(axis=-1), 0.0, flat)
+    else:
+        flat = np.hypot(*np.moveaxis(np.maximum(np.abs(p[..., :2]) - solid.size[:2], 0.0), -1, 0))
+    return np.maximum(np.hypot(flat, high) - solid.radius, 0.0)

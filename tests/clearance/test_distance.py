@@ -15,7 +15,14 @@ from paminsa_viz.clearance.nearest import CAPSULE, CYLINDER
 from paminsa_viz.clearance.solids import NO_CORNERS, Primitive
 from paminsa_viz.model.arrays import Array
 from tests.clearance.coal_shapes import coal_request, coal_shape
-from tests.clearance.pairs_of_solids import KINDS, Found, distances, extent, random_solid
+from tests.clearance.pairs_of_solids import (
+    KINDS,
+    Found,
+    distances,
+    extent,
+    outside,
+    random_solid,
+)
 
 PAIRS = list(combinations_with_replacement(KINDS, 2))
 POSES = 1000
@@ -53,14 +60,14 @@ def outside_of_both(
 ) -> Array:
     """Return how far the best of the points found is from being common to both solids, (n,)."""
     candidates = (found.points[:, 0], found.points[:, 1], found.points.mean(axis=1))
-    outside = [
+    beyond = [
         [
-            solid.outside(in_frame(points, rotation[:, i], place[:, i]))
+            outside(solid, in_frame(points, rotation[:, i], place[:, i]))
             for i, solid in enumerate(solids)
         ]
         for points in candidates
     ]
-    return np.max(outside, axis=1).min(axis=0)
+    return np.max(beyond, axis=1).min(axis=0)
 
 
 @pytest.mark.parametrize("kinds", PAIRS)
@@ -79,7 +86,7 @@ def test_distances_are_proven_by_parallel_planes(kinds: tuple[str, str]) -> None
     assert (proven < 1e-12 + 1e-15 / np.abs(found.distance))[apart].all()
     for i, solid in enumerate((one, other)):
         local = in_frame(found.points[:, i], rotation[:, i], place[:, i])
-        assert solid.outside(local)[apart].max() < 1e-12
+        assert outside(solid, local)[apart].max() < 1e-12
 
 
 @pytest.mark.parametrize("kinds", PAIRS)

@@ -13,8 +13,7 @@ from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, Drive, DriveAccuracy, singular_rotation
 from paminsa_viz.precision.drive_errors import drive_errors
 from paminsa_viz.precision.leg_lengths import with_deviations
-from paminsa_viz.precision.manufacture import manufactured_pose, tolerance_errors
-from paminsa_viz.precision.monte_carlo import monte_carlo
+from paminsa_viz.precision.manufacture import manufactured_pose, monte_carlo, tolerance_errors
 from tests.support.commands import run, run_json
 
 FOLD = float(np.degrees(singular_rotation(APPENDIX_4.geometry)))

@@ -12,7 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions, bindings, persistence
-from paminsa_viz.explorer.panels.file_panel import FILE, file_name, receive_example, uploaded_design
+from paminsa_viz.explorer.panels.file_panel import (
+    FILE,
+    file_name,
+    receive_example,
+    uploaded_content,
+)
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
@@ -138,7 +143,7 @@ def test_broken_upload_is_notified_and_changes_nothing(
 def test_any_upload_is_read_or_refused_in_printable_text(content: bytes, name: str) -> None:
     for whole in (content, b"schema_version = 1\n" + content):
         try:
-            text = uploaded_design(name, whole).name
+            text = uploaded_content(name, whole).design.name
         except DesignFileError as error:
             text = str(error)
         assert text.isprintable()

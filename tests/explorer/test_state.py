@@ -14,7 +14,7 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Health, compute
 from paminsa_viz.explorer.history import DEPTH, PAUSE, History, Snapshot
 from paminsa_viz.explorer.panels.design_layout import GROUPS, slider
-from paminsa_viz.explorer.panels.file_panel import uploaded_design
+from paminsa_viz.explorer.panels.file_panel import uploaded_content
 from paminsa_viz.explorer.state import Document, initial_state
 from paminsa_viz.files.design_file import write_design
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
@@ -56,7 +56,7 @@ def test_opened_design_decides_on_the_knee(before: KneeBranch, knee: KneeBranch)
     wanted = APPENDIX_4.vary({"links.b3": 0.5}).with_knee(knee)
     text = write_design(wanted)
     assert ("knee =" in text) == (knee is KneeBranch.UPPER)  # the lower knee is not written
-    opened = actions.load_design(state, uploaded_design("robot.toml", text.encode()))
+    opened = actions.load_design(state, uploaded_content("robot.toml", text.encode()).design)
     assert opened.document.design == wanted
     assert opened.document.pose == actions.set_knee(state, knee).document.pose
     assert opened.document.reference == APPENDIX_4.with_knee(knee)

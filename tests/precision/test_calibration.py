@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, check_reach, inverse_kinematics
 from paminsa_viz.precision.calibration import KNOWN, calibrate, describe
-from paminsa_viz.precision.calibration_problem import CalibrationProblem
+from paminsa_viz.precision.calibration_problem import CalibrationProblem, measuring_poses
 from paminsa_viz.precision.leg_lengths import INDEX, deviation_array, with_deviations
 from paminsa_viz.precision.measurements import (
     InvalidMeasurement,
@@ -22,7 +22,6 @@ from paminsa_viz.precision.measurements import (
     predict,
     rotation_coordinates,
 )
-from paminsa_viz.precision.measuring_poses import measuring_poses
 from tests.support.samples import random_design, random_poses
 
 SIX, FOUR = 6, 4

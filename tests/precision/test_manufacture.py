@@ -16,15 +16,16 @@ from paminsa_viz.model import APPENDIX_4, solve_field, xy_grid
 from paminsa_viz.model.accuracy import NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.leg_lengths import INDEX, design_lengths, with_deviations
 from paminsa_viz.precision.manufacture import (
+    MonteCarlo,
     clearance_widths,
     design_sensitivities,
     field_tolerance_errors,
     longest_sum,
     manufactured_pose,
+    monte_carlo,
     tolerance_errors,
     tolerance_widths,
 )
-from paminsa_viz.precision.monte_carlo import MonteCarlo, monte_carlo
 from paminsa_viz.precision.unequal_legs import solve_pose
 from paminsa_viz.quantities import QUANTITIES
 from tests.support.cases import BY_HAND, Case, cases

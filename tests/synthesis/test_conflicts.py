@@ -14,12 +14,11 @@ from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis import Effort, ObjectiveLimit, synthesize
 from paminsa_viz.synthesis.masses.case import InnerCase
-from paminsa_viz.synthesis.masses.contradiction import inner_contradiction
-from paminsa_viz.synthesis.masses.program import inner_program, solve_inner
+from paminsa_viz.synthesis.masses.program import inner_contradiction, inner_program, solve_inner
 from paminsa_viz.synthesis.masses.space import InnerInfeasible
 from paminsa_viz.synthesis.search.case_conflict import case_conflict
 from paminsa_viz.synthesis.volume.check import check_requirements
-from paminsa_viz.synthesis.volume.conflict import irreducible_set, smallest_conflict, smallest_set
+from paminsa_viz.synthesis.volume.conflict import irreducible_set, smallest_conflict
 from paminsa_viz.synthesis.volume.grid import COARSE
 from paminsa_viz.synthesis.volume.solve import solve_volume
 from tests.synthesis.inner_cases import MASSES, WEIGHTS, case, poses
@@ -129,14 +128,14 @@ def test_sets_are_contradictory_and_irreducible(conflicts):
         return not any(conflict <= set(chosen) for conflict in conflicts)
 
     items = tuple(range(6))
-    for find in (irreducible_set, smallest_set):
-        found = find(items, feasible)
+    for few in (0, 6):
+        found = irreducible_set(items, feasible, few)
         assert bool(found) == bool(conflicts)
         if found:
             assert not feasible(found)
             assert all(feasible(tuple(x for x in found if x != item)) for item in found)
     if conflicts:
-        assert len(smallest_set(items, feasible)) == min(map(len, conflicts))
+        assert len(irreducible_set(items, feasible, 6)) == min(map(len, conflicts))
 
 
 def contradictory() -> InnerCase:

@@ -128,13 +128,13 @@ def test_least_margin_is_that_of_all_headings(key: str) -> None:
     values = QUANTITIES[key].over(field, DESIGN)
     assert np.isfinite(values).any()
     bound = Requirement(key, None, 0.0)
-    found = heading_margins(
+    least, coarse = heading_margins(
         DESIGN, Requirements((bound,), THETA), np.column_stack([X, Y.repeat(2)]), Z, 3
     )
     expected = np.where(np.isnan(values), -np.inf, -values).min(axis=1)
-    np.testing.assert_allclose(found.least[0], expected, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(least[0], expected, rtol=1e-9, atol=1e-12)
     ends = np.where(np.isnan(values), -np.inf, -values)[:, ::2].min(axis=1)
-    np.testing.assert_allclose(found.coarse[0], ends, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(coarse[0], ends, rtol=1e-9, atol=1e-12)
 
 
 def test_columns_have_positions_of_their_own() -> None:
@@ -155,9 +155,9 @@ def test_robots_whose_reach_no_bars_exceed_are_solved_at_every_height() -> None:
     )
     design = replace(APPENDIX_4, geometry=long)
     requirements = Requirements((Requirement("condition", None, 0.0),), (0.0, 0.0))
-    found = heading_margins(design, requirements, np.zeros((1, 2)), np.array([-3.0, -50.0]), 3)
-    assert np.isfinite(found.least[0, 0, 0])
-    assert found.least[0, 0, 1] == -np.inf
+    least, _ = heading_margins(design, requirements, np.zeros((1, 2)), np.array([-3.0, -50.0]), 3)
+    assert np.isfinite(least[0, 0, 0])
+    assert least[0, 0, 1] == -np.inf
     assert time_per_position(design, requirements, 3, 10) > time_per_position(
         APPENDIX_4, requirements, 3, 10
     )

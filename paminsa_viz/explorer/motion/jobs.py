@@ -64,7 +64,7 @@ class SimulationSettings(Settings):
         range=(-10.0, 50.0), step=0.1,
     )  # fmt: skip
     knows_friction: bool = setting(
-        True, "Controller knows the friction",
+        True, "Friction is known",
         "The friction itself is a number of the design, zero in the paper",
     )  # fmt: skip
     initial_error: float = setting(

@@ -46,11 +46,6 @@ def uploaded_content(name: str, content: bytes) -> DesignContent:
     return read_content(content, name)
 
 
-def uploaded_design(name: str, content: bytes) -> Design:
-    """Return the design in an uploaded file; see `uploaded_content`."""
-    return uploaded_content(name, content).design
-
-
 def open_content(state: State, content: DesignContent) -> State:
     """Work on a design of a file, and on its requirements if it has any."""
     opened = actions.load_design(state, content.design)

@@ -15,6 +15,7 @@ import numpy as np
 from viser import FrameHandle, GlbHandle, SceneApi
 
 from paminsa_viz.dimensions import attached
+from paminsa_viz.dimensions.layout import polar
 from paminsa_viz.dimensions.placement import about_z, elevated
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.scene.layers import SceneContext
@@ -23,7 +24,7 @@ from paminsa_viz.meshes import loads
 from paminsa_viz.meshes.loads import counterweight_glb
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry, KneeBranch
-from paminsa_viz.model.kinematics import Configuration
+from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration
 
 Position = tuple[float, float, float]
 Quaternion = Array
@@ -124,8 +125,8 @@ class Robot:
             if self._built.get(body) != wanted:
                 self._built[body] = wanted
                 self._put(self._name(body), shapes.body_glb(body, geometry, fine=self._fine))
-        for leg in (1, 2, 3):
-            self._nodes[self._name(f"leg{leg}")].position = shapes.leg_axis(geometry, leg - 1)
+        for leg, angle in enumerate(AXIS_ANGLES, 1):
+            self._nodes[self._name(f"leg{leg}")].position = polar(geometry.base_radius, angle)
             self._nodes[self._name(f"leg{leg}/b4")].position = (geometry.crank_length, 0.0, 0.0)
 
     def _put(self, name: str, data: bytes) -> Any:

@@ -51,14 +51,8 @@ def dashes(lines: Array, length: float) -> Array:
     step = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1)
     ends = np.cumsum(step)
     count = max(int(ends[-1] // (2 * length)), 1)
-    starts = np.arange(count) * (ends[-1] / count)
-    out = []
-    for start in starts:
-        out.append([_at(lines, ends, step, s) for s in (start, start + ends[-1] / count / 2)])
-    return np.array(out)
-
-
-def _at(lines: Array, ends: Array, step: Array, distance: float) -> Array:
-    i = min(int(np.searchsorted(ends, distance)), len(lines) - 1)
-    part = 1.0 - (ends[i] - distance) / max(step[i], 1e-12)
-    return lines[i, 0] + part * (lines[i, 1] - lines[i, 0])
+    period = ends[-1] / count
+    distance = period * (np.arange(count)[:, None] + [0.0, 0.5])
+    i = np.minimum(np.searchsorted(ends, distance), len(lines) - 1)
+    part = 1.0 - (ends[i] - distance) / np.maximum(step[i], 1e-12)
+    return lines[i, 0] + part[..., None] * (lines[i, 1] - lines[i, 0])

@@ -13,7 +13,8 @@ from paminsa_viz import palette
 from paminsa_viz.explorer.accuracy import no_bound, shown_errors
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.scene.forces import BAR, BELOW, force_scale
+from paminsa_viz.explorer.scene.curves import segments
+from paminsa_viz.explorer.scene.forces import BAR, BELOW, round_scale
 from paminsa_viz.explorer.scene.nodes import Node, label, lines, mesh
 from paminsa_viz.model import Geometry, jacobian
 from paminsa_viz.precision.drive_errors import DriveErrors
@@ -60,13 +61,8 @@ def prism(found: DriveErrors) -> tuple[Array, NDArray[np.uint32], Array]:
     sides = [(index, following, following + count), (index, following + count, index + count)]
     fan = np.array([(0, i, i + 1) for i in range(1, count - 1)], dtype=np.int64).reshape(-1, 3)
     faces = np.concatenate([*(np.stack(side, axis=1) for side in sides), fan[:, ::-1], fan + count])
-    edges = np.stack(
-        [
-            np.concatenate([below, above, below]),
-            np.concatenate([below[following], above[following], above]),
-        ],
-        axis=1,
-    )
+    loops = [segments(np.vstack([loop, loop[:1]])) for loop in (below, above)]
+    edges = np.concatenate([*loops, np.stack([below, above], axis=1)])
     return np.concatenate([below, above]), faces.astype(np.uint32), edges
 
 
@@ -76,14 +72,8 @@ def rms_rings(found: DriveErrors, geometry: Geometry) -> Array:
     root = j[[0, 1, 3]] * deviation
     u, size, _ = np.linalg.svd(root, full_matrices=False)
     angle = np.linspace(0, 2 * np.pi, RING + 1)
-    rings = []
-    for first, second in ((0, 1), (1, 2), (2, 0)):
-        ring = (
-            np.cos(angle)[:, None] * u[:, first] * size[first]
-            + np.sin(angle)[:, None] * u[:, second] * size[second]
-        )
-        rings.append(np.stack([ring[:-1], ring[1:]], axis=1))
-    return np.concatenate(rings)
+    circle, axes = np.stack([np.cos(angle), np.sin(angle)], axis=1), (u * size).T
+    return np.concatenate([segments(circle @ axes[pair]) for pair in ([0, 1], [1, 2], [2, 0])])
 
 
 def drive_error_nodes(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
@@ -99,7 +89,7 @@ def drive_error_nodes(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
         text = "the drives make no error"
     else:
         vertices, faces, edges = prism(found)
-        scale = force_scale(float(np.linalg.norm(vertices, axis=1).max()), FARTHEST)
+        scale = round_scale(float(np.linalg.norm(vertices, axis=1).max()), FARTHEST)
         text = error_text(found, scale)
         drawn = BAR / scale
         if len(vertices) > 4:

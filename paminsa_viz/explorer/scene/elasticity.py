@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from functools import lru_cache
 from typing import Final
@@ -14,6 +13,7 @@ from paminsa_viz.explorer.elasticity import CASES, ElasticOutcome
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.description import Pose
 from paminsa_viz.explorer.motion.results import MotionStore
+from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import NO_SHADOWS, Node, ball, curves, label, mesh
 from paminsa_viz.meshes.vibrating import vibrating_glb
 from paminsa_viz.units import number
@@ -43,13 +43,6 @@ LONGEST_AXIS: Final = 0.3
 
 BELOW: Final = {"mode": 0.16, "deflection": 0.23, "compliance": 0.3}
 """Distances of the labels below the platform [m]."""
-
-
-def nice_scale(largest: float, longest: float) -> float:
-    """Return 1, 2 or 5 times a power of ten by which ``largest`` is at most ``longest`` long."""
-    most = longest / max(largest, 1e-15)
-    power = 10.0 ** math.floor(math.log10(most))
-    return next(step * power for step in (5, 2, 1) if step * power <= most * (1 + 1e-9))
 
 
 def _outcome(frame: Frame) -> ElasticOutcome | None:
@@ -99,7 +92,7 @@ def deflection(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
     found = None if outcome is None or outcome.result is None else outcome.result.deflected
     if outcome is None or found is None:
         return
-    scale = nice_scale(float(found.largest[0]), LARGEST)
+    scale = BAR / round_scale(float(found.largest[0]), LARGEST)
     moved = found.points + scale * found.moves[..., 0]
     yield curves("/elastic/deflected", moved, frame.state.theme.shown(DEFLECTED_COLOR), 4.0)
     place = found.points[found.names.index("platform"), 0] - [0, 0, BELOW["deflection"]]
@@ -113,7 +106,7 @@ def compliance(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
     if outcome is None or outcome.result is None:
         return
     found = outcome.result.stiffness.compliance
-    scale = nice_scale(float(np.linalg.norm(found[:3, :3], 2)), LONGEST_AXIS)
+    scale = BAR / round_scale(float(np.linalg.norm(found[:3, :3], 2)), LONGEST_AXIS)
     shape = scale * ball(1.0).vertices @ found[:3, :3].T
     x, y, _, z = outcome.job.pose
     yield mesh(

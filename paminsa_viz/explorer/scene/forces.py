@@ -61,10 +61,10 @@ _SIDES: Final = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 
 _TRIANGLES: Final = np.array([[(a, b, c), (a, c, d)] for a, b, c, d in _SIDES]).reshape(-1, 3)
 
 
-def force_scale(largest: float, longest: float) -> float:
-    """Return the force that `BAR` stands for, 1, 2 or 5 times a power of ten [N].
+def round_scale(largest: float, longest: float) -> float:
+    """Return what `BAR` stands for, 1, 2 or 5 times a power of ten, in the unit of ``largest``.
 
-    The largest force [N] is then drawn at most as long as ``longest`` [m].
+    The largest value is then drawn at most as long as ``longest`` [m].
     """
     least = max(largest, 1e-9) * BAR / longest
     power = 10.0 ** math.floor(math.log10(least))
@@ -86,7 +86,7 @@ def load_arrow(design: Design, pose: Array, largest: float = 0.0) -> tuple[Array
     px, py, pz = design.load.point
     start = np.array([x + c * px - s * py, y + s * px + c * py, z + pz])
     force = center_wrench(design.load, theta)[:3]
-    scale = force_scale(max(float(np.linalg.norm(force)), largest), LONGEST)
+    scale = round_scale(max(float(np.linalg.norm(force)), largest), LONGEST)
     return np.stack([start, start + force * BAR / scale])[None], scale
 
 
@@ -165,7 +165,7 @@ def force_polygon(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
     if not len(sides):
         yield label("/forces/polygon label", "no horizontal force is held here", center)
         return
-    scale = force_scale(float(np.linalg.norm(sides, axis=-1).max()), FARTHEST)
+    scale = round_scale(float(np.linalg.norm(sides, axis=-1).max()), FARTHEST)
     flat = np.concatenate([sides, np.zeros((*sides.shape[:2], 1))], axis=-1)
     colors = linear_colors(*map(_color, limits))[:, None].repeat(2, axis=1)
     yield lines("/forces/polygon", center + flat * BAR / scale, colors, 4.0)
@@ -192,7 +192,7 @@ def wrench_solid(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
         return
     center = frame.configuration.pose[[0, 1, 3]]
     corners = found.vertices / [1.0, 1.0, found.length]
-    scale = force_scale(float(np.linalg.norm(corners, axis=1).max()), FARTHEST)
+    scale = round_scale(float(np.linalg.norm(corners, axis=1).max()), FARTHEST)
     places = center + corners * BAR / scale
     yield mesh(
         "/forces/solid", places, _TRIANGLES, palette.PLATFORM, opacity=0.35, flat_shading=True

@@ -15,7 +15,7 @@ from paminsa_viz.elastostatics.joint_forces import JOINTS, JointForces
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.loads import Instant, bars_at, forces_at, instant
 from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.scene.forces import BAR, force_scale, scale_text
+from paminsa_viz.explorer.scene.forces import BAR, round_scale, scale_text
 from paminsa_viz.explorer.scene.layers import LegendRow
 from paminsa_viz.explorer.scene.mechanism import sticks
 from paminsa_viz.explorer.scene.nodes import Node, arrows, copies, label
@@ -54,7 +54,7 @@ def force_arrows(forces: JointForces, configuration: Configuration) -> tuple[Arr
     zero = np.zeros(3)
     radial = np.stack([np.cos(beta), np.sin(beta), zero], axis=-1)
     across = np.stack([-np.sin(beta), np.cos(beta), zero], axis=-1)
-    scale = force_scale(float(forces.magnitude.max()), LONGEST)
+    scale = round_scale(float(forces.magnitude.max()), LONGEST)
     starts, ends = [], []
     for index, joint in enumerate(JOINTS):
         start = configuration.points[PLACES.get(joint.key) or int(joint.key)].copy()

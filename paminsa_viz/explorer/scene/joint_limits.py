@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from viser import LineSegmentsHandle, MeshHandle
 
-from paminsa_viz import palette
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import half_width
 from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.scene.nodes import Node, Nodes, lines, mesh
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
-from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
+from paminsa_viz.model.kinematics import AXIS_ANGLES, LEG_AXES, Configuration, inverse_kinematics
 from paminsa_viz.model.reach import check_reach, home_pose
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT, near_singularity, serial_margins
 from paminsa_viz.model.singularity import measure_singularity
+from paminsa_viz.palette import BAD, LEG_COLORS
 from paminsa_viz.trajectory.crossing import locus_distances
 
 CELLS: Final = 41
@@ -105,65 +106,48 @@ def marks(configuration: Configuration) -> Array:
     place8 = np.einsum("li,li->l", configuration.points[8] - axis, heading)[:, None]
     stroke = geometry.stroke
     low, high, here = (axis + end * heading for end in (-stroke, stroke, place8))
-    lines = [(axis + INNER * heading, axis + OUTER * heading), (low, high)]
-    lines += [(place - TICK * across, place + TICK * across) for place in (low, high, here)]
-    return np.stack([np.stack(pair, axis=1) for pair in lines], axis=1)
+    pairs = [(axis + INNER * heading, axis + OUTER * heading), (low, high)]
+    pairs += [(place - TICK * across, place + TICK * across) for place in (low, high, here)]
+    return np.stack([np.stack(pair, axis=1) for pair in pairs], axis=1)
 
 
 class JointLimits:
-    """The layer ``joint_limits``; made when first shown."""
+    """The layer ``joint_limits``."""
 
     def __init__(self, context: SceneContext) -> None:
-        self._scene = context.scene
-        self._sectors: list[MeshHandle] = []
-        self._lines: LineSegmentsHandle | None = None
+        self._nodes = Nodes(context.scene)
+        self._sectors: tuple[Node, ...] = ()
         self._key: tuple[object, ...] = ()
-        self._configuration: Configuration | None = None
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the pose; sectors follow theta and z when nothing is dragged."""
-        shown = "joint_limits" in frame.state.layers and frame.drawable
-        if shown:
-            configuration = frame.configuration
-            geometry, pose = configuration.geometry, configuration.pose
-            key = (geometry, float(pose[2]), float(pose[3]), frame.state.condition_limit)
-            if key != self._key and (not dragging or not self._sectors):
-                self._key = key
-                self._draw_sectors(geometry, turning_ranges(*key))
-            if configuration is not self._configuration:
-                self._configuration = configuration
-                self._draw_lines(marks(configuration))
-        for node in (*self._sectors, self._lines):
-            if node is not None:
-                node.visible = shown
+        if "joint_limits" not in frame.state.layers or not frame.drawable:
+            self._nodes.show(())
+            return
+        configuration = frame.configuration
+        geometry, pose = configuration.geometry, configuration.pose
+        key = (geometry, float(pose[2]), float(pose[3]), frame.state.condition_limit)
+        if key != self._key and (not dragging or not self._sectors):
+            self._key = key
+            self._sectors = tuple(_sector_nodes(geometry, turning_ranges(*key)))
+        found = marks(configuration).reshape(-1, 2, 3)
+        self._nodes.show((*self._sectors, lines("/joint_limits/lines", found, mark_colors(), 3.5)))
 
-    def _draw_sectors(self, geometry: Geometry, ranges: tuple[tuple[float, float], ...]) -> None:
-        for leg, (start, end) in enumerate(ranges):
-            # theta_k is counted from the direction toward the robot's axis
-            zero = AXIS_ANGLES[leg] + np.pi
-            points, faces = sector(start + zero, end + zero)
-            vertices = points.astype(np.float32)
-            if leg >= len(self._sectors):
-                self._sectors.append(
-                    self._scene.add_mesh_simple(
-                        f"/joint_limits/theta_{leg + 1}", vertices, faces,
-                        color=palette.rgb(palette.LEG_COLORS[leg]), opacity=0.35, side="double",
-                        flat_shading=True, cast_shadow=False, receive_shadow=False,
-                    )
-                )  # fmt: skip
-            x, y = geometry.base_radius * np.array(
-                [np.cos(AXIS_ANGLES[leg]), np.sin(AXIS_ANGLES[leg])]
-            )
-            self._sectors[leg].vertices = vertices
-            self._sectors[leg].position = (float(x), float(y), ABOVE * geometry.knee.sign)
 
-    def _draw_lines(self, lines: Array) -> None:
-        flat = lines.reshape(-1, 2, 3).astype(np.float32)
-        if self._lines is None:
-            per_leg = linear_colors(*palette.LEG_COLORS)[:, None, None].repeat(5, 1).repeat(2, 2)
-            per_leg[:, 2:4] = linear_colors(palette.BAD)
-            self._lines = self._scene.add_line_segments(
-                "/joint_limits/lines", flat, per_leg.reshape(-1, 2, 3),
-                thickness=3.5, thickness_units="screen",
-            )  # fmt: skip
-        self._lines.points = flat
+def _sector_nodes(geometry: Geometry, ranges: tuple[tuple[float, float], ...]) -> Iterator[Node]:
+    height = ABOVE * geometry.knee.sign
+    for leg, (start, end) in enumerate(ranges):
+        # theta_k is counted from the direction toward the robot's axis
+        zero = AXIS_ANGLES[leg] + np.pi
+        yield mesh(
+            f"/joint_limits/theta_{leg + 1}", *sector(start + zero, end + zero),
+            LEG_COLORS[leg], place=(*geometry.base_radius * LEG_AXES[leg], height),
+            opacity=0.35, flat_shading=True,
+        )  # fmt: skip
+
+
+def mark_colors() -> NDArray[np.uint8]:
+    """Return the colors of `marks`, (15, 2, 3)."""
+    colors = linear_colors(*LEG_COLORS)[:, None, None].repeat(5, 1).repeat(2, 2)
+    colors[:, 2:4] = linear_colors(BAD)
+    return colors.reshape(-1, 2, 3)

@@ -96,7 +96,6 @@ class SceneLegend:
 
     def __init__(self, bridge: Bridge) -> None:
         self._bridge = bridge
-        self._html = ""
         self.bar: ColorBar | None = None
         self.shown = NO_LEGEND
 

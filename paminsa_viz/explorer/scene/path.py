@@ -73,36 +73,6 @@ def hue_gradient(scale: PathScale) -> list[str]:
     return [_hues()[i] for i in hue(np.linspace(scale.low, scale.high, 9), scale)]
 
 
-class Pieces(NamedTuple):
-    """A path in pieces.
-
-    Attributes:
-        good: Segments (m, 2, 3) that can be run [m].
-        values: Torque or force at their ends, (m, 2) [N m or N].
-        bad: Curves (k, 3) that cannot [m].
-        above: The whole path seen from above, (k, 2) [m].
-    """
-
-    good: Array
-    values: Array
-    bad: list[Array]
-    above: Array
-
-
-def pieces(analysis: TrajectoryAnalysis, actuator: int) -> Pieces:
-    """Return the platform's path in the scene [m], with an actuator's torque [N m or N]."""
-    found = split_path(analysis)
-    torque = analysis.torque[found.samples, actuator]
-    pairs = [segments(found.place[run]) for run in found.good]
-    values = [np.stack([torque[run][:-1], torque[run][1:]], axis=1) for run in found.good]
-    return Pieces(
-        np.concatenate([np.zeros((0, 2, 3)), *pairs]),
-        np.concatenate([np.zeros((0, 2)), *values]),
-        [found.place[run] for run in found.bad],
-        found.place[:, :2],
-    )
-
-
 def motion_path(frame: Frame, motions: MotionStore) -> tuple[Node, ...]:
     """Draw the layer ``path``, in space and as a line on the ground below it."""
     state = frame.state
@@ -115,10 +85,15 @@ def motion_path(frame: Frame, motions: MotionStore) -> tuple[Node, ...]:
 
 @lru_cache(maxsize=4)
 def _drawn(analysis: TrajectoryAnalysis, actuator: int, height: float) -> tuple[Node, ...]:
-    found = pieces(analysis, actuator)
-    colors = _drawn_hues()[hue(found.values, path_scale(analysis, actuator))]
+    found = split_path(analysis)
+    torque = analysis.torque[found.samples, actuator]
+    good = [segments(found.place[run]) for run in found.good]
+    values = [np.stack([torque[run][:-1], torque[run][1:]], axis=1) for run in found.good]
+    places = hue(np.concatenate([np.zeros((0, 2)), *values]), path_scale(analysis, actuator))
+    way = np.concatenate([np.zeros((0, 2, 3)), *good])
+    bad = [found.place[run] for run in found.bad]
     return (
-        lines("/path/way", found.good, colors, WIDTH),
-        curves("/path/failing", found.bad, BAD, WIDTH, dash=DASH),
-        curves("/path/below", [found.above], INK, height=height),
+        lines("/path/way", way, _drawn_hues()[places], WIDTH),
+        curves("/path/failing", bad, BAD, WIDTH, dash=DASH),
+        curves("/path/below", [found.place[:, :2]], INK, height=height),
     )

@@ -16,7 +16,8 @@ import numpy as np
 
 from paminsa_viz.balancing import ActiveConstraint, Spring, spring_torques
 from paminsa_viz.balancing.convex import ConvexTerm
-from paminsa_viz.balancing.optimum import active_bounds
+from paminsa_viz.balancing.optimum import Relaxation as MassRelaxation
+from paminsa_viz.balancing.optimum import active_bounds, movable_bounds
 from paminsa_viz.balancing.program import Infeasible, Program, Solution
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.model.arrays import Array
@@ -32,6 +33,7 @@ from paminsa_viz.synthesis.masses.space import (
     motion_rows,
     sampled_solution,
 )
+from paminsa_viz.synthesis.volume.conflict import irreducible_set
 from paminsa_viz.trajectory.solved import SolvedTrajectory
 
 
@@ -210,3 +212,85 @@ def solve_inner(
         SolverFailed: If a solver fails.
     """
     return inner_program(design, case, pose).solve(tolerance=tolerance)
+
+
+FEW = 8
+"""Limits up to which all sets are tried, the smallest first."""
+
+
+@dataclass(frozen=True)
+class NearestBound:
+    """The nearest bound of a limit at which all can be met, the others unchanged.
+
+    Attributes:
+        limit: The limit.
+        bound: Its nearest bound [SI]; None if no bound helps, as the others contradict already.
+        gap: By how much a nearer one could do at most [SI].
+    """
+
+    limit: InnerLimit
+    bound: float | None
+    gap: float
+
+
+@dataclass(frozen=True)
+class InnerContradiction:
+    """Limits that no masses and springs within their bounds meet together.
+
+    Attributes:
+        limits: The fewest that contradict (by the deletion filter for more than `FEW`).
+        relax: For each of them the nearest bound, all other limits of the case kept.
+        masses: The bounds of masses whose least movement makes all limits feasible; none if no
+            masses help, or there are springs.
+    """
+
+    limits: tuple[InnerLimit, ...]
+    relax: tuple[NearestBound, ...]
+    masses: tuple[MassRelaxation, ...]
+
+
+def inner_contradiction(program: InnerProgram) -> InnerContradiction | None:
+    """Return which limits contradict and what would help; None if all can be met.
+
+    Exact: each answer is the optimum of a convex program with its certificate.
+
+    Args:
+        program: Masses and springs of a robot of given lengths.
+
+    Raises:
+        SolverFailed: If a solver fails.
+    """
+
+    def feasible(limits: tuple[InnerLimit, ...]) -> bool:
+        return _least(program, None, limits) is not None
+
+    found = irreducible_set(program.limits, feasible, FEW)
+    if not found:
+        return None
+    relax = []
+    for item in found:
+        others = tuple(other for other in program.limits if other is not item)
+        least = _least(program, item, others)
+        nearest, gap = (None, 0.0) if least is None else least
+        if nearest is not None and item.side == "low":
+            nearest = -nearest
+        relax.append(NearestBound(item, nearest, gap))
+    space, masses = program.space, ()
+    if not space.springs:
+        bounded = tuple((item.limit, item.term) for item in program.limits)
+        masses = movable_bounds(space, Program(space.start, space.variables, (), bounded))
+    return InnerContradiction(found, tuple(relax), masses)
+
+
+def _least(
+    program: InnerProgram, goal: InnerLimit | None, limits: Sequence[InnerLimit]
+) -> tuple[float, float] | None:
+    """Return the least value of a limit's function (or zero) with its gap; None if infeasible."""
+    term = program.goal if goal is None else goal.term
+    try:
+        found = replace(program, goal=term, key="").solve(
+            limits, tolerance=1e-6 if goal is None else 1e-9
+        )
+    except InnerInfeasible:
+        return None
+    return found.objective, found.gap

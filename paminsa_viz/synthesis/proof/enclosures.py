@@ -41,29 +41,24 @@ class StaticTerms(NamedTuple):
     Attributes:
         imbalance: M_p2 [N].
         constant: Part of F_4 that is the same everywhere [N].
-        fx .. turns: The load, as `load.wrench_at_center` takes it.
+        load: The load, as `load.wrench_at_center` takes it.
     """
 
     imbalance: float
     constant: float
-    fx: float
-    fy: float
-    fz: float
-    mx: float
-    my: float
-    mz: float
-    px: float
-    py: float
-    pz: float
-    turns: float
+    load: tuple[float, ...]
 
 
 def static_terms(design: Design) -> StaticTerms:
     """Return what a design's static torques depend on besides the pose and the geometry."""
     load = design.load
-    return StaticTerms(
-        static_imbalance(design), lift_constant(design), *load.wrench, *load.point, load.turns
-    )
+    numbers = (*load.wrench, *load.point, load.turns)
+    return StaticTerms(static_imbalance(design), lift_constant(design), numbers)
+
+
+def _leg_vectors(m: Mechanism, x: Any, y: Any, c: Any, s: Any) -> list[Any]:
+    axes = zip(AXIS_X, AXIS_Y, strict=True)
+    return [leg.leg_vector(m, ax, ay, x, y, c, s) for ax, ay in axes]
 
 
 def static_ranges(m: Mechanism, q: StaticTerms, x: Any, y: Any, c: Any, s: Any, z: Any) -> Any:
@@ -72,15 +67,11 @@ def static_ranges(m: Mechanism, q: StaticTerms, x: Any, y: Any, c: Any, s: Any, 
     A plain formula, see `statics.static_torques`: of numbers, or of ranges.
     """
     zeta = z + m.joint_height
-    v1 = leg.leg_vector(m, AXIS_X[0], AXIS_Y[0], x, y, c, s)
-    v2 = leg.leg_vector(m, AXIS_X[1], AXIS_Y[1], x, y, c, s)
-    v3 = leg.leg_vector(m, AXIS_X[2], AXIS_Y[2], x, y, c, s)
-    _, f1, h1 = leg.knee_height(m, leg.pantograph(m, v1.rho2, zeta), zeta)
-    _, f2, h2 = leg.knee_height(m, leg.pantograph(m, v2.rho2, zeta), zeta)
-    _, f3, h3 = leg.knee_height(m, leg.pantograph(m, v3.rho2, zeta), zeta)
-    wx, wy, wz, _, _, wt = wrench_at_center(
-        q.fx, q.fy, q.fz, q.mx, q.my, q.mz, q.px, q.py, q.pz, q.turns, c, s
+    v1, v2, v3 = _leg_vectors(m, x, y, c, s)
+    (_, f1, h1), (_, f2, h2), (_, f3, h3) = (
+        leg.knee_height(m, leg.pantograph(m, v.rho2, zeta), zeta) for v in (v1, v2, v3)
     )
+    wx, wy, wz, _, _, wt = wrench_at_center(*q.load, c, s)
     fx = (f1 * v1.dx + f2 * v2.dx + f3 * v3.dx) * q.imbalance - wx
     fy = (f1 * v1.dy + f2 * v2.dy + f3 * v3.dy) * q.imbalance - wy
     ft = (
@@ -98,9 +89,7 @@ def static_ranges(m: Mechanism, q: StaticTerms, x: Any, y: Any, c: Any, s: Any, 
 
 def determinant_range(m: Mechanism, x: Any, y: Any, c: Any, s: Any) -> Any:
     """Return the determinant of the rows (w_k, p_k x w_k), see `singularity.Singularity` [m]."""
-    r1 = leg.leg_vector(m, AXIS_X[0], AXIS_Y[0], x, y, c, s).rho2
-    r2 = leg.leg_vector(m, AXIS_X[1], AXIS_Y[1], x, y, c, s).rho2
-    r3 = leg.leg_vector(m, AXIS_X[2], AXIS_Y[2], x, y, c, s).rho2
+    r1, r2, r3 = (v.rho2 for v in _leg_vectors(m, x, y, c, s))
     turn, place = robot.determinant_factors(m, x, y, c)
     factor = -3.0 * robot.HALF_ROOT_3 * m.platform_radius
     return turn * place * factor / (np.sqrt(r1) * np.sqrt(r2) * np.sqrt(r3))
@@ -108,11 +97,8 @@ def determinant_range(m: Mechanism, x: Any, y: Any, c: Any, s: Any) -> Any:
 
 def inverse_jacobian_rows(m: Mechanism, x: Any, y: Any, c: Any, s: Any) -> Any:
     """Return G for (x, y, R_pl theta) and M1..M3, row by row [1/m], (9 values)."""
-    return (
-        *_row(m, leg.leg_vector(m, AXIS_X[0], AXIS_Y[0], x, y, c, s)),
-        *_row(m, leg.leg_vector(m, AXIS_X[1], AXIS_Y[1], x, y, c, s)),
-        *_row(m, leg.leg_vector(m, AXIS_X[2], AXIS_Y[2], x, y, c, s)),
-    )
+    first, second, third = (_row(m, v) for v in _leg_vectors(m, x, y, c, s))
+    return (*first, *second, *third)
 
 
 def _row(m: Mechanism, v: Any) -> Any:

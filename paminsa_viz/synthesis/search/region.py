@@ -9,7 +9,7 @@ numbers a leg: the least and largest X_1, and the least and largest |z_5|. X_1 i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -159,11 +159,13 @@ class TrialSamples:
         within: Positions inside and on its outline, of radius 1 or half-widths (1, 1) (m, 2).
         theta: Headings (k,) [rad].
         share: Heights from -1/2 to 1/2 (l,).
+        wrench: The load's (f_x, f_y, m_z) at the headings (k, 3) [N, N m]; none if empty.
     """
 
     within: Array
     theta: Array
     share: Array
+    wrench: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     @cached_property
     def turns(self) -> Array:

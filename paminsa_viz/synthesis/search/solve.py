@@ -41,17 +41,7 @@ SLACK = 1.05
 class _Answer:
     state: RegimeState
     found: TrialEvaluation
-    bounds: tuple[Requirement, ...]
     proof: Proof | None = None
-
-    @property
-    def refuted(self) -> Array:
-        """By how much a pose that a proof found breaks each bound and limit [SI], zero if none."""
-        excess = np.zeros(len(self.found.values))
-        for item in () if self.proof is None else self.proof.evidence:
-            if item.verdict is Verdict.REFUTED and item.requirement in self.bounds:
-                excess[self.bounds.index(item.requirement)] = max(0.0, -item.margin)
-        return excess
 
 
 @dataclass(frozen=True)
@@ -95,7 +85,7 @@ class _Run:
         if not state.feasible or not repair:
             return answer
         for _ in range(REPAIRS):
-            excess = answer.refuted
+            excess = self._refuted(answer)
             if answer.found.feasible and not excess.any():
                 break
             seen, found = plain.evaluate(np.array([state.best]))[0], answer.found
@@ -119,6 +109,15 @@ class _Run:
             answer = self._answer(finer, state)
         return answer
 
+    def _refuted(self, answer: _Answer) -> Array:
+        """Return by how much a pose of the proof breaks each bound and limit [SI], zero if none."""
+        bounds = self.case.requirements.bounds
+        excess = np.zeros(len(answer.found.values))
+        for item in () if answer.proof is None else answer.proof.evidence:
+            if item.verdict is Verdict.REFUTED and item.requirement in bounds:
+                excess[bounds.index(item.requirement)] = max(0.0, -item.margin)
+        return excess
+
     def _answer(self, finer: Evaluator, state: RegimeState) -> _Answer:
         """Evaluate the best trial on the finer poses, and prove it if it holds there."""
         found = finer.evaluate(np.array([state.best]))[0]
@@ -128,7 +127,7 @@ class _Run:
         if self.prove is not None and found.feasible and trial is not None and not sprung:
             required = replace(self.case.requirements, workspace=trial.workspace)
             proof = prove_workspace(trial.design, required, time_limit=self.prove)
-        return _Answer(state, found, self.case.requirements.bounds, proof)
+        return _Answer(state, found, proof)
 
 
 def synthesize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -54,17 +54,6 @@ class Poses:
         turned = any((load.force_x, load.force_y, load.moment_z))
         return not single and not turned
 
-    def wrench(self, theta: Range) -> Array:
-        """Return the load's (f_x, f_y, m_z) at the headings of samples (k, 3) [N, N m]."""
-        if theta not in self._wrenches:
-            found = generalized_force(self.case.reference.load, self.over(theta).theta)
-            self._wrenches[theta] = np.ascontiguousarray(found[:, :3])
-        return self._wrenches[theta]
-
-    @cached_property
-    def _wrenches(self) -> dict[Range, Array]:
-        return {}
-
     @cached_property
     def _kept(self) -> dict[Range, TrialSamples]:
         return {}
@@ -73,7 +62,8 @@ class Poses:
         """Return the samples of the workspace with some headings."""
         if theta not in self._kept:
             found = sample(self.case.workspace, theta, self.density, alike=self.alike)
-            self._kept[theta] = found
+            force = generalized_force(self.case.reference.load, found.theta)[:, :3]
+            self._kept[theta] = replace(found, wrench=np.ascontiguousarray(force))
         return self._kept[theta]
 
     def __reduce__(self) -> tuple[type[Poses], tuple[SynthesisCase, Density]]:
@@ -161,14 +151,7 @@ class TrialRobot:
         lift = k * (c[16] * g + 3 * c[0]) + 3 * c[2] - k * load.force_z
         xy = found.place(found.within, self.workspace)
         kernels.load()[1](
-            self.mechanism,
-            float(c[1]),
-            float(lift),
-            self.poses.wrench(theta),
-            xy,
-            found.turns,
-            heights,
-            out,
+            self.mechanism, float(c[1]), float(lift), found.wrench, xy, found.turns, heights, out
         )
         return out
 

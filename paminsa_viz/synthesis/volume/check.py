@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirement_text import requirement_label
@@ -139,11 +138,11 @@ def _over_volume(volume: Volume) -> RequirementsCheck:
     inside = volume.reachable if volume.empty else volume.inside
     requirements = volume.requirements
     if not volume.reachable.any():
-        middle = np.zeros((1, 2))
-        samples = Samples(middle, volume.z)
-        return RequirementsCheck(_nothing(volume, samples), over, None, volume)
-    nodes = np.nonzero(inside)
-    items = list(_volume_reach_items(volume, inside))
+        return RequirementsCheck(_nothing(volume), over, None, volume)
+    nodes, columns = np.nonzero(inside), np.nonzero(inside.any(axis=2))
+    positions = np.column_stack([volume.x[columns[0]], volume.y[columns[1]]])
+    everywhere = Samples(positions, volume.z)
+    items = list(reach_items(volume.design, requirements, everywhere, inside[columns]))
     for index, bound in enumerate(requirements.bounds):
         margin = volume.margins[index][nodes]
         number = int(margin.argmax() if volume.empty else margin.argmin())
@@ -154,29 +153,12 @@ def _over_volume(volume: Volume) -> RequirementsCheck:
     return RequirementsCheck(tuple(items), over, None, volume)
 
 
-def _volume_reach_items(volume: Volume, inside: NDArray[np.bool_]) -> list[RequirementCheck]:
-    columns = np.nonzero(inside.any(axis=2))
-    positions = np.column_stack([volume.x[columns[0]], volume.y[columns[1]]])
-    bounds = reach_bounds(
-        volume.design.geometry, positions[:, :1], positions[:, 1:], volume.requirements.theta
-    )
-    margin = np.where(inside[columns], bounds.margin(volume.z)[0], np.inf)
-    i, k = (int(n) for n in np.unravel_index(int(margin.argmin()), margin.shape))
-    reach, _ = reach_items(
-        volume.design, volume.requirements, Samples(positions[[i]], volume.z[[k]])
-    )
-    n = int(bounds.position[:, 0].argmin())
-    _, singular = reach_items(
-        volume.design, volume.requirements, Samples(positions[[n]], volume.z[[k]])
-    )
-    return [reach, singular]
-
-
-def _nothing(volume: Volume, samples: Samples) -> tuple[RequirementCheck, ...]:
+def _nothing(volume: Volume) -> tuple[RequirementCheck, ...]:
     """Return the items of a robot that can take no pose with every heading."""
     bounds = reach_bounds(volume.design.geometry, 0.0, 0.0, volume.requirements.theta)
-    height = Samples(samples.positions, samples.z[[int(bounds.margin(samples.z)[0].argmax())]])
-    items = reach_items(volume.design, volume.requirements, height)
+    best = int(bounds.margin(volume.z)[0].argmax())
+    middle = Samples(np.zeros((1, 2)), volume.z[[best]])
+    items = reach_items(volume.design, volume.requirements, middle)
     reason = "no pose can be taken with every heading"
     broken = (
         RequirementCheck(

@@ -34,37 +34,29 @@ _FEW = 12
 """Requirements up to which all sets are tried, the smallest first."""
 
 
-def irreducible_set(items: Sequence[T], feasible: Callable[[tuple[T, ...]], bool]) -> tuple[T, ...]:
+def irreducible_set(
+    items: Sequence[T], feasible: Callable[[tuple[T, ...]], bool], few: int = 0
+) -> tuple[T, ...]:
     """Return an irreducible set of requirements, in their order; empty if all can be met together.
 
     Args:
         items: Requirements.
         feasible: Whether some of them can be met together. Where it may overlook a solution, as a
             search may, the set may be larger than need be, and requirements may seem to contradict.
+        few: Number of requirements up to which every set is asked for in order of its size, up to
+            2^n of them, for a set with the fewest members.
     """
     if feasible(tuple(items)):
         return ()
+    if len(items) <= few:
+        sets = (chosen for size in range(1, len(items)) for chosen in combinations(items, size))
+        return next((chosen for chosen in sets if not feasible(chosen)), tuple(items))
     kept = list(items)
     for item in items:
         rest = [other for other in kept if other is not item]
         if not feasible(tuple(rest)):
             kept = rest
     return tuple(kept)
-
-
-def smallest_set(items: Sequence[T], feasible: Callable[[tuple[T, ...]], bool]) -> tuple[T, ...]:
-    """Return a set with the fewest requirements that cannot be met together; empty if all can.
-
-    It asks for every set in order of its size, which is up to 2^n of them; arguments as in
-    `irreducible_set`.
-    """
-    if feasible(tuple(items)):
-        return ()
-    for size in range(1, len(items)):
-        for chosen in combinations(items, size):
-            if not feasible(chosen):
-                return chosen
-    return tuple(items)
 
 
 @dataclass(frozen=True)
@@ -144,8 +136,7 @@ def _conflict_of(met: NDArray[np.bool_]) -> tuple[int, ...]:
     def feasible(chosen: tuple[int, ...]) -> bool:
         return bool(patterns[list(chosen)].all(axis=0).any())
 
-    find = smallest_set if len(met) <= _FEW else irreducible_set
-    return find(range(len(met)), feasible)
+    return irreducible_set(range(len(met)), feasible, _FEW)
 
 
 def _relaxation(

@@ -106,20 +106,6 @@ class Canceled(Exception):
     """Work that its progress function ended."""
 
 
-@dataclass(frozen=True, eq=False)
-class HeadingMargins:
-    """Margins of requirements at columns; the least over the headings.
-
-    Attributes:
-        least: (requirements, positions, heights) least margin [SI]; minus infinite where there is
-            no value, plus infinite at heights over which a requirement does not hold.
-        coarse: (requirements, positions, heights) the same over every second heading.
-    """
-
-    least: Array
-    coarse: Array
-
-
 def headings(limits: Range, count: int) -> Array:
     """Return headings over a range, its ends among them; one for a range of one [rad]."""
     return np.linspace(*limits, count) if limits[1] > limits[0] else np.array([limits[0]])
@@ -143,7 +129,7 @@ def heading_margins(
     z: Array,
     count: int,
     progress: Progress | None = None,
-) -> HeadingMargins:
+) -> tuple[Array, Array]:
     """Evaluate every requirement at positions and heights.
 
     What does not depend on z is evaluated once a position.
@@ -155,6 +141,11 @@ def heading_margins(
         z: (heights,) [m].
         count: Headings over a range; an odd number.
         progress: Is told what part is done, and may end it.
+
+    Returns:
+        The least margins over the headings (requirements, positions, heights) [SI]: minus infinite
+        where there is no value, plus infinite at heights over which a requirement does not hold;
+        and the same over every second heading.
 
     Raises:
         Canceled: If ``progress`` says so.
@@ -192,7 +183,7 @@ def heading_margins(
         if bound.z is not None:
             free = (z < bound.z[0]) | (z > bound.z[1])
             least[index][:, free] = coarse[index][:, free] = np.inf
-    return HeadingMargins(least, coarse)
+    return least, coarse
 
 
 def _groups(

@@ -213,7 +213,7 @@ def _margins(
     index = np.nonzero(columns)
     positions = np.column_stack([x[index[0]], x[index[1]]])
     solved = heading_margins(design, requirements, positions, z[heights], headings, progress)
-    for target, source in zip(found, (solved.least, solved.coarse), strict=True):
+    for target, source in zip(found, solved, strict=True):
         for number in range(len(target)):
             target[number, index[0], index[1], heights] = source[number]
         for number, bound in enumerate(requirements.bounds):

@@ -193,12 +193,24 @@ def worst_over(
 
 
 def reach_items(
-    design: Design, requirements: Requirements, samples: Samples
+    design: Design,
+    requirements: Requirements,
+    samples: Samples,
+    inside: NDArray[np.bool_] | None = None,
 ) -> tuple[RequirementCheck, RequirementCheck]:
-    """Check reach and singularity over all headings at positions and heights."""
+    """Check reach and singularity over all headings at positions and heights.
+
+    Args:
+        design: The robot.
+        requirements: Of which the headings count.
+        samples: Positions and heights.
+        inside: (positions, heights) which of them count for reach; None for all.
+    """
     x, y = samples.positions[:, 0], samples.positions[:, 1]
     bounds = reach_bounds(design.geometry, x[:, None], y[:, None], requirements.theta)
     margin, which = bounds.margin(samples.z)
+    if inside is not None:
+        margin = np.where(inside, margin, np.inf)
     i, k = (int(n) for n in np.unravel_index(int(margin.argmin()), margin.shape))
     least, limit = float(margin[i, k]), MARGINS[int(which[i, k]) % len(MARGINS)]
     theta = headings(requirements.theta, _FINE_HEADINGS)
@@ -214,10 +226,10 @@ def reach_items(
     distance = float(position[n])
     turned, regular = bounds.turn > 0.0, bool(bounds.regular.all())
     value = distance if turned else min(distance, bounds.turn)
-    cosine = np.cos(theta)
+    cosine, height = np.cos(theta), 0 if inside is None else k
     sign = np.sign(design.geometry.base_radius - design.geometry.platform_radius)
     worst_index = int((sign * cosine).argmin() if not turned else cosine.argmax())
-    where = (float(x[n]), float(y[n]), float(theta[worst_index]), float(samples.z[0]))
+    where = (float(x[n]), float(y[n]), float(theta[worst_index]), float(samples.z[height]))
     reason = "" if regular else "the headings reach the singular rotation"
     if not regular and turned:
         reason = "beyond the circle of singular positions"

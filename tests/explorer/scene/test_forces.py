@@ -17,10 +17,10 @@ from paminsa_viz.actuation.wrench_capability import capability
 from paminsa_viz.explorer.scene.forces import (
     BAR,
     FARTHEST,
-    force_scale,
     load_arrow,
     load_arrows,
     played_load,
+    round_scale,
     scale_text,
 )
 from paminsa_viz.explorer.scene.layers import LAYERS, SceneContext
@@ -34,7 +34,7 @@ LOADED = replace(APPENDIX_4, load=LoadCase(30.0, 0.0, -40.0, moment_z=5.0, point
 
 @given(largest=st.floats(1e-6, 1e6), longest=st.floats(0.05, 2.0))
 def test_scale_is_a_round_number_that_fits(largest: float, longest: float) -> None:
-    scale = force_scale(largest, longest)
+    scale = round_scale(largest, longest)
     assert largest * BAR / scale <= longest * (1 + 1e-9)
     assert largest * BAR / scale > longest / 2.6
     assert f"{scale:.0e}"[0] in "125"
