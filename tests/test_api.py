@@ -42,16 +42,10 @@ def public() -> Iterator[tuple[str, Any]]:
             yield f"{package}.{name}", getattr(module, name)
 
 
-CALLABLES = [
-    pytest.param(value, id=name)
-    for name, value in public()
-    if inspect.isclass(value) or inspect.isroutine(value)
-]
-DATA = [
-    pytest.param(value, id=name)
-    for name, value in public()
-    if inspect.isclass(value) and is_dataclass(value)
-]
+CALLABLES = {
+    name: value for name, value in public() if inspect.isclass(value) or inspect.isroutine(value)
+}
+"""Public functions and classes by their full names."""
 
 
 @pytest.mark.parametrize("package", PACKAGES)
@@ -62,43 +56,45 @@ def test_package_has_a_docstring_and_unique_names(package) -> None:
     assert all(hasattr(module, name) for name in module.__all__)
 
 
-@pytest.mark.parametrize("value", CALLABLES)
-def test_public_name_has_a_docstring(value) -> None:
-    own = value.__doc__ or ""
-    generated = f"{value.__name__}("  # what dataclass writes where there is nothing
-    assert own.strip()
-    assert not own.startswith(generated)
-    if not inspect.isclass(value) or getattr(value, "_is_protocol", False):
-        return
-    for name, method in vars(value).items():
-        if not name.startswith("_") and isinstance(method, (types.FunctionType, property)):
-            assert inspect.getdoc(method), f"{value.__name__}.{name}"
+def test_public_names_have_docstrings() -> None:
+    for place, value in CALLABLES.items():
+        own = value.__doc__ or ""
+        generated = f"{value.__name__}("  # what dataclass writes where there is nothing
+        assert own.strip(), place
+        assert not own.startswith(generated), place
+        if not inspect.isclass(value) or getattr(value, "_is_protocol", False):
+            continue
+        for name, method in vars(value).items():
+            if not name.startswith("_") and isinstance(method, (types.FunctionType, property)):
+                assert inspect.getdoc(method), f"{place}.{name}"
 
 
-@pytest.mark.parametrize("value", CALLABLES)
-def test_public_functions_are_typed(value) -> None:
-    function = value.__init__ if inspect.isclass(value) else value
-    if is_dataclass(value) or (inspect.isclass(value) and issubclass(value, Enum)):
-        return
-    if not hasattr(function, "__annotations__"):
-        return
-    for name, parameter in inspect.signature(function).parameters.items():
-        if name not in ("self", "args", "kwds", "kwargs"):
-            assert parameter.annotation is not inspect.Parameter.empty, name
+def test_public_functions_are_typed() -> None:
+    for place, value in CALLABLES.items():
+        function = value.__init__ if inspect.isclass(value) else value
+        if is_dataclass(value) or (inspect.isclass(value) and issubclass(value, Enum)):
+            continue
+        if not hasattr(function, "__annotations__"):
+            continue
+        for name, parameter in inspect.signature(function).parameters.items():
+            if name not in ("self", "args", "kwds", "kwargs"):
+                assert parameter.annotation is not inspect.Parameter.empty, f"{place}: {name}"
 
 
-@pytest.mark.parametrize("value", DATA)
-def test_every_field_is_documented(value) -> None:
+def test_every_field_is_documented() -> None:
     """In the class's text, in one of its own below it, or as a design value by its label.
 
     What a term of an optimization is called is said where terms are, see `Term`.
     """
-    text = inspect.getdoc(value) or ""
-    below = _below(value) | ({"label", "unit"} if hasattr(value, "convex_term") else set())
-    for item in fields(value):
-        if item.name.startswith("_") or "label" in item.metadata or item.name in below:
+    for place, value in CALLABLES.items():
+        if not (inspect.isclass(value) and is_dataclass(value)):
             continue
-        assert re.search(rf"\b{item.name}\b", text), f"{value.__name__}.{item.name}"
+        text = inspect.getdoc(value) or ""
+        below = _below(value) | ({"label", "unit"} if hasattr(value, "convex_term") else set())
+        for item in fields(value):
+            if item.name.startswith("_") or "label" in item.metadata or item.name in below:
+                continue
+            assert re.search(rf"\b{item.name}\b", text), f"{place}.{item.name}"
 
 
 def _below(value: type) -> set[str]:

@@ -11,7 +11,7 @@ from operator import attrgetter
 from typing import Generic
 
 from paminsa_viz.explorer import tasks
-from paminsa_viz.explorer.entries import Button, Condition, Entry, Progress
+from paminsa_viz.explorer.entries import Button, Condition, Progress
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
@@ -130,9 +130,17 @@ def is_running(path: str) -> Condition:
     return lambda state: tasks.running(state, path) is not None
 
 
-def task_entries(path: str, start: Button) -> tuple[Entry, ...]:
-    """Return a task's button and, while it runs, its progress and a button that stops it."""
-    runs, key = is_running(path), start.key
+def task_entries(
+    path: str, start: Button, runs: Condition | None = None
+) -> tuple[Button, Progress, Button]:
+    """Return a task's button and, while it runs, its progress and a button that stops it.
+
+    Args:
+        path: The task's place in the state.
+        start: The button that starts it.
+        runs: Whether what the button started runs, where the task has several kinds of jobs.
+    """
+    runs, key = runs or is_running(path), start.key
 
     def can_start(state: State) -> bool:
         return not runs(state) and (start.visible is None or start.visible(state))

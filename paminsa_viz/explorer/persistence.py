@@ -20,7 +20,7 @@ import msgspec
 from paminsa_viz.explorer.identifying import IdentifySettings
 from paminsa_viz.explorer.motion.description import motion_data, motion_from_data
 from paminsa_viz.explorer.requirements.saved import requirements_data, requirements_from_data
-from paminsa_viz.explorer.settings import settings_data, settings_from_data
+from paminsa_viz.explorer.settings import changed_data, settings_from_data
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.errors import printable, shown
@@ -85,7 +85,7 @@ def dump(document: Document, identify: IdentifySettings | None = None) -> str:
 
     The settings of the identification can come with it; its logs and results do not.
     """
-    reference = document.reference
+    reference, start = document.reference, IdentifySettings()
     described = _described(document.design) | {
         "version": VERSION,
         "assembly": document.design.geometry.knee.value,
@@ -95,7 +95,7 @@ def dump(document: Document, identify: IdentifySettings | None = None) -> str:
     optional = {
         "motion": motion_data(document.motion),
         "requirements": requirements_data(document.requirements),
-        "identify": {} if identify is None else settings_data(identify),
+        "identify": changed_data(identify or start, start),
     }
     return json.dumps(described | {name: data for name, data in optional.items() if data})
 

@@ -75,14 +75,14 @@ class Settings:
             raise InvalidInput(one.label, f"{ends} is possible, not {one.unit.from_si(value):g}")
 
 
-def settings_data(settings: Any) -> dict[str, Any]:
-    """Return the settings that are not the default, as plain data."""
-    values = {item: getattr(settings, item.name) for item in fields(settings)}
-    return {item.name: value for item, value in values.items() if value != item.default}
+def changed_data(value: Any, start: Any) -> dict[str, Any]:
+    """Return the fields of a dataclass that differ from another of its kind, as plain data."""
+    data, default = (msgspec.to_builtins(each) for each in (value, start))
+    return {name: each for name, each in data.items() if each != default[name]}
 
 
 def settings_from_data(kind: type[Some], data: dict[str, Any]) -> Some:
-    """Read what `settings_data` returned.
+    """Read what `changed_data` returned of settings at their start.
 
     Raises:
         InvalidInput: If a name is unknown.

@@ -267,8 +267,7 @@ MOTION_METRICS: tuple[Metric[TrajectoryAnalysis], ...] = (
 )  # fmt: skip
 """Everything that is measured on a motion, in the order of a table's columns."""
 
-RUNS = str(status_words(Limit.OK))
-"""Word for a motion that a design can run."""
+RUNS = str(status_words(Limit.OK))  # word for a motion that a design can run
 
 
 def measure_motion(design: Design, trajectory: Trajectory) -> tuple[str, float, tuple[float, ...]]:

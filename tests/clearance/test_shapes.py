@@ -57,7 +57,7 @@ def of_frame(design: Design, frame: str) -> list[Body]:
     return [b for b in shapes_of(design).bodies if b.frame == frame and b.part not in hung]
 
 
-@pytest.mark.parametrize("seed", [None, 1, 2, 3])
+@pytest.mark.parametrize("seed", [None, 1])
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_solids_enclose_the_surface_that_is_drawn(knee: KneeBranch, seed: int | None) -> None:
     design = loaded(seed, knee)

@@ -17,6 +17,7 @@ def folder(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
+@pytest.mark.slow
 def test_written_motion_keeps_the_reported_limits(capsys) -> None:
     words = (*SHORT, "--out", "motion.csv", "--max-speed", "1.5", "--rate", "100")
     found = run_json("excite", capsys, *words)

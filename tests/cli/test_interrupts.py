@@ -47,7 +47,7 @@ def begin(words: str, folder: Path) -> subprocess.Popen[bytes]:
     return process
 
 
-@pytest.mark.parametrize("delay", [0.02, 0.1, 0.25, 0.6, 1.2, 2.0])
+@pytest.mark.parametrize("delay", [0.02, 0.15, 0.5, 1.5])
 @pytest.mark.parametrize("command", COMMANDS)
 def test_ctrl_c_stops_any_command_at_any_moment(command, delay, tmp_path) -> None:
     process = begin(COMMANDS[command], tmp_path)

@@ -22,7 +22,7 @@ from tests.support.samples import with_knee
 
 Engine = type[ClosedLoopRobot]
 RANDOM = samples.random_design(np.random.default_rng(1))
-EACH = samples.each_robot(range(5))
+EACH = samples.each_robot(range(2))
 SHARP = 1e-11
 """Relative to the largest value of each actuator; a millionth is asked for."""
 

@@ -22,7 +22,7 @@ from tests.support.cases import BOTH, PROTOTYPES
 from tests.support.samples import with_knee
 
 RANDOM = samples.random_design(np.random.default_rng(7))
-EACH = samples.each_robot((7, 8))
+EACH = samples.each_robot((7,))
 
 
 def run(mujoco: Any, text: str, seconds: float, control: Any = None) -> tuple[Any, Any, float]:
@@ -40,7 +40,7 @@ def run(mujoco: Any, text: str, seconds: float, control: Any = None) -> tuple[An
             data.ctrl[:] = control(data.time)
         mujoco.mj_step(model, data)
         gap = max(gap, float(np.abs(data.efc_pos).max()))
-        assert not any(warning.number for warning in data.warning)
+    assert not any(warning.number for warning in data.warning)  # they are counted
     return model, data, gap
 
 

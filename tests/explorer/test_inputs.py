@@ -81,11 +81,7 @@ PANELS: dict[str, tuple[Entry, ...]] = {
     "torque maps": torque_entries("torque maps", NO_PICTURE),
     "single map": single_entries("single map", NO_PICTURE),
 }
-INPUTS = [
-    pytest.param(entry, id=f"{panel}:{entry.key}")
-    for panel, entries in PANELS.items()
-    for entry in inputs_in(entries)
-]
+EACH_PANEL = pytest.mark.parametrize("panel", PANELS)
 JUNK: dict[type[Input], list[Any]] = {
     Slider: [math.nan, math.inf, 10**400, "1", None, True, [1.0]],
     Number: [math.nan, -math.inf, 10**400, "1", None, False, [1.0]],
@@ -138,40 +134,43 @@ def another(entry: Input, state: State) -> Any:
     return value + entry.step if value < high else value - entry.step
 
 
-@pytest.mark.parametrize("entry", INPUTS)
-def test_input_takes_back_what_it_shows(entry: Input, state: State) -> None:
-    if entry.key not in ONE_WAY:
-        shown = entry.shown(state)
-        after = entry.apply(state, entry.parse(state, shown))
-        assert same(entry.shown(after), shown)
+@EACH_PANEL
+def test_input_takes_back_what_it_shows(panel: str, state: State) -> None:
+    for entry in inputs_in(PANELS[panel]):
+        if entry.key not in ONE_WAY:
+            shown = entry.shown(state)
+            after = entry.apply(state, entry.parse(state, shown))
+            assert same(entry.shown(after), shown), entry.key
 
 
-@pytest.mark.parametrize("entry", INPUTS)
-def test_value_of_another_kind_is_refused_by_name(entry: Input, state: State) -> None:
-    for value in JUNK[type(entry)]:
-        with pytest.raises(InvalidInput) as error:
-            entry.parse(state, value)
-        assert error.value.argument == name(entry, state) != ""
-
-
-@pytest.mark.parametrize("entry", INPUTS)
-def test_ends_of_a_range_are_possible_and_no_number_beyond_them(entry: Input, state: State) -> None:
-    if entry.key in ONE_WAY:
-        return
-    for end, beyond in ends(entry, state):
-        after = entry.apply(state, entry.parse(state, end))
-        assert entry.shown(after) == pytest.approx(end, rel=1e-12, abs=5e-4)
-        if not isinstance(entry, Slider):
+@EACH_PANEL
+def test_value_of_another_kind_is_refused_by_name(panel: str, state: State) -> None:
+    for entry in inputs_in(PANELS[panel]):
+        for value in JUNK[type(entry)]:
             with pytest.raises(InvalidInput) as error:
-                entry.parse(state, beyond)
-            assert error.value.argument == name(entry, state)
-        elif entry.fit is None:
-            step = math.copysign(entry.step, beyond - end)
-            assert entry.parse(state, end + step) == entry.parse(state, end)
-            with pytest.raises(InvalidInput, match="is possible"):
-                entry.parse(state, end + 2 * step)
-        else:
-            assert entry.parse(state, beyond) == entry.unit.to_si(beyond)
+                entry.parse(state, value)
+            assert error.value.argument == name(entry, state) != ""
+
+
+@EACH_PANEL
+def test_ends_of_a_range_are_possible_and_no_number_beyond_them(panel: str, state: State) -> None:
+    for entry in inputs_in(PANELS[panel]):
+        if entry.key in ONE_WAY:
+            continue
+        for end, beyond in ends(entry, state):
+            after = entry.apply(state, entry.parse(state, end))
+            assert entry.shown(after) == pytest.approx(end, rel=1e-12, abs=5e-4)
+            if not isinstance(entry, Slider):
+                with pytest.raises(InvalidInput) as error:
+                    entry.parse(state, beyond)
+                assert error.value.argument == name(entry, state)
+            elif entry.fit is None:
+                step = math.copysign(entry.step, beyond - end)
+                assert entry.parse(state, end + step) == entry.parse(state, end)
+                with pytest.raises(InvalidInput, match="is possible"):
+                    entry.parse(state, end + 2 * step)
+            else:
+                assert entry.parse(state, beyond) == entry.unit.to_si(beyond)
 
 
 @pytest.mark.parametrize(
@@ -195,11 +194,12 @@ def test_absurd_setting_is_refused(key: str, value: object, state: State) -> Non
         entries[key].parse(state, value)
 
 
-@pytest.mark.parametrize("entry", [p for p in INPUTS if isinstance(p.values[0], Dropdown)])
-def test_every_choice_is_shown_once_it_is_made(entry: Dropdown, state: State) -> None:
-    for text in given(entry.options, state):
-        if entry.key not in ONE_WAY:
-            assert entry.shown(entry.apply(state, entry.parse(state, text))) == text
+@EACH_PANEL
+def test_every_choice_is_shown_once_it_is_made(panel: str, state: State) -> None:
+    for entry in inputs_in(PANELS[panel]):
+        if isinstance(entry, Dropdown) and entry.key not in ONE_WAY:
+            for text in given(entry.options, state):
+                assert entry.shown(entry.apply(state, entry.parse(state, text))) == text
 
 
 def test_keys_and_labels_tell_inputs_apart(state: State) -> None:

@@ -53,14 +53,13 @@ def test_bytes_read_like_text(design: Design, windows: bool) -> None:
     assert read_design(text.encode("utf-16"), "a.toml") == design
 
 
-@pytest.mark.parametrize("key", KEYS, ids=lambda key: key.path)
-def test_every_number_can_be_set_alone(key) -> None:
-    path = key.parameter.path
-    value = min(key.parameter.default * 1.0625 + 0.001, key.parameter.largest)
-    heading = f"[{key.table}]\n" if key.table else ""
-    design = read_design(f"{VERSION}{heading}{key.name} = {value!r}", "robot.toml")
-    assert design == APPENDIX_4.vary({path: value})
-    assert design.name == "robot"
+def test_every_number_can_be_set_alone() -> None:
+    for key in KEYS:
+        value = min(key.parameter.default * 1.0625 + 0.001, key.parameter.largest)
+        heading = f"[{key.table}]\n" if key.table else ""
+        design = read_design(f"{VERSION}{heading}{key.name} = {value!r}", "robot.toml")
+        assert design == APPENDIX_4.vary({key.parameter.path: value}), key.path
+        assert design.name == "robot"
 
 
 def test_every_number_is_written_with_its_symbol() -> None:

@@ -117,9 +117,9 @@ def expect_refusal(parameter: Parameter, value: Any) -> None:
 
 
 @EACH
-@pytest.mark.parametrize("value", NO_NUMBERS, ids=lambda v: f"{type(v).__name__} {v!r:.8}")
-def test_what_is_no_finite_number_is_refused(parameter: Parameter, value: Any) -> None:
-    expect_refusal(parameter, value)
+def test_what_is_no_finite_number_is_refused(parameter: Parameter) -> None:
+    for value in NO_NUMBERS:
+        expect_refusal(parameter, value)
 
 
 @EACH
@@ -271,14 +271,14 @@ def test_a_value_that_does_not_exist_is_refused(path: str) -> None:
         APPENDIX_4.value(path)
 
 
-@EACH
 @pytest.mark.parametrize("kind", [int, np.float64, np.float32, np.int64])
-def test_whole_and_numpy_numbers_become_floats(parameter: Parameter, kind: Any) -> None:
+def test_whole_and_numpy_numbers_become_floats(kind: Any) -> None:
     """The compiled formulas are made for floats; another type would compile all of them again."""
-    value = kind(round(parameter.default) + 3)
     bars = {"geometry.crank_length": kind(90), "geometry.coupler_length": kind(90)}
-    stored: Any = APPENDIX_4.vary(bars | {parameter.path: value})
-    for name in parameter.path.split("."):
-        stored = getattr(stored, name)
-    assert type(stored) is float
-    assert stored == value
+    for parameter in PARAMETERS:
+        value = kind(round(parameter.default) + 3)
+        stored: Any = APPENDIX_4.vary(bars | {parameter.path: value})
+        for name in parameter.path.split("."):
+            stored = getattr(stored, name)
+        assert type(stored) is float, parameter.path
+        assert stored == value

@@ -55,11 +55,11 @@ def test_tube_without_a_wall_is_refused(bar: str, inner: float) -> None:
     assert (caught.value.field, caught.value.value) == (f"elastic.{bar}_inner", inner)
 
 
-@pytest.mark.parametrize("path", [p.path for p in ELASTIC_PARAMETERS if p.positive])
-def test_zero_is_refused_with_its_reason(path: str) -> None:
-    with pytest.raises(InvalidDesign, match="above 0") as caught:
-        APPENDIX_4.vary({path: 0.0})
-    assert caught.value.field == path
+def test_zero_is_refused_with_its_reason() -> None:
+    for path in (p.path for p in ELASTIC_PARAMETERS if p.positive):
+        with pytest.raises(InvalidDesign, match="above 0") as caught:
+            APPENDIX_4.vary({path: 0.0})
+        assert caught.value.field == path
 
 
 def test_numbers_left_open_count_as_the_tube_and_as_rigid() -> None:

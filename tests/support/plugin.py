@@ -34,6 +34,16 @@ def mujoco() -> Any:
     return importlib.import_module("mujoco")
 
 
+@pytest.fixture
+def report_of_the_motion(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out of reports what takes long and does not depend on the motion."""
+    from paminsa_viz.report import page
+    from paminsa_viz.report.blocks import Section
+
+    for key in ("workspace", "maps", "forces", "stiffness", "accuracy"):
+        monkeypatch.setattr(page, f"{key}_section", lambda _, key=key: Section(key, key, ()))
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Run long tests first, those in a browser before all: at the end no worker waits for one."""
     for item in items:

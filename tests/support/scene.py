@@ -13,7 +13,7 @@ from trimesh.transformations import quaternion_matrix
 
 from paminsa_viz.explorer.frame import Frame, compute
 from paminsa_viz.explorer.scene.layers import default_layers
-from paminsa_viz.explorer.state import LastReachable, initial_state
+from paminsa_viz.explorer.state import LastReachable, State, initial_state
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
 
@@ -52,9 +52,14 @@ class Scene:
     ) -> Frame:
         """Draw a frame, as a session does, and return it."""
         frame = frame_at(pose, design, layers)
-        for view in self._views:
-            view.draw(frame, False)
+        self.show(frame.state)
         return frame
+
+    def show(self, state: State, *, dragging: bool = False) -> None:
+        """Draw what a state shows."""
+        frame = compute(state)
+        for view in self._views:
+            view.draw(frame, dragging)
 
     @property
     def nodes(self) -> dict[str, Any]:

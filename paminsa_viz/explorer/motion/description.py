@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from paminsa_viz.explorer.settings import MILLIMETERS, setting, setting_fields
+from paminsa_viz.explorer.settings import MILLIMETERS, changed_data, setting, setting_fields
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.plots.series import FigureKind, SeriesKind
 from paminsa_viz.trajectory import PRESET, PRESETS, MotionLimits, Profile, Trajectory
@@ -172,8 +172,7 @@ def motion_data(motion: Motion) -> dict[str, Any]:
     """Return what differs from the motion at the start; nothing for a motion from a file."""
     if motion.kind is Kind.TABLE:
         return {}
-    data, start = (msgspec.to_builtins(each) for each in (replace(motion, table=None), Motion()))
-    return {name: value for name, value in data.items() if value != start[name]}
+    return changed_data(replace(motion, table=None), Motion())
 
 
 def motion_from_data(data: dict[str, Any]) -> Motion:

@@ -8,7 +8,7 @@ from typing import Any
 from viser import Icon
 
 from paminsa_viz.explorer import actions, tasks
-from paminsa_viz.explorer.background import TaskRunner, is_running
+from paminsa_viz.explorer.background import TaskRunner, is_running, task_entries
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.jobs import (
     SLOTS,
@@ -28,7 +28,6 @@ from paminsa_viz.explorer.entries import (
     Custom,
     Folder,
     Html,
-    Progress,
 )
 from paminsa_viz.explorer.inputs import Dropdown, Pair, Slider, attribute
 from paminsa_viz.explorer.maps import hold_range, toggle_difference
@@ -37,7 +36,7 @@ from paminsa_viz.explorer.panels import balance_text as text
 from paminsa_viz.explorer.panels import note
 from paminsa_viz.explorer.panels.counterweights_panel import COUNTERWEIGHTS
 from paminsa_viz.explorer.panels.design_panel import gauge_html
-from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart
+from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart, follow_clicks
 from paminsa_viz.explorer.panels.springs_panel import SPRINGS
 from paminsa_viz.explorer.panels.tolerance_panel import TOLERANCES
 from paminsa_viz.explorer.session import Session
@@ -128,14 +127,14 @@ def _points(state: State) -> tuple[float, float]:
 
 FRONT = (
     Html("front.text", content=text.front_html),
-    Button(
-        "front.compute", "Compute the front",
-        effect=partial(balancing.start, task=Task.FRONT),
-        visible=lambda state: not _running(Task.FRONT)(state),
+    *task_entries(
+        "balancing",
+        Button(
+            "front.compute", "Compute the front",
+            effect=partial(balancing.start, task=Task.FRONT),
+        ),
+        _running(Task.FRONT),
     ),
-    Progress("front.progress", read=lambda state: state.balancing.done,
-             visible=_running(Task.FRONT)),
-    Button("front.stop", "Stop", color="gray", visible=_running(Task.FRONT), effect=_stop),
     Folder(
         "front.place", visible=_has_front,
         entries=(
@@ -226,14 +225,9 @@ class BalancePanel(Panel):
 
     def __init__(self, session: Session, bridge: Bridge) -> None:
         super().__init__(session, BALANCE)
-        bridge.on("click", self._click)
+        follow_clicks(session, bridge, charts.FRONT, "balance.point", _click)
 
-    def _click(self, data: Any) -> None:
-        """Work on the point of the front that was clicked; ``data`` comes from the page."""
 
-        def choose(state: State) -> State:
-            index = charts.clicked_point(data, state)
-            return state if index is None else balancing.choose_point(state, index)
-
-        if isinstance(data, dict) and data.get("title") == charts.FRONT:
-            self._session.dispatch("balance.point", choose)
+def _click(state: State, data: Any) -> State:
+    index = charts.clicked_point(data, state)
+    return state if index is None else balancing.choose_point(state, index)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Hashable
+from functools import partial
 from typing import Any, NamedTuple, cast
 
 import numpy as np
 
+from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import finite
 from paminsa_viz.explorer.session import Session
@@ -147,3 +149,18 @@ def nearest_point(data: Any, points: Array, *others: Any) -> int | None:
     distance = np.hypot(*((points - [x, y]) / span).T)
     nearest = int(distance.argmin())
     return nearest if distance[nearest] <= FARTHEST_CLICK else None
+
+
+def follow_clicks(
+    session: Session, bridge: Bridge, chart: str, key: str, choose: Callable[..., State]
+) -> None:
+    """Dispatch an action whenever a chart (the ``meta`` of its layout) is clicked on the page.
+
+    ``choose`` is the action; its ``data`` comes from the page.
+    """
+
+    def click(data: Any) -> None:
+        if isinstance(data, dict) and data.get("title") == chart:
+            session.dispatch(key, partial(choose, data=data))
+
+    bridge.on("click", click)

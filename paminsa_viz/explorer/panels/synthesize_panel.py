@@ -20,7 +20,7 @@ from paminsa_viz.explorer.panels.design_front import (
     front_figure,
     front_key,
 )
-from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart
+from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart, follow_clicks
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.settings import MILLIMETERS, PLAIN
@@ -175,14 +175,9 @@ class SynthesizePanel(Panel):
 
     def __init__(self, session: Session, bridge: Bridge) -> None:
         super().__init__(session, SYNTHESIZE)
-        bridge.on("click", self._click)
+        follow_clicks(session, bridge, DESIGN_FRONT, "synthesize.point", _click)
 
-    def _click(self, data: Any) -> None:
-        """Show the robot of the front that was clicked; ``data`` comes from the page."""
 
-        def choose(state: State) -> State:
-            index = clicked_point(data, state)
-            return state if index is None else actions.choose_point(state, index)
-
-        if isinstance(data, dict) and data.get("title") == DESIGN_FRONT:
-            self._session.dispatch("synthesize.point", choose, step=False)
+def _click(state: State, data: Any) -> State:
+    index = clicked_point(data, state)
+    return state if index is None else actions.choose_point(state, index)

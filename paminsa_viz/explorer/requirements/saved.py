@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from typing import Any
 
 import msgspec
 
+from paminsa_viz.explorer.settings import changed_data
 from paminsa_viz.model import InvalidInput
-from paminsa_viz.quantities.requirements import Requirement, Requirements
+from paminsa_viz.quantities.requirements import Requirements
 
 MOST_REQUIREMENTS = 24
 """Most bounds on quantities of a document."""
@@ -44,22 +44,11 @@ def require_possible(requirements: Requirements) -> None:
 
 def requirements_data(requirements: Requirements) -> dict[str, Any]:
     """Return what differs from no requirements at all; nothing if there are none."""
-    data: dict[str, Any] = {}
-    if requirements.bounds:
-        data["bounds"] = [_given(bound) for bound in requirements.bounds]
-    if requirements.theta != Requirements().theta:
-        data["theta"] = requirements.theta
-    workspace = requirements.workspace
-    if workspace is not None:
-        shape, size, center = workspace.shape.value, workspace.size, workspace.center
-        data["workspace"] = {"shape": shape, "size": size, "center": center}
+    data = changed_data(requirements, Requirements())
+    for bound in data.get("bounds", ()):
+        for name in [name for name, value in bound.items() if value is None]:
+            del bound[name]
     return data
-
-
-def _given(bound: Requirement) -> dict[str, Any]:
-    """Return the attributes of a requirement that are not None."""
-    values = {item.name: getattr(bound, item.name) for item in fields(Requirement)}
-    return {name: value for name, value in values.items() if value is not None}
 
 
 def requirements_from_data(data: dict[str, Any]) -> Requirements:

@@ -166,9 +166,10 @@ def follow_resizes(session: Session) -> None:
     def check(_: object) -> None:
         shape = camera.image_width / max(camera.image_height, 1)
         name, position = session.camera
-        if abs(shape - seen[0]) > RESIZED * shape:
+        # A new shape may be known before the page has put the camera where it was sent to.
+        there = bool(name) and np.allclose(camera.position, position, atol=1e-3)
+        if there and abs(shape - seen[0]) > RESIZED * shape:
             seen[0] = shape
-            if name and np.allclose(camera.position, position, atol=1e-3):
-                session.submit(lambda: look(session, name))
+            session.submit(lambda: look(session, name))
 
     camera.on_update(check)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import struct
+from abc import ABC, abstractmethod
 from functools import lru_cache
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 
@@ -39,70 +40,57 @@ def translucent(glb: bytes) -> bytes:
     return glb[:8] + struct.pack("<II", total, len(text)) + glb[16:_JSON] + text + rest
 
 
-class Ghost:
-    """A translucent robot without what stands, made when it is first seen.
+class Ghost(ABC):
+    """A translucent robot without what stands, made when it is first seen."""
 
-    Args:
-        context: The scene.
-        root: Name of its node.
-    """
+    root: ClassVar[str]
+    """Name of its node."""
 
-    def __init__(self, context: SceneContext, root: str) -> None:
-        self._scene, self._root = context.scene, root
+    def __init__(self, context: SceneContext) -> None:
+        self._scene = context.scene
         self._robot: Robot | None = None
 
-    def hide(self) -> None:
-        """Show nothing."""
-        if self._robot is not None:
-            self._robot.show(False)
+    @abstractmethod
+    def seen(self, frame: Frame) -> tuple[Design, Configuration] | None:
+        """Return a robot and its configuration of shape (), or None where nothing is shown."""
 
-    def put(self, design: Design, configuration: Configuration) -> None:
-        """Show a design at a configuration of shape ()."""
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Follow the frame."""
+        del dragging
+        found = self.seen(frame)
+        if found is None or not np.isfinite(found[1].actuators).all():
+            if self._robot is not None:
+                self._robot.show(False)
+            return
         if self._robot is None:
-            self._robot = Robot(self._scene, self._root, standing=False, drawn=translucent)
-        self._robot.put(design, configuration, fine=False)
+            self._robot = Robot(self._scene, self.root, standing=False, drawn=translucent)
+        self._robot.put(*found, fine=False)
         self._robot.show(True)
 
 
-class WantedPose:
+class WantedPose(Ghost):
     """The layer ``wanted_pose``: where the robot should be, while a simulation is shown."""
 
-    def __init__(self, context: SceneContext) -> None:
-        self._ghost = Ghost(context, "/wanted")
+    root = "/wanted"
 
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the instant that is shown."""
-        del dragging
-        state = frame.state
+    def seen(self, frame: Frame) -> tuple[Design, Configuration] | None:
+        state, design = frame.state, frame.shown_design
         pose = wanted_pose(state) if "wanted_pose" in state.layers else None
-        configuration = None
-        if pose is not None:
-            configuration = inverse_kinematics(frame.shown_design.geometry, pose)
-        if configuration is None or not np.isfinite(configuration.actuators).all():
-            self._ghost.hide()
-        else:
-            self._ghost.put(frame.shown_design, configuration)
+        return None if pose is None else (design, inverse_kinematics(design.geometry, pose))
 
 
-class PinnedDesign:
+class PinnedDesign(Ghost):
     """The layer ``pinned_design``: the reference at the robot's pose, where it differs in shape."""
 
-    def __init__(self, context: SceneContext) -> None:
-        self._ghost = Ghost(context, "/pinned")
+    root = "/pinned"
 
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the pose and the reference; nothing is shown where it cannot be."""
-        del dragging
+    def seen(self, frame: Frame) -> tuple[Design, Configuration] | None:
         state = frame.state
         reference = state.document.reference if "pinned_design" in state.layers else None
         if reference is None or same_look(reference, frame.shown_design):
-            self._ghost.hide()
-            return
+            return None
         configuration = inverse_kinematics(reference.geometry, state.last_reachable.pose)
-        if bool(configuration.reach.ok) and np.isfinite(configuration.actuators).all():
-            self._ghost.put(reference, configuration)
-        else:
-            self._ghost.hide()
+        return (reference, configuration) if configuration.reach.ok else None
 
 
 def same_look(one: Design, other: Design) -> bool:

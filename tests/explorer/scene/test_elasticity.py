@@ -13,7 +13,6 @@ import trimesh
 
 from paminsa_viz.elastostatics.stiffness import platform_stiffness
 from paminsa_viz.explorer.elasticity import ElasticJob, ElasticOutcome, analyze_elasticity
-from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.scene.elasticity import (
     LARGEST,
     LONGEST_AXIS,
@@ -22,7 +21,6 @@ from paminsa_viz.explorer.scene.elasticity import (
 )
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import ball
-from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.meshes.vibrating import KEYS, SIDES, vibrating_glb
 from paminsa_viz.model import APPENDIX_4
@@ -36,27 +34,22 @@ def outcome() -> ElasticOutcome:
     return solve(analyze_elasticity, ElasticJob(APPENDIX_4, POSE, "x"))
 
 
-def draw(scene: Scene, state: State, *, dragging: bool = False) -> None:
-    for view in scene._views:
-        view.draw(compute(state), dragging)
-
-
 def test_layers_show_the_result_and_leave_with_the_pose(
     scene: Scene, outcome: ElasticOutcome
 ) -> None:
     shown = frame_at(POSE, layers=LAYERS).state.updated("elastic_view", outcome=outcome)
-    draw(scene, shown)
+    scene.show(shown)
     assert MODE_NODE in scene.nodes
     assert "mode 1" in scene.nodes["/elastic/mode_label"].text
     assert f"{outcome.result.frequencies[0]:.3g} Hz" in scene.nodes["/elastic/mode_label"].text
     for name in ("deflected", "ellipsoid"):
         assert scene.nodes[f"/elastic/{name}"].visible
     moved = frame_at((0.0, 0.0, 0.0, -0.5), layers=LAYERS).state
-    draw(scene, moved.updated("elastic_view", outcome=outcome), dragging=True)
+    scene.show(moved.updated("elastic_view", outcome=outcome), dragging=True)
     assert MODE_NODE not in scene.nodes
     for name in ("deflected", "ellipsoid"):
         assert f"/elastic/{name}" not in scene.shown
-    draw(scene, replace(shown, layers=frozenset()))
+    scene.show(replace(shown, layers=frozenset()))
     assert MODE_NODE not in scene.nodes
 
 
@@ -64,14 +57,14 @@ def test_a_new_animation_waits_until_nothing_is_dragged(
     scene: Scene, outcome: ElasticOutcome
 ) -> None:
     state = frame_at(POSE, layers=LAYERS).state.updated("elastic_view", outcome=outcome)
-    draw(scene, state)
+    scene.show(state)
     before = scene.nodes[MODE_NODE].glb_data
-    draw(scene, state, dragging=True)
+    scene.show(state, dragging=True)
     assert scene.nodes[MODE_NODE].glb_data == before
     other = state.updated("elastic_view", mode=1)
-    draw(scene, other, dragging=True)
+    scene.show(other, dragging=True)
     assert MODE_NODE not in scene.nodes
-    draw(scene, other)
+    scene.show(other)
     assert scene.nodes[MODE_NODE].glb_data != before
     assert "mode 2" in scene.nodes["/elastic/mode_label"].text
 
@@ -79,7 +72,7 @@ def test_a_new_animation_waits_until_nothing_is_dragged(
 def test_ellipsoid_is_where_a_force_of_one_size_moves_the_platform(
     scene: Scene, outcome: ElasticOutcome
 ) -> None:
-    draw(scene, frame_at(POSE, layers=LAYERS).state.updated("elastic_view", outcome=outcome))
+    scene.show(frame_at(POSE, layers=LAYERS).state.updated("elastic_view", outcome=outcome))
     vertices = np.asarray(scene.nodes["/elastic/ellipsoid"].vertices, float)
     scale = BAR / round_scale(
         float(platform_stiffness(APPENDIX_4, POSE).ellipsoid()[0][-1]), LONGEST_AXIS
@@ -95,7 +88,7 @@ def test_ellipsoid_is_where_a_force_of_one_size_moves_the_platform(
 
 
 def test_deflection_is_drawn_to_its_scale(scene: Scene, outcome: ElasticOutcome) -> None:
-    draw(scene, frame_at(POSE, layers=LAYERS).state.updated("elastic_view", outcome=outcome))
+    scene.show(frame_at(POSE, layers=LAYERS).state.updated("elastic_view", outcome=outcome))
     lines = outcome.result.deflected
     assert lines is not None
     scale = BAR / round_scale(float(lines.largest[0]), LARGEST)

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind, Timing
 from paminsa_viz.explorer.scene.escape import LONGEST
@@ -25,9 +24,7 @@ def crossing() -> State:
 
 
 def test_arrows_are_a_motion_that_no_actuator_feels(scene: Scene, crossing: State) -> None:
-    frame = compute(crossing)
-    for view in scene._views:
-        view.draw(frame, False)
+    scene.show(crossing)
     arrows = np.asarray(scene.nodes["/escape/arrows"].points, dtype=float)
     moves = arrows[:, 1] - arrows[:, 0]
     assert np.linalg.norm(moves, axis=1).max() == pytest.approx(LONGEST, rel=1e-6)
@@ -50,7 +47,6 @@ def test_arrows_leave_with_the_layer_and_with_the_motion(scene: Scene, crossing:
         (crossing, True),
         (motions.change(crossing, cross=False), False),
     ):
-        for view in scene._views:
-            view.draw(compute(state), False)
+        scene.show(state)
         assert ("/escape/arrows" in scene.nodes) is shown
         assert ("/escape/label0" in scene.nodes) is shown

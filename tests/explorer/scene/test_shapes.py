@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ import viser
 
 from paminsa_viz.explorer.browser.style import over_backdrop, style_html
 from paminsa_viz.explorer.motion.results import MotionStore
+from paminsa_viz.explorer.scene import cameras
 from paminsa_viz.explorer.scene.actuators import FACES, arc_arrow, force_arrow, torque_arrows
 from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
 from paminsa_viz.explorer.scene.curves import dashes, segments
@@ -137,3 +140,31 @@ def test_transparent_pixels_show_the_pages_gradient() -> None:
     assert tuple(clear) == rgb(top)
     assert (solid == 40).all()
     np.testing.assert_allclose(fifth, np.array(rgb(bottom)) * 0.8 + 8, atol=0.51)
+
+
+def test_robot_is_fitted_to_a_new_shape_of_the_view_unless_the_camera_was_moved(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    calls: list[Any] = []
+    looks: list[str] = []
+    camera = SimpleNamespace(
+        image_width=400, image_height=400, position=(0, 0, 1), on_update=calls.append
+    )
+    session: Any = SimpleNamespace(
+        client=SimpleNamespace(camera=camera), camera=("3D", (2.0, 0.0, 1.0)),
+        submit=lambda run: run(),
+    )  # fmt: skip
+    monkeypatch.setattr(cameras, "look", lambda _, name: looks.append(name))
+    cameras.follow_resizes(session)
+
+    def update(**changes: Any) -> int:
+        vars(camera).update(changes)
+        calls[0](None)
+        return len(looks)
+
+    assert update() == 0  # the page has not put the camera there yet
+    assert update(position=(2.0, 0.0, 1.0)) == 1
+    assert update() == 1
+    assert update(image_width=300, position=(0, 0, 1)) == 1
+    assert update(position=(2.0, 0.0, 1.0)) == 2
+    assert update(position=(3.0, 0.0, 1.0), image_width=200) == 2  # a person moved it

@@ -12,7 +12,6 @@ import pytest
 import viser
 
 from paminsa_viz.explorer import actions as designs
-from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.requirements import actions
 from paminsa_viz.explorer.requirements.causes import surface_parts
 from paminsa_viz.explorer.requirements.checking import find_volume
@@ -43,11 +42,6 @@ def layers(server: viser.ViserServer) -> Iterator[Scene]:
     page.socket.close()
 
 
-def draw(scene: Scene, state: State) -> None:
-    for view in scene._views:
-        view.draw(compute(state), False)
-
-
 @pytest.fixture(scope="module")
 def asked() -> State:
     """The suggested requirements with their volume, coarse."""
@@ -63,22 +57,22 @@ def asked() -> State:
 def test_the_surface_is_of_the_current_design_and_switched_by_its_layer(
     layers: Scene, asked: State
 ) -> None:
-    draw(layers, asked)
+    layers.show(asked)
     outcome = asked.requiring.fine
     assert outcome is not None
     parts = {name for name in layers.shown if name.startswith("/requirements/volume/")}
     assert len(parts) == len(outcome.result.surface) > 1
     assert layers.shown >= parts
-    draw(layers, designs.vary(asked, {"geometry.base_radius": 0.36}))
+    layers.show(designs.vary(asked, {"geometry.base_radius": 0.36}))
     assert not layers.shown & parts
-    draw(layers, designs.set_layers(asked, volume=False))
+    layers.show(designs.set_layers(asked, volume=False))
     assert not layers.shown & parts
-    draw(layers, asked)
+    layers.show(asked)
     assert layers.shown >= parts
 
 
 def test_required_and_proven_workspaces_are_outlined(layers: Scene, asked: State) -> None:
-    draw(layers, asked)
+    layers.show(asked)
     assert "/requirements/required" in layers.shown
     assert "/requirements/proven" not in layers.nodes
     document = asked.document
@@ -88,11 +82,11 @@ def test_required_and_proven_workspaces_are_outlined(layers: Scene, asked: State
     placed = Workspace(WorkspaceShape.BOX, (0.2, 0.1, 0.3), (0.0, 0.0, -0.5))
     found: Any = SimpleNamespace(workspace=placed)
     proven = asked.updated("requiring.largest", outcome=Outcome(job, found))
-    draw(layers, proven)
+    layers.show(proven)
     points = np.asarray(layers.nodes["/requirements/proven"].points).reshape(-1, 3)
     assert points.min(axis=0) == pytest.approx([-0.1, -0.05, -0.65])
     assert points.max(axis=0) == pytest.approx([0.1, 0.05, -0.35])
-    draw(layers, actions.choose_shape(proven, None))
+    layers.show(actions.choose_shape(proven, None))
     assert "/requirements/required" not in layers.shown
 
 
@@ -108,13 +102,13 @@ def test_the_best_robot_is_drawn_while_it_is_searched_for(layers: Scene, asked: 
     started = synthesis.start(asked)
     job = started.synthesizing.running
     assert job is not None
-    draw(layers, started)
+    layers.show(started)
     assert BEST_NODE not in layers.nodes
     best = BestSoFar(0.5, 10, 0.4, True, APPENDIX_4, (0.0, 0.0, -0.5))
     told = synthesis.tell(started, job, best)
-    draw(layers, told)
+    layers.show(told)
     assert BEST_NODE in layers.shown
-    draw(layers, told.updated("synthesizing.settings", shown=Shown.ROBOT))
+    layers.show(told.updated("synthesizing.settings", shown=Shown.ROBOT))
     assert BEST_NODE not in layers.shown
-    draw(layers, stop(told, "synthesizing"))
+    layers.show(stop(told, "synthesizing"))
     assert BEST_NODE not in layers.shown
