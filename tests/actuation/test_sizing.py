@@ -80,6 +80,7 @@ def test_closed_form_ratios_are_those_of_brute_force(loads: int, drives: int) ->
     assert 0.05 < feasible / total < 0.6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [{"coulomb": 0.5}, {"bent": True}], ids=["Coulomb", "bent"])
 def test_scanned_ratios_are_those_of_brute_force_and_say_so(kind: dict[str, float]) -> None:
     feasible = 0

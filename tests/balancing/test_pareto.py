@@ -20,6 +20,7 @@ from tests.balancing.robots import changes, field, measured, random_measures, so
 TERMS = (TrajectoryPeak(solved()), StaticPeak(field()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("budget", [None, 0.0])
 def test_the_front_of_dynamic_and_static_peaks(budget: float | None) -> None:
     limits = [] if budget is None else [(AddedMass(), budget)]

@@ -65,6 +65,7 @@ def test_what_people_read(capsys) -> None:
     assert "requirements were verified on" in out
 
 
+@pytest.mark.slow
 def test_no_robot_is_a_negative_result_with_its_reason(capsys) -> None:
     text = CASE + "[synthesis.limits]\nfootprint_m = 0.2\n"
     Path("tight.toml").write_text(text)

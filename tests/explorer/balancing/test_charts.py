@@ -70,6 +70,7 @@ def text(state: State) -> str:
     return sensitivity_html(compute(state))
 
 
+@pytest.mark.slow
 def test_tornado_is_sorted_and_gives_the_models_numbers() -> None:
     loaded = balancing.add_counterweight(balancing.add_counterweight(START, "b8", 8), "b3", 7)
     after = solved(loaded, Task.SENSITIVITY)
