@@ -52,7 +52,7 @@ def _print_report_table(table: Table) -> None:
     print_table(lines if marked else [line[1:] for line in lines], words=table.words + marked)
 
 
-def pose_text(pose: Sequence[float]) -> str:
+def pose_text(pose: Iterable[float]) -> str:
     """Return a pose [m, m, rad, m] as text for people."""
     x, y, theta, z = (float(value) for value in pose)
     place = f"x {format_ascii(x, 'm')}, y {format_ascii(y, 'm')}"

@@ -180,8 +180,9 @@ def joint_forces(
     bad = status != Limit.OK
     for values in (force, moment, drives, axial):
         values[bad] = np.nan
-    found = unfolded((status, leg, force, moment, drives, axial), shape)
-    return JointForces(design, *found, bodies)
+    status, leg, *found = unfolded((status, leg, force, moment, drives, axial), shape)
+    force, moment, drives, axial = found
+    return JointForces(design, status, leg, force, moment, drives, axial, bodies)
 
 
 def _platform_forces(

@@ -48,7 +48,7 @@ of the arm at the carriage."""
 
 
 @dataclass(frozen=True)
-class Node:
+class LegNode:
     """A node of a bar.
 
     Attributes:
@@ -69,8 +69,8 @@ class LegElement(NamedTuple):
     """A piece of a bar between two of its nodes."""
 
     bar: str
-    first: Node
-    second: Node
+    first: LegNode
+    second: LegNode
 
     @property
     def freedoms(self) -> tuple[int, ...]:
@@ -98,11 +98,11 @@ class LegModel:
     """
 
     size: int
-    nodes: tuple[Node, ...]
+    nodes: tuple[LegNode, ...]
     elements: tuple[LegElement, ...]
     springs: tuple[JointSpring, ...]
 
-    def node(self, bar: str, joint: int) -> Node:
+    def node(self, bar: str, joint: int) -> LegNode:
         """Return the node of a bar at a joint."""
         return next(n for n in self.nodes if (n.bar, n.first, n.share) == (bar, joint, 0.0))
 
@@ -139,17 +139,17 @@ def _leg_model(soft: frozenset[str], divisions: int) -> LegModel:
     at["b1", 1] = (FIXED, FIXED, carriage, FIXED, FIXED, FIXED)
     at["b4", 5] = made.ball(joint5)
 
-    nodes = [Node("slider", 8, 8, 0.0, slider)]
+    nodes = [LegNode("slider", 8, 8, 0.0, slider)]
     elements = []
     for bar, joints in SPANS:
-        nodes.append(Node(bar, joints[0], joints[0], 0.0, at[bar, joints[0]]))
+        nodes.append(LegNode(bar, joints[0], joints[0], 0.0, at[bar, joints[0]]))
         for first, second in itertools.pairwise(joints):
             for part in range(1, divisions + 1):
                 before = nodes[-1]
                 if part == divisions:
-                    nodes.append(Node(bar, second, second, 0.0, at[bar, second]))
+                    nodes.append(LegNode(bar, second, second, 0.0, at[bar, second]))
                 else:
-                    nodes.append(Node(bar, first, second, part / divisions, made.new(6)))
+                    nodes.append(LegNode(bar, first, second, part / divisions, made.new(6)))
                 elements.append(LegElement(bar, before, nodes[-1]))
     return LegModel(made.count, tuple(nodes), tuple(elements), tuple(made.springs))
 

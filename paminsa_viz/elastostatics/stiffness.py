@@ -11,6 +11,7 @@ Small displacements, no preload; W in base axes, with moments about P.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -125,7 +126,7 @@ def platform_stiffness(
     """
     pose = as_vectors(pose, "pose")
 
-    def solved(poses: Array) -> tuple[Array, ...]:
+    def solved(poses: Array) -> tuple[Any, ...]:
         frame = leg_frame(design.geometry, poses)
         compliance = leg_compliance(frame, design.elastic, shear=shear).matrix
         matrix = _at_platform(design, frame.joint5_map[..., 1:, :], compliance)

@@ -103,7 +103,7 @@ _WithBars: Any = make_dataclass("_WithBars", _bar_fields(), bases=(_Rigidities,)
 
 
 @dataclass(frozen=True)
-class Elastic(_WithBars, path="elastic"):
+class Elastic(_WithBars):
     """What bends and by how much: not in the paper, documented defaults.
 
     A stiffness that is None is infinite; a drive's is a number, and 1e18 as good as infinite. The

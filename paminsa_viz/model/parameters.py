@@ -91,9 +91,12 @@ class Group:
     _path: ClassVar[str]
     _limits: ClassVar[tuple[float, float] | None]
 
-    def __init_subclass__(cls, path: str = "", limits: tuple[float, float] | None = None) -> None:
+    def __init_subclass__(
+        cls, path: str | None = None, limits: tuple[float, float] | None = None
+    ) -> None:
         """Name the group in error messages, and give it a range of its own for any number."""
-        cls._path, cls._limits = path, limits
+        if path is not None:
+            cls._path, cls._limits = path, limits
 
     def __post_init__(self) -> None:
         # Whole numbers become floats, or each of them would have the formulas compiled again.

@@ -16,6 +16,7 @@ from paminsa_viz.quantities.requirements import Requirements, Workspace, Workspa
 
 if TYPE_CHECKING:
     from paminsa_viz.explorer.state import Document
+    from paminsa_viz.synthesis.proof.largest import LargestWorkspace  # noqa: F401 - a type argument
     from paminsa_viz.synthesis.volume.check import RequirementsCheck
     from paminsa_viz.synthesis.volume.solve import Volume
 

@@ -95,7 +95,8 @@ def curves(
 
 def arrows(name: str, points: ArrayLike, color: str, sizes: tuple[float, float, float]) -> Node:
     """Return arrows (n, 2, 3) [m]; sizes are the shaft's radius, the head's, its length [m]."""
-    fixed = dict(zip(("shaft_radius", "head_radius", "head_length"), sizes, strict=True))
+    shaft, head, length = sizes
+    fixed = {"shaft_radius": shaft, "head_radius": head, "head_length": length}
     live = {"points": np.asarray(points, np.float32), "colors": linear_colors(color)[0]}
     return Node(name, "arrows", live, fixed)
 
@@ -194,8 +195,9 @@ class Nodes:
         if not found:
             return False
         places = np.array([node.live["position"] for node, _ in found], dtype=np.float64)
-        if camera is not None:
-            places = apart(places, camera, found[0][0].spaced)
+        size = found[0][0].spaced
+        if camera is not None and size is not None:
+            places = apart(places, camera, size)
         for (_, handle), place in zip(found, places, strict=True):
             handle.position = place
         return True

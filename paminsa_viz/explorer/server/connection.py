@@ -119,7 +119,7 @@ class ConnectionGuard:
         headers = response.headers
         if response.status_code == 200 and headers["Content-Type"].startswith("text/html"):
             packed = headers["Content-Encoding"] == "gzip"
-            response.body = _inserted(response.body, self._head, packed)
+            response.body = _inserted(bytes(response.body), self._head, packed)
             del headers["Content-Length"]
             headers["Content-Length"] = str(len(response.body))
         return response

@@ -91,10 +91,9 @@ class PoseRegion:
 
     def leg_distances(self, geometry: Geometry) -> tuple[Array, Array]:
         """Return the least and the largest X_1 of each leg, each (3,) [m]."""
-        radii = (np.array([r]) for r in (geometry.base_radius, geometry.platform_radius))
-        (low,), (high,) = leg_distances(
-            *radii, np.array(self.center[:2]), np.array([self.half]), self.theta, self.shape
-        )
+        base, platform = np.array([[geometry.base_radius], [geometry.platform_radius]])
+        center, half = np.array(self.center[:2]), np.array([self.half])
+        (low,), (high,) = leg_distances(base, platform, center, half, self.theta, self.shape)
         return low, high
 
 

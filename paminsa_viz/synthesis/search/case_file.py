@@ -243,4 +243,5 @@ def _spring(row: TomlTable) -> SpringPlace:
         )  # fmt: skip
         end.end()
     stiffness = row.take("max_stiffness_N_per_m", float)
-    return SpringPlace(*ends, stiffness, *row.numbers("free_length_m", 2, (0.0, 0.0)))
+    least, most = row.numbers("free_length_m", 2, (0.0, 0.0))
+    return SpringPlace(ends[0], ends[1], stiffness, least, most)
