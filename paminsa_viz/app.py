@@ -160,6 +160,9 @@ class App:
 
         self.sessions[client.client_id] = build(client, self.design, self.requirements)
         self._first_tab.set()
+        # One that left while its page was built; a browser that is slow to connect tries again.
+        if client.client_id not in self.server.get_clients():
+            self._disconnect(client)
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
         session = self.sessions.pop(client.client_id, None)

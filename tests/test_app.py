@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import gc
 import weakref
+from typing import Any
 
 import pytest
 
 from paminsa_viz import app as program
 from paminsa_viz.app import App, AppOptions
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.explorer import page
+from paminsa_viz.explorer.page import build
+from paminsa_viz.explorer.session import Session
 from paminsa_viz.model import APPENDIX_4
 from tests.support.raw_page import RawPage, eventually
 
@@ -29,6 +33,27 @@ def test_what_a_closed_page_held_is_freed_soon(monkeypatch: pytest.MonkeyPatch) 
         eventually(lambda: session() is None)
     finally:
         gc.enable()
+        running.stop()
+
+
+@pytest.mark.filterwarnings("ignore:Queued a:UserWarning")  # viser's, of what nobody receives
+def test_a_tab_that_left_while_its_page_was_built_leaves_no_session(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    built: list[Session] = []
+
+    def build_late(client: Any, *arguments: Any) -> Session:
+        eventually(lambda: client.client_id not in running.server.get_clients())
+        built.append(build(client, *arguments))
+        return built[0]
+
+    monkeypatch.setattr(page, "build", build_late)
+    running = App(AppOptions(port=0, browser=False), APPENDIX_4)
+    try:
+        RawPage(running.server).socket.close()
+        eventually(lambda: built and built[0].closed)
+        assert running.sessions == {}
+    finally:
         running.stop()
 
 

@@ -89,7 +89,7 @@ def build(
     nobody waits for it. Whoever adds views dispatches a new state, so that they are drawn.
     """
     session = Session(client, opening_state(design, requirements))
-    bridge = Bridge(client)
+    bridge = Bridge(client, lambda: session.closed)
     gui = client.gui
     theme = ThemeView(session, bridge)
     gui.set_panel_label("PAMINSA")

@@ -110,10 +110,14 @@ class Tab:
     def _load(self, load: Callable[[], Any]) -> None:
         known = set(self.app.sessions)
         load()
-        number = until(lambda: set(self.app.sessions) - known, "a session for the tab").pop()
-        self.session = self.app.sessions[number]
         self.page.get_by_test_id("status").wait_for()
-        assert self.session.built.wait(TIMEOUT)
+
+        def built() -> Any:
+            """A browser that is slow to connect tries again: the session that is built counts."""
+            found = dict(self.app.sessions).items()
+            return [one for number, one in found if number not in known and one.built.is_set()]
+
+        (self.session,) = until(built, "a session for the tab")
 
     @property
     def state(self) -> Any:

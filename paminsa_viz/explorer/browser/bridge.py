@@ -39,7 +39,16 @@ class Bridge:
     the page's place: the page is then there, without what only its script can do.
     """
 
-    def __init__(self, client: viser.ClientHandle) -> None:
+    def __init__(
+        self, client: viser.ClientHandle, closed: Callable[[], bool] = lambda: False
+    ) -> None:
+        """Prepare for one tab.
+
+        Args:
+            client: The tab.
+            closed: Whether it has gone; such a one is not waited for.
+        """
+        self._closed = closed
         self._listeners: dict[str, list[Callable[[Any], None]]] = {}
         self._last = 0
         self._lock = threading.Lock()
@@ -94,6 +103,8 @@ class Bridge:
         self.call("save", text)
 
     def _give_up_waiting(self) -> None:
+        if self._closed():
+            return
         _report_missing([f"messages from the page (none within {HELLO_TIMEOUT:g} s)"])
         self._go_on_without()
 
