@@ -91,11 +91,8 @@ class Tab:
     Attributes:
         page: The page in the browser.
         app: The explorer.
-        session: The session of the page.
         errors: What went wrong in the page.
     """
-
-    session: Any
 
     def __init__(self, page: Any, app: Any) -> None:
         self.page, self.app = page, app
@@ -108,16 +105,23 @@ class Tab:
         self._load(self.page.reload)
 
     def _load(self, load: Callable[[], Any]) -> None:
-        known = set(self.app.sessions)
+        self._known = set(self.app.sessions)
         load()
         self.page.get_by_test_id("status").wait_for()
+        self._session = until(self._built, "a session for the tab")
 
-        def built() -> Any:
-            """A browser that is slow to connect tries again: the session that is built counts."""
-            found = dict(self.app.sessions).items()
-            return [one for number, one in found if number not in known and one.built.is_set()]
+    def _built(self) -> Any:
+        """Return the newest session that is built; a browser may have tried to connect twice."""
+        found = dict(self.app.sessions).items()
+        new = [one for number, one in found if number not in self._known and one.built.is_set()]
+        return new[-1] if new else None
 
-        (self.session,) = until(built, "a session for the tab")
+    @property
+    def session(self) -> Any:
+        """The session of the page, which connects again if it has lost its connection."""
+        if self._session.closed:
+            self._session = until(self._built, "the page connects again")
+        return self._session
 
     @property
     def state(self) -> Any:

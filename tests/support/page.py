@@ -48,9 +48,9 @@ def scene(server: viser.ViserServer) -> Iterator[Scene]:
     page.socket.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def app() -> Iterator[Any]:
-    """An explorer on any free port, for all tabs of all tests."""
+    """An explorer on any free port."""
     from paminsa_viz.app import App, AppOptions
     from paminsa_viz.model import APPENDIX_4, backend
 

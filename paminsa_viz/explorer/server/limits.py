@@ -20,6 +20,8 @@ class Limits:
         first_message: A WebSocket on which nothing was said for this long is closed [s]; a page
             says where its camera is as soon as it is drawn.
         silent: When all places are taken, one that has said nothing for this long gives way [s].
+        answer: A page that does not answer a ping for this long has gone [s]; compiling the
+            formulas for the first time can keep a slow machine busy for half a minute.
         sessions_per_second: New pages, in the long run [1/s]; as many as ``sessions`` at once.
         waiting: Connections at a time that have not become a session yet.
         message_bytes: Largest message [bytes]; a picture for ``get_render`` is one message.
@@ -37,6 +39,7 @@ class Limits:
     sessions: int = 24
     first_message: float = 30.0
     silent: float = 5.0
+    answer: float = 90.0
     sessions_per_second: float = 4.0
     waiting: int = 64
     message_bytes: int = 16 * 2**20

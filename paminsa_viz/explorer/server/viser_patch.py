@@ -104,6 +104,7 @@ def start_viser(bound: socket.socket, host: str, guard: ConnectionGuard) -> vise
             "process_response": guard.process_response,
             "create_connection": partial(GuardedConnection, guard=guard),
             "max_size": guard.limits.message_bytes,
+            "ping_timeout": guard.limits.answer,
             "close_timeout": _CLOSE_TIMEOUT,
             "logger": socket_logger,
         }
