@@ -46,7 +46,7 @@ class StaticTerms(NamedTuple):
 
     imbalance: float
     constant: float
-    load: tuple[Any, ...]
+    load: tuple[float, ...]
 
 
 def static_terms(design: Design) -> StaticTerms:
@@ -71,7 +71,7 @@ def static_ranges(m: Mechanism, q: StaticTerms, x: Any, y: Any, c: Any, s: Any, 
     (_, f1, h1), (_, f2, h2), (_, f3, h3) = (
         leg.knee_height(m, leg.pantograph(m, v.rho2, zeta), zeta) for v in (v1, v2, v3)
     )
-    wx, wy, wz, _, _, wt = wrench_at_center(*(*q.load, c, s))
+    wx, wy, wz, _, _, wt = wrench_at_center(*[*q.load, c, s])
     fx = (f1 * v1.dx + f2 * v2.dx + f3 * v3.dx) * q.imbalance - wx
     fy = (f1 * v1.dy + f2 * v2.dy + f3 * v3.dy) * q.imbalance - wy
     ft = (
