@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paminsa_viz.balancing import balance
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
@@ -22,20 +21,11 @@ from paminsa_viz.model import (
     singular_rotation,
 )
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.studies.metrics import RUNS, measure_motion
 from paminsa_viz.trajectory import (
-    SINGULAR_CLEARANCE,
-    Controller,
-    ControlMode,
     MotionLimits,
-    TrajectoryAnalysis,
     analyze,
     check_path,
-    payload_drift,
-    point_to_point,
     round_trip,
-    simulate,
-    unplanned_torque,
 )
 from paminsa_viz.trajectory import crossing_program as program
 from paminsa_viz.trajectory.crossing import (
@@ -44,19 +34,11 @@ from paminsa_viz.trajectory.crossing import (
     PathOnLocus,
     crossing_condition,
     crossings,
-    locus_distances,
 )
 from paminsa_viz.trajectory.crossing_plan import CrossingPlan, CrossingRefused, plan_crossing
 from paminsa_viz.trajectory.paths import spline_path, straight_path
-from paminsa_viz.trajectory.sampled import Passage
 from tests.support.samples import random_design, random_states
-
-BALANCED = balance(APPENDIX_4).after
-TURN = straight_path([0.03, 0.02, 0.8, -0.5], [0.03, 0.02, 1.75, -0.5])
-"""A turn through 73.4 degrees, where every position is singular."""
-LINE = straight_path([0.1, 0.0, 0.2, -0.5], [0.36, 0.02, 0.5, -0.5])
-"""A line through the singular circle."""
-TEN = MotionLimits(torque=10.0)
+from tests.trajectory.crossings import BALANCED, LINE, TEN, TURN
 
 
 def _singular_poses(design: Design, rng: np.random.Generator, n: int = 20) -> np.ndarray:
@@ -279,128 +261,6 @@ def test_a_is_the_mass_between_twist_and_path() -> None:
     assert condition.a == pytest.approx(expected, rel=1e-12)
 
 
-def test_a_planned_crossing_passes_the_check_and_another_one_does_not(
-    planned: tuple[Design, CrossingPlan],
-) -> None:
-    design, found = planned
-    samples = found.plan.sample(1000.0)
-    assert analyze(design, samples).check.ok
-    torque = analyze(design, samples).torque
-    assert np.isfinite(torque).all()
-    assert np.abs(torque[:, :3]).max() < 10.1
-    event = check_path(design.geometry, replace(samples, passages=())).first
-    assert event is not None
-    assert event.limit is Limit.SINGULAR
-    back = round_trip(found.plan).sample()
-    assert check_path(design.geometry, back).ok
-    assert len(back.passages) == 2
-
-
-@pytest.mark.slow
-def test_a_sample_at_the_crossing_moves_off_it() -> None:
-    plan = plan_crossing(BALANCED, TURN, TEN).plan
-    (passage,) = plan.passages
-    at = passage.t * plan.duration
-    middle = replace(plan, passages=(Passage(0.5, passage.locus),))
-    count = 2 * round(50.0 * plan.duration)  # even, so that one would be in the middle
-    distance = np.abs(middle.sample(count / plan.duration).t - 0.5 * plan.duration).min()
-    assert distance == pytest.approx(1e-6, rel=1e-3)
-    fine = plan.sample(0.9e6)
-    near = fine.take(np.flatnonzero(np.abs(fine.t - at) < 1e-3))
-    assert np.isfinite(analyze(BALANCED, near).torque).all()
-
-
-def test_the_simulated_robot_follows_through_the_crossing() -> None:
-    samples = plan_crossing(BALANCED, TURN, TEN).plan.sample(5000.0)
-    controller = Controller(ControlMode.FEED_FORWARD)
-    result = simulate(BALANCED, samples, controller=controller)
-    assert result.stopped is None
-    assert np.abs(result.pose - result.wanted.pose).max() < 1e-5
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("design", [APPENDIX_4, BALANCED], ids=["Appendix 4", "balanced"])
-def test_mujoco_follows_the_feed_forward_through_the_crossing(design: Design) -> None:
-    pytest.importorskip("mujoco")
-    from paminsa_viz.engines.mujoco_model import play
-
-    samples = plan_crossing(design, TURN, TEN).plan.sample(10_010.0)
-    torque = analyze(design, samples).torque
-    played = play(design, samples.t, samples.pose, samples.velocity, torque, step=1e-4)
-    assert played.until == samples.size
-    # MuJoCo's integrator takes the speed at the end of a step: the pose is half a step ahead.
-    ahead = 0.5 * np.diff(samples.t).mean() * samples.velocity
-    assert np.abs(played.drift - ahead).max() < 5e-6
-
-
-@pytest.mark.slow
-def test_the_drift_is_that_of_a_robot_with_another_payload() -> None:
-    """Left alone, the heavier robot accelerates along the escape twist as the drift says."""
-    found = plan_crossing(BALANCED, LINE, TEN)
-    (crossing,), (drift,) = found.crossings, payload_drift(BALANCED, found, 0.3)
-    heavier = BALANCED.vary({"payload.mass": 0.3})
-    twist, state = np.array(crossing.condition.twist), found.plan.at(crossing.t)
-    wanted = platform_wrench(BALANCED, *state)
-    rest = platform_wrench(heavier, *state) - mass_matrix(heavier, state.pose) @ state.acceleration
-    off = twist @ (wanted - rest) / drift.inertia  # no actuator acts along the twist
-    planned = twist @ mass_matrix(heavier, state.pose) @ state.acceleration / drift.inertia
-    assert drift.shift[2] == pytest.approx(0.5 * (off - planned) * drift.time**2, rel=1e-9)
-    assert payload_drift(BALANCED, found, 0.0)[0].shift == pytest.approx((0, 0, 0, 0), abs=1e-12)
-    times = found.plan.sample(1e5).t
-    near = locus_distances(BALANCED.geometry, found.plan.at(times).pose)[:, 0]
-    inside = times[np.abs(near) < SINGULAR_CLEARANCE]
-    assert np.ptp(inside) == pytest.approx(drift.time, rel=0.1)
-
-
-def test_the_torque_without_the_condition_grows_with_the_rate() -> None:
-    found = plan_crossing(APPENDIX_4, TURN, TEN)
-    (crossing,), duration = found.crossings, found.plan.duration
-    assert unplanned_torque(crossing, duration, 1e6) > 100 * unplanned_torque(crossing, duration)
-    naive = point_to_point(TURN.start, TURN.goal, duration)
-    s = naive.at(np.linspace(0.0, duration, 100_001)).pose[:, 2]
-    at = np.interp(crossing.crossing.pose[2], s, np.linspace(0.0, duration, 100_001))
-    torque = inverse_dynamics(APPENDIX_4, *naive.at(at - 5e-6)).torque
-    expected = unplanned_torque(crossing, duration, 1e5)
-    assert np.abs(torque[:3]).max() == pytest.approx(expected, rel=1e-2)
-
-
-def test_the_peak_at_a_crossing_is_the_limit_torque(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = plan_crossing(BALANCED, LINE, TEN)
-    (crossing,) = found.crossings
-    samples = found.plan.sample(1000.0)
-    analysis = analyze(BALANCED, samples)
-    (load,) = analysis.crossings
-    assert load.torque == pytest.approx(crossing.torque, abs=1e-3)
-    assert abs(load.residual) < 1e-6
-    assert not analysis.unbounded
-    assert all(abs(one.peak) < 50.0 for one in analysis.summary[:3])
-    beyond = (replace(load, torque=(50.0, -60.0, 1.0, 2.0)),)
-    monkeypatch.setattr(TrajectoryAnalysis, "crossings", property(lambda _: beyond))
-    peaks = [(one.peak, one.peak_t) for one in analyze(BALANCED, samples).summary[:2]]
-    assert peaks == [(50.0, load.t), (-60.0, load.t)]
-
-
-def test_another_robot_on_a_planned_crossing_needs_torques_without_bound() -> None:
-    samples = plan_crossing(BALANCED, LINE, TEN).plan.sample(1000.0)
-    for design in (APPENDIX_4, BALANCED.vary({"payload.mass": 0.1})):
-        analysis = analyze(design, samples)
-        (load,) = analysis.unbounded
-        assert load.excess > 5.0
-        sampled = np.abs(analysis.torque[np.abs(samples.t - load.t) < 1e-3, :3]).max()
-        assert sampled > 0.5 * load.excess
-
-
-def test_a_sweep_takes_a_planned_crossing_for_its_own_design_alone() -> None:
-    samples = plan_crossing(BALANCED, LINE, TEN).plan.sample(1000.0)
-    word, _, values = measure_motion(BALANCED, samples)
-    assert word == RUNS
-    assert values[0] == pytest.approx(10.0, rel=1e-2)
-    word, t, values = measure_motion(APPENDIX_4, samples)
-    assert word == "singular"
-    assert t == samples.passages[0].t
-    assert np.isnan(values).all()
-
-
 @pytest.mark.parametrize(
     "poses",
     [
@@ -430,3 +290,20 @@ def test_limits_are_kept_on_paths_at_random(seed: int) -> None:
             continue
         tried += 1
         assert_torques_keep(design, found, 1.005 * limit, 2e-3 * limit)
+
+
+def test_a_planned_crossing_passes_the_check_and_another_one_does_not(
+    planned: tuple[Design, CrossingPlan],
+) -> None:
+    design, found = planned
+    samples = found.plan.sample(1000.0)
+    assert analyze(design, samples).check.ok
+    torque = analyze(design, samples).torque
+    assert np.isfinite(torque).all()
+    assert np.abs(torque[:, :3]).max() < 10.1
+    event = check_path(design.geometry, replace(samples, passages=())).first
+    assert event is not None
+    assert event.limit is Limit.SINGULAR
+    back = round_trip(found.plan).sample()
+    assert check_path(design.geometry, back).ok
+    assert len(back.passages) == 2

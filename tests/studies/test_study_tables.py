@@ -1,0 +1,169 @@
+"""Tables of a study: their rows, their bytes from anywhere, what they are resumed with."""
+
+from __future__ import annotations
+
+import csv
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.files.errors import TableFileError
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Counterweight,
+    InvalidInput,
+    KneeBranch,
+)
+from paminsa_viz.studies import (
+    DesignGrid,
+    Workers,
+    cluster,
+    measure_design,
+    processes,
+    run_study,
+)
+from paminsa_viz.studies.metrics import samples_hash
+from paminsa_viz.trajectory import Trajectory
+from tests.studies.studies import GRID, MOTION, MOVED, NAMES, RANDOM, SMALL
+
+
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory) -> bytes:
+    path = tmp_path_factory.mktemp("study") / "a.csv"
+    summary = run_study(MOVED, path, command="test")
+    assert (summary.rows, summary.found) == (40, 0)
+    return path.read_bytes()
+
+
+def read(path) -> list[dict[str, str]]:
+    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
+    return list(csv.DictReader(lines))
+
+
+def test_a_row_reads_back_as_the_numbers_it_was_made_of(tmp_path) -> None:
+    run_study(SMALL, tmp_path / "a.csv")
+    rows = read(tmp_path / "a.csv")
+    assert [row["row"] for row in rows] == [str(i) for i in range(6)]
+    mass = APPENDIX_4.value
+    for i, row in enumerate(rows):
+        b3, l4 = GRID.values(i)
+        assert (float(row["links.b3 [kg]"]), float(row["geometry.coupler_length [m]"])) == (b3, l4)
+        design = APPENDIX_4.vary({"links.b3": b3, "geometry.coupler_length": l4})
+        found = measure_design(design, SMALL.region)
+        torque = found[NAMES.index("peak_torque_Nm")]
+        assert row["peak_torque_Nm"] == ("" if np.isnan(torque) else repr(torque))
+        assert float(row["added_mass_kg"]) == pytest.approx(3 * (b3 - mass("links.b3")))
+
+
+def test_the_table_is_the_same_from_threads_and_processes(expected, tmp_path) -> None:
+    with ThreadPoolExecutor(3) as pool:
+        run_study(MOVED, tmp_path / "threads.csv", Workers(pool, 3), command="test")
+    assert (tmp_path / "threads.csv").read_bytes() == expected
+    with processes(2) as workers:
+        run_study(MOVED, tmp_path / "processes.csv", workers, command="test")
+    assert (tmp_path / "processes.csv").read_bytes() == expected
+
+
+def test_the_table_is_the_same_from_a_cluster(expected, tmp_path) -> None:
+    distributed = pytest.importorskip("distributed")
+    path = tmp_path / "cluster.csv"
+    with (
+        distributed.LocalCluster(
+            n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None
+        ) as local,
+        cluster(local.scheduler_address) as workers,
+    ):
+        assert workers.count == 2
+        run_study(MOVED, path, workers, command="test")
+    assert path.read_bytes() == expected
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense", "http://x"])
+def test_missing_scheduler_is_named(monkeypatch, address) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("paminsa_viz.studies.executors.CONNECT_TIMEOUT", 0.5)
+    with pytest.raises(InvalidInput, match=f"no scheduler answers at {address}"), cluster(address):
+        pass
+
+
+def test_an_error_in_the_middle_leaves_a_table_to_go_on_with(expected, tmp_path) -> None:
+    path = tmp_path / "a.csv"
+
+    def give_up(summary) -> None:
+        if summary.rows >= 16:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_study(MOVED, path, command="test", progress=give_up)
+    assert len(read(path)) == 16
+    assert run_study(MOVED, path).found == 16
+    assert path.read_bytes() == expected
+
+
+def test_a_word_in_a_table_without_checksums_is_named_with_its_row(expected, tmp_path) -> None:
+    path = tmp_path / "old.csv"
+    lines = [
+        line if line.startswith("#") else line.rpartition(",")[0]
+        for line in expected.decode().splitlines()
+    ]
+    number = next(number for number, line in enumerate(lines) if ",ok," in line)
+    path.write_text("\n".join(lines[: number + 1]) + "\n")
+    assert run_study(MOVED, path).rows == 40
+    lines[number] = lines[number].replace(",ok,", ",ok,x")
+    path.write_text("\n".join(lines[: number + 1]) + "\n")
+    with pytest.raises(TableFileError, match="has a word where a number belongs") as caught:
+        run_study(MOVED, path)
+    assert caught.value.row == number + 1
+
+
+def test_the_summary_of_a_finished_table_is_that_of_its_rows(expected, tmp_path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(expected)
+    summary = run_study(MOVED, path)
+    static = [row for row in read(path) if row["status"] == "ok"]
+    moving = [row for row in read(path) if row["motion"] == "ok"]
+    assert summary.found == 40
+    assert summary.status["ok"] == len(static) > 5
+    assert summary.motion["ok"] == len(moving) > 5
+    assert len(static) != len(moving) < 40
+    assert sum(summary.status.values()) == sum(summary.motion.values()) == 40
+    for name, found in summary.extremes.items():
+        rows = moving if name.startswith("motion") else static
+        values = {int(row["row"]): float(row[name]) for row in rows if row[name]}
+        assert found.least == min(values.values()) == values[found.least_row]
+        assert found.largest == max(values.values()) == values[found.largest_row]
+
+
+def test_every_difference_makes_another_table() -> None:
+    others = [
+        replace(SMALL, design=APPENDIX_4.vary({"links.b4": 0.5})),
+        replace(SMALL, design=replace(APPENDIX_4, counterweights=(Counterweight("b3", 7, 0.1),))),
+        replace(SMALL, region=replace(SMALL.region, cells=9)),
+        replace(SMALL, design=APPENDIX_4.with_knee(KneeBranch.UPPER)),
+        replace(SMALL, scale_bars=True),
+        replace(SMALL, variation=DesignGrid(GRID.axes[:1])),
+        RANDOM,
+        replace(RANDOM, variation=replace(RANDOM.variation, seed=4)),
+        replace(SMALL, trajectory=MOTION),
+        replace(SMALL, trajectory=replace(MOTION, velocity=2 * MOTION.velocity)),
+        replace(SMALL, trajectory=replace(MOTION, load=np.zeros((MOTION.size, 6)))),
+        replace(SMALL, trajectory=replace(MOTION, load=np.ones((MOTION.size, 6)))),
+    ]
+    marks = {study.fingerprint for study in (SMALL, *others)}
+    assert len(marks) == 1 + len(others)
+    same = replace(SMALL, design=replace(APPENDIX_4, name="other"))
+    assert same.fingerprint == SMALL.fingerprint
+
+
+@given(row=st.integers(0, MOTION.size - 2), column=st.integers(0, 12))
+def test_the_last_bit_of_any_sample_makes_another_motion(row, column) -> None:
+    samples = np.column_stack([MOTION.t, MOTION.pose, MOTION.velocity, MOTION.acceleration])
+    samples[row, column] = np.nextafter(samples[row, column], np.inf)
+    t, *states = np.split(samples, [1, 5, 9], axis=1)
+    changed = Trajectory(t[:, 0], *states, name=MOTION.name)
+    assert samples_hash(changed) != samples_hash(MOTION)
+    assert samples_hash(replace(MOTION, name="other")) == samples_hash(MOTION)
