@@ -43,7 +43,8 @@ def start(tab: Tab, pose: tuple[float, float, float], design: Design = APPENDIX_
         state = actions.with_design(state, design)
         return actions.set_layers(actions.move(state, x=x, y=y, theta=theta), fine=True)
 
-    tab.dispatch(shown)
+    tab.dispatch(shown)  # the next of the same kind may take its place in the queue
+    until(lambda: tab.state.document.design == design and tab.state.document.pose[0] == x, "the pose")
 
 
 def show(tab: Tab, quantity: str, **layers: bool) -> None:
@@ -94,7 +95,7 @@ def synthesize(tab: Tab) -> None:
 def accuracy(tab: Tab) -> None:
     start(tab, (0.08, 0.03, 1.0))
     tab.open_tab("Accuracy")
-    show(tab, "error_xy", drive_errors=True, torques=False)
+    show(tab, "error_horizontal", drive_errors=True, torques=False)
 
 
 def loads(tab: Tab) -> None:
@@ -134,7 +135,9 @@ def forces(tab: Tab) -> None:
     start(tab, (0.05, -0.03, 0.3), LOADED)
     tab.dispatch(lambda state: actions.set_layers(state, force_polygon=True, torques=False))
     camera = tab.session.client.camera
-    camera.position, camera.look_at = (0.55, -0.75, -0.3), (0.05, -0.03, -0.58)
+    camera.position, camera.look_at = (0.5, -0.62, -0.3), (0.06, -0.04, -0.56)
+    for _ in ("left dock", "right dock"):
+        tab.page.get_by_role("button", name="Collapse panel area").first.click()
 
 
 Take = tuple[Callable[[Tab], None], dict[str, Any], int, bool]

@@ -165,9 +165,10 @@ class App:
             self._disconnect(client)
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
-        session = self.sessions.pop(client.client_id, None)
+        session = self.sessions.get(client.client_id)
         if session is not None:
             session.close()
+            self.sessions.pop(client.client_id, None)
         self._closed_page.set()
 
     def _free_memory(self) -> None:

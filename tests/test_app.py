@@ -52,7 +52,7 @@ def test_a_tab_that_left_while_its_page_was_built_leaves_no_session(
     try:
         RawPage(running.server).socket.close()
         eventually(lambda: built and built[0].closed)
-        assert running.sessions == {}
+        eventually(lambda: not running.sessions)
     finally:
         running.stop()
 

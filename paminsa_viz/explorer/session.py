@@ -40,6 +40,8 @@ together, so the robot would wait for the numbers; nor can one tab take a core f
 DEFERRED_TIMEOUT = 0.02
 """How long a newer state waits for the deferred views of an older one while dragging [s]."""
 
+LONGEST_CLOSING = 5.0
+"""How long a session that is closed is waited for [s]."""
 
 SCENE_TIMEOUT = 10.0
 """How long another scene is waited for [s]."""
@@ -104,9 +106,11 @@ class Session:
         self._wake.set()
 
     def close(self) -> None:
-        """Stop the worker; the tab has gone."""
+        """Stop the worker, as the tab has gone, and wait until it has ended what it was doing."""
         self._closed = True
         self._wake.set()
+        if self._thread.is_alive():
+            self._thread.join(LONGEST_CLOSING)
 
     def dispatch(self, source: str, action: Action, *, step: bool = True) -> None:
         """Change the state; a newer action of the same source replaces one that waits.

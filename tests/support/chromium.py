@@ -112,9 +112,9 @@ class Tab:
 
     def _built(self) -> Any:
         """Return the newest session that is built; a browser may have tried to connect twice."""
-        found = dict(self.app.sessions).items()
-        new = [one for number, one in found if number not in self._known and one.built.is_set()]
-        return new[-1] if new else None
+        found = [n for n in list(self.app.sessions) if n not in self._known]
+        new = [one for one in map(self.app.sessions.get, found) if one and one.built.is_set()]
+        return next((one for one in reversed(new) if not one.closed), None)
 
     @property
     def session(self) -> Any:
