@@ -44,7 +44,7 @@ def start(tab: Tab, pose: tuple[float, float, float], design: Design = APPENDIX_
         return actions.set_layers(actions.move(state, x=x, y=y, theta=theta), fine=True)
 
     tab.dispatch(shown)  # the next of the same kind may take its place in the queue
-    until(lambda: tab.state.document.design == design and tab.state.document.pose[0] == x, "the pose")
+    until(lambda: tab.state.document.pose[0] == x, "the pose")
 
 
 def show(tab: Tab, quantity: str, **layers: bool) -> None:

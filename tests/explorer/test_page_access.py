@@ -291,5 +291,5 @@ def test_reload_keeps_the_docks(open_tab: Callable[..., Tab]) -> None:
     until(lambda: tab.state.docks.left.folded, "the fold is known")
     tab.wait_saved()
     tab.reload()
-    until(lambda: page.evaluate(CANVAS)[0] < 60, "the maps stay folded")
-    assert page.evaluate(CANVAS)[1] == pytest.approx(dragged[1], abs=3)
+    folded = [40, dragged[1]]  # viser moves a panel for half a second until it is folded
+    until(lambda: np.allclose(page.evaluate(CANVAS), folded, atol=3), "the maps stay folded")
