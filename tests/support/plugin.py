@@ -6,6 +6,7 @@ pass means the same everywhere. ``pytest --hypothesis-profile explore`` draws ma
 
 from __future__ import annotations
 
+import gc
 import importlib
 from typing import Any
 
@@ -56,6 +57,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def _is_page(nodeid: str) -> bool:
     """Whether a test is in a file that opens the explorer's page."""
     return "/test_page" in nodeid or "/test_browser_names" in nodeid
+
+
+def pytest_collection_finish() -> None:
+    """Spare the garbage collector what was imported and collected: it stays until the end."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(optionalhook=True)
