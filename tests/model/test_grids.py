@@ -58,7 +58,7 @@ def near(got: Any, expected: Any, relative: float = 1e-11) -> None:
 
 
 def measured(design: Design, pose: Any) -> dict[str, Any]:
-    """Return what a field holds and every quantity by the pointwise functions, each (..., poses)."""
+    """Return what a field holds and every quantity, by the pointwise functions."""
     geometry = design.geometry
     reach, singular = check_reach(geometry, pose), measure_singularity(geometry, pose)
     return {
