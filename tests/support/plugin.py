@@ -8,10 +8,15 @@ from __future__ import annotations
 
 import gc
 import importlib
+import os
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+# before numpy is imported: threads of small linear algebra wait for each other, and for those of
+# the tests on the other cores
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 _SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large]
 
