@@ -6,11 +6,17 @@ pass means the same everywhere. ``pytest --hypothesis-profile explore`` draws ma
 
 from __future__ import annotations
 
+import gc
 import importlib
+import os
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+# before numpy is imported: threads of small linear algebra wait for each other, and for those of
+# the tests on the other cores
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 _SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large]
 
@@ -64,6 +70,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def _is_page(nodeid: str) -> bool:
     """Whether a test is in a file that opens the explorer's page."""
     return "/test_page" in nodeid or "/test_browser_names" in nodeid
+
+
+def pytest_collection_finish() -> None:
+    """Spare the garbage collector what was imported and collected: it stays until the end."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(optionalhook=True)
