@@ -29,8 +29,8 @@ PANEL = 385
 """Width of the controls [px]."""
 
 LOADED = replace(
-    APPENDIX_4, name="Loaded", load=replace(APPENDIX_4.load, force_x=60.0, force_y=-50.0,
-    force_z=-30.0, moment_z=5.0),
+    APPENDIX_4, name="Loaded", load=replace(APPENDIX_4.load, force_x=15.0, force_y=-20.0,
+    force_z=-30.0, moment_z=2.0),
 )  # fmt: skip
 HEAVY = replace(APPENDIX_4, name="10 kg", payload=replace(APPENDIX_4.payload, mass=10.0))
 
@@ -135,7 +135,7 @@ def forces(tab: Tab) -> None:
     start(tab, (0.05, -0.03, 0.3), LOADED)
     tab.dispatch(lambda state: actions.set_layers(state, force_polygon=True, torques=False))
     camera = tab.session.client.camera
-    camera.position, camera.look_at = (0.5, -0.62, -0.3), (0.06, -0.04, -0.56)
+    camera.position, camera.look_at = (0.62, -0.72, -0.12), (0.05, -0.03, -0.55)
     for _ in ("left dock", "right dock"):
         tab.page.get_by_role("button", name="Collapse panel area").first.click()
 

@@ -249,7 +249,8 @@ def actuator_rates(design: Design, pose: Any, velocity: Any) -> Any:
 
 def actuator_jacobian(design: Design, pose: Any) -> Any:
     """Derivative of the actuators in the pose coordinates, (..., 4 actuators, 4 coordinates)."""
-    return np.stack([actuator_rates(design, pose, e) for e in np.eye(4)], axis=-1)
+    rates = actuator_rates(design, np.asarray(pose, float)[..., None, :], np.eye(4))
+    return np.swapaxes(rates, -1, -2)
 
 
 def pose_forces(
@@ -269,14 +270,12 @@ def pose_forces(
         w = turning(body)
         moment = add(rotated(body, turning(body, second)), cross(w, rotated(body, w)))
         forces.append((tuple(body.mass * c for c in linear), moment))
-    columns = []
-    for direction in np.eye(4):
-        virtual = bodies(design, jets(pose, direction))
-        total: Any = np.zeros(pose.shape[:-1])
-        for body, (force, moment) in zip(virtual, forces, strict=True):
-            total = total + dot(rate(body.center), force) + dot(turning(body), moment)
-        columns.append(total)
-    return np.stack(columns, axis=-1)
+    virtual = bodies(design, jets(pose[..., None, :], np.eye(4)))
+    total: Any = np.zeros(pose.shape)
+    for body, parts in zip(virtual, forces, strict=True):
+        force, moment = (tuple(np.asarray(c)[..., None] for c in part) for part in parts)
+        total = total + dot(rate(body.center), force) + dot(turning(body), moment)
+    return total
 
 
 def inverse_dynamics(

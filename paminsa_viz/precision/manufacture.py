@@ -42,6 +42,9 @@ BARS = ("bar_94", "bar_45", "bar_43", "bar_37", "bar_87", "bar_89")
 BLOCK = 2048
 """Poses worked on at a time."""
 
+ROUNDING = 1e-12
+"""Sensitivities below this share of a coordinate's largest are zero: no bar changes theta."""
+
 
 def tolerance_widths(tolerances: Tolerances) -> Array:
     """Return the tolerance of each length, to either side, (3, 14) [m, rad]."""
@@ -156,6 +159,9 @@ def _errors(design: Design, pose: Array) -> tuple[Array, ...]:
     slopes = np.where(check_reach(design.geometry, pose).ok[:, None, None, None], slopes, np.nan)
     tolerance = tolerance_widths(design.tolerances)
     clearance = clearance_widths(design.tolerances)
+    sizes = np.abs(slopes)
+    largest = sizes.max(axis=(-1, -2), keepdims=True)
+    slopes = np.where(sizes < ROUNDING * largest, 0.0, slopes)
     sizes = np.abs(slopes).reshape(n, 6, -1)
     variance = slopes**2 * ((tolerance**2 + clearance**2) / 3)
     total = variance.sum(axis=(-1, -2))

@@ -47,7 +47,9 @@ def test_every_number_of_a_design_has_one_slider_with_a_short_label() -> None:
     offered = [p.path for group in GROUPS for p in group.parameters]
     assert sorted(offered) == sorted(p.path for p in PARAMETERS)
     for path, row in ROWS.items():
-        assert len(str(row.label)) <= 18  # 97 px hold about that many
+        name, _, unit = str(row.label).partition(" [")
+        assert len(name) <= 18  # 97 px hold about that many
+        assert unit.rstrip("]") == PARAMETER[path].display.text
         assert str(row.label).startswith(symbol_text(PARAMETER[path].symbol))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -79,16 +80,21 @@ def test_cells_hold_the_models_torques_or_why_they_are_out_of_reach(knee: KneeBr
     assert 100 < reach.ok.sum() < reach.ok.size - 100
 
 
-@pytest.mark.parametrize("quantity", QUANTITIES)
-def test_each_quantity_is_the_models(quantity: str) -> None:
-    state = at()
-    data = MapStore().data(state, CELLS, (quantity,))
-    row, column = int(0.4 * data.y.size), int(0.57 * data.x.size)
-    pose, design = poses_of(data)[row, column], state.document.design
-    expected = pointwise(design, pose)[quantity]
-    # NaN for bodies that the robot does not have, in both
-    assert data.values[0, row, column] == pytest.approx(float(expected), rel=1e-10, nan_ok=True)
-    assert data.unit == QUANTITIES[quantity].unit
+def test_each_quantity_is_the_models() -> None:
+    state, store = at(), MapStore()
+    known = cache(pointwise)
+    finite = 0
+    for name, quantity in QUANTITIES.items():
+        data = store.data(state, 15, (name,))
+        row, column = int(0.4 * data.y.size), int(0.57 * data.x.size)
+        pose = poses_of(data)[row, column]
+        expected = known(state.document.design, tuple(pose.tolist()))[name]
+        # NaN for bodies that the robot does not have, in both
+        found = data.values[0, row, column]
+        assert found == pytest.approx(float(expected), rel=1e-10, nan_ok=True), name
+        assert data.unit == quantity.unit
+        finite += np.isfinite(found)
+    assert finite > 0.9 * len(QUANTITIES)
 
 
 Change = Callable[[State], State]

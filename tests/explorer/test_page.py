@@ -61,7 +61,7 @@ def test_mass_scales_the_torques_and_the_colors(tab: Tab) -> None:
     until(lambda: shown() == wanted(), "the color range of this pose")
     before, colors = tab.torques()[:3], shown()
     tab.open_tab("Design")
-    tab.type_number("m_B4 bar 9–4–5", 2.5)
+    tab.type_number("m_B4 bar 9–4–5 [kg]", 2.5)
     until(lambda: tab.state.document.design.links.b4 == 2.5, "the mass is set")
     factor = static_imbalance(tab.state.document.design) / static_imbalance(APPENDIX_4)
     assert factor > 1.9

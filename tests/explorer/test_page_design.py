@@ -37,9 +37,9 @@ def test_tabs_take_two_rows_and_none_is_cut(tab: Tab) -> None:
 def test_numbers_can_be_typed_digit_by_digit(tab: Tab) -> None:
     tab.open_tab("Design")
     for label, text, path in (
-        ("m_B3 bar 4–3–7", "12.5", "links.b3"),  # beyond the slider
-        ("m_pl platform", "0.75", "platform.mass"),  # through an impossible 0
-        ("m₅ B4, platform", "0.0625", "joints.j5"),  # finer than the slider
+        ("m_B3 bar 4–3–7 [kg]", "12.5", "links.b3"),  # beyond the slider
+        ("m_pl platform [kg]", "0.75", "platform.mass"),  # through an impossible 0
+        ("m₅ B4, platform [kg]", "0.0625", "joints.j5"),  # finer than the slider
     ):
         field, thumb, number = tab.number_box(label), tab.slider(label), float(text)
         field.click()

@@ -39,7 +39,7 @@ def test_a_mark_turns_when_a_length_breaks_its_requirement_and_a_click_leads_the
     assert "✗" not in tab.text("requirements-strip")
     tab.open_tab("Design")
     tab.open_tab("Geometry")
-    tab.type_number("R_b leg axes", 240)
+    tab.type_number("R_b leg axes [mm]", 240)
     strip = tab.page.get_by_test_id("requirements-strip")
     strip.get_by_text("✗").first.wait_for()
     tab.open_tab("Requirements")

@@ -84,3 +84,20 @@ def test_click_on_the_floor_map_moves_the_robot_there(tab: Tab) -> None:
         f"the robot moves to {goal}; it is at {tab.state.last_reachable.pose}",
         timeout=15,
     )
+
+
+def test_folded_panels_leave_the_view_its_colors_and_its_legend(tab: Tab) -> None:
+    looks = """() => [
+      getComputedStyle(document.querySelector("canvas[data-engine]")).backgroundColor,
+      getComputedStyle(document.querySelector(".pv-legend")).position,
+    ]"""
+    before = tab.page.evaluate(looks)
+    assert before[0] != "rgba(0, 0, 0, 0)"
+    for _ in range(2):
+        tab.page.get_by_role("button", name="Collapse panel area").first.click()
+    status = tab.page.get_by_test_id("status")
+    until(lambda: status.count() == 0, "both panels are folded")
+    assert tab.page.evaluate(looks) == before
+    for _ in range(2):
+        tab.page.get_by_role("button", name="Expand column").first.click()
+    until(lambda: status.count() == 1, "they are back")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from io import BytesIO
 from typing import Any
 
@@ -52,6 +53,7 @@ def made_up(nx: int = 31, ny: int = 27, panels: int = 3, **changes: Any) -> MapD
     return MapData(**{**fields, **changes})
 
 
+@cache
 def real(
     cells: int = 61,
     theta: float = np.pi / 3,

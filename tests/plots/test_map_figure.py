@@ -86,20 +86,19 @@ def test_figures_match_their_baselines(name: str, tmp_path: Path) -> None:
     assert problem is None, problem
 
 
-@pytest.mark.parametrize("panel", range(3))
-def test_each_printed_panel_shows_its_own_contours(
-    panel: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    data, same = panel_and_same(panel)
+def test_each_printed_panel_shows_its_own_contours(monkeypatch: pytest.MonkeyPatch) -> None:
     # Without colors, so that what is compared are lines.
     monkeypatch.setattr(map_panel, "map_pixels", lambda *_: np.zeros((61, 61, 4), np.uint8))
-    place = map_layout(data, SCALES, 170.0 / 25.4 * 72, 8.0, head=1.5 * 8.0).panels[panel]
-    mixed, alike, bare = (
-        crop(pixels(render(each, scale, dpi=144.0)), place, 2.0)
-        for each, scale in ((data, SCALE), (same, SCALE), (data, replace(SCALE, contours=0)))
+    data = panel_and_same(0)[0]
+    places = map_layout(data, SCALES, 170.0 / 25.4 * 72, 8.0, head=1.5 * 8.0).panels
+    whole, bare = (
+        pixels(render(data, scale, dpi=144.0)) for scale in (SCALE, replace(SCALE, contours=0))
     )
-    assert np.array_equal(mixed, alike)
-    assert (bare != mixed).any()
+    for panel, place in enumerate(places):
+        same = pixels(render(panel_and_same(panel)[1], SCALE, dpi=144.0))
+        mixed, alike, plain = (crop(image, place, 2.0) for image in (whole, same, bare))
+        assert np.array_equal(mixed, alike)
+        assert (plain != mixed).any()
 
 
 @pytest.mark.parametrize("choice", [ScaleChoice(), LOG], ids=["linear", "symlog"])
@@ -114,7 +113,7 @@ def test_tiny_infinite_and_empty_data_can_be_drawn(choice: ScaleChoice) -> None:
 
 @pytest.mark.parametrize(("width", "dpi"), [(85.0, 300.0), (120.0, 200.0), (123.4, 97.0)])
 def test_a_png_is_exactly_as_wide_as_asked_and_knows_its_size(width: float, dpi: float) -> None:
-    image = Image.open(BytesIO(render(made_up(), SCALE, "png", width_mm=width, dpi=dpi)))
+    image = Image.open(BytesIO(render(made_up(panels=1), SCALE, width_mm=width, dpi=dpi)))
     assert image.width == round(width / 25.4 * dpi)
     assert image.info["dpi"][0] == pytest.approx(dpi, abs=0.02)
     assert image.info["Software"] == f"paminsa_viz {__version__}"
@@ -140,7 +139,7 @@ def test_title_and_caption_can_be_left_out() -> None:
 @pytest.mark.parametrize("format", FIGURE_FORMATS)
 def test_equal_input_gives_equal_bytes_in_any_thread(format: str) -> None:
     def draw(end: float) -> bytes:
-        return render(made_up(), Scale(-end, end), format, width_mm=85.0, dpi=60)
+        return render(made_up(panels=1), Scale(-end, end), format, width_mm=85.0, dpi=60)
 
     alone = [draw(end) for end in (1.0, 2.0)]
     with ThreadPoolExecutor(2) as pool:
@@ -185,7 +184,7 @@ def test_matplotlib_settings_of_the_user_are_neither_used_nor_changed() -> None:
     ids=["math", "TeX", "not Latin", "breaks", "markup", "long", "empty"],
 )
 def test_any_name_of_a_design_can_be_printed(name: str) -> None:
-    data = made_up(design=replace(SAMPLE, name=name), title=f"Map of {name[:200]}")
+    data = made_up(panels=1, design=replace(SAMPLE, name=name), title=f"Map of {name[:200]}")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         image = pixels(render(data, SCALE, width_mm=85.0, dpi=60))
@@ -202,11 +201,11 @@ def figures_of_all() -> list[tuple[str, ...]]:
 
 
 @pytest.mark.parametrize("quantities", figures_of_all(), ids=lambda keys: keys[0])
-@pytest.mark.parametrize("choice", [ScaleChoice(), LOG], ids=["linear", "symlog"])
-def test_every_quantity_can_be_printed(quantities: tuple[str, ...], choice: ScaleChoice) -> None:
-    data = real(31, quantities=quantities)
-    image = pixels(render(data, choose_scales(data, choice), width_mm=180.0, dpi=60))
-    assert image.shape[1] == 425
+def test_every_quantity_can_be_printed(quantities: tuple[str, ...]) -> None:
+    data = real(21, quantities=quantities)
+    for choice in (ScaleChoice(), LOG):
+        image = pixels(render(data, choose_scales(data, choice), width_mm=180.0, dpi=60))
+        assert image.shape[1] == 425
 
 
 @pytest.mark.parametrize(

@@ -6,11 +6,17 @@ pass means the same everywhere. ``pytest --hypothesis-profile explore`` draws ma
 
 from __future__ import annotations
 
+import gc
 import importlib
+import os
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+# before numpy is imported: threads of small linear algebra wait for each other, and for those of
+# the tests on the other cores
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 _SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large]
 
@@ -44,6 +50,14 @@ def report_of_the_motion(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(page, f"{key}_section", lambda _, key=key: Section(key, key, ()))
 
 
+@pytest.fixture
+def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make reports with empty pictures, where what is drawn is not the point."""
+    from paminsa_viz.report.blocks import Figure
+
+    monkeypatch.setattr(Figure, "svg", b"")
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Run long tests first, those in a browser before all: at the end no worker waits for one."""
     for item in items:
@@ -56,6 +70,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def _is_page(nodeid: str) -> bool:
     """Whether a test is in a file that opens the explorer's page."""
     return "/test_page" in nodeid or "/test_browser_names" in nodeid
+
+
+def pytest_collection_finish() -> None:
+    """Spare the garbage collector what was imported and collected: it stays until the end."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(optionalhook=True)

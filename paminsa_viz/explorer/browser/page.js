@@ -29,6 +29,15 @@
     if (!stopped.signal.aborted && !attempt()) setTimeout(() => retry(attempt, period), period);
   };
 
+  // A folded panel takes what it holds off the page, and the view needs its colors still.
+  retry(() => {
+    const sheet = document.body.querySelector("style[data-paminsa]");
+    if (!sheet) return false;
+    document.head.querySelector("style[data-paminsa]")?.remove();
+    document.head.append(sheet);
+    return true;
+  }, 50);
+
   let saved = null;
   try {
     saved = sessionStorage.getItem(config.storeKey);

@@ -51,7 +51,7 @@ def style_html() -> str:
         for root, theme in ((":root", LIGHT), (_DARK_ROOT, DARK))
     )
     sheets = "\n".join(asset(name) for name in ("page.css", "parts.css", "view.css"))
-    return f"<style>{rules}\n{sheets}</style>"
+    return f"<style data-paminsa>{rules}\n{sheets}</style>"
 
 
 def over_backdrop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -76,7 +76,7 @@ DRIVES_ACCURACY = (
         hint="What the single map and the floor show; the family “accuracy” has more",
     ),
     Folder(
-        "accuracy.drives", "Errors of the drives [°, µm]",
+        "accuracy.drives", "Errors of the drives",
         entries=(
             _slider("resolution_rotary", "count M1–M3", 0.1, 0.001),
             _slider("resolution_linear", "count M4", 100.0, 0.5),

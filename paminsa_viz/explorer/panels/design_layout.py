@@ -36,7 +36,7 @@ class SliderGroup:
 
     Attributes:
         tab: Its tab.
-        title: Its heading, with the unit of its rows.
+        title: Its heading.
         prefixes: Starts of the paths that it holds.
         open: Whether it is open at first.
     """
@@ -58,34 +58,34 @@ class SliderGroup:
 
 
 GROUPS = (
-    SliderGroup("Masses", "Platform and payload [kg]", ("platform.mass", "payload.mass")),
-    SliderGroup("Masses", "Payload's center [mm]", ("payload.height",), open=False),
-    SliderGroup("Masses", "Links of each leg [kg]", ("links.",)),
-    SliderGroup("Masses", "Joints of each leg [kg]", ("joints.",)),
+    SliderGroup("Masses", "Platform and payload", ("platform.mass", "payload.mass")),
+    SliderGroup("Masses", "Payload's center", ("payload.height",), open=False),
+    SliderGroup("Masses", "Links of each leg", ("links.",)),
+    SliderGroup("Masses", "Joints of each leg", ("joints.",)),
     SliderGroup(
-        "Geometry", "Pantograph [mm]",
+        "Geometry", "Pantograph",
         ("geometry.magnification", "geometry.crank", "geometry.coupler"),
     ),
     SliderGroup(
-        "Geometry", "Base and platform [mm]",
+        "Geometry", "Base and platform",
         ("geometry.base_radius", "geometry.platform_radius", "geometry.platform_joint_height"),
     ),
     SliderGroup(
-        "Geometry", "Arms, shafts and guides [mm]",
+        "Geometry", "Arms, shafts and guides",
         ("geometry.arm", "geometry.shaft", "geometry.guide", "geometry.axis"),
     ),
     SliderGroup(
-        "Inertia, friction, g", "Platform and payload [kg·m²]",
+        "Inertia, friction, g", "Inertias of platform and payload",
         ("platform.inertia", "payload.inertia"),
     ),
     SliderGroup(
-        "Inertia, friction, g", "Inertias of the links [kg·m²]", ("inertias.",), open=False
+        "Inertia, friction, g", "Inertias of the links", ("inertias.",), open=False
     ),
     SliderGroup("Inertia, friction, g", "Gravity", ("gravity",)),
     SliderGroup("Inertia, friction, g", "Friction of the actuators", ("friction.",), open=False),
-    SliderGroup("Load", "External force [N]", ("load.force",)),
-    SliderGroup("Load", "External moment [N·m]", ("load.moment",)),
-    SliderGroup("Load", "Point of the force, from the center [mm]", ("load.point",)),
+    SliderGroup("Load", "External force", ("load.force",)),
+    SliderGroup("Load", "External moment", ("load.moment",)),
+    SliderGroup("Load", "Point of the force, from the center", ("load.point",)),
 )  # fmt: skip
 """Every number of a design, once."""
 
@@ -108,7 +108,6 @@ NAMES = {
     "joints.j7": "B3, B7",
     "joints.j8": "slider",
     "joints.j9": "knee B8, B4",
-    "geometry.magnification": "[no unit]",
     "geometry.base_radius": "leg axes",
     "geometry.platform_radius": "joints 5",
     "geometry.platform_joint_height": "joint 5 up",
@@ -122,9 +121,8 @@ NAMES = {
     "inertias.b10_vertical": "guide link",
     "load.moment_x": "bearings",
     "load.moment_y": "bearings",
-    **dict.fromkeys(("load.force_x", "load.force_y", "load.force_z", "load.moment_z"), ""),
 }
-"""A word or two next to the symbol; of what is not here, the unit or the direction."""
+"""A word or two next to the symbol."""
 
 BEARING_PATHS = ("load.moment_x", "load.moment_y", "load.point_z")
 """What no actuator sees."""
@@ -185,13 +183,13 @@ def fitted_range(path: str, ends: tuple[float, float], value: float) -> tuple[fl
 
 
 def label(parameter: Parameter) -> str:
-    """Return the text next to a parameter's slider."""
-    name = NAMES.get(parameter.path)
-    if name is None and parameter.path.startswith("inertias."):
-        name = "along" if parameter.path.endswith("axial") else "across"
-    if name is None and not parameter.path.startswith("geometry."):
-        name = f"[{parameter.display.text}]"
-    return f"{symbol_text(parameter.symbol)} {name or ''}".strip()
+    """Return the text next to a parameter's slider, with the unit."""
+    words = [symbol_text(parameter.symbol), NAMES.get(parameter.path, "")]
+    if parameter.path.startswith("inertias.") and not words[1]:
+        words[1] = "along" if parameter.path.endswith("axial") else "across"
+    if unit := parameter.display.text:
+        words.append(f"[{unit}]")
+    return " ".join(filter(None, words))
 
 
 def hint(parameter: Parameter) -> str:

@@ -110,6 +110,10 @@ def _deviation(state: State) -> tuple[str, float]:
     return f"{LEG_NAMES[shown.leg]}.{length.name}", display_unit(length.unit).factor
 
 
+def _deviation_label(state: State) -> str:
+    return f"off by [{display_unit(LENGTHS[state.manufacture.length].unit).text}]"
+
+
 def _read_deviation(state: State) -> float:
     path, factor = _deviation(state)
     return round(state.document.design.value(path) * factor, 9)
@@ -127,8 +131,8 @@ def grown(ends: tuple[float, float], value: float) -> tuple[float, float]:
 
 _LABELS = {
     "bar": "bars", "shaft": "shaft B2", "joint_height": "joint 5 up", "guide_height": "guide up",
-    "axis_radius": "leg axes R_b", "axis_angle": "leg axes [°]", "joint_radius": "joints 5 R_pl",
-    "joint_angle": "joints 5 [°]", "actuator_zero": "zeros M [°]", "pin_clearance": "pin play",
+    "axis_radius": "leg axes R_b", "axis_angle": "leg axes at", "joint_radius": "joints 5 R_pl",
+    "joint_angle": "joints 5 at", "actuator_zero": "zeros M", "pin_clearance": "pin play",
     "guide_clearance": "guide play",
 }  # fmt: skip
 
@@ -138,8 +142,8 @@ def error_slider(path: str, label: str, high: float, step: float, hint: str = ""
     parameter = PARAMETER[path]
     unit = display_unit("m:um" if parameter.unit == "m" else "rad")
     return Slider(
-        path, label, range=(0.0, high), step=step, unit=unit, fit=grown,
-        hint=f"{parameter.label[0].upper()}{parameter.label[1:]}{hint} [{unit.text}]",
+        path, f"{label} [{unit.text}]", range=(0.0, high), step=step, unit=unit, fit=grown,
+        hint=f"{parameter.label[0].upper()}{parameter.label[1:]}{hint}",
         read=lambda state: state.document.design.value(path),
         apply=lambda state, value: actions.vary(state, {path: value}),
     )  # fmt: skip
@@ -160,7 +164,7 @@ MANUFACTURE = (
     ),
     Html("manufacture.shares", content=shares_html, idle=True),
     Folder(
-        "manufacture.tolerances", "Tolerances, ± [µm, °]", open=False,
+        "manufacture.tolerances", "Tolerances, ±", open=False,
         entries=(
             *(_slider(name) for name in _LABELS),
             ButtonGroup("manufacture.reset", "Set to", choices=_tolerance_choices),
@@ -182,8 +186,8 @@ MANUFACTURE = (
                 **attribute("manufacture.length"),
             ),
             Number(
-                "manufacture.deviation", "off by [mm, °]", range=(-100.0, 100.0), step=0.01,
-                hint="Actual minus nominal, in mm; angles in degrees",
+                "manufacture.deviation", _deviation_label, range=(-100.0, 100.0), step=0.01,
+                hint="Actual minus nominal",
                 read=_read_deviation, apply=_set_deviation,
             ),
             ButtonGroup("manufacture.alike", "Set to", choices=_leg_choices),
