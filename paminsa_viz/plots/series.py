@@ -284,4 +284,5 @@ def thinned(curves: Sequence[Values], most: int) -> NDArray[np.intp]:
             part = values[run]
             ends = (0, part.size - 1, int(part.argmin()), int(part.argmax()))
             kept.append(run.start + np.array(ends, dtype=np.intp))
+            kept.append(np.array([min(run.stop, n - 1)]))  # the gap behind it
     return np.unique(np.concatenate(kept))

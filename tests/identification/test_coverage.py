@@ -16,8 +16,8 @@ from tests.support.identification_logs import simulated
 DESIGN = replace(APPENDIX_4, friction=Friction(0.3, 0.4, 20.0, 8.0))
 QUICK = IdentificationSettings(robustness=False)
 MOTIONS, NOISES = 10, 30
-RATE = 200.0
-"""Samples a second. The noise is correlated over 20 ms, four samples, and the filter passes 10 Hz:
+RATE = 100.0
+"""Samples a second. The noise is correlated over 20 ms, two samples, and the filter passes 10 Hz:
 more samples cost time and say nothing else about intervals."""
 
 SEARCHED = 5

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from matplotlib.transforms import Bbox
 from PIL import Image
@@ -269,6 +269,7 @@ def test_another_motion_is_refused(analysis, failing) -> None:
 
 @given(st.lists(st.one_of(st.floats(-1e6, 1e6), st.just(np.nan)), min_size=1, max_size=300),
        st.integers(2, 40))  # fmt: skip
+@example([0.0, 0.0, 0.0, np.nan, 0.0], 2)
 def test_a_thinned_curve_keeps_ends_extremes_and_gaps(numbers, most) -> None:
     values = np.array(numbers)
     kept = thinned([values, values[::-1]], most)

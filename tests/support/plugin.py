@@ -50,6 +50,14 @@ def report_of_the_motion(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(page, f"{key}_section", lambda _, key=key: Section(key, key, ()))
 
 
+@pytest.fixture
+def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make reports with empty pictures, where what is drawn is not the point."""
+    from paminsa_viz.report.blocks import Figure
+
+    monkeypatch.setattr(Figure, "svg", b"")
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Run long tests first, those in a browser before all: at the end no worker waits for one."""
     for item in items:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
@@ -38,6 +39,11 @@ SHORT = replace(CYLINDER, effort=Effort(40, 4), seed=3)
 
 def answer(result: SynthesisResult) -> tuple[object, ...]:
     return result.design, result.objective, result.states, result.outcomes
+
+
+@cache
+def short() -> SynthesisResult:
+    return synthesize(SHORT)
 
 
 def two_lengths() -> SynthesisCase:
@@ -125,23 +131,21 @@ def test_cell_meets_its_requirements_and_says_which_decide() -> None:
 
 @pytest.mark.slow
 def test_result_does_not_depend_on_the_workers() -> None:
-    here = synthesize(SHORT)
     with ThreadPoolExecutor(3) as pool:
-        assert answer(here) == answer(synthesize(SHORT, workers=Workers(pool, 3)))
-    assert answer(here) != answer(synthesize(replace(SHORT, seed=4)))
+        assert answer(short()) == answer(synthesize(SHORT, workers=Workers(pool, 3)))
+    assert answer(short()) != answer(synthesize(replace(SHORT, seed=4)))
 
 
 @pytest.mark.slow
 def test_result_is_the_same_in_other_processes() -> None:
     with processes(2) as workers:
-        assert answer(synthesize(SHORT)) == answer(synthesize(SHORT, workers=workers))
+        assert answer(short()) == answer(synthesize(SHORT, workers=workers))
 
 
 @pytest.mark.slow
 def test_checkpoint_goes_on_as_if_not_stopped(tmp_path: Path) -> None:
     path = tmp_path / "search.json"
     assert load_checkpoint(path, SHORT) == ()
-    whole = synthesize(SHORT)
 
     def stop(progress: SearchProgress) -> bool:
         return progress.generation == 25
@@ -153,7 +157,7 @@ def test_checkpoint_goes_on_as_if_not_stopped(tmp_path: Path) -> None:
     states = load_checkpoint(path, SHORT)
     assert [state.generation for state in states] == [20]
     resumed = synthesize(SHORT, states=states)
-    assert answer(resumed) == answer(whole)
+    assert answer(resumed) == answer(short())
     # more generations go on from it as well, another case does not
     assert load_checkpoint(path, replace(SHORT, effort=Effort(90, 4))) == states
     with pytest.raises(FileError, match="another case"):
@@ -245,10 +249,9 @@ def test_larger_workspace_is_an_objective() -> None:
 
 
 def test_a_state_that_has_ended_is_not_searched_on() -> None:
-    whole = synthesize(SHORT)
-    again = synthesize(SHORT, states=whole.states)
+    again = synthesize(SHORT, states=short().states)
     assert isinstance(again.states[0], RegimeState)
-    assert answer(again) == answer(whole)
+    assert answer(again) == answer(short())
     assert SHORT.requirements.theta[1] == TURN
 
 

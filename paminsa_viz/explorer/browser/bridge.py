@@ -31,6 +31,9 @@ MESSAGE_LIMIT = 64_000
 HELLO_TIMEOUT = 10.0
 """How long the page is waited for before it is built without it [s]."""
 
+MISSING_AFTER = 10.0
+"""How long a name of viser may be missing in a page until it is reported [s]."""
+
 
 class Bridge:
     """Scripts to one tab and messages from it.
@@ -67,7 +70,11 @@ class Bridge:
         twice. A ``graphics`` names what draws the 3D view.
         """
         try:
-            config = {"inbox": self._inbox._impl.uuid, "storeKey": STORE_KEY}
+            config = {
+                "inbox": self._inbox._impl.uuid,
+                "storeKey": STORE_KEY,
+                "missingAfter": MISSING_AFTER,
+            }
         except AttributeError as error:
             _report_missing([f"messages from the page ({error})"])
             self._run = None

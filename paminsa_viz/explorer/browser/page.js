@@ -251,7 +251,7 @@
   };
 
   // --- self-test ----------------------------------------------------------------------------
-  // A name that stays missing for ten seconds is reported; `UNKNOWN`: nothing here can tell yet.
+  // A name that stays missing for long is reported; `UNKNOWN`: nothing here can tell yet.
   const UNKNOWN = Symbol("unknown");
   const onceThere = (selector, test) => (document.querySelector(selector) ? test() : UNKNOWN);
   const features = {
@@ -274,7 +274,7 @@
     const missing = [];
     for (const name of Object.keys(waited)) {
       const found = features[name]();
-      if (!found && ++waited[name] > 20) missing.push(name);
+      if (!found && ++waited[name] > 2 * config.missingAfter) missing.push(name);
       if (found && found !== UNKNOWN) delete waited[name];
     }
     if (missing.length && send("missing", missing)) for (const name of missing) delete waited[name];
