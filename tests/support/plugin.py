@@ -9,6 +9,7 @@ from __future__ import annotations
 import gc
 import importlib
 import os
+from collections.abc import Generator
 from typing import Any
 
 import pytest
@@ -72,10 +73,16 @@ def _is_page(nodeid: str) -> bool:
     return "/test_page" in nodeid or "/test_browser_names" in nodeid
 
 
-def pytest_collection_finish() -> None:
-    """Spare the garbage collector what was imported and collected: it stays until the end."""
-    gc.collect()
-    gc.freeze()
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_collection() -> Generator[None, Any, Any]:
+    """Spare the garbage collector what is imported and collected: it stays until the end."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.collect()
+        gc.freeze()
+        gc.enable()
 
 
 @pytest.hookimpl(optionalhook=True)
