@@ -72,7 +72,6 @@ def test_mujoco_follows_the_feed_forward_through_the_crossing(design: Design) ->
     assert np.abs(played.drift - ahead).max() < 5e-6
 
 
-@pytest.mark.slow
 def test_the_drift_is_that_of_a_robot_with_another_payload() -> None:
     """Left alone, the heavier robot accelerates along the escape twist as the drift says."""
     found = shortest(BALANCED, LINE, TEN)
