@@ -197,7 +197,7 @@ def test_one_state_and_batches_of_any_shape_agree(design: Design) -> None:
 @BOTH
 def test_random_designs_leave_room_to_move(knee: KneeBranch) -> None:
     rng = np.random.default_rng(10)
-    for _ in range(20):
+    for _ in range(10):
         design = samples.random_design(rng)
         pose = samples.random_poses(rng, with_knee(design, knee), 50)
         assert pose.shape == (50, 4)

@@ -66,6 +66,7 @@ class MujocoRobot(ClosedLoopRobot):
         self.model = model = mujoco.MjModel.from_xml_string(text)
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         self.data = mujoco.MjData(model)
+        self._platform: int = model.body(PLATFORM).id
         self._set_order(model.joint(index).name for index in range(model.njnt))
 
     def _tree(self, q: Array) -> tuple[Array, Array]:
@@ -104,8 +105,7 @@ class MujocoRobot(ClosedLoopRobot):
 
         The platform is where ``data`` has it; the wrench is in the load's directions.
         """
-        data, load = self.data, self.design.load
-        body = self.model.body(PLATFORM).id
+        data, load, body = self.data, self.design.load, self._platform
         turn = data.xmat[body].reshape(3, 3)
         force, moment = np.asarray(wrench[:3]), np.asarray(wrench[3:])
         if load.frame is LoadFrame.PLATFORM:

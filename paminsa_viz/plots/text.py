@@ -15,6 +15,7 @@ from matplotlib.textpath import text_to_path
 Weight = Literal["normal", "bold"]
 
 
+@lru_cache(maxsize=5000)  # captions differ by a few words
 def text_width(text: str, size: float, weight: Weight = "normal") -> float:
     """Return how wide a text of some size is, in the unit of the size."""
     font = FontProperties(family="DejaVu Sans", size=size, weight=weight)

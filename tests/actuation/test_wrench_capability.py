@@ -123,7 +123,7 @@ def test_capability_is_where_pushing_in_mujoco_meets_a_limit() -> None:
         low, high = 0.0, 1.0
         while use(high * direction) < 1:
             high *= 2
-        for _ in range(60):
+        for _ in range(36):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if use(middle * direction) < 1 else (low, middle)
         return low

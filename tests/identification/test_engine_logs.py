@@ -36,7 +36,7 @@ QUICK = IdentificationSettings(robustness=False)
 
 
 def engine_log(
-    design: Design, *, duration: float = 20.0, rate: float = 200.0, **options: Any
+    design: Design, *, duration: float = 20.0, rate: float = 100.0, **options: Any
 ) -> Any:
     t = np.arange(round(duration * rate) + 1) / rate
     motion = Trajectory(t, *multi_sine(1, design)(t))

@@ -68,7 +68,7 @@ def met(
 def test_no_random_pose_needs_more(seed, end, beyond, knee) -> None:
     rng = np.random.default_rng(seed)
     design, weight = random_design(rng), Counterweight(end[0], end[1], beyond, 1.0)
-    found = met(with_knee(design, knee), weight, rng, 20_000)
+    found = met(with_knee(design, knee), weight, rng, 6_000)
     if found is None:
         return
     room = counterweight_clearance(with_knee(design.geometry, knee), weight)
@@ -85,7 +85,7 @@ def test_no_random_pose_needs_more(seed, end, beyond, knee) -> None:
 @BOTH
 def test_the_robot_of_appendix_4_comes_close_to_it(knee) -> None:
     weight = Counterweight("b3", 7, 0.2, 1.0)
-    found = met(with_knee(APPENDIX_4, knee), weight, np.random.default_rng(1), 300_000)
+    found = met(with_knee(APPENDIX_4, knee), weight, np.random.default_rng(1), 50_000)
     room = counterweight_clearance(with_knee(APPENDIX_4.geometry, knee), weight)
     assert found is not None
     assert room is not None

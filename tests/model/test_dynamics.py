@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paminsa_viz.model import (
@@ -163,6 +163,7 @@ def test_multipliers_and_torques_are_those_of_the_papers_equations(case: Case) -
 
 
 @pytest.mark.parametrize("misprints", [*Misprint, Misprint.ALL], ids=str)
+@settings(max_examples=5)  # robots for each of seven
 @given(case=cases())
 def test_the_formulas_as_printed_are_those_of_the_text(misprints: Misprint, case: Case) -> None:
     states = case.states()

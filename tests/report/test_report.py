@@ -196,7 +196,7 @@ def test_verification_is_reported_or_the_reason_it_is_missing(
     assert "pip install mujoco" in str(checked(request_for()))
 
 
-@pytest.mark.usefixtures("report_of_the_motion")
+@pytest.mark.usefixtures("report_of_the_motion", "without_pictures")
 def test_a_motion_that_fails_is_named() -> None:
     near = request_for(APPENDIX_4).trajectory
     sinking = near.pose - np.linspace(0, 0.6, near.size)[:, None] * [0, 0, 0, 1]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from datetime import UTC, datetime
 
 import pytest
@@ -11,8 +12,8 @@ from paminsa_viz.elastostatics.stiffness import platform_stiffness, strain_share
 from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.singularity import singular_radius
-from paminsa_viz.report.blocks import Note, ReportRequest, Table
-from paminsa_viz.report.stiffness_section import stiffness_section
+from paminsa_viz.report.blocks import Block, Note, ReportRequest, Table
+from paminsa_viz.report.stiffness_section import stiffness_blocks, stiffness_section
 from paminsa_viz.trajectory import PRESET
 from paminsa_viz.units import NONE, format_value
 
@@ -21,15 +22,23 @@ MADE = datetime(2026, 1, 2, tzinfo=UTC)
 MOTION = PRESET["arch"].build(APPENDIX_4.geometry).sample(200)
 
 
-def blocks(design: Design, pose=POSE) -> tuple[list[Table], list[Note]]:
-    found = stiffness_section(ReportRequest(design, pose, MOTION, MADE, "")).blocks
+def section(design: Design, pose=POSE) -> tuple[list[Table], list[Note]]:
+    return sorted_out(stiffness_section(ReportRequest(design, pose, MOTION, MADE, "")).blocks)
+
+
+def at_the_pose(design: Design, pose=POSE) -> tuple[list[Table], list[Note]]:
+    """What the section says but for lengths and the workspace."""
+    return sorted_out(stiffness_blocks(design, platform_stiffness(design, pose)))
+
+
+def sorted_out(found: Sequence[Block]) -> tuple[list[Table], list[Note]]:
     tables = [block for block in found if isinstance(block, Table)]
     return tables, [block for block in found if isinstance(block, Note)]
 
 
 def test_stiffness_and_shares_are_the_librarys() -> None:
     design = APPENDIX_4.vary({"payload.mass": 10.0, "elastic.b4_outer": 0.05})
-    (data, stiffness, directions, deflection, shares, modes), (_, note) = blocks(design)
+    (data, stiffness, directions, deflection, shares, modes), (_, note) = section(design)
     assert ("B4", "tube 50/33.1 mm") in [row.cells[:2] for row in data.rows]
     found = platform_stiffness(design, POSE)
     shown = {row.cells[0]: row.cells[2] for row in stiffness.rows}
@@ -50,12 +59,12 @@ def test_stiffness_and_shares_are_the_librarys() -> None:
 
 def test_without_a_hold_there_is_no_frequency() -> None:
     weak = APPENDIX_4.vary({"elastic.drive_rotary": 1.0, "payload.mass": 20.0})
-    _, notes = blocks(weak, (0.08, 0.05, 0.6, -0.5))
+    _, notes = at_the_pose(weak, (0.08, 0.05, 0.6, -0.5))
     assert "no natural frequencies" in notes[-1].text
 
 
 def test_without_a_load_nothing_is_deflected() -> None:
-    (_, _, _, shares, _), (_, note) = blocks(APPENDIX_4)
+    (_, shares, _), (_, note) = at_the_pose(APPENDIX_4)
     assert "nothing is deflected" in note.text
     assert shares.head == ("Part", "force x", "force y", "force z", "moment z")
     for column in range(1, 5):
@@ -65,7 +74,7 @@ def test_without_a_load_nothing_is_deflected() -> None:
 
 def test_singular_pose_has_a_reason() -> None:
     radius = float(singular_radius(APPENDIX_4.geometry, 0.5))
-    tables, (note,) = blocks(APPENDIX_4, (radius, 0.0, 0.5, -0.5))
+    tables, (note,) = section(APPENDIX_4, (radius, 0.0, 0.5, -0.5))
     assert len(tables) == 1
     assert "singular" in note.text
     assert note.kind == "warn"

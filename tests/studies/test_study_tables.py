@@ -59,10 +59,14 @@ def test_a_row_reads_back_as_the_numbers_it_was_made_of(tmp_path) -> None:
         assert float(row["added_mass_kg"]) == pytest.approx(3 * (b3 - mass("links.b3")))
 
 
-def test_the_table_is_the_same_from_threads_and_processes(expected, tmp_path) -> None:
+def test_the_table_is_the_same_from_threads(expected, tmp_path) -> None:
     with ThreadPoolExecutor(3) as pool:
         run_study(MOVED, tmp_path / "threads.csv", Workers(pool, 3), command="test")
     assert (tmp_path / "threads.csv").read_bytes() == expected
+
+
+@pytest.mark.slow
+def test_the_table_is_the_same_from_processes(expected, tmp_path) -> None:
     with processes(2) as workers:
         run_study(MOVED, tmp_path / "processes.csv", workers, command="test")
     assert (tmp_path / "processes.csv").read_bytes() == expected

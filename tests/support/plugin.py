@@ -25,7 +25,7 @@ settings.register_profile(
     deadline=None,
     derandomize=True,
     database=None,
-    max_examples=15,
+    max_examples=10,
     suppress_health_check=_SLOW,
 )
 settings.register_profile(

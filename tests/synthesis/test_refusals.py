@@ -55,7 +55,7 @@ def test_least_footprint_is_that_of_the_formula() -> None:
 
 def test_footprints_of_robots_are_above_the_bound() -> None:
     found = Evaluator(replace(CYLINDER, margin=0.0), Regime.SMALLER).evaluate(
-        random_numbers(CYLINDER, 30000)
+        random_numbers(CYLINDER, 15000)
     )
     feasible = [item for item in found if item.feasible]
     assert len(feasible) > 20

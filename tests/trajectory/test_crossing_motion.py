@@ -29,27 +29,28 @@ from paminsa_viz.trajectory import (
 from paminsa_viz.trajectory.crossing import (
     locus_distances,
 )
-from paminsa_viz.trajectory.crossing_plan import plan_crossing
 from paminsa_viz.trajectory.sampled import Passage
-from tests.trajectory.crossings import BALANCED, LINE, TEN, TURN
+from tests.trajectory.crossings import BALANCED, LINE, TEN, TURN, shortest
 
 
-@pytest.mark.slow
 def test_a_sample_at_the_crossing_moves_off_it() -> None:
-    plan = plan_crossing(BALANCED, TURN, TEN).plan
+    plan = shortest(BALANCED, TURN, TEN).plan
     (passage,) = plan.passages
     at = passage.t * plan.duration
     middle = replace(plan, passages=(Passage(0.5, passage.locus),))
     count = 2 * round(50.0 * plan.duration)  # even, so that one would be in the middle
     distance = np.abs(middle.sample(count / plan.duration).t - 0.5 * plan.duration).min()
     assert distance == pytest.approx(1e-6, rel=1e-3)
-    fine = plan.sample(0.9e6)
-    near = fine.take(np.flatnonzero(np.abs(fine.t - at) < 1e-3))
+    counts = np.arange(2_000, 20_000)
+    shares = counts * passage.t
+    fine = plan.sample(counts[np.abs(shares - np.rint(shares)).argmin()] / plan.duration)
+    assert np.abs(fine.t - at).min() == pytest.approx(1e-6, rel=1e-3)
+    near = fine.take(np.flatnonzero(np.abs(fine.t - at) < 1e-2))
     assert np.isfinite(analyze(BALANCED, near).torque).all()
 
 
 def test_the_simulated_robot_follows_through_the_crossing() -> None:
-    samples = plan_crossing(BALANCED, TURN, TEN).plan.sample(5000.0)
+    samples = shortest(BALANCED, TURN, TEN).plan.sample(5000.0)
     controller = Controller(ControlMode.FEED_FORWARD)
     result = simulate(BALANCED, samples, controller=controller)
     assert result.stopped is None
@@ -62,7 +63,7 @@ def test_mujoco_follows_the_feed_forward_through_the_crossing(design: Design) ->
     pytest.importorskip("mujoco")
     from paminsa_viz.engines.mujoco_model import play
 
-    samples = plan_crossing(design, TURN, TEN).plan.sample(10_010.0)
+    samples = shortest(design, TURN, TEN).plan.sample(10_010.0)
     torque = analyze(design, samples).torque
     played = play(design, samples.t, samples.pose, samples.velocity, torque, step=1e-4)
     assert played.until == samples.size
@@ -71,10 +72,9 @@ def test_mujoco_follows_the_feed_forward_through_the_crossing(design: Design) ->
     assert np.abs(played.drift - ahead).max() < 5e-6
 
 
-@pytest.mark.slow
 def test_the_drift_is_that_of_a_robot_with_another_payload() -> None:
     """Left alone, the heavier robot accelerates along the escape twist as the drift says."""
-    found = plan_crossing(BALANCED, LINE, TEN)
+    found = shortest(BALANCED, LINE, TEN)
     (crossing,), (drift,) = found.crossings, payload_drift(BALANCED, found, 0.3)
     heavier = BALANCED.vary({"payload.mass": 0.3})
     twist, state = np.array(crossing.condition.twist), found.plan.at(crossing.t)
@@ -84,14 +84,14 @@ def test_the_drift_is_that_of_a_robot_with_another_payload() -> None:
     planned = twist @ mass_matrix(heavier, state.pose) @ state.acceleration / drift.inertia
     assert drift.shift[2] == pytest.approx(0.5 * (off - planned) * drift.time**2, rel=1e-9)
     assert payload_drift(BALANCED, found, 0.0)[0].shift == pytest.approx((0, 0, 0, 0), abs=1e-12)
-    times = found.plan.sample(1e5).t
+    times = found.crossings[0].t + np.linspace(-0.02, 0.02, 4_001)
     near = locus_distances(BALANCED.geometry, found.plan.at(times).pose)[:, 0]
     inside = times[np.abs(near) < SINGULAR_CLEARANCE]
     assert np.ptp(inside) == pytest.approx(drift.time, rel=0.1)
 
 
 def test_the_torque_without_the_condition_grows_with_the_rate() -> None:
-    found = plan_crossing(APPENDIX_4, TURN, TEN)
+    found = shortest(APPENDIX_4, TURN, TEN)
     (crossing,), duration = found.crossings, found.plan.duration
     assert unplanned_torque(crossing, duration, 1e6) > 100 * unplanned_torque(crossing, duration)
     naive = point_to_point(TURN.start, TURN.goal, duration)
@@ -103,7 +103,7 @@ def test_the_torque_without_the_condition_grows_with_the_rate() -> None:
 
 
 def test_the_peak_at_a_crossing_is_the_limit_torque(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = plan_crossing(BALANCED, LINE, TEN)
+    found = shortest(BALANCED, LINE, TEN)
     (crossing,) = found.crossings
     samples = found.plan.sample(1000.0)
     analysis = analyze(BALANCED, samples)
@@ -119,7 +119,7 @@ def test_the_peak_at_a_crossing_is_the_limit_torque(monkeypatch: pytest.MonkeyPa
 
 
 def test_another_robot_on_a_planned_crossing_needs_torques_without_bound() -> None:
-    samples = plan_crossing(BALANCED, LINE, TEN).plan.sample(1000.0)
+    samples = shortest(BALANCED, LINE, TEN).plan.sample(1000.0)
     for design in (APPENDIX_4, BALANCED.vary({"payload.mass": 0.1})):
         analysis = analyze(design, samples)
         (load,) = analysis.unbounded
@@ -129,7 +129,7 @@ def test_another_robot_on_a_planned_crossing_needs_torques_without_bound() -> No
 
 
 def test_a_sweep_takes_a_planned_crossing_for_its_own_design_alone() -> None:
-    samples = plan_crossing(BALANCED, LINE, TEN).plan.sample(1000.0)
+    samples = shortest(BALANCED, LINE, TEN).plan.sample(1000.0)
     word, _, values = measure_motion(BALANCED, samples)
     assert word == RUNS
     assert values[0] == pytest.approx(10.0, rel=1e-2)

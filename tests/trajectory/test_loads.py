@@ -15,6 +15,7 @@ from paminsa_viz.trajectory import (
     Controller,
     ControlMode,
     MotionLimits,
+    Plan,
     analyze,
     from_samples,
     minimum_time,
@@ -31,9 +32,9 @@ def loaded(frame: LoadFrame):
     return replace(APPENDIX_4.vary(FRICTION), load=replace(PUSH, frame=frame))
 
 
-def motion(rate: float = 300.0):
+def motion(rate: float = 300.0, plan: Plan = PLAN):
     """A move of all coordinates with a load that swings."""
-    t = PLAN.sample(rate)
+    t = plan.sample(rate)
     phase = 2 * np.pi * t.t[:, None] / t.duration + np.arange(6)
     return replace(t, load=np.sin(phase) * [30.0, 30.0, 50.0, 5.0, 5.0, 4.0])
 
@@ -105,6 +106,6 @@ def test_engines_have_the_motions_load() -> None:
     from paminsa_viz.engines.verification import verify
 
     design = replace(loaded(LoadFrame.PLATFORM), name="loaded")
-    found = verify(design, motion(100), poses=20, misprints=())
+    found = verify(design, motion(100, PLAN.lasting(0.5)), poses=20, misprints=())
     assert found.worst < 1e-10
     assert found.played.until == found.wanted.size or found.played.until > 10
