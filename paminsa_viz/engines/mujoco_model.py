@@ -9,6 +9,7 @@ comes with the gaps of the loops.
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -66,8 +67,12 @@ class MujocoRobot(ClosedLoopRobot):
         self.model = model = mujoco.MjModel.from_xml_string(text)
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         self.data = mujoco.MjData(model)
-        self._platform: int = model.body(PLATFORM).id
         self._set_order(model.joint(index).name for index in range(model.njnt))
+
+    @cached_property
+    def _platform(self) -> int:
+        """Number of the platform's body, which only a load needs."""
+        return int(self.model.body(PLATFORM).id)
 
     def _tree(self, q: Array) -> tuple[Array, Array]:
         mujoco, model, data = self._mujoco, self.model, self.data

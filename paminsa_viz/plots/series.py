@@ -269,7 +269,7 @@ def thinned(curves: Sequence[Values], most: int) -> NDArray[np.intp]:
     """Return the indices of about ``most`` samples that draw the same curves.
 
     They are evenly spread; peaks and gaps are drawn as they are, since the ends of each run of
-    values, its least and its largest value are among them.
+    values, its least and its largest value, and a sample of the gap behind it are among them.
 
     Args:
         curves: Arrays over the same samples (n,), NaN where there is no value.
@@ -284,5 +284,5 @@ def thinned(curves: Sequence[Values], most: int) -> NDArray[np.intp]:
             part = values[run]
             ends = (0, part.size - 1, int(part.argmin()), int(part.argmax()))
             kept.append(run.start + np.array(ends, dtype=np.intp))
-            kept.append(np.array([min(run.stop, n - 1)]))  # the gap behind it
+            kept.append(np.array([min(run.stop, n - 1)]))
     return np.unique(np.concatenate(kept))

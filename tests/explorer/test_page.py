@@ -9,7 +9,10 @@ import pytest
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.maps import MapStore
-from paminsa_viz.explorer.state import RangeMode
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion.description import Timing
+from paminsa_viz.explorer.state import RangeMode, State
+from paminsa_viz.files.example_logs import example_log
 from paminsa_viz.model import APPENDIX_4, static_imbalance, static_torques
 from tests.support.chromium import Tab, until
 
@@ -87,44 +90,48 @@ def test_unreachable_pose_is_explained_and_left_again(tab: Tab) -> None:
     until(lambda: "Reachable" in tab.text("status"), "reachable again")
 
 
-def test_tabs_are_independent_and_find_their_state_after_a_reload(
-    open_tab: Callable[..., Tab],
-) -> None:
-    first = open_tab()
-    second = open_tab(context=first.page.context)
-    for tab, x in ((first, 40), (second, -70)):
-        tab.type_number(SLIDERS[0], x)
-        tab.wait_pose(0, 1e-3 * x)
-        wait_agreement(tab)
-        tab.wait_saved()
-    assert first.handle(SLIDERS[0]).value == 40
-    for tab, x in ((first, 40), (second, -70)):
-        tab.reload()
-        tab.wait_pose(0, 1e-3 * x)
-        until(lambda t=tab, x=x: t.handle(SLIDERS[0]).value == x, "the slider shows it")
-
-
-def test_reload_keeps_ranges_layers_quantity_and_open_tabs(tab: Tab) -> None:
-    tab.open_tab("Design")
-    tab.open_tab("Single map")
-    tab.dispatch(
-        lambda s: (
-            actions.set_layers(s, path=False)
-            .updated(
-                "map_view", quantity="condition", range_mode=RangeMode.MANUAL, low=1.0, high=7.0
-            )
-            .updated("plots", plot="power")
-        )
+def changed(state: State) -> State:
+    """Return a state with choices that a reload keeps, and a log, which it does not."""
+    low_high = {"range_mode": RangeMode.MANUAL, "low": 1.0, "high": 7.0}
+    state = motions.change(state, timing=Timing.GIVEN, duration=2.5)
+    return (
+        actions.set_layers(state, path=False)
+        .updated("map_view", quantity="condition", **low_high)
+        .updated("plots", plot="power")
+        .updated("identifying.settings", cut_off=9.0)
+        .updated("identifying", log=example_log())
     )
-    until(lambda: tab.state.map_view.high == 7.0, "the range")
-    tab.wait_saved()
+
+
+def test_tabs_are_independent_and_find_their_state_after_a_reload(
+    tab: Tab, open_tab: Callable[..., Tab]
+) -> None:
+    second = open_tab(context=tab.page.context)
+    opened = ("Design", "Single map")
+    for name in opened:
+        tab.open_tab(name)
+    tab.dispatch(changed)
+    until(lambda: tab.state.identifying.log is not None, "the log")
+    both = ((tab, 40), (second, -70))
+    for each, x in both:
+        each.dispatch(lambda s, x=x: actions.move(s, x=1e-3 * x))
+        each.wait_pose(0, 1e-3 * x)
+        wait_agreement(each)
+        each.wait_saved()
+    assert tab.handle(SLIDERS[0]).value == 40
     kept = tab.state
-    tab.reload()
-    until(lambda: tab.state.map_view == kept.map_view, "the maps are shown as before")
-    assert (tab.state.layers, tab.state.plots) == (kept.layers, kept.plots)
-    for name in ("Design", "Single map"):
-        opened = tab.page.get_by_role("tab", name=name, exact=True)
-        until(lambda t=opened: t.get_attribute("aria-selected") == "true", f"{name} is open")
+    for each, x in both:
+        each.reload()
+        each.wait_pose(0, 1e-3 * x)
+        until(lambda t=each, x=x: t.handle(SLIDERS[0]).value == x, "the slider shows it")
+    assert (tab.state.map_view, tab.state.layers) == (kept.map_view, kept.layers)
+    assert (tab.state.plots, tab.state.document.motion) == (kept.plots, kept.document.motion)
+    assert tab.state.identifying.settings.cut_off == 9.0
+    assert tab.state.identifying.log is None
+    assert second.state.map_view != kept.map_view
+    for name in opened:
+        found = tab.page.get_by_role("tab", name=name, exact=True)
+        until(lambda t=found: t.get_attribute("aria-selected") == "true", f"{name} is open")
 
 
 def test_keys_undo_redo_and_go_home(tab: Tab) -> None:
@@ -137,10 +144,10 @@ def test_keys_undo_redo_and_go_home(tab: Tab) -> None:
         tab.wait_pose(1, y)
 
 
-def test_drag_of_500_events_ends_at_its_last_value(tab: Tab) -> None:
+def test_drag_of_200_events_ends_at_its_last_value(tab: Tab) -> None:
     tab.slider(SLIDERS[2]).focus()
-    for step in range(500):
-        tab.page.keyboard.press("ArrowRight" if step < 300 else "ArrowLeft")
+    for step in range(200):
+        tab.page.keyboard.press("ArrowRight" if step < 120 else "ArrowLeft")
 
     def shown() -> float:
         return float(tab.slider(SLIDERS[2]).get_attribute("aria-valuenow") or "nan")

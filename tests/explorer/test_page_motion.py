@@ -190,15 +190,6 @@ def test_simulation_shows_its_error(motion: Tab) -> None:
     until(lambda: motion.page.get_by_text("Error of x, y, z").is_visible(), "its error is plotted")
 
 
-def test_motion_is_found_again_after_a_reload(motion: Tab) -> None:
-    motion.dispatch(lambda s: motions.change(s, timing=Timing.GIVEN, duration=2.5))
-    until(lambda: planned(motion).duration == 2.5, "another duration")
-    wanted = motion.state.document.motion
-    motion.wait_saved()
-    motion.reload()
-    until(lambda: motion.state.document.motion == wanted, "the motion is back")
-
-
 def test_motion_passes_a_singularity_when_the_box_is_checked(tab: Tab) -> None:
     tab.open_tab("Motion")
     ends = {"start": (0.03, 0.02, 0.8, -0.5), "goal": (0.03, 0.02, 1.75, -0.5)}

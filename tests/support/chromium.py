@@ -29,6 +29,9 @@ FLAGS = [
     "--disable-sync",
 ]
 
+FLAGS_OF_TESTS = ["--webgl-msaa-sample-count=0", "--disable-gpu-rasterization"]
+"""Less work where edges need not be smooth, and the processor stands for the graphics card."""
+
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 
 TIMEOUT = 60.0
@@ -198,7 +201,7 @@ class Tab:
 
         def steady() -> Any:
             before = place.bounding_box()
-            self.wait_frames(300)
+            self.wait_frames(150)
             return before if before == place.bounding_box() else None
 
         return until(steady, "the element stays where it is")

@@ -62,14 +62,13 @@ def app() -> Iterator[Any]:
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Any]:
-    """A headless browser; without a graphics card it composes a page faster by itself."""
-    from tests.support.chromium import FLAGS, browser_path
+    """A headless browser that spares the processor, which has to draw the 3D view too."""
+    from tests.support.chromium import FLAGS, FLAGS_OF_TESTS, browser_path
 
     playwright = pytest.importorskip("playwright.sync_api")
     path = browser_path()
     with playwright.sync_playwright() as driver:
-        flags = [*FLAGS, "--disable-gpu-compositing"]
-        chromium = driver.chromium.launch(executable_path=path, args=flags)
+        chromium = driver.chromium.launch(executable_path=path, args=[*FLAGS, *FLAGS_OF_TESTS])
         yield chromium
         chromium.close()
 
