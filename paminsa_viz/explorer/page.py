@@ -18,6 +18,7 @@ from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, style_html
 from paminsa_viz.explorer.browser.tour import offer_tour
 from paminsa_viz.explorer.docks import keep_docks, restore_right
 from paminsa_viz.explorer.frame import Health, compute
+from paminsa_viz.explorer.inputs import finite
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.pose_panel import POSE, STRIP
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
@@ -103,7 +104,9 @@ def build(
         pose = Panel(session, POSE)
     places = {name: tabs.add_tab(name) for name in LATER_TABS}
     session.fast += [theme, strip, pose]
-    context = SceneContext(client.scene, session.dispatch, MotionStore(), client.camera)
+    context = SceneContext(
+        client.scene, session.dispatch, MotionStore(), client.camera, lambda: session.pixel_ratio
+    )
 
     def build_robot() -> None:
         if session.immediate:
@@ -135,7 +138,14 @@ def build(
         else:
             bridge.call("renderOnDemand")
 
+    def take_window(data: object) -> None:
+        found = [finite(one) for one in data] if isinstance(data, list) else []
+        match found:
+            case [float(width), float(height)] if min(width, height) >= 1:
+                session.set_window(width, height)
+
     keep_docks(session, bridge)
+    bridge.on("window", take_window)
     bridge.on("hello", restore)
     bridge.on("hello", lambda _: session.submit(lambda: restore_right(session)))
     bridge.on("hello", lambda _: session.submit(build_robot))

@@ -78,6 +78,7 @@ class Session:
         self.built = threading.Event()
         # Asked now: later the panels take their part of it.
         self.window = (float(client.camera.image_width), float(client.camera.image_height))
+        self._page_height: float | None = None
         self._state = state
         self._history = History()
         self._actions: dict[str, tuple[Action, bool]] = {}
@@ -111,6 +112,19 @@ class Session:
         self._wake.set()
         if self._thread.is_alive():
             self._thread.join(LONGEST_CLOSING)
+
+    @property
+    def pixel_ratio(self) -> float:
+        """Pixels of the 3D view, which the camera counts and viser may make fewer, for one of the
+        page's; the view is as high as the window."""
+        height = float(self.client.camera.image_height)
+        return height / self._page_height if self._page_height and height else 1.0
+
+    def set_window(self, width: float, height: float) -> None:
+        """Take the size of the window from the page, which knows its own pixels."""
+        if self._page_height is None:
+            self.window = (width, height)
+        self._page_height = height
 
     def dispatch(self, source: str, action: Action, *, step: bool = True) -> None:
         """Change the state; a newer action of the same source replaces one that waits.

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, dock_width
+from paminsa_viz.explorer.docks import EDGE
 from paminsa_viz.explorer.state import Appearance
 from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
-
 CHECK = """rules => axe.run(document, {runOnly: rules, resultTypes: ['violations']})"""
 
 ALL_TABS = """
@@ -285,3 +286,16 @@ def test_reload_keeps_the_docks(open_tab: Callable[..., Tab]) -> None:
     until(lambda: np.allclose(page.evaluate(CANVAS), folded, atol=3), "the maps stay folded")
     page.get_by_role("button", name="Expand column").first.click()
     until(lambda: np.allclose(page.evaluate(CANVAS), dragged, atol=3), "both docks as wide")
+
+
+def test_a_sharp_screen_has_the_same_layout(open_tab: Callable[..., Tab]) -> None:
+    tab, ordinary = open_tab(1280, 720, pixel_ratio=2), open_tab(1280, 720)
+    edges = [dock_width(1280, 720) + EDGE, 1280 - CONTROLS_WIDTH - EDGE]
+    for one in (tab, ordinary):
+        np.testing.assert_allclose(view_edges(one), edges, atol=2)
+    np.testing.assert_allclose(tab.session.camera[1], ordinary.session.camera[1], atol=2e-3)
+    for height in (720, 700):
+        tab.page.set_viewport_size({"width": 1280, "height": height})
+        until(lambda h=height: tab.session.client.camera.image_height == 2 * h, "its pixels")
+        until(lambda: tab.session.pixel_ratio == 2, "two for one of the page's")
+    assert tab.session.window == (1280, 720)

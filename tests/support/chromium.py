@@ -95,13 +95,18 @@ class Tab:
         page: The page in the browser.
         app: The explorer.
         errors: What went wrong in the page.
+
+    Args:
+        page: As above.
+        app: As above.
+        pixel_ratio: Pixels of the 3D view for one of the page's.
     """
 
-    def __init__(self, page: Any, app: Any) -> None:
+    def __init__(self, page: Any, app: Any, pixel_ratio: float = 1) -> None:
         self.page, self.app = page, app
         self.errors = watch_errors(page)
         page.set_default_timeout(1000 * TIMEOUT)
-        self._load(lambda: page.goto(app.url + "?fixedDpr=1"))
+        self._load(lambda: page.goto(f"{app.url}?fixedDpr={pixel_ratio}"))
 
     def reload(self) -> None:
         """Load the page again, in a new session."""

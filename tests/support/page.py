@@ -81,13 +81,15 @@ def open_tab(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
     contexts: list[Any] = []
     tabs: list[Tab] = []
 
-    def start(width: int = 1280, height: int = 720, context: Any = None) -> Tab:
+    def start(
+        width: int = 1280, height: int = 720, context: Any = None, pixel_ratio: float = 1
+    ) -> Tab:
         if context is None:
             context = browser.new_context(
                 viewport={"width": width, "height": height}, accept_downloads=True
             )
             contexts.append(context)
-        tabs.append(Tab(context.new_page(), app))
+        tabs.append(Tab(context.new_page(), app, pixel_ratio))
         return tabs[-1]
 
     yield start

@@ -44,7 +44,14 @@
   } catch (error) {
     console.warn(error);
   }
-  retry(() => send("hello", saved), 50);
+  // The camera counts the view's own pixels, of which a sharp screen has several for each of these.
+  const sendSize = () => send("window", [window.innerWidth, window.innerHeight]);
+  retry(() => sendSize() && send("hello", saved), 50);
+  let resized = 0;
+  window.addEventListener("resize", () => {
+    clearTimeout(resized);
+    resized = setTimeout(sendSize, 200);
+  }, { signal: stopped.signal });
 
   retry(() => {
     const canvas = viewer().canvas;

@@ -138,8 +138,9 @@ def look(session: Session, name: str) -> None:
     """
     client, last_reachable = session.client, session.state.last_reachable
     configuration = inverse_kinematics(last_reachable.geometry, last_reachable.pose)
-    width, height = client.camera.image_width, client.camera.image_height
-    if (width, height) == session.window:  # the panels take their part a moment later
+    width = client.camera.image_width / session.pixel_ratio
+    height = client.camera.image_height / session.pixel_ratio
+    if np.allclose((width, height), session.window, atol=1):  # the panels take theirs in a moment
         width = view_width(width, height)
     covered = min(LEGEND_HEIGHT / height, 0.25) if height else 0.0
     aspect = width / height / (1 - covered) if height else 1.0

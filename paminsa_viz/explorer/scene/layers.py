@@ -33,6 +33,7 @@ class SceneContext:
         dispatch: `Session.dispatch`, for layers that a person can click or drag.
         motions: What the session has computed along its motion.
         camera: The tab's camera, for what depends on how the scene is seen.
+        pixel_ratio: Returns how many of its pixels one of the page's is.
         maps: The session's maps; only for layers that are not animated.
         legend: Says what the colors of the floor map mean; only for layers that are not animated.
     """
@@ -41,6 +42,7 @@ class SceneContext:
     dispatch: Callable[[str, Callable[[Any], Any]], None] = _ignore
     motions: MotionStore | None = None
     camera: Any = None
+    pixel_ratio: Callable[[], float] = lambda: 1.0
     maps: MapStore | None = None
     legend: SceneLegend | None = None
 

@@ -189,7 +189,7 @@ class Nodes:
             if not self.holds(node):
                 self._shown[node.name] = (node, self._put(node))
 
-    def arrange(self, camera: Any) -> bool:
+    def arrange(self, camera: Any, pixel_ratio: float) -> bool:
         """Put labels where none covers another; return whether there are any to be kept apart."""
         found = [each for each in list(self._shown.values()) if each[0].spaced is not None]
         if not found:
@@ -197,7 +197,8 @@ class Nodes:
         places = np.array([node.live["position"] for node, _ in found], dtype=np.float64)
         size = found[0][0].spaced
         if camera is not None and size is not None:
-            places = apart(places, camera, size)
+            width, height = size
+            places = apart(places, camera, (pixel_ratio * width, pixel_ratio * height))
         for (_, handle), place in zip(found, places, strict=True):
             handle.position = place
         return True
@@ -231,6 +232,7 @@ class LayerView:
         self._motions = context.motions or MotionStore()
         self._nodes = Nodes(context.scene)
         self._camera, self._follows = context.camera, False
+        self._pixel_ratio = context.pixel_ratio
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the frame; nothing is computed while the layer is off."""
@@ -239,7 +241,9 @@ class LayerView:
         if dragging and self._layer.idle:
             wanted = filter(self._nodes.holds, wanted)
         self._nodes.show(wanted)
-        arranged = self._nodes.arrange(self._camera)
-        if arranged and self._camera is not None and not self._follows:
+        if self._arrange() and self._camera is not None and not self._follows:
             self._follows = True
-            self._camera.on_update(lambda _: self._nodes.arrange(self._camera))
+            self._camera.on_update(lambda _: self._arrange())
+
+    def _arrange(self) -> bool:
+        return self._nodes.arrange(self._camera, self._pixel_ratio())

@@ -111,9 +111,11 @@ def test_projection_agrees_with_the_picture() -> None:
     assert Projection.of(camera) is None
 
 
-def test_numbers_of_joints_are_apart_while_the_camera_moves() -> None:
+@pytest.mark.parametrize("ratio", [1, 2])
+def test_numbers_of_joints_are_apart_while_the_camera_moves(ratio: int) -> None:
     moved: list[Any] = []
-    camera = SimpleNamespace(image_height=720, on_update=moved.append)
+    camera = SimpleNamespace(image_height=720 * ratio, on_update=moved.append)
+    size = (ratio * NUMBER_SIZE[0], ratio * NUMBER_SIZE[1])
 
     def look(name: str) -> None:
         view = preset(name, APPENDIX_4.geometry, aspect=0.7)
@@ -124,7 +126,7 @@ def test_numbers_of_joints_are_apart_while_the_camera_moves() -> None:
             call(None)
 
     scene = LabelScene()
-    context = SceneContext(cast(Any, scene), camera=camera)
+    context = SceneContext(cast(Any, scene), camera=camera, pixel_ratio=lambda: ratio)
     view = LayerView(LAYERS["skeleton"], skeleton, context)
     look("3D")
     for pose in ((0.0, 0.0, 0.0, -0.55), (0.1, 0.0, 0.5, -0.6)):
@@ -135,9 +137,9 @@ def test_numbers_of_joints_are_apart_while_the_camera_moves() -> None:
             projection = Projection.of(camera)
             assert projection is not None
             joints = np.concatenate([frame.configuration.points[joint] for joint in JOINTS])
-            assert covering(projection.seen(joints)[0], NUMBER_SIZE) != [], name
+            assert covering(projection.seen(joints)[0], size) != [], name
             places = np.array([label.position for label in scene.labels.values()])
-            assert covering(projection.seen(places)[0], NUMBER_SIZE) == [], name
+            assert covering(projection.seen(places)[0], size) == [], name
     assert len(moved) == 1
     view.draw(frame_at(layers=[]), False)
     look("3D")
