@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -73,9 +74,9 @@ def browser() -> Iterator[Any]:
         chromium.close()
 
 
-@pytest.fixture(scope="module")
-def open_tab(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
-    """A function that opens a tab; at the end nothing may have gone wrong in any page."""
+@contextmanager
+def tabs_of(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
+    """Return a function that opens a tab; at the end nothing may have gone wrong in any page."""
     from tests.support.chromium import Tab
 
     contexts: list[Any] = []
@@ -92,17 +93,29 @@ def open_tab(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
         tabs.append(Tab(context.new_page(), app, pixel_ratio))
         return tabs[-1]
 
-    yield start
-    for context in contexts:
-        context.close()
+    try:
+        yield start
+    finally:
+        for tab in tabs:
+            tab.page.close()
+        for context in contexts:
+            context.close()
     for tab in tabs:
         assert tab.errors == []
 
 
+@pytest.fixture
+def open_tab(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
+    """A function that opens a tab for one test: a page that stays open goes on drawing."""
+    with tabs_of(browser, app) as start:
+        yield start
+
+
 @pytest.fixture(scope="module")
-def one_tab(open_tab: Callable[..., Tab]) -> Tab:
+def one_tab(browser: Any, app: Any) -> Iterator[Tab]:
     """A tab that the tests of a module share."""
-    return open_tab()
+    with tabs_of(browser, app) as start:
+        yield start()
 
 
 @pytest.fixture
