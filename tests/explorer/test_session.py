@@ -235,14 +235,19 @@ def test_closed_session_does_nothing_more(bench: Bench) -> None:
     assert not bench.page.notices
 
 
-def test_tab_that_closes_while_it_is_drawn_is_no_error(
+def test_tab_that_closes_while_it_is_drawn_is_no_error_and_is_waited_for(
     bench: Bench, caplog: pytest.LogCaptureFixture
 ) -> None:
     bench.immediate.error = RuntimeError("the socket is gone")
     bench.hold()
-    bench.session.close()
+    closing = threading.Thread(target=bench.session.close)
+    closing.start()
+    eventually(lambda: bench.session.closed)
+    assert closing.is_alive()
     bench.immediate.gate.set()
     stop(bench.session)
+    closing.join(TIMEOUT)
+    assert not closing.is_alive()
     assert not caplog.records
     assert not bench.page.notices
 
