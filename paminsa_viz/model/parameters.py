@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, NamedTuple
 
 from paminsa_viz.errors import InvalidDesign
-from paminsa_viz.model.ranges import checked_number, possible_range
+from paminsa_viz.model.ranges import checked_number, possible_range, range_text
 from paminsa_viz.units import DisplayUnit, display_unit, format_ascii
 
 MOST_COUNTERWEIGHTS = 12
@@ -79,6 +79,15 @@ class Parameter:
     def largest(self) -> float:
         """Largest possible number [SI]."""
         return possible_range(self.unit, self.positive)[1]
+
+    def refusal(self, value: float) -> str | None:
+        """Return the possible numbers in the unit that people read, if a number is none of them."""
+        least, most = possible_range(self.unit, self.positive)
+        if abs(value) <= most and (self.signed or value >= least * self.positive):
+            return None
+        factor, unit = self.display
+        ends = least * factor, most * factor
+        return range_text(*ends, unit, positive=self.positive, signed=self.signed)
 
 
 class Group:

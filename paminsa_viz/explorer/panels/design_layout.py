@@ -228,7 +228,7 @@ def _set(path: str, state: State, value: float) -> State:
         # The model names the value that it misses; the person has to know which one was set.
         parameter = PARAMETER[path]
         shown = f"{symbol_text(parameter.symbol)} = {parameter.display.format(value, DIGITS)}"
-        raise InvalidInput(shown, error.allowed) from error
+        raise InvalidInput(shown, parameter.refusal(value) or error.allowed) from error
 
 
 def is_changed(design: Design, path: str, reference: Design = APPENDIX_4) -> bool:
