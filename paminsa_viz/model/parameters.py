@@ -55,6 +55,8 @@ class Parameter:
         default: Appendix 4's value.
         positive: Whether zero is refused.
         signed: Whether it may be negative.
+        limits: Smallest number that is not zero, and the largest [SI], where those of its unit
+            do not hold.
     """
 
     path: str
@@ -64,6 +66,7 @@ class Parameter:
     default: float
     positive: bool
     signed: bool = False
+    limits: tuple[float, float] | None = None
 
     @property
     def display(self) -> DisplayUnit:
@@ -78,16 +81,19 @@ class Parameter:
     @property
     def largest(self) -> float:
         """Largest possible number [SI]."""
-        return possible_range(self.unit, self.positive)[1]
+        return self._range[1]
 
-    def refusal(self, value: float) -> str | None:
-        """Return the possible numbers in the unit that people read, if a number is none of them."""
-        least, most = possible_range(self.unit, self.positive)
+    @property
+    def _range(self) -> tuple[float, float]:
+        return self.limits or possible_range(self.unit, self.positive)
+
+    def refusal(self, value: float, unit: DisplayUnit) -> str | None:
+        """Return what is possible, in the unit shown, if a number [SI] is not."""
+        least, most = self._range
         if abs(value) <= most and (self.signed or value >= least * self.positive):
             return None
-        factor, unit = self.display
-        ends = least * factor, most * factor
-        return range_text(*ends, unit, positive=self.positive, signed=self.signed)
+        ends = least * unit.factor, most * unit.factor
+        return range_text(*ends, unit.text, positive=self.positive, signed=self.signed)
 
 
 class Group:
