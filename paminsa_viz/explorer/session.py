@@ -68,6 +68,7 @@ class Session:
         built: Set when all of the page is there.
         window: Width and height of the browser's window at the start [px].
         camera: The camera preset chosen last, and its position [m].
+        open_tabs: Names of the tabs that are open, None until the page has said so.
     """
 
     def __init__(self, client: viser.ClientHandle, state: State) -> None:
@@ -87,6 +88,7 @@ class Session:
         self._wake = threading.Event()
         self._closed = False
         self.camera: tuple[str, tuple[float, float, float]] = ("", (0.0, 0.0, 0.0))
+        self.open_tabs: frozenset[str] | None = None
         self._turn = 0
         self._frame_due: float | None = None
         self._thread = threading.Thread(target=self._run, name="paminsa-session", daemon=True)
@@ -125,6 +127,10 @@ class Session:
         if self._page_height is None:
             self.window = (width, height)
         self._page_height = height
+
+    def shows(self, tab: str) -> bool:
+        """Whether what is in a tab may be seen; without a name, it is in none."""
+        return not tab or self.open_tabs is None or tab in self.open_tabs
 
     def dispatch(self, source: str, action: Action, *, step: bool = True) -> None:
         """Change the state; a newer action of the same source replaces one that waits.
