@@ -49,7 +49,7 @@ balance --goal peak --max-added nan                 | --max-added nan: at most
 balance --goal peak --max-imbalance inf             | --max-imbalance inf: at most
 balance --goal peak --max-imbalance -1              | --max-imbalance
 balance --max-added 3                               | belong to a goal on a motion
-balance --preset arch                               | --preset and --file belong to a goal on a motion
+balance --preset arch                               | belong to a goal on a motion
 balance --goal peak --preset arch --file a.csv      | --preset and --file exclude each other
 balance --goal heat                                 | --goal
 export                                              | nothing to write; give --glb, --mjcf
