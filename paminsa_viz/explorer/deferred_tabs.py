@@ -27,7 +27,7 @@ from paminsa_viz.explorer.panels.synthesize_panel import SynthesizePanel
 from paminsa_viz.explorer.panels.view_panel import register_commands, view_entries
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.scene.legend import SceneLegend
-from paminsa_viz.explorer.session import Session, View
+from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.tab_store import TabStore
 
 
@@ -54,15 +54,17 @@ def build_tabs(
         "Requirements": RequirementsPanel,
         "Synthesize": SynthesizePanel,
     }
-    views: dict[str, View] = {}
+    views: dict[str, Panel] = {}
     for name, entries in tables.items():
         with places[name]:
             views[name] = Panel(session, entries)
-    for name, panel in panels.items():
+    for name, make in panels.items():
         with places[name]:
-            views[name] = panel(session, bridge)
+            views[name] = make(session, bridge)
     with places["Motion"]:
         views["Motion"] = MotionPanel(session, bridge)
+    for name, panel in views.items():
+        panel.tab = name
     bridge.on(EXAMPLE, partial(receive_example, session))
     compare, files = views.pop("Compare"), views.pop("File")
     session.fast += views.values()

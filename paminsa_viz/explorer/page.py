@@ -101,6 +101,7 @@ def build(
     tabs = gui.add_tab_group()
     with tabs.add_tab("Pose"):
         pose = Panel(session, POSE)
+    pose.tab = "Pose"
     places = {name: tabs.add_tab(name) for name in LATER_TABS}
     session.fast += [theme, strip, pose]
     context = SceneContext(
@@ -143,8 +144,14 @@ def build(
             case [float(width), float(height)] if min(width, height) >= 1:
                 session.set_window(width, height)
 
+    def take_tabs(names: object) -> None:
+        if isinstance(names, list):
+            session.open_tabs = frozenset(map(str, names))
+            session.dispatch("tabs", replace)
+
     keep_docks(session, bridge)
     bridge.on("window", take_window)
+    bridge.on("tabs", take_tabs)
     bridge.on("hello", restore)
     bridge.on("hello", lambda _: session.submit(lambda: restore_right(session)))
     bridge.on("hello", lambda _: session.submit(build_robot))

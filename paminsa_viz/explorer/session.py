@@ -70,6 +70,7 @@ class Session:
         window: Width and height of the browser's window at the start [px].
         camera: The camera preset chosen last, and its position [m].
         motions: What is known along the motion; for the worker alone.
+        open_tabs: Names of the tabs that are open, None until the page has said so.
     """
 
     def __init__(self, client: viser.ClientHandle, state: State) -> None:
@@ -90,6 +91,7 @@ class Session:
         self._closed = False
         self.camera: tuple[str, tuple[float, float, float]] = ("", (0.0, 0.0, 0.0))
         self.motions = MotionStore()
+        self.open_tabs: frozenset[str] | None = None
         self._turn = 0
         self._frame_due: float | None = None
         self._thread = threading.Thread(target=self._run, name="paminsa-session", daemon=True)
@@ -128,6 +130,10 @@ class Session:
         if self._page_height is None:
             self.window = (width, height)
         self._page_height = height
+
+    def shows(self, tab: str) -> bool:
+        """Whether what is in a tab may be seen; without a name, it is in none."""
+        return not tab or self.open_tabs is None or tab in self.open_tabs
 
     def dispatch(self, source: str, action: Action, *, step: bool = True) -> None:
         """Change the state; a newer action of the same source replaces one that waits.
