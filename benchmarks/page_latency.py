@@ -215,7 +215,7 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument("--count", type=int, default=60, help="key presses of each kind")
     arguments.add_argument("--rounds", type=int, default=4, help="starts of each page")
-    arguments.add_argument("--size", type=int, nargs=2, default=(900, 600), help="window [px]")
+    arguments.add_argument("--size", type=int, nargs=2, default=(1280, 720), help="window [px]")
     chosen = arguments.parse_args()
     path = next((found for name in NAMES if (found := shutil.which(name))), None)
     if path is None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import lru_cache
 from html import escape
 from typing import NamedTuple
 
@@ -160,6 +161,7 @@ def si_unit(unit: str) -> str:
     return unit.partition(":")[0]
 
 
+@lru_cache
 def display_unit(unit: str) -> DisplayUnit:
     """Return the unit that shows an SI unit: mm for m, mm² for m², degrees for rad, MPa for Pa.
 

@@ -110,6 +110,8 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
         limited = self.max_imbalance is not None or self.max_added is not None
         if self.goal == "static" and limited:
             raise UsageError("--max-imbalance and --max-added belong to a goal on a motion")
+        if self.goal == "static" and (self.preset is not None or self.file is not None):
+            raise UsageError("--preset and --file belong to a goal on a motion")
         check_ending("--out", self.out, [".toml"])
 
     def run(self) -> int:

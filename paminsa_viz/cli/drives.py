@@ -99,7 +99,6 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
         return 0 if found.feasible else 1
 
     def _check(self) -> None:
-        self.exclude_both()
         check_ending("--save", self.save, [".toml"])
         one = self.preset is not None or self.file is not None or self.dwell != 0
         for wrong, problem in (

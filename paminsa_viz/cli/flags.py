@@ -156,8 +156,10 @@ class MotionFlags:
         """Return the trajectory of the file, or else of the preset, sized for a robot.
 
         Raises:
+            UsageError: If both are given.
             TableFileError: If the file cannot be read.
         """
+        self.exclude_both()
         if self.file is not None:
             return read_trajectory(self.file)
         return PRESET[self.preset or "paper-like"].build(geometry).sample()

@@ -70,7 +70,6 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
         return self._pose(design)
 
     def _check(self) -> None:
-        self.exclude_both()
         for path in self.out:
             check_ending("--out", path, table_endings())
         moving = self.preset is not None or self.file is not None
@@ -78,6 +77,8 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
             (moving and self.pose is not None, "--pose excludes --preset and --file"),
             (moving and self.bar is not None, "--bar is at rest and excludes --preset and --file"),
             (not moving and self.bearings, "--bearings needs --preset or --file"),
+            (self.bar is not None and not self.out, "--bar needs --out"),
+            (self.bearings and not self.out, "--bearings needs --out"),
         ):
             if wrong:
                 raise UsageError(f"{problem}; see paminsa-viz loads --help")

@@ -114,7 +114,6 @@ class Sweep(JsonFlags, RegionFlags, MotionFlags, DesignFlags):
         """Measure the designs."""
         if self.dask is not None and self.jobs is not None:
             raise UsageError("--dask and --jobs exclude each other")
-        self.exclude_both()
         check_ending("--out", self.out, [".csv"])
         study = study_of(self, self.given_design())
         started = time.monotonic()

@@ -29,7 +29,7 @@ from paminsa_viz.explorer.entries import (
 )
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, Input, Pair, Slider
-from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.session import Session, View
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import PaminsaError
 
@@ -47,16 +47,24 @@ class Panel:
 
     Attributes:
         handles: viser's handles of the entries by their keys.
+        tab: Name of the tab it is in. While something is dragged and the tab is not open, only what
+            draws itself follows the state: it may be a job.
     """
 
     def __init__(self, session: Session, entries: Sequence[Entry]) -> None:
         self._session, self._gui = session, session.client.gui
         self.handles: dict[str, Any] = {}
+        self.tab = ""
+        self._custom: list[View] = []
         self._draws: list[Draw] = []
         self._build_all(entries)
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the state."""
+        for view in self._custom:
+            view.draw(frame, dragging)
+        if dragging and not self._session.shows(self.tab):
+            return
         for draw in self._draws:
             draw(frame, dragging)
 
@@ -66,7 +74,7 @@ class Panel:
 
     def _build(self, entry: Entry) -> None:
         if isinstance(entry, Custom):
-            self._draws.append(entry.make(self._session).draw)
+            self._custom.append(entry.make(self._session))
             return
         if isinstance(entry, ButtonGroup) and callable(entry.choices):
             entry = replace(entry, visible=partial(_has_choices, entry))

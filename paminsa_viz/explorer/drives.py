@@ -55,6 +55,11 @@ class DriveSettings(Settings):
     catalog: Catalog | None = None
 
     @property
+    def saved(self) -> DriveSettings:
+        """Without motions and catalog, which come from files."""
+        return replace(self, cycle=(), catalog=None)
+
+    @property
     def parts(self) -> Catalog:
         """The catalog in use."""
         return generic_catalog() if self.catalog is None else self.catalog

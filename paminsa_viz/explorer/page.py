@@ -19,7 +19,6 @@ from paminsa_viz.explorer.browser.tour import offer_tour
 from paminsa_viz.explorer.docks import keep_docks, restore_right
 from paminsa_viz.explorer.frame import Health, compute
 from paminsa_viz.explorer.inputs import finite
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.pose_panel import POSE, STRIP
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
@@ -102,10 +101,11 @@ def build(
     tabs = gui.add_tab_group()
     with tabs.add_tab("Pose"):
         pose = Panel(session, POSE)
+    pose.tab = "Pose"
     places = {name: tabs.add_tab(name) for name in LATER_TABS}
     session.fast += [theme, strip, pose]
     context = SceneContext(
-        client.scene, session.dispatch, MotionStore(), client.camera, lambda: session.pixel_ratio
+        client.scene, session.dispatch, client.camera, lambda: session.pixel_ratio
     )
 
     def build_robot() -> None:
@@ -144,8 +144,14 @@ def build(
             case [float(width), float(height)] if min(width, height) >= 1:
                 session.set_window(width, height)
 
+    def take_tabs(names: object) -> None:
+        if isinstance(names, list):
+            session.open_tabs = frozenset(map(str, names))
+            session.dispatch("tabs", replace)
+
     keep_docks(session, bridge)
     bridge.on("window", take_window)
+    bridge.on("tabs", take_tabs)
     bridge.on("hello", restore)
     bridge.on("hello", lambda _: session.submit(lambda: restore_right(session)))
     bridge.on("hello", lambda _: session.submit(build_robot))

@@ -17,10 +17,8 @@ from typing import Any
 
 import msgspec
 
-from paminsa_viz.explorer.identifying import IdentifySettings
 from paminsa_viz.explorer.motion.description import motion_data, motion_from_data
 from paminsa_viz.explorer.requirements.saved import requirements_data, requirements_from_data
-from paminsa_viz.explorer.settings import changed_data, settings_from_data
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.errors import printable, shown
@@ -80,12 +78,9 @@ def _changed_fields(drive: Drive) -> dict[str, Any]:
     return {name: value for name, value in values.items() if value != getattr(Drive(), name)}
 
 
-def dump(document: Document, identify: IdentifySettings | None = None) -> str:
-    """Write a document as text; without a motion that is a file's, which may be long.
-
-    The settings of the identification can come with it; its logs and results do not.
-    """
-    reference, start = document.reference, IdentifySettings()
+def dump(document: Document) -> str:
+    """Write a document as text; without a motion that is a file's, which may be long."""
+    reference = document.reference
     described = _described(document.design) | {
         "version": VERSION,
         "assembly": document.design.geometry.knee.value,
@@ -95,21 +90,8 @@ def dump(document: Document, identify: IdentifySettings | None = None) -> str:
     optional = {
         "motion": motion_data(document.motion),
         "requirements": requirements_data(document.requirements),
-        "identify": changed_data(identify or start, start),
     }
     return json.dumps(described | {name: data for name, data in optional.items() if data})
-
-
-def load_settings(text: str) -> IdentifySettings:
-    """Return the settings of the identification in a text of `dump`; the default if it has none.
-
-    Raises:
-        InvalidInput: If a value is not possible.
-    """
-    try:
-        return settings_from_data(IdentifySettings, json.loads(text).get("identify", {}))
-    except (ValueError, TypeError, AttributeError, RecursionError, msgspec.ValidationError):
-        raise InvalidInput("saved state", "it cannot be read") from None
 
 
 def load(text: str) -> Document:

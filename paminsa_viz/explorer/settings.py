@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any, TypeVar
+from typing import Any
 
 import msgspec
 
@@ -20,9 +20,6 @@ PLAIN = DisplayUnit(1.0, "")
 PERCENT = DisplayUnit(100.0, "%")
 
 MILLIMETERS = display_unit("m")
-
-
-Some = TypeVar("Some", bound="Settings")
 
 
 @dataclass(frozen=True)
@@ -74,20 +71,13 @@ class Settings:
             ends = f"{one.unit.from_si(low):g} to {one.unit.from_si(high):g}"
             raise InvalidInput(one.label, f"{ends} is possible, not {one.unit.from_si(value):g}")
 
+    @property
+    def saved(self) -> Settings:
+        """What of them is kept across a reload."""
+        return self
+
 
 def changed_data(value: Any, start: Any) -> dict[str, Any]:
     """Return the fields of a dataclass that differ from another of its kind, as plain data."""
     data, default = (msgspec.to_builtins(each) for each in (value, start))
     return {name: each for name, each in data.items() if each != default[name]}
-
-
-def settings_from_data(kind: type[Some], data: dict[str, Any]) -> Some:
-    """Read what `changed_data` returned of settings at their start.
-
-    Raises:
-        InvalidInput: If a name is unknown.
-        msgspec.ValidationError: If a value is not possible.
-    """
-    for name in data.keys() - {item.name for item in fields(kind)}:
-        raise InvalidInput("saved state", f"there is no setting {name[:20]!r}")
-    return msgspec.convert(data, kind)

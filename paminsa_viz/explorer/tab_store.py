@@ -8,26 +8,35 @@ from __future__ import annotations
 
 import json
 import math
-from contextlib import suppress
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass, replace
 from operator import attrgetter
 from typing import Any
 
 import msgspec
 
 from paminsa_viz.explorer import actions, persistence
-from paminsa_viz.explorer.balancing.springs import SpringSettings
-from paminsa_viz.explorer.balancing.tolerances import ToleranceSettings
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.clearing import ClearanceSettings
 from paminsa_viz.explorer.docks import LARGEST_DOCK
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.description import PlotView
 from paminsa_viz.explorer.scene.layers import LAYERS
-from paminsa_viz.explorer.state import Appearance, Docks, MapView, State
-from paminsa_viz.model import InvalidInput
+from paminsa_viz.explorer.settings import Settings
+from paminsa_viz.explorer.state import Appearance, Docks, MapView, State, initial_state
+from paminsa_viz.explorer.synthesis.jobs import SynthesisSettings
 from paminsa_viz.plots.ranges import LARGEST_END
 from paminsa_viz.quantities import QUANTITIES
+
+
+def _settings(part: Any, path: str = "") -> Iterator[tuple[str, type[Settings]]]:
+    """Yield the places and types of all settings in a part of the state."""
+    for item in fields(part):
+        value, place = getattr(part, item.name), f"{path}{item.name}"
+        if isinstance(value, Settings):
+            yield place, type(value)
+        elif is_dataclass(value):
+            yield from _settings(value, f"{place}.")
+
 
 VIEW: dict[str, Any] = {
     "map_view": MapView,
@@ -35,21 +44,21 @@ VIEW: dict[str, Any] = {
     "floor_opacity": float,
     "plots": PlotView,
     "condition_limit": float,
-    "clearance_view": ClearanceSettings,
     "table_at_rest": bool,
     "appearance": Appearance,
     "docks": Docks,
-    "springing.settings": SpringSettings,
-    "tolerating.settings": ToleranceSettings,
+    **dict(_settings(initial_state())),
 }
-"""Parts of the state that say how it is shown, and their types."""
+"""Parts of the state that say how it is shown or what is set, and their types."""
 
 
 def dump(state: State) -> str:
     """Write what a tab keeps of a state."""
-    view = {name: msgspec.to_builtins(attrgetter(name)(state)) for name in VIEW}
-    document = persistence.dump(state.document, state.identifying.settings)
-    return json.dumps(json.loads(document) | {"view": view})
+    view = {}
+    for name in VIEW:
+        part = attrgetter(name)(state)
+        view[name] = msgspec.to_builtins(part.saved if isinstance(part, Settings) else part)
+    return json.dumps(json.loads(persistence.dump(state.document)) | {"view": view})
 
 
 def restore(state: State, text: str) -> State:
@@ -59,8 +68,6 @@ def restore(state: State, text: str) -> State:
         PaminsaError: If the document cannot be read.
     """
     state = actions.restore(state, persistence.load(text))
-    with suppress(InvalidInput):
-        state = state.updated("identifying", settings=persistence.load_settings(text))
     view = json.loads(text).get("view", {})
     for name, kind in VIEW.items():
         try:
@@ -90,7 +97,23 @@ def _possible(name: str, value: Any) -> bool:
             return all(width is None or 0 < width <= LARGEST_DOCK for width in widths)
         case "condition_limit":
             return math.isfinite(value) and value >= 1
+        case "balancing.settings":
+            slots = (value.slot_b8, value.slot_b3)
+            possible = all(0 <= s.max_lever <= 1 and 0 <= s.max_mass <= 100 for s in slots)
+            return possible and 0 <= value.motion_weight <= 1
+        case "synthesizing.settings":
+            return value == SynthesisSettings() or _searchable(value)
     return True
+
+
+def _searchable(value: SynthesisSettings) -> bool:
+    # Late: a page that searches for nothing does without.
+    from paminsa_viz.explorer.synthesis.cases import REGIMES
+    from paminsa_viz.synthesis.search.objectives import OBJECTIVES
+
+    known = {value.objective, value.against or value.objective} <= OBJECTIVES.keys()
+    ends = [end for _, limits in value.ranges for end in limits]
+    return known and value.regimes in REGIMES and all(map(math.isfinite, ends))
 
 
 class TabStore:

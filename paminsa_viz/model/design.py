@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput
@@ -138,7 +139,7 @@ class Design(Group, path="design"):
         """Return the group that holds a number, and the number's name in it."""
         group, _, name = path.rpartition(".")
         owner = self._group(group)
-        if name not in _numbers_of(owner):
+        if name not in _numbers_of(type(owner)):
             raise InvalidInput("path", f"there is no design value {path!r}")
         return owner, name
 
@@ -201,7 +202,7 @@ class Design(Group, path="design"):
         grouped: dict[str, dict[str, float | None]] = {}
         for path, value in changes.items():
             group, _, name = path.rpartition(".")
-            if name not in _numbers_of(self._group(group)):
+            if name not in _numbers_of(type(self._group(group))):
                 raise InvalidDesign(path, value, "there is no design value of this name")
             grouped.setdefault(group, {})[name] = value
         top: dict[str, Any] = dict(grouped.pop("", {}))
@@ -217,10 +218,11 @@ class Design(Group, path="design"):
         return replace(self, counterweights=tuple(weights), drives=tuple(drives), **top)
 
 
-def _numbers_of(owner: object) -> set[str]:
+@lru_cache  # the page asks for some 700 values a frame
+def _numbers_of(group: type) -> frozenset[str]:
     """Return the names of the numbers that a group of a design holds."""
-    items = fields(owner) if is_dataclass(owner) else ()
-    return {item.name for item in items if "unit" in item.metadata}
+    items = fields(group) if is_dataclass(group) else ()
+    return frozenset(item.name for item in items if "unit" in item.metadata)
 
 
 APPENDIX_4 = Design(name="Appendix 4")

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
 import paminsa_viz
 from paminsa_viz.engines.verification import Verification
-from paminsa_viz.files.design_schema import KEYS, DesignKey
+from paminsa_viz.files.design_schema import KEY_OF, DesignKey
 from paminsa_viz.files.design_writer import write_design
-from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.design import APPENDIX_4, Design, stated_parameters
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.report.blocks import Block, Listing, Note, ReportRequest, Row, Section, Table, rows
 from paminsa_viz.units import format_value, percent_change
@@ -24,6 +25,12 @@ GROUPS: dict[str, str] = {
     "friction": "Friction of the actuators",
     "load": "External load on the platform",
     "": "Surroundings",
+    "accuracy": "Accuracy of the drives",
+    "leg1": "Deviations of leg 1",
+    "leg2": "Deviations of leg 2",
+    "leg3": "Deviations of leg 3",
+    "tolerances": "Tolerances and clearances",
+    "elastic": "Material, sections and stiffnesses",
 }
 """Tables of a design file and their headings."""
 
@@ -41,15 +48,16 @@ _UNUSED = ("friction", "load", "payload")
 
 def design_section(design: Design) -> Section:
     """Return the section."""
+    stated = [KEY_OF[parameter.path] for parameter in stated_parameters(design)]
     differing = {
         key
-        for key in KEYS
+        for key in stated
         if design.value(key.parameter.path) != APPENDIX_4.value(key.parameter.path)
     }
     values: list[Row] = []
     for table, heading in GROUPS.items():
-        keys = [key for key in KEYS if key.table == table]
-        if table in _UNUSED and differing.isdisjoint(keys):
+        keys = [key for key in stated if key.table == table]
+        if not keys or (table in _UNUSED and differing.isdisjoint(keys)):
             continue
         values.append(Row((heading,), "group"))
         values += [_row(design, key, key in differing) for key in keys]
@@ -80,12 +88,14 @@ def _summary(design: Design, changed: int) -> str:
 def _row(design: Design, key: DesignKey, differs: bool) -> Row:
     parameter = key.parameter
     now, before = design.value(parameter.path), APPENDIX_4.value(parameter.path)
-    cells = (parameter.symbol, parameter.label, format_value(now, parameter.unit, 6))
+    texts = [
+        "rigid" if math.isinf(value) else format_value(value, parameter.unit, 6)
+        for value in (now, before)
+    ]
+    cells = (parameter.symbol, parameter.label, texts[0])
     if not differs:
         return Row(cells)
-    return Row(
-        (*cells, format_value(before, parameter.unit, 6), percent_change(before, now)), "marked"
-    )
+    return Row((*cells, texts[1], percent_change(before, now)), "marked")
 
 
 def _counterweights(design: Design) -> Table:

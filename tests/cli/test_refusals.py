@@ -49,6 +49,8 @@ balance --goal peak --max-added nan                 | --max-added nan: at most
 balance --goal peak --max-imbalance inf             | --max-imbalance inf: at most
 balance --goal peak --max-imbalance -1              | --max-imbalance
 balance --max-added 3                               | belong to a goal on a motion
+balance --preset arch                               | belong to a goal on a motion
+balance --goal peak --preset arch --file a.csv      | --preset and --file exclude each other
 balance --goal heat                                 | --goal
 export                                              | nothing to write; give --glb, --mjcf
 export --glb r.glb --pose 0 0 0 -2000               | be taken: the pantograph is over-stretched
@@ -63,6 +65,7 @@ export --glb r.glb --mjcf r.xml --pose 0 0 73.39845 -600 | pose: it is singular
 report                                              | --out
 report --out r.html --pose 0 0 0 -3000              | be taken: the pantograph is over-stretched
 report --out r.html --cross                          | --cross needs --file and --max-torque
+report --out r.html --preset line --file a.csv      | --preset and --file exclude each other
 report --out r.html --max-torque 3                  | --max-torque belongs to --cross
 report --out no/r.html                              | cannot be written: its folder does not exist
 accuracy --encoders                                 | no drive of the design has encoder_counts
@@ -82,6 +85,9 @@ loads --pose 900 0 0 -500                           | leg
 loads --pose 50 -20 10 -500 --preset arch           | --pose
 loads --preset arch --bar b4                        | --bar
 loads --bearings                                    | --bearings
+loads --bearings --preset arch                      | --bearings needs --out
+loads --bar b4                                      | --bar needs --out
+loads --preset arch --file a.csv                    | --preset and --file exclude each other
 loads --out x.png                                   | --out
 stiffness --pose 3000 0 0 -500                      | cannot be taken
 stiffness --sections --pose 0 0 0 -500              | --sections excludes --pose
@@ -141,6 +147,7 @@ verify --model no.xml                               | no.xml: cannot be read: no
 verify --model huge.csv                             | huge.csv: is no valid XML
 verify --model other.xml                            | its joints are not those of this robot
 verify --model broken.xml                           | broken.xml: MuJoCo cannot use it
+verify --preset line --file a.csv                   | --preset and --file exclude each other
 verify --preset line --poses 1 --figures old        | old: cannot be
 verify --file far.csv                               | the trajectory cannot be run: at 0 s
 """

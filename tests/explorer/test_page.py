@@ -66,9 +66,12 @@ def test_mass_scales_the_torques_and_the_colors(tab: Tab) -> None:
     tab.open_tab("Design")
     tab.type_number("m_B4 bar 9–4–5 [kg]", 2.5)
     until(lambda: tab.state.document.design.links.b4 == 2.5, "the mass is set")
+    until(lambda: tab.session.shows("Design"), "the page says what is open")
     factor = static_imbalance(tab.state.document.design) / static_imbalance(APPENDIX_4)
     assert factor > 1.9
+    assert not tab.session.shows("Pose")
     tab.open_tab("Pose")
+    until(lambda: tab.session.shows("Pose"), "the page says what is open")
     until(
         lambda: np.allclose(tab.torques()[:3], factor * before, atol=3e-3), "torques in proportion"
     )

@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import viser
 from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.bindings import Panel
+from paminsa_viz.explorer.entries import Custom
+from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.panels.pose_panel import GRAIN, POSE, heights, holding, pose_limits
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import APPENDIX_4, KneeBranch, check_reach
 from paminsa_viz.model.reach import home_pose
 from tests.support.desk import Desk
+from tests.support.raw_page import RawPage
 from tests.support.samples import random_design, with_knee
 
 PANEL = POSE
@@ -100,3 +108,24 @@ def test_pose_that_other_lengths_put_out_of_range_is_kept(desk: Desk) -> None:
     low, high = heights(desk.design.geometry)
     assert low > -820.0
     desk.until(lambda: shown(desk) == (-820.0, -820.0, high))
+
+
+def test_in_a_closed_tab_only_jobs_follow_a_drag(server: viser.ViserServer) -> None:
+    """What is shown there waits until the page is idle, or the tab is opened."""
+    session = Session(RawPage(server).client, initial_state())
+    jobs: list[bool] = []
+    job = SimpleNamespace(draw=lambda frame, dragging: jobs.append(dragging))
+    panel = Panel(session, (*POSE, Custom("job", make=lambda _: job)))
+    panel.tab, x = "Pose", panel.handles["pose.x"]
+
+    def shown(place: float, *, dragging: bool) -> float:
+        panel.draw(compute(actions.move(session.state, x=1e-3 * place)), dragging)
+        return x.value
+
+    assert shown(1.0, dragging=True) == 1.0  # the page has not said what is open
+    session.open_tabs = frozenset({"Design"})
+    assert shown(2.0, dragging=True) == 1.0
+    assert shown(3.0, dragging=False) == 3.0
+    session.open_tabs = frozenset({"Pose", "Torque maps"})
+    assert shown(4.0, dragging=True) == 4.0
+    assert jobs == [True, True, False, True]

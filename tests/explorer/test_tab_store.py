@@ -10,10 +10,17 @@ from typing import Any
 
 import pytest
 
+from paminsa_viz.actuation.catalog import generic_catalog
+from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.explorer import actions, tab_store
+from paminsa_viz.explorer.balancing.jobs import CounterweightSlot, Goal
 from paminsa_viz.explorer.balancing.springs import SpringsFrom
+from paminsa_viz.explorer.drives import DriveSettings
+from paminsa_viz.explorer.settings import Settings
 from paminsa_viz.explorer.state import MapView, RangeMode, initial_state
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.trajectory import PRESET, ControlMode
 
 CHANGED = replace(
     actions.set_layers(actions.move(initial_state(), x=0.02), path=False, mesh=False),
@@ -25,6 +32,35 @@ CHANGED = replace(
 CHANGED = CHANGED.updated(
     "springing.settings", start=SpringsFrom.GUIDE, height=0.2, least=0.1, most=0.3
 ).updated("tolerating.settings", mass=0.05, length=0.002)
+CHANGED = (
+    CHANGED.updated("balancing.settings", goal=Goal.RMS, slot_b8=CounterweightSlot(0.2, 3.0))
+    .updated("driving.settings", order="margin", same=False, dwell=0.5)
+    .updated("identifying.settings", cut_off=9.0, legs=True, gains="1 2 3 40", harmonics=7)
+    .updated("simulating.settings", control=ControlMode.FEED_FORWARD, bandwidth=5.0)
+    .updated(
+        "synthesizing.settings", objective="moving_mass", seed=3,
+        ranges=(("geometry.base_radius", (0.2, 0.5)),),
+    )
+)  # fmt: skip
+
+
+def test_every_setting_is_changed_here() -> None:
+    start = initial_state()
+    places = [name for name in tab_store.VIEW if isinstance(attrgetter(name)(start), Settings)]
+    assert len(places) >= 8
+    changed = CHANGED.updated("clearance_view", required=0.01)
+    for name in places:
+        assert attrgetter(name)(changed) != attrgetter(name)(start), name
+    assert tab_store.restore(start, tab_store.dump(changed)) == changed
+
+
+def test_catalog_and_cycle_come_from_files_and_are_not_kept() -> None:
+    motion = PRESET["arch"].build(APPENDIX_4.geometry).sample()
+    opened = {"catalog": generic_catalog(), "cycle": (Duty(motion),), "dwell": 0.5}
+    found = tab_store.restore(
+        initial_state(), tab_store.dump(CHANGED.updated("driving.settings", **opened))
+    )
+    assert found.driving.settings == DriveSettings(order="margin", same=False, dwell=0.5)
 
 
 def test_everything_kept_comes_back() -> None:
@@ -49,6 +85,12 @@ def test_everything_kept_comes_back() -> None:
         ("springing.settings", {"least": math.nan}),
         ("tolerating.settings", {"mass": -0.1}),
         ("tolerating.settings", {"length": "long"}),
+        ("balancing.settings", {"slot_b8": {"max_lever": math.nan}}),
+        ("balancing.settings", {"motion_weight": 2.0}),
+        ("driving.settings", {"order": "beauty"}),
+        ("driving.settings", {"cycle": [1]}),
+        ("synthesizing.settings", {"objective": "beauty"}),
+        ("synthesizing.settings", {"ranges": [["geometry.base_radius", [math.nan, 1.0]]]}),
     ],
     ids=str,
 )

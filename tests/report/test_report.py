@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from dataclasses import replace
@@ -16,7 +17,7 @@ import pytest
 from paminsa_viz.actuation.wrench_capability import capability
 from paminsa_viz.balancing import balance
 from paminsa_viz.files.design_file import load_design
-from paminsa_viz.model import APPENDIX_4, Design, UnreachablePose, static_imbalance
+from paminsa_viz.model import APPENDIX_4, PARAMETER, Design, UnreachablePose, static_imbalance
 from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.report.balance_section import balance_section, contributions
 from paminsa_viz.report.blocks import Note, ReportRequest, Row, Section, Table
@@ -150,6 +151,18 @@ def test_design_of_the_paper_needs_no_column_of_changes() -> None:
     assert "All values are those" in note.text
     assert len(table.head) == 3
     assert all(row.kind != "marked" for row in table.rows)
+
+
+def test_every_number_that_differs_is_listed() -> None:
+    for path, parameter in PARAMETER.items():
+        now = APPENDIX_4.value(path)
+        changed = 1e6 if math.isinf(now) else 1.001 * now if now else 1e-4
+        section = design_section(APPENDIX_4.vary({path: changed}))
+        (note,), (table,) = blocks(section, Note), blocks(section, Table)
+        marked = [row.cells for row in table.rows if row.kind == "marked"]
+        assert f"{len(marked)} value{' differs' if len(marked) == 1 else 's differ'}" in note.text
+        assert (parameter.symbol, parameter.label) in [cells[:2] for cells in marked], path
+        assert all(cell and "inf" not in cell for cells in marked for cell in cells), path
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -79,7 +79,7 @@
     }
   };
 
-  // --- open tabs: a reload opens them again -------------------------------------------------
+  // --- open tabs: only they follow a drag, and a reload opens them again ---------------------
   const tabsKey = `${config.storeKey}_tabs`;
   const tabs = () => [...document.querySelectorAll('[role="tab"]')];
   const isOpen = (tab) => tab.getAttribute("aria-selected") === "true";
@@ -90,17 +90,21 @@
   } catch (error) {
     console.warn(error);
   }
-  let attempts = 25; // tabs come late; one that is no more is not waited for
-  every(400, () => {
+  let attempts = 50; // tabs come late; one that is no more is not waited for
+  let reportedTabs = "";
+  every(200, () => {
+    const open = tabs().filter(isOpen);
+    const seen = open.filter((tab) => tab.getClientRects().length).map(nameOf);
+    if (String(seen) !== reportedTabs && send("tabs", seen)) reportedTabs = String(seen);
     const found = tabs().filter((tab) => wanted.includes(nameOf(tab)));
     for (const tab of found.filter((each) => !isOpen(each)))
       tab.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", bubbles: true }));
     wanted = wanted.filter((name) => !found.some((tab) => nameOf(tab) === name && isOpen(tab)));
     if (wanted.length && --attempts > 0) return;
     wanted = [];
-    const open = JSON.stringify(tabs().filter(isOpen).map(nameOf));
+    const names = JSON.stringify(open.map(nameOf));
     try {
-      if (open !== sessionStorage.getItem(tabsKey)) sessionStorage.setItem(tabsKey, open);
+      if (names !== sessionStorage.getItem(tabsKey)) sessionStorage.setItem(tabsKey, names);
     } catch (error) {
       console.warn(error);
     }
