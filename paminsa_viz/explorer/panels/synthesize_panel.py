@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -83,6 +84,9 @@ class Searcher(JobRunner[SynthesisJob, SearchResult]):
         """Run the search that is wanted."""
         self.request(frame.state.synthesizing.running)
 
+    def _report(self, job: SynthesisJob, done: float) -> bool:
+        return super()._report(job, done) or self._session.state.synthesizing.stopped
+
     def _search(self, job: SynthesisJob, report: Report) -> SearchResult:
         def tell(best: BestSoFar) -> None:
             action = partial(actions.tell, job=job, best=best)
@@ -129,7 +133,7 @@ SYNTHESIZE = (
     _START,
     _PROGRESS,
     Html("synthesize.best", content=text.best_html),
-    _STOP,
+    replace(_STOP, effect=actions.stop, hint="Ends the search with the best robot so far"),
     Folder(
         "synthesize.front", visible=lambda state: front_key(state) is not None,
         entries=(

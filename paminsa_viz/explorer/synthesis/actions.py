@@ -48,7 +48,16 @@ def start(state: State) -> State:
     if settings.against == settings.objective:
         raise InvalidInput("objective", "two different ones are needed for a Pareto front")
     job = SynthesisJob(case, settings.effort, document.design, settings.against)
-    return tasks.start(state, "synthesizing", job).updated("synthesizing", best=BestSoFar())
+    started = tasks.start(state, "synthesizing", job)
+    return started.updated("synthesizing", best=BestSoFar(), stopped=False)
+
+
+def stop(state: State) -> State:
+    """End the search with the best robot so far; at once if there is none, or if asked again."""
+    best = state.synthesizing.best
+    if state.synthesizing.stopped or best is None or not best.feasible:
+        return tasks.stop(state, "synthesizing")
+    return state.updated("synthesizing", stopped=True)
 
 
 def tell(state: State, job: SynthesisJob, best: BestSoFar) -> State:

@@ -149,12 +149,14 @@ class Synthesizing(TaskState[SynthesisJob, SearchResult]):
     Attributes:
         settings: What a person set.
         best: How far the search is.
+        stopped: Whether it was asked to end with the best robot so far.
         point: Index of the chosen point of the front.
         prices: The task that works out prices.
     """
 
     settings: SynthesisSettings = SynthesisSettings()
     best: BestSoFar | None = None
+    stopped: bool = False
     point: int = 0
     prices: TaskState[PriceJob, tuple[RequirementPrice, ...]] = TaskState()
 
