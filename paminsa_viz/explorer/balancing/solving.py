@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from paminsa_viz.balancing import (
+    MOTION_GOALS,
     AddedMass,
     Imbalance,
     MassChange,
@@ -16,7 +17,6 @@ from paminsa_viz.balancing import (
     Term,
     Tornado,
     TrajectoryPeak,
-    TrajectoryRms,
     balance,
     optimize,
     pareto_front,
@@ -88,11 +88,10 @@ def _best(job: BalanceJob) -> Optimum:
     limits = _limits(settings)
     if settings.exact:
         limits.append((Imbalance(), 0.0))
+    if settings.goal is not Goal.BOTH:
+        term = MOTION_GOALS[settings.goal.name.lower()](motion(job))
+        return optimize(job.design, changes, term, limits=limits)
     peak = TrajectoryPeak(motion(job))
-    if settings.goal is Goal.PEAK:
-        return optimize(job.design, changes, peak, limits=limits)
-    if settings.goal is Goal.RMS:
-        return optimize(job.design, changes, TrajectoryRms(motion(job)), limits=limits)
     static = StaticPeak(job.plane(COARSE))
     # Each counts by what it is now, so that the share is one of like with like.
     parts = (
