@@ -47,6 +47,7 @@ from paminsa_viz.model import (
     xy_grid,
 )
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.drive import TORQUE_UNITS
 from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.plots.map_data import half_width
 from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, analyze, solve_trajectory
@@ -186,9 +187,9 @@ def weights_of(job: BalanceJob, design: Design) -> WeightClearance | None:
 
 
 SIZES = {
-    "largest at rest": ("N m", "N m", "N m", "N"),
-    "largest in motion": ("N m", "N m", "N m", "N"),
-    "RMS in motion": ("N m", "N m", "N m", "N"),
+    "largest at rest": TORQUE_UNITS,
+    "largest in motion": TORQUE_UNITS,
+    "RMS in motion": TORQUE_UNITS,
     "largest power": ("W",) * 4,
 }
 """What is compared of each actuator, and the units of M1 to M4."""
