@@ -20,7 +20,6 @@ from paminsa_viz.explorer import exports
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.entries import ButtonGroup, given
 from paminsa_viz.explorer.maps import MapStore
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.scene.legend import SceneLegend
@@ -81,7 +80,7 @@ def test_a_quantity_is_swept_drawn_written_and_chosen(
 def test_a_quantity_is_chosen_on_the_page(quantity: Quantity, server: Any) -> None:
     def panel(session: Session) -> MapsPanel:
         bridge = Bridge(session.client)
-        return MapsPanel(session, bridge, MotionStore(), SceneLegend(bridge))
+        return MapsPanel(session, bridge, SceneLegend(bridge))
 
     with desk_with(server, panel) as desk:
         desk.set("family", quantity.family)

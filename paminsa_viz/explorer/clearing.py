@@ -20,7 +20,6 @@ from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis
 
 if TYPE_CHECKING:
     from paminsa_viz.explorer.frame import Frame
-    from paminsa_viz.explorer.motion.results import MotionStore
     from paminsa_viz.explorer.session import Session
     from paminsa_viz.explorer.state import State
 
@@ -131,10 +130,9 @@ def find_along(job: MotionJob, _: object) -> MotionClearance:
 class ClearanceChecker:
     """A view that finds clearances in the background, once nothing is dragged."""
 
-    def __init__(self, session: Session, motions: MotionStore) -> None:
+    def __init__(self, session: Session) -> None:
         from paminsa_viz.explorer.background import JobRunner
 
-        self._motions = motions
         self._pose = JobRunner(
             session, "clearing.pose", find_nearest,
             lambda state, outcome: state.updated("clearing", pose=outcome),
@@ -149,6 +147,5 @@ class ClearanceChecker:
         if dragging:
             return
         self._pose.request(pose_job(frame.state))
-        analysis = self._motions.analysis(frame.state)
-        if analysis is not None:
-            self._motion.request(motion_job(frame.state, analysis))
+        if frame.analysis is not None:
+            self._motion.request(motion_job(frame.state, frame.analysis))

@@ -11,7 +11,6 @@ from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.clearing import ClearanceChecker
 from paminsa_viz.explorer.entries import Entry
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.accuracy_panel import ACCURACY
 from paminsa_viz.explorer.panels.balance_panel import BalancePanel
 from paminsa_viz.explorer.panels.compare_panel import COMPARE
@@ -43,11 +42,10 @@ def build_tabs(
         places: The empty tabs by name, see `paminsa_viz.explorer.page.LATER_TABS`.
         context: What the layers of the scene are made with.
     """
-    motions = context.motions or MotionStore()
     legend = SceneLegend(bridge)
-    maps = MapsPanel(session, bridge, motions, legend)
+    maps = MapsPanel(session, bridge, legend)
     tables: dict[str, Sequence[Entry]] = {
-        "Design": DESIGN, "Drives": DRIVES, "Loads": loads_entries(motions), "Accuracy": ACCURACY,
+        "Design": DESIGN, "Drives": DRIVES, "Loads": loads_entries(), "Accuracy": ACCURACY,
         "Stiffness": STIFFNESS, "Identify": identify_entries(), "Compare": COMPARE,
         "View": view_entries(), "File": FILE,
     }  # fmt: skip
@@ -64,7 +62,7 @@ def build_tabs(
         with places[name]:
             views[name] = make(session, bridge)
     with places["Motion"]:
-        views["Motion"] = MotionPanel(session, bridge, motions)
+        views["Motion"] = MotionPanel(session, bridge)
     for name, panel in views.items():
         panel.tab = name
     bridge.on(EXAMPLE, partial(receive_example, session))
@@ -72,5 +70,5 @@ def build_tabs(
     session.fast += views.values()
     floor = build_views(replace(context, maps=maps.store, legend=legend), animated=False)
     session.deferred += [maps, *floor, legend, compare, files, TabStore(bridge)]
-    session.deferred.append(ClearanceChecker(session, motions))
+    session.deferred.append(ClearanceChecker(session))
     register_commands(session)

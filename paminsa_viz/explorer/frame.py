@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
     Configuration,
@@ -24,7 +25,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.model.singular_limit import near_by_reach
-from paminsa_viz.trajectory import Locus
+from paminsa_viz.trajectory import Locus, TrajectoryAnalysis
 from paminsa_viz.trajectory.crossing import locus_distances
 from paminsa_viz.units import number
 
@@ -52,6 +53,7 @@ class Frame:
         reference_torques: The same for the reference design, or None without one or if it cannot
             be there.
         balance: M_p2 of the current design [N].
+        motions: What the session knows along its motion.
     """
 
     state: State
@@ -62,6 +64,12 @@ class Frame:
     torques: Array
     reference_torques: Array | None
     balance: float
+    motions: MotionStore
+
+    @cached_property
+    def analysis(self) -> TrajectoryAnalysis | None:
+        """The current design on the current motion, or None without a motion."""
+        return self.motions.analysis(self.state)
 
     @cached_property
     def drawable(self) -> bool:
@@ -123,8 +131,8 @@ class Frame:
         return tuple(locus for locus in Locus if here[locus.value] * home[locus.value] < 0)
 
 
-def compute(state: State) -> Frame:
-    """Return what a state shows."""
+def compute(state: State, motions: MotionStore | None = None) -> Frame:
+    """Return what a state shows; the store has what is known along the motion."""
     document, last_reachable = state.document, state.last_reachable
     configuration = inverse_kinematics(last_reachable.geometry, last_reachable.pose)
     # If the current geometry is out of reach, its masses are shown on the last one that was not.
@@ -144,4 +152,5 @@ def compute(state: State) -> Frame:
         torques=static_torques(here, last_reachable.pose),
         reference_torques=reference,
         balance=static_imbalance(document.design),
+        motions=motions or MotionStore(),
     )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,12 +12,16 @@ from paminsa_viz.elastostatics.bar_loads import BAR_NAMES, bar_loads, utilizatio
 from paminsa_viz.elastostatics.joint_forces import JOINTS, JointForces, joint_forces
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
 from paminsa_viz.elastostatics.sideways import sideways_forces
+from paminsa_viz.explorer.motion.planning import planned
 from paminsa_viz.explorer.settings import setting
 from paminsa_viz.explorer.tasks import Outcome
 from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.trajectory import TrajectoryAnalysis
+
+if TYPE_CHECKING:
+    from paminsa_viz.explorer.state import State
 
 MOST_SAMPLES = 200_000
 """Most samples of a motion whose loads are computed: some 1 GB."""
@@ -54,6 +59,24 @@ class LoadsState:
     outcome: LoadsOutcome | None = None
 
 
+def is_current(state: State) -> bool:
+    """Whether the last loads are those of the current design along the current motion."""
+    document, outcome = state.document, state.loads.outcome
+    trajectory = planned(document.motion, document.design).trajectory
+    return (
+        outcome is not None
+        and outcome.job.trajectory is trajectory
+        and outcome.job.design == document.design
+    )
+
+
+def found(state: State) -> MotionLoads | None:
+    """Return the loads along the current motion, if they are wanted and known."""
+    outcome = state.loads.outcome
+    wanted = state.loads.along and is_current(state)
+    return outcome.result if outcome is not None and wanted else None
+
+
 def find_loads(analysis: TrajectoryAnalysis, _: object) -> MotionLoads:
     """Compute the loads along a motion.
 
@@ -62,14 +85,14 @@ def find_loads(analysis: TrajectoryAnalysis, _: object) -> MotionLoads:
     """
     if analysis.trajectory.size > MOST_SAMPLES:
         raise PaminsaError(f"the motion has more than {MOST_SAMPLES:,} samples")
-    found = motion_loads(analysis)
-    if found is None:
+    loads = motion_loads(analysis)
+    if loads is None:
         first = analysis.check.first
         reason = first.explanation if first is not None else "singular everywhere"
         raise PaminsaError(f"the motion has no start: it fails {reason}")
     for name in ("bar_peak", "utilization"):
-        getattr(found, name)  # computed here, on the job's thread
-    return found
+        getattr(loads, name)  # computed here, on the job's thread
+    return loads
 
 
 @dataclass(frozen=True)
@@ -91,51 +114,48 @@ class Instant:
     time: float | None = None
 
 
-def instant(
-    design: Design, pose: Array, analysis: TrajectoryAnalysis | None, time: float
-) -> Instant:
-    """Return the state of the robot: that of a motion at a time [s], or at rest without one."""
-    here = tuple(map(float, pose))
-    if analysis is None or len(here) != 4:
-        return Instant(design, here)
-    trajectory = analysis.trajectory
-    state, load = trajectory.at(time), trajectory.load_at(np.array([time]))
+def instant(state: State) -> Instant:
+    """Return the instant that the robot shows: of the motion that it follows, or at rest."""
+    document, here, time = state.document, state.last_reachable, state.playback.time
+    design = replace(document.design, geometry=here.geometry)
+    trajectory = planned(document.motion, document.design).trajectory
+    if trajectory is None or not state.playback.following:
+        return Instant(design, here.pose)
+    moved, load = trajectory.at(time), trajectory.load_at(np.array([time]))
     return Instant(
         design,
-        here,
-        tuple(state.velocity.tolist()),
-        tuple(state.acceleration.tolist()),
+        here.pose,
+        tuple(moved.velocity.tolist()),
+        tuple(moved.acceleration.tolist()),
         None if load is None else tuple(load[0].tolist()),
         time,
     )
 
 
 @lru_cache(maxsize=8)
-def forces_at(found: Instant) -> JointForces:
+def forces_at(at: Instant) -> JointForces:
     """Return the joint forces at an instant."""
-    return joint_forces(
-        found.design, found.pose, found.velocity, found.acceleration, load=found.load
-    )
+    return joint_forces(at.design, at.pose, at.velocity, at.acceleration, load=at.load)
 
 
 @lru_cache(maxsize=8)
-def bars_at(found: Instant) -> tuple[Array, Array]:
+def bars_at(at: Instant) -> tuple[Array, Array]:
     """Return N, V, M of each bar that are largest in size, and the bars' utilization.
 
     Returns:
         (3 legs, 7 bars, 3) [N, N, N m] and (3, 7) [1], in the order of `elastic.BARS`.
     """
-    forces = forces_at(found)
+    forces = forces_at(at)
     inner = np.stack([bar_loads(forces, bar).extremes() for bar in BARS], axis=1)
     return inner, utilization(forces)
 
 
 @lru_cache(maxsize=8)
-def sideways_at(found: Instant) -> Array | None:
+def sideways_at(at: Instant) -> Array | None:
     """Return the sideways forces at the joints, (3 legs, 10) [N], or None for a moving robot.
 
     The legs' elasticity decides them; with inertia they are not known.
     """
-    if found.time is not None:
+    if at.time is not None:
         return None
-    return sideways_forces(found.design, found.pose).force
+    return sideways_forces(at.design, at.pose).force

@@ -19,7 +19,6 @@ from paminsa_viz.explorer.browser.tour import offer_tour
 from paminsa_viz.explorer.docks import keep_docks, restore_right
 from paminsa_viz.explorer.frame import Health, compute
 from paminsa_viz.explorer.inputs import finite
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.pose_panel import POSE, STRIP
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
@@ -106,7 +105,7 @@ def build(
     places = {name: tabs.add_tab(name) for name in LATER_TABS}
     session.fast += [theme, strip, pose]
     context = SceneContext(
-        client.scene, session.dispatch, MotionStore(), client.camera, lambda: session.pixel_ratio
+        client.scene, session.dispatch, client.camera, lambda: session.pixel_ratio
     )
 
     def build_robot() -> None:

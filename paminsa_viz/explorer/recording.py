@@ -150,7 +150,7 @@ def _render(
     session: Session, state: State, time: float, size: tuple[int, int], legend: Legend
 ) -> NDArray[np.uint8]:
     """Draw the robot at an instant of the motion and have the page render it."""
-    frame = compute(motions.scrub(state, time))
+    frame = compute(motions.scrub(state, time), session.motions)
     on_ground = [view for view in session.deferred if isinstance(view, FloorMap)]
     with session.client.atomic():
         for view in (*session.immediate, *on_ground):

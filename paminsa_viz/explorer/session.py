@@ -21,6 +21,7 @@ from paminsa_viz.explorer.actions import Action
 from paminsa_viz.explorer.frame import Frame, compute
 from paminsa_viz.explorer.history import History, Snapshot
 from paminsa_viz.explorer.motion.actions import advance_time
+from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.synthesis.actions import previewed
 from paminsa_viz.model import PaminsaError
@@ -68,6 +69,7 @@ class Session:
         built: Set when all of the page is there.
         window: Width and height of the browser's window at the start [px].
         camera: The camera preset chosen last, and its position [m].
+        motions: What is known along the motion; for the worker alone.
         open_tabs: Names of the tabs that are open, None until the page has said so.
     """
 
@@ -88,6 +90,7 @@ class Session:
         self._wake = threading.Event()
         self._closed = False
         self.camera: tuple[str, tuple[float, float, float]] = ("", (0.0, 0.0, 0.0))
+        self.motions = MotionStore()
         self.open_tabs: frozenset[str] | None = None
         self._turn = 0
         self._frame_due: float | None = None
@@ -158,7 +161,7 @@ class Session:
         done = threading.Event()
 
         def draw() -> None:
-            self._draw_together(self.immediate, compute(state), False)
+            self._draw_together(self.immediate, compute(state, self.motions), False)
             done.set()
 
         self.submit(draw)
@@ -255,7 +258,7 @@ class Session:
             self.notify("Something went wrong", "Details are in the program's log.", bad=True)
 
     def _draw(self, state: State, *, dragging: bool) -> None:
-        frame = compute(previewed(state))
+        frame = compute(previewed(state), self.motions)
         self._draw_together(self.immediate, frame, dragging)
         time.sleep(FLUSH_DELAY)
         self._draw_together(self.fast, frame, dragging)

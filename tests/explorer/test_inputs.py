@@ -29,7 +29,6 @@ from paminsa_viz.explorer.inputs import (
 from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.accuracy_panel import ACCURACY
 from paminsa_viz.explorer.panels.balance_panel import BALANCE
 from paminsa_viz.explorer.panels.design_panel import DESIGN
@@ -38,7 +37,7 @@ from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.file_panel import FILE
 from paminsa_viz.explorer.panels.loads_panel import loads_entries
 from paminsa_viz.explorer.panels.maps_panel import single_entries, torque_entries
-from paminsa_viz.explorer.panels.motion_panel import motion_entries
+from paminsa_viz.explorer.panels.motion_panel import MOTION
 from paminsa_viz.explorer.panels.motion_plots import INPUTS as PLOT_INPUTS
 from paminsa_viz.explorer.panels.pose_panel import POSE
 from paminsa_viz.explorer.panels.stiffness_panel import STIFFNESS
@@ -69,10 +68,10 @@ PANELS: dict[str, tuple[Entry, ...]] = {
     "pose": POSE,
     "design": DESIGN,
     "balance": BALANCE,
-    "motion": motion_entries(MotionStore()),
+    "motion": MOTION,
     "plots": PLOT_INPUTS,
     "drives": DRIVES,
-    "loads": tuple(loads_entries(MotionStore())),
+    "loads": tuple(loads_entries()),
     "accuracy": ACCURACY,
     "stiffness": STIFFNESS,
     "view": view_entries(),

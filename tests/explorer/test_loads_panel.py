@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -11,13 +9,12 @@ from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
 from paminsa_viz.elastostatics.sideways import sideways_forces
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.loads import find_loads
+from paminsa_viz.explorer.loads import find_loads, instant
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind
-from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.panels import loads_panel as panel
+from paminsa_viz.explorer.panels import loads_chart as chart
+from paminsa_viz.explorer.panels import loads_panel as tab
 from paminsa_viz.explorer.panels.export_panel import Exporter
-from paminsa_viz.explorer.panels.loads_chart import shown
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.explorer.tasks import solve
 from paminsa_viz.model import APPENDIX_4, InvalidInput
@@ -25,19 +22,14 @@ from paminsa_viz.model.singularity import singular_rotation
 from paminsa_viz.units import number
 
 
-@pytest.fixture
-def tab() -> panel.LoadsEntries:
-    return panel.LoadsEntries(MotionStore())
-
-
-def along(tab: panel.LoadsEntries) -> State:
+def along() -> State:
     state = motions.choose_kind(initial_state().updated("loads", along=True), Kind.ARCH)
-    analysis = tab.motions.analysis(state)
+    analysis = compute(state).analysis
     assert analysis is not None
-    return panel.receive(state, solve(find_loads, analysis))
+    return tab.receive(state, solve(find_loads, analysis))
 
 
-def test_tables_are_those_of_the_pose_and_the_leg(tab: Any) -> None:
+def test_tables_are_those_of_the_pose_and_the_leg() -> None:
     state = actions.move(initial_state(), x=0.05, theta=0.3).updated("loads", leg=2)
     frame = compute(state)
     forces = joint_forces(APPENDIX_4, state.document.pose)
@@ -50,10 +42,12 @@ def test_tables_are_those_of_the_pose_and_the_leg(tab: Any) -> None:
     assert number(float(forces.axial), 3) in text
     assert "statically indeterminate" in tab.intro(frame)
     assert tab.bars(frame).count("<tr") == 8
-    assert tab.sections(frame).count("<polyline") == 3
+    data = chart.section_figure(state)["data"]
+    assert [trace["yaxis"] for trace in data] == ["y", "y2", "y3"]
+    assert data[0]["x"][-1] > 100
 
 
-def test_poses_without_numbers_say_why(tab: Any) -> None:
+def test_poses_without_numbers_say_why() -> None:
     theta = singular_rotation(APPENDIX_4.geometry)
     for changed in (
         actions.move(initial_state(), x=0.9),
@@ -61,39 +55,40 @@ def test_poses_without_numbers_say_why(tab: Any) -> None:
     ):
         frame = compute(changed)
         assert "No joint forces" in tab.intro(frame)
-        assert not tab.joints(frame) + tab.bars(frame) + tab.sections(frame)
+        assert not tab.joints(frame) + tab.bars(frame)
+        assert chart.section_key(changed) is None
         with pytest.raises(InvalidInput, match="pose"):
             tab.file(changed, "Joints")
 
 
-def test_a_motion_that_is_followed_shows_its_instant(tab: Any) -> None:
+def test_a_motion_that_is_followed_shows_its_instant() -> None:
     state = motions.scrub(motions.choose_kind(initial_state(), Kind.ARCH), 0.3)
-    at = shown(state, tab.motions)
+    at = instant(state)
     assert at.time == pytest.approx(0.3)
     assert np.abs(at.velocity).max() > 0.01
     assert "0.30 s" in tab.intro(compute(state))
     assert tab.joints(compute(state)).count("<td>–</td>") == 9
     moved = actions.move(state, x=0.02)
-    assert shown(moved, tab.motions).time is None
+    assert instant(moved).time is None
 
 
-def test_the_motion_table_is_of_the_current_motion(tab: Any) -> None:
-    state = along(tab)
+def test_the_motion_table_is_of_the_current_motion() -> None:
+    state = along()
     frame = compute(state)
     loads = state.loads.outcome.result  # type: ignore[union-attr]
     assert loads is not None
     text = tab.motion(frame)
     assert number(float(loads.peak[0, 8]), 3) in text
     assert number(float(loads.equivalent[0, 8]), 3) in text
-    assert tab.curves(frame).count("<polyline") == 3
+    assert len(chart.curves_figure(state)["data"]) == 3
     heavier = actions.vary(state, {"payload.mass": 2.0})
     assert "Computing" in tab.motion(compute(heavier))
-    assert not tab.curves(compute(heavier))
+    assert chart.curves_key(heavier) is None
     assert not tab.motion(compute(state.updated("loads", along=False)))
 
 
-def test_files_hold_what_is_shown(tab: Any) -> None:
-    state, exporter = along(tab), Exporter()
+def test_files_hold_what_is_shown() -> None:
+    state, exporter = along(), Exporter()
     assert set(tab.files(exporter, initial_state())) == {"Joints", "Bar"}
     names = list(tab.files(exporter, state))
     assert names == ["Joints", "Bar", "Bearings", "Samples"]

@@ -14,7 +14,6 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.browser.bridge import NARROWEST, WIDEST, Bridge, Slots
 from paminsa_viz.explorer.browser.style import dock_width, view_width
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.map_picture import COLUMNS, caption
 from paminsa_viz.explorer.panels.maps_panel import (
     MapsPanel,
@@ -35,7 +34,7 @@ from tests.support.desk import Desk
 
 def PANEL(session: Session) -> MapsPanel:
     bridge = Bridge(session.client)
-    return MapsPanel(session, bridge, MotionStore(), SceneLegend(bridge))
+    return MapsPanel(session, bridge, SceneLegend(bridge))
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import lru_cache
+from collections.abc import Hashable
 from itertools import pairwise
 
 import numpy as np
@@ -11,12 +10,12 @@ import numpy as np
 from paminsa_viz.elastostatics.bar_diagram import COMPONENTS
 from paminsa_viz.elastostatics.bar_loads import bar_loads
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS
-from paminsa_viz.elastostatics.motion_loads import MotionLoads
-from paminsa_viz.explorer.loads import Instant, forces_at, instant
-from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.panels.line_chart import Axes, Line, line_chart
+from paminsa_viz.explorer.loads import forces_at, found, instant
+from paminsa_viz.explorer.panels.plotly_chart import LAYOUT, NUMBERS, Tree, figure
 from paminsa_viz.explorer.state import State
+from paminsa_viz.model import Limit
 from paminsa_viz.palette import LEG_COLORS
+from paminsa_viz.plots.series import thinned
 from paminsa_viz.units import MM
 
 PER_PIECE = 16
@@ -28,41 +27,64 @@ MOST_POINTS = 400
 UNITS = ("N", "N", "N·m")
 
 
-def shown(state: State, motions: MotionStore) -> Instant:
-    """Return the instant that the robot shows: of the motion that is played, or at rest."""
-    here, design = state.last_reachable, state.document.design
-    if here.geometry != design.geometry:
-        design = replace(design, geometry=here.geometry)
-    analysis = motions.analysis(state) if state.playback.following else None
-    return instant(design, np.array(here.pose), analysis, state.playback.time)
+def section_key(state: State) -> Hashable | None:
+    """Return what the chart of the bar shows, or None where there are no forces."""
+    at = instant(state)
+    known = state.document.pose == at.pose and forces_at(at).status == Limit.OK
+    return (at, state.loads.bar, state.loads.leg) if known else None
 
 
-@lru_cache(maxsize=4)
-def section_chart(at: Instant, bar: str, leg: int) -> str:
-    """Return N, V and M along a bar of a leg, one above the other."""
-    loads = bar_loads(forces_at(at), bar)
-    places = loads.places[leg].tolist()
+def section_figure(state: State) -> Tree:
+    """Return the figure of N, V and M along the chosen bar of a leg, one above the other."""
+    bar, leg = state.loads.bar, state.loads.leg
+    loads = bar_loads(forces_at(instant(state)), bar)
     # both sides of every point load are drawn, so that a jump is upright
     s = np.concatenate(
-        [np.linspace(a, max(a, np.nextafter(b, a)), PER_PIECE) for a, b in pairwise(places)]
+        [
+            np.linspace(a, max(a, np.nextafter(b, a)), PER_PIECE)
+            for a, b in pairwise(loads.places[leg].tolist())
+        ]
     )
-    values = loads.at(s)[leg]
-    axes = [
-        Axes(f"{name} [{unit}]", [Line(values[:, i], LEG_COLORS[leg])], fill=True)
-        for i, (name, unit) in enumerate(zip(COMPONENTS, UNITS, strict=True))
-    ]
-    label = f"s along {bar.upper()} of leg {leg + 1} [mm]"
-    return line_chart("loads-sections", s * MM, axes, label, height=64.0)
+    data: list[Tree] = [
+        {
+            "type": "scatter", "mode": "lines", "x": (MM * s).tolist(), "y": values.tolist(),
+            "yaxis": f"y{number}", "fill": "tozeroy", "fillcolor": f"{LEG_COLORS[leg]}22",
+            "line": {"color": LEG_COLORS[leg], "width": 1.5},
+            "hovertemplate": f"{name} = %{{y:.3~g}} {unit}<extra></extra>",
+        }
+        for number, name, unit, values in zip(
+            NUMBERS, COMPONENTS, UNITS, loads.at(s)[leg].T, strict=True
+        )
+    ]  # fmt: skip
+    titles = [f"{name} [{unit}]" for name, unit in zip(COMPONENTS, UNITS, strict=True)]
+    return figure(
+        data, f"s along {bar.upper()} of leg {leg + 1} [mm]", *titles, showlegend=False
+    )  # fmt: skip
 
 
-@lru_cache(maxsize=4)
-def motion_chart(loads: MotionLoads, joint: str) -> str:
-    """Return a joint's force along a motion, of every leg."""
-    t, index = loads.trajectory.t, JOINT_INDEX[joint]
-    kept = np.unique(np.linspace(0, len(t) - 1, min(len(t), MOST_POINTS)).round().astype(int))
-    lines = [
-        Line(loads.magnitude[kept, leg, index], LEG_COLORS[leg], f"leg {leg + 1}")
-        for leg in range(3)
-    ]
-    axes = [Axes(f"F {JOINTS[index].label} [N]", lines)]
-    return line_chart("loads-curves", t[kept], axes, "t [s]", height=150.0)
+def curves_key(state: State) -> Hashable | None:
+    """Return what the chart along the motion shows, or None."""
+    loads = found(state)
+    return None if loads is None else (loads, state.loads.joint)
+
+
+def curves_figure(state: State) -> Tree:
+    """Return the figure of a joint's force along the motion, of every leg."""
+    loads, index = found(state), JOINT_INDEX[state.loads.joint]
+    if loads is None:
+        raise ValueError("there are no loads")
+    force, t = loads.magnitude[:, :, index], loads.trajectory.t
+    kept = thinned(list(force.T), MOST_POINTS)
+    data: list[Tree] = [
+        {
+            "type": "scatter", "mode": "lines", "name": f"leg {leg + 1}", "x": t[kept].tolist(),
+            "y": force[kept, leg].tolist(), "line": {"color": color, "width": 1.5},
+            "hovertemplate": "%{y:.3~g} N at %{x:.3~f} s",
+        }
+        for leg, color in enumerate(LEG_COLORS)
+    ]  # fmt: skip
+    shown = figure(
+        data, "t [s]", f"F {JOINTS[index].label} [N]", legend=LAYOUT["legend"] | {"y": 0}
+    )
+    shown["layout"]["yaxis"]["rangemode"] = "tozero"
+    return shown

@@ -11,7 +11,7 @@ from paminsa_viz.explorer.browser.bridge import Slots, marker
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, shows_difference
 from paminsa_viz.explorer.motion import points
-from paminsa_viz.explorer.motion.results import MotionStore, split_path
+from paminsa_viz.explorer.motion.results import split_path
 from paminsa_viz.explorer.panels import motion_points, render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
@@ -57,7 +57,6 @@ class MapPicture:
         name: str,
         quantities: Quantities,
         inputs: Inputs,
-        motions: MotionStore,
     ) -> None:
         """Make the picture.
 
@@ -68,11 +67,10 @@ class MapPicture:
             name: Name of the place; it comes back with clicks.
             quantities: Keys of what to show, one a panel.
             inputs: Where the inputs go.
-            motions: Knows the motion, whose path is drawn on the maps.
         """
         gui = session.client.gui
         self._gui, self._store, self._slots = gui, store, slots
-        self._name, self._quantities, self._motions = name, quantities, motions
+        self._name, self._quantities = name, quantities
         self._live = LiveMaps()
         self.scales: tuple[Scale, ...] = ()
         self.data: MapData | None = None
@@ -95,7 +93,7 @@ class MapPicture:
         quantities = self._quantities(state)
         document, view = state.document, state.map_view
         reference = document.reference
-        motion = self._motions.analysis(state) if "path" in state.layers else None
+        motion = frame.analysis if "path" in state.layers else None
         # Where the robot is, is not part of it: the marker lies over the picture.
         values = (
             document.design, document.pose[2:], reference, view, quantities, width,

@@ -19,7 +19,6 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Pair, attribute, finite
 from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.explorer.motion.points import click_map
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels import motion_points
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.map_picture import MapPicture
@@ -234,9 +233,7 @@ class MapsPanel:
         store: Where the maps come from; the floor map can share it.
     """
 
-    def __init__(
-        self, session: Session, bridge: Bridge, motions: MotionStore, legend: SceneLegend
-    ) -> None:
+    def __init__(self, session: Session, bridge: Bridge, legend: SceneLegend) -> None:
         client = session.client
         self._session = session
         self.store = MapStore()
@@ -245,18 +242,18 @@ class MapsPanel:
         panel = client.gui.add_panel()
         with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):
             self._torques = MapPicture(
-                session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES, "inside", motions
+                session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES, "inside"
             )
             self._torque_inputs = Panel(session, torque_entries("torque maps", self._torques))
         with panel.add_tab("Single map", viser.Icon.SQUARE_ROUNDED):
             self._single = MapPicture(
                 session, self.store, slots, SINGLE_SLOT, lambda s: (s.map_view.quantity,),
-                "below", motions,
+                "below",
             )  # fmt: skip
             self._single_inputs = Panel(session, single_entries("single map", self._single))
         motion_tab = panel.add_tab("Motion plots", viser.Icon.CHART_LINE)
         with motion_tab:
-            self.motion = MotionPlots(session, bridge, slots, motion_tab, motions)
+            self.motion = MotionPlots(session, bridge, slots, motion_tab)
         with panel.add_tab("Export", viser.Icon.DOWNLOAD):
             clipboard = Clipboard(session, bridge)
             entries = export_entries(self.store, lambda: legend.shown, clipboard)

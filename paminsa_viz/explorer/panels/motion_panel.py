@@ -18,7 +18,6 @@ from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Slider, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import SPEEDS
 from paminsa_viz.explorer.motion.jobs import SimulationSettings, run
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels import motion_points, note, render, status
 from paminsa_viz.explorer.panels.crossing_text import chart_html, crossing_html
 from paminsa_viz.explorer.panels.motion_description import DESCRIPTION
@@ -49,8 +48,9 @@ def status_line(state: State, analysis: TrajectoryAnalysis | None) -> tuple[bool
     )
 
 
-def status_html(state: State, analysis: TrajectoryAnalysis | None) -> str:
+def status_html(frame: Frame) -> str:
     """Return whether the motion can be run."""
+    state, analysis = frame.state, frame.analysis
     reachable, line = status_line(state, analysis)
     found = motions.planned(state)
     level, title = ("ok", "Reachable") if reachable else ("bad", "Not possible")
@@ -97,11 +97,12 @@ PLAYBACK = (
 )  # fmt: skip
 
 
-def _legend_html(actuator: int, analysis: TrajectoryAnalysis | None) -> str:
+def _legend_html(frame: Frame) -> str:
     """Return the color bar of the path; empty without a motion."""
-    if analysis is None:
+    if frame.analysis is None:
         return ""
-    scale = path_scale(analysis, actuator)
+    actuator = frame.state.plots.color
+    scale = path_scale(frame.analysis, actuator)
     name = ("|τ₁| [N·m]", "|τ₂| [N·m]", "|τ₃| [N·m]", "|F₄| [N]")[actuator]
     return render("motion_path.j2", hues=hue_gradient(scale), name=name, scale=scale)
 
@@ -168,48 +169,39 @@ SIMULATION: tuple[Entry, ...] = (
 )  # fmt: skip
 
 
-def motion_entries(store: MotionStore) -> tuple[Entry, ...]:
-    """Return status and playback, the motion, its duration, its path, and its simulation."""
-    return (
-        Html("playback.mark", content=render("mark.j2", name="paminsa-playback")),
-        Html(
-            "motion.status",
-            content=lambda frame: status_html(frame.state, store.analysis(frame.state)),
+MOTION: tuple[Entry, ...] = (
+    Html("playback.mark", content=render("mark.j2", name="paminsa-playback")),
+    Html("motion.status", content=status_html),
+    *PLAYBACK,
+    *DESCRIPTION,
+    Folder(
+        "motion.crossing", "Singularities passed",
+        visible=lambda state: state.document.motion.crosses,
+        entries=(
+            Html("motion.crossing.text", content=crossing_html, idle=True),
+            Html("motion.crossing.chart", content=chart_html, idle=True),
         ),
-        *PLAYBACK,
-        *DESCRIPTION,
-        Folder(
-            "motion.crossing", "Singularities passed",
-            visible=lambda state: state.document.motion.crosses,
-            entries=(
-                Html("motion.crossing.text", content=crossing_html, idle=True),
-                Html("motion.crossing.chart", content=chart_html, idle=True),
+    ),
+    Folder(
+        "motion.path", "Path in the scene", open=False,
+        entries=(
+            layer_switch("layers.path", "path", "Show the path", "Drawn on the maps as well"),
+            Dropdown(
+                "plots.color", "Colored by", options=ACTUATORS,
+                hint="Torque or force of this actuator; red where the motion fails",
+                **attribute("plots.color"),
             ),
+            Html("motion.legend", content=_legend_html),
         ),
-        Folder(
-            "motion.path", "Path in the scene", open=False,
-            entries=(
-                layer_switch("layers.path", "path", "Show the path", "Drawn on the maps as well"),
-                Dropdown(
-                    "plots.color", "Colored by", options=ACTUATORS,
-                    hint="Torque or force of this actuator; red where the motion fails",
-                    **attribute("plots.color"),
-                ),
-                Html(
-                    "motion.legend",
-                    content=lambda frame: _legend_html(
-                        frame.state.plots.color, store.analysis(frame.state)
-                    ),
-                ),
-            ),
-        ),
-        Folder("motion.simulation", "Simulation", open=False, entries=SIMULATION),
-    )  # fmt: skip
+    ),
+    Folder("motion.simulation", "Simulation", open=False, entries=SIMULATION),
+)  # fmt: skip
+"""Status and playback, the motion, its duration, its path, and its simulation."""
 
 
 class MotionPanel(Panel):
     """The entries of the tab, and presses on its list of poses."""
 
-    def __init__(self, session: Session, bridge: Bridge, store: MotionStore) -> None:
-        super().__init__(session, motion_entries(store))
+    def __init__(self, session: Session, bridge: Bridge) -> None:
+        super().__init__(session, MOTION)
         bridge.on(motion_points.SELECT, partial(motion_points.receive_row, session))

@@ -18,7 +18,7 @@ from paminsa_viz.explorer.inputs import Checkbox, Dropdown, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import COMPARED, PLOTS, SIMULATED
 from paminsa_viz.explorer.motion.jobs import EngineAnswer, EngineRequest, ask_engine
-from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
+from paminsa_viz.explorer.motion.results import MotionResults
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.motion_chart import PLACE, MotionChart, TimeCursor
 from paminsa_viz.explorer.panels.motion_panel import ACTUATORS, status_line
@@ -82,14 +82,11 @@ class MotionPlots:
     Attributes:
         charts: The two charts.
         inputs: What they show.
-        store: Results along the motion.
     """
 
-    def __init__(
-        self, session: Session, bridge: Bridge, slots: Slots, container: Any, store: MotionStore
-    ) -> None:
+    def __init__(self, session: Session, bridge: Bridge, slots: Slots, container: Any) -> None:
         gui = session.client.gui
-        self._slots, self.store = slots, store
+        self._slots = slots
         self._cursor = TimeCursor(bridge, lambda time: _scrub(session, time))
         gui.add_html(marker(PLACE), order=0)
         height = session.window[1]
@@ -108,7 +105,7 @@ class MotionPlots:
         self.inputs.draw(frame, dragging)
         if not self._slots.width(PLACE):
             return
-        found = self.store.all(state)
+        found = frame.motions.all(state)
         wanted = found if state.plots.needs_engine else None
         self._checker.draw(wanted, state.plots.checker, dragging)
         self._draw_curves(state, found)

@@ -34,6 +34,12 @@ LAYOUT: dict[str, Any] = {
     "legend": {"x": 1, "y": 1, "xanchor": "right", "bgcolor": "rgba(255,255,255,0.7)"},
 }  # fmt: skip
 
+NUMBERS = ("", "2", "3")
+"""Of y axes above each other, as Plotly counts them."""
+
+GAP = 0.06
+"""Between two of them, as a part of the height."""
+
 CONFIG = {"displayModeBar": False, "doubleClick": False}
 
 Tree = dict[str, Any]
@@ -84,7 +90,7 @@ class PlotlyChart:
             session: The session.
             key: What it shows; None for nothing.
             figure: Makes it.
-            aspect: Width over height.
+            aspect: Height over width.
         """
         self._gui = session.client.gui
         self._place = self._gui.add_folder(None)
@@ -94,9 +100,11 @@ class PlotlyChart:
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what changed."""
-        key = self._key(frame.state)
-        theme = frame.state.theme
-        if dragging or key is None or (key, theme) == self._drawn:
+        if dragging:
+            return
+        key, theme = self._key(frame.state), frame.state.theme
+        self._place.visible = key is not None
+        if key is None or (key, theme) == self._drawn:
             return
         self._drawn = (key, theme)
         figure = cast(Any, ChartFigure(themed(self._figure(frame.state), theme)))
@@ -107,15 +115,19 @@ class PlotlyChart:
             self._plot = self._gui.add_plotly(figure, aspect=self._aspect)
 
 
-def figure(data: list[Tree], x: str, y: str, **layout: Any) -> Tree:
+def figure(data: list[Tree], x: str, *y: str, **layout: Any) -> Tree:
     """Return a figure as Plotly's JSON.
 
     Args:
         data: Its traces.
-        x, y: Titles of the axes.
+        x, y: Titles of the axes; several y axes are above each other, the first on top.
         layout: What else of the layout is not as in `LAYOUT`.
     """
-    axes = {"xaxis": AXIS | {"title": {"text": x}}, "yaxis": AXIS | {"title": {"text": y}}}
+    last = NUMBERS[len(y) - 1]
+    axes: Tree = {"xaxis": AXIS | {"title": {"text": x}, "anchor": f"y{last}"}}
+    for index, (number, title) in enumerate(zip(NUMBERS, y, strict=False)):
+        domain = [1 - (index + 1) / len(y) + (GAP if number != last else 0), 1 - index / len(y)]
+        axes[f"yaxis{number}"] = AXIS | {"title": {"text": title}, "domain": domain}
     return {"data": data, "layout": LAYOUT | axes | layout, "config": CONFIG}
 
 

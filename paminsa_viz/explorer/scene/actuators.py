@@ -15,7 +15,6 @@ from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.layout import lift_motor_height
 from paminsa_viz.dimensions.placement import about_z
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.scene.layers import LegendRow
 from paminsa_viz.explorer.scene.nodes import Node, label, mesh
 from paminsa_viz.model import lift_constant, lumped_coefficients
@@ -120,7 +119,7 @@ def _arc_places(geometry: Geometry) -> tuple[tuple[float, ...], ...]:
     return tuple((*geometry.base_radius * axis, height) for axis in LEG_AXES)
 
 
-def torque_arrows(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def torque_arrows(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``torques``: torques of M1..M3 and the force of M4.
 
     The longest arrow is a full scale, see `arrow_scales`; greater values are drawn as
@@ -161,7 +160,7 @@ NAME_SIZE: Final = (30.0, 21.0)
 """Width and height of a name on the screen [px]."""
 
 
-def actuator_labels(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def actuator_labels(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``labels``: the names M1..M4 next to their bodies, none over another."""
     for index, place in enumerate(label_places(frame.shown_design.geometry), start=1):
         name = f"/actuators/m{index}"

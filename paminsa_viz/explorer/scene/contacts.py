@@ -10,7 +10,6 @@ import numpy as np
 from paminsa_viz.elastostatics.contacts import contacts, pair_name
 from paminsa_viz.explorer import clearing
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.scene.nodes import Node, ball, curves, label, mesh
 from paminsa_viz.palette import BAD, INK, WARN
 from paminsa_viz.units import format_value
@@ -22,7 +21,7 @@ ABOVE: Final = 0.012
 """Height of the label of the nearest bodies over the line between them [m]."""
 
 
-def contact_marks(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def contact_marks(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``contacts``: a ball where two bars would touch, and a label for each leg."""
     design, pose = frame.shown_design, frame.configuration.pose
     if not np.isfinite(pose).all():
@@ -42,7 +41,7 @@ def contact_marks(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
             yield label(f"/contacts/{leg + 1}", text, place, "bottom-center", 0.8)
 
 
-def nearest_bodies(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def nearest_bodies(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``clearance``: a line between the two nearest bodies, with the distance.
 
     A pose whose clearance is not known yet has none.

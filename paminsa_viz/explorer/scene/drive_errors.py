@@ -12,7 +12,6 @@ from scipy.spatial import ConvexHull
 from paminsa_viz import palette
 from paminsa_viz.explorer.accuracy import no_bound, shown_errors
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.scene.curves import segments
 from paminsa_viz.explorer.scene.forces import BAR, BELOW, round_scale
 from paminsa_viz.explorer.scene.nodes import Node, label, lines, mesh
@@ -76,7 +75,7 @@ def rms_rings(found: DriveErrors, geometry: Geometry) -> Array:
     return np.concatenate([segments(circle @ axes[pair]) for pair in ([0, 1], [1, 2], [2, 0])])
 
 
-def drive_error_nodes(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def drive_error_nodes(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``drive_errors``: the worst as a solid, one standard deviation as rings."""
     geometry, pose = frame.shown_design.geometry, frame.configuration.pose
     if not np.isfinite(pose).all():

@@ -12,7 +12,6 @@ from paminsa_viz.elastostatics.center_lines import CenterLines
 from paminsa_viz.explorer.elasticity import CASES, ElasticOutcome
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.description import Pose
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import NO_SHADOWS, Node, ball, curves, label, mesh
 from paminsa_viz.meshes.vibrating import vibrating_glb
@@ -53,7 +52,7 @@ def _outcome(frame: Frame) -> ElasticOutcome | None:
     return outcome if outcome.job.design.geometry == last.geometry else None
 
 
-def mode_shape(frame: Frame, _motions: MotionStore) -> tuple[Node, ...]:
+def mode_shape(frame: Frame) -> tuple[Node, ...]:
     """Draw the layer ``mode_shape``: the chosen mode as tubes that swing about the center lines.
 
     The browser plays the animation by itself. A new one is sent when the page is idle, and the old
@@ -86,7 +85,7 @@ def mode_text(mode: int, frequency: float) -> str:
     )
 
 
-def deflection(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def deflection(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``deflection``: center lines under the load case, displacements enlarged."""
     outcome = _outcome(frame)
     found = None if outcome is None or outcome.result is None else outcome.result.deflected
@@ -100,7 +99,7 @@ def deflection(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
     yield label("/elastic/deflected_label", text, place)
 
 
-def compliance(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def compliance(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``compliance``: displacements of P by a force of one size, all around."""
     outcome = _outcome(frame)
     if outcome is None or outcome.result is None:

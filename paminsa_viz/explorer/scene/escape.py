@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.scene.layers import LegendRow
 from paminsa_viz.explorer.scene.nodes import Node, arrows, label
 from paminsa_viz.model import Geometry, inverse_kinematics
@@ -46,7 +45,7 @@ def twist_arrows(geometry: Geometry, found: CrossingPlan) -> Array:
     return np.concatenate(found_arrows)
 
 
-def escape_arrows(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def escape_arrows(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``escape_twist``: arrows at every planned crossing, with a label."""
     state = frame.state
     crosses = state.document.motion.crosses and "path" in state.layers

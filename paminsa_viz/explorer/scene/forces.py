@@ -17,7 +17,6 @@ from paminsa_viz import palette
 from paminsa_viz.actuation.polytope import WrenchPolytope, wrench_polytope
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.scene.actuators import FACES, arc_arrow
 from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.scene.layers import LegendRow
@@ -100,16 +99,16 @@ def played_load(load: LoadCase, trajectory: Trajectory, t: float) -> tuple[LoadC
     return replace(load, **wrench), float(np.linalg.norm(forces, axis=1).max())
 
 
-def load_arrows(frame: Frame, motions: MotionStore) -> Iterator[Node]:
+def load_arrows(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``load``: the force as an arrow at its point, the moment as an arc, a label.
 
     While a motion with a load of its own is played, it is the load at that time.
     """
     state, design = frame.state, frame.shown_design
     pose, largest = frame.configuration.pose, 0.0
-    analysis = motions.analysis(state) if state.playback.following else None
-    if analysis is not None:
-        load, largest = played_load(design.load, analysis.trajectory, state.playback.time)
+    if state.playback.following and frame.analysis is not None:
+        trajectory, time = frame.analysis.trajectory, state.playback.time
+        load, largest = played_load(design.load, trajectory, time)
         design = replace(design, load=load)
     load = design.load
     if not load.acts or not np.isfinite(pose).all():
@@ -152,7 +151,7 @@ def polygon_lines(found: WrenchPolytope) -> tuple[Array, tuple[str, ...]]:
     return sides, found.sectors if len(polygon) else ()
 
 
-def force_polygon(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def force_polygon(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``force_polygon``: horizontal forces that are held with M_z = 0.
 
     Each side has the color of the actuator that limits it; with the largest disc in the polygon.
@@ -182,7 +181,7 @@ def force_polygon(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
     yield label("/forces/polygon label", text, center - [0.0, 0.0, ABOVE + BELOW])
 
 
-def wrench_solid(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def wrench_solid(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``wrench_solid``: forces that are held with M_z / R_pl upward.
 
     The face that limits first is named.

@@ -14,7 +14,6 @@ from paminsa_viz.dimensions.layers import LAYER, SHAFT_RADIUS, TUBE_RADIUS
 from paminsa_viz.elastostatics.joint_forces import JOINTS, JointForces
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.loads import Instant, bars_at, forces_at, instant
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.scene.forces import BAR, round_scale, scale_text
 from paminsa_viz.explorer.scene.layers import LegendRow
 from paminsa_viz.explorer.scene.mechanism import sticks
@@ -68,9 +67,9 @@ def force_arrows(forces: JointForces, configuration: Configuration) -> tuple[Arr
     return found.reshape(-1, 2, 3), scale
 
 
-def joint_arrows(frame: Frame, motions: MotionStore) -> Iterator[Node]:
+def joint_arrows(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``joint_forces``: at rest, or of a motion that is played."""
-    at = _instant(frame, motions)
+    at = _instant(frame)
     if at is None:
         return
     forces = forces_at(at)
@@ -84,9 +83,9 @@ def joint_arrows(frame: Frame, motions: MotionStore) -> Iterator[Node]:
     yield _label("joint_forces", text, frame.configuration, 1.0)
 
 
-def bar_sleeves(frame: Frame, motions: MotionStore) -> Iterator[Node]:
+def bar_sleeves(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``utilization``: sleeves about the bars, at rest or of a motion."""
-    at = _instant(frame, motions)
+    at = _instant(frame)
     if at is None:
         return
     use = bars_at(at)[1]
@@ -109,13 +108,11 @@ def arrows_meaning(frame: Frame) -> LegendRow:
     return (INK,), f"joint forces {when}, scale at the largest"
 
 
-def _instant(frame: Frame, motions: MotionStore) -> Instant | None:
+def _instant(frame: Frame) -> Instant | None:
     """Return what the forces belong to, or None where they are not known."""
     if not frame.drawable:
         return None
-    playback = frame.state.playback
-    analysis = motions.analysis(frame.state) if playback.following else None
-    at = instant(frame.shown_design, frame.configuration.pose, analysis, playback.time)
+    at = instant(frame.state)
     return at if forces_at(at).status == Limit.OK else None
 
 

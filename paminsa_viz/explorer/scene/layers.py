@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from viser import SceneApi
 
     from paminsa_viz.explorer.maps import MapStore
-    from paminsa_viz.explorer.motion.results import MotionStore
     from paminsa_viz.explorer.scene.legend import SceneLegend
     from paminsa_viz.explorer.session import View
 
@@ -31,7 +30,6 @@ class SceneContext:
     Attributes:
         scene: Where its nodes go.
         dispatch: `Session.dispatch`, for layers that a person can click or drag.
-        motions: What the session has computed along its motion.
         camera: The tab's camera, for what depends on how the scene is seen.
         pixel_ratio: Returns how many of its pixels one of the page's is.
         maps: The session's maps; only for layers that are not animated.
@@ -40,7 +38,6 @@ class SceneContext:
 
     scene: SceneApi
     dispatch: Callable[[str, Callable[[Any], Any]], None] = _ignore
-    motions: MotionStore | None = None
     camera: Any = None
     pixel_ratio: Callable[[], float] = lambda: 1.0
     maps: MapStore | None = None

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from paminsa_viz import palette
 from paminsa_viz.dimensions.attached import payload_center
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.scene.layers import LegendRow
 from paminsa_viz.explorer.scene.nodes import Node, arrows, ball, copies, label, lines
@@ -82,7 +81,7 @@ def stick_colors() -> NDArray[np.uint8]:
     return out
 
 
-def skeleton(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def skeleton(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``skeleton``: stick figure and joint numbers."""
     if not frame.drawable:
         return
@@ -98,7 +97,7 @@ def skeleton(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
             yield label(name, str(joint), place, "bottom-left", 0.95, spaced=NUMBER_SIZE)
 
 
-def best_robot(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def best_robot(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``best_so_far``: the best robot of a search, as lines next to the robot."""
     synthesizing = frame.state.synthesizing
     best = synthesizing.best
@@ -190,7 +189,7 @@ def gravity_arrows(points: PointMasses, gravity: float) -> Array:
     return np.stack([points.center, tips], axis=1)
 
 
-def mass_balls(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def mass_balls(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``mass_centers``."""
     if frame.drawable:
         points = mass_centers(frame.shown_design, frame.configuration)
@@ -201,7 +200,7 @@ def mass_balls(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
         )  # fmt: skip
 
 
-def weights(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def weights(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``gravity``."""
     if frame.drawable:
         points = mass_centers(frame.shown_design, frame.configuration)

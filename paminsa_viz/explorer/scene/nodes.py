@@ -18,7 +18,6 @@ from trimesh.creation import icosphere
 from viser import SceneApi
 
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.scene.curves import dashes, linear_colors, segments
 from paminsa_viz.explorer.scene.label_places import apart
 from paminsa_viz.palette import INK, rgb
@@ -220,8 +219,8 @@ class Nodes:
         return handle
 
 
-Draw = Callable[[Frame, MotionStore], Iterable[Node]]
-"""Returns what is seen of a layer; the store knows the session's motion."""
+Draw = Callable[[Frame], Iterable[Node]]
+"""Returns what is seen of a layer."""
 
 
 class LayerView:
@@ -229,7 +228,6 @@ class LayerView:
 
     def __init__(self, layer: Layer, draw: Draw, context: SceneContext) -> None:
         self._layer, self._draw = layer, draw
-        self._motions = context.motions or MotionStore()
         self._nodes = Nodes(context.scene)
         self._camera, self._follows = context.camera, False
         self._pixel_ratio = context.pixel_ratio
@@ -237,7 +235,7 @@ class LayerView:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the frame; nothing is computed while the layer is off."""
         shown = self._layer.key in frame.state.layers
-        wanted = self._draw(frame, self._motions) if shown else ()
+        wanted = self._draw(frame) if shown else ()
         if dragging and self._layer.idle:
             wanted = filter(self._nodes.holds, wanted)
         self._nodes.show(wanted)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion.results import MotionStore, split_path
+from paminsa_viz.explorer.motion.results import split_path
 from paminsa_viz.explorer.scene.curves import linear_colors, segments
 from paminsa_viz.explorer.scene.nodes import Node, curves, lines
 from paminsa_viz.palette import BAD, INK
@@ -73,14 +73,13 @@ def hue_gradient(scale: PathScale) -> list[str]:
     return [_hues()[i] for i in hue(np.linspace(scale.low, scale.high, 9), scale)]
 
 
-def motion_path(frame: Frame, motions: MotionStore) -> tuple[Node, ...]:
+def motion_path(frame: Frame) -> tuple[Node, ...]:
     """Draw the layer ``path``, in space and as a line on the ground below it."""
     state = frame.state
-    analysis = motions.analysis(state)
-    if analysis is None:
+    if frame.analysis is None:
         return ()
     height = layout(state.last_reachable.geometry).ground + ABOVE
-    return _drawn(analysis, state.plots.color, height)
+    return _drawn(frame.analysis, state.plots.color, height)
 
 
 @lru_cache(maxsize=4)

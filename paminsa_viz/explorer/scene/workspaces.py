@@ -10,7 +10,6 @@ import numpy as np
 
 from paminsa_viz import palette
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.requirements.checking import placed_workspace
 from paminsa_viz.explorer.requirements.jobs import VolumeResult
 from paminsa_viz.explorer.scene.nodes import Node, curves, mesh
@@ -24,7 +23,7 @@ CORNERS: Final = 64
 Place = tuple[float, float, float]
 
 
-def volume(frame: Frame, _motions: MotionStore) -> tuple[Node, ...]:
+def volume(frame: Frame) -> tuple[Node, ...]:
     """Draw the layer ``volume``: the surface, a mesh for each cause in its color.
 
     Nothing is drawn that is of another design or of other requirements.
@@ -43,14 +42,14 @@ def _surface(found: VolumeResult) -> tuple[Node, ...]:
     )
 
 
-def required_workspace(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def required_workspace(frame: Frame) -> Iterator[Node]:
     """Draw the outline of the required workspace."""
     placed = placed_workspace(frame.state)
     if placed is not None:
         yield curves("/requirements/required", outline(*placed))
 
 
-def proven_workspace(frame: Frame, _motions: MotionStore) -> Iterator[Node]:
+def proven_workspace(frame: Frame) -> Iterator[Node]:
     """Draw the outline of the largest workspace that is proven."""
     largest = frame.state.requiring.largest
     outcome = largest.outcome

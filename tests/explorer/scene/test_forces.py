@@ -99,12 +99,12 @@ def test_a_played_motion_moves_the_arrow(server: viser.ViserServer) -> None:
     pushed = np.tile([0.0, 80.0, 0.0, 0.0, 0.0, 0.0], (motion.size, 1))
     analysis = analyze(APPENDIX_4, replace(motion, load=pushed))
     motions: Any = SimpleNamespace(analysis=lambda state: analysis)
-    view = LayerView(LAYERS["load"], load_arrows, SceneContext(server.scene, motions=motions))
+    view = LayerView(LAYERS["load"], load_arrows, SceneContext(server.scene))
     frame = frame_at(layers=["load"])
     view.draw(frame, False)
     nodes = server.scene._handle_from_node_name
     assert "/load/force" not in nodes
     playing = frame.state.updated("playback", following=True, time=0.1)
-    view.draw(replace(frame, state=playing), False)
+    view.draw(replace(frame, state=playing, motions=motions), False)
     assert nodes["/load/force"].visible
     assert nodes["/load/label"].text.startswith("80 N")

@@ -11,7 +11,6 @@ import viser
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.bindings import perform
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.view_panel import commands, view_entries
 from paminsa_viz.explorer.scene.layers import LAYERS, Layer, SceneContext, build_views, register
 from paminsa_viz.explorer.scene.mechanism import sticks
@@ -37,7 +36,7 @@ OWN_NODES = {
 def grid_layer() -> Iterator[None]:
     """A layer that only this test knows."""
 
-    def grid(_frame: Frame, _motions: MotionStore) -> list[Node]:
+    def grid(_frame: Frame) -> list[Node]:
         return [Node("/grid", "grid", {"cell_size": 0.1})]
 
     before = dict(LAYERS)

@@ -11,7 +11,6 @@ import pytest
 import viser
 
 from paminsa_viz.explorer.browser.style import over_backdrop, style_html
-from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.scene import cameras
 from paminsa_viz.explorer.scene.actuators import FACES, arc_arrow, force_arrow, torque_arrows
 from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
@@ -90,7 +89,7 @@ def test_nodes_that_gain_parts_are_made_again(server: viser.ViserServer) -> None
 
 def test_torques_that_are_not_finite_are_not_drawn() -> None:
     frame = replace(frame_at(), torques=np.array([np.nan, np.inf, 1.0, 0.0]))
-    assert [node.name for node in torque_arrows(frame, MotionStore())] == ["/efforts/m3"]
+    assert [node.name for node in torque_arrows(frame)] == ["/efforts/m3"]
 
 
 @pytest.mark.parametrize("knee", KneeBranch)
