@@ -48,23 +48,15 @@ def start(state: State) -> State:
     if settings.against == settings.objective:
         raise InvalidInput("objective", "two different ones are needed for a Pareto front")
     job = SynthesisJob(case, settings.effort, document.design, settings.against)
-    started = tasks.start(state, "synthesizing", job)
-    return started.updated("synthesizing", best=BestSoFar(), stopped=False)
+    return tasks.start(state, "synthesizing", job).updated("synthesizing", best=BestSoFar())
 
 
 def stop(state: State) -> State:
     """End the search with the best robot so far; at once if there is none, or if asked again."""
     best = state.synthesizing.best
-    if state.synthesizing.stopped or best is None or not best.feasible:
+    if state.synthesizing.stopping or best is None or not best.feasible:
         return tasks.stop(state, "synthesizing")
-    return state.updated("synthesizing", stopped=True)
-
-
-def tell(state: State, job: SynthesisJob, best: BestSoFar) -> State:
-    """Take over how far a search is."""
-    if state.synthesizing.running != job:
-        return state
-    return state.updated("synthesizing", best=best, done=best.done)
+    return state.updated("synthesizing", stopping=True)
 
 
 def receive(state: State, outcome: Outcome[SynthesisJob, SearchResult]) -> State:

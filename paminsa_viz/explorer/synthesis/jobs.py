@@ -98,7 +98,6 @@ class BestSoFar:
     """How far a search is.
 
     Attributes:
-        done: What part is done, 0 to 1.
         trials: Robots tried.
         cost: The best objective [SI]; NaN while no robot meets all requirements.
         feasible: Whether the best one meets all requirements.
@@ -106,7 +105,6 @@ class BestSoFar:
         center: Center of its workspace [m].
     """
 
-    done: float = 0.0
     trials: int = 0
     cost: float = float("nan")
     feasible: bool = False
@@ -149,14 +147,12 @@ class Synthesizing(TaskState[SynthesisJob, SearchResult]):
     Attributes:
         settings: What a person set.
         best: How far the search is.
-        stopped: Whether it was asked to end with the best robot so far.
         point: Index of the chosen point of the front.
         prices: The task that works out prices.
     """
 
     settings: SynthesisSettings = SynthesisSettings()
     best: BestSoFar | None = None
-    stopped: bool = False
     point: int = 0
     prices: TaskState[PriceJob, tuple[RequirementPrice, ...]] = TaskState()
 
