@@ -114,8 +114,7 @@ class Capability:
         The radius of the largest disc about zero inside the polytope's section M_z = 0,
         min_j (T_j - |tau_0j|) / |(J_xj, J_yj)|; zero where the robot cannot hold itself.
         """
-        reach = np.hypot(self.rows[0], self.rows[1])
-        return self._masked(np.maximum(_least(self.room[:3], reach), 0.0))
+        return self._held(_least(self.room[:3], np.hypot(self.rows[0], self.rows[1])))
 
     @property
     def horizontal_limit(self) -> tuple[Array, Array]:
@@ -132,14 +131,17 @@ class Capability:
     def vertical_force(self) -> Array:
         """Largest vertical force that is held both upward and downward (...) [N].
 
-        (T_4 - |F_4|) / k; zero where M4 cannot hold the robot.
+        (T_4 - |F_4|) / k; zero where the robot cannot hold itself.
         """
-        return self._masked(np.maximum(self.room[3], 0.0) / self.design.geometry.magnification)
+        return self._held(self.room[3] / self.design.geometry.magnification)
 
     @property
     def moment(self) -> Array:
-        """Largest vertical moment that is held in both directions, no force (...) [N m]."""
-        return self._masked(np.maximum(_least(self.room[:3], np.abs(self.rows[2])), 0.0))
+        """Largest vertical moment that is held in both directions, no force (...) [N m].
+
+        Zero where the robot cannot hold itself.
+        """
+        return self._held(_least(self.room[:3], np.abs(self.rows[2])))
 
     @property
     def speed(self) -> Array:
@@ -194,6 +196,9 @@ class Capability:
         """Largest angular acceleration from rest, the center at rest (...) [rad/s^2]."""
         size = np.abs(self.inertia[..., 2])
         return self._masked(np.maximum(_least(self._peak_room, size, axis=-1), 0.0))
+
+    def _held(self, values: Array) -> Array:
+        return self._masked(np.where((self.room >= 0).all(axis=0), values, 0.0))
 
     def _masked(self, values: Array) -> Array:
         return np.where(np.isfinite(self.torque).all(axis=0), values, np.nan)

@@ -10,6 +10,7 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.balancing import (
+    MOTION_GOALS,
     AddedMass,
     Changes,
     CounterweightRange,
@@ -19,9 +20,6 @@ from paminsa_viz.balancing import (
     MassRange,
     Optimum,
     Term,
-    TrajectoryEnergy,
-    TrajectoryPeak,
-    TrajectoryRms,
     balance,
     optimize,
     paper_changes,
@@ -61,10 +59,6 @@ cannot run the motion; 2 a wrong argument or file."""
 
 MassFlag = tuple[str, float, float]
 RailFlag = tuple[Literal["b3", "b4", "b7", "b8"], int, float, float, float]
-
-
-GOALS = {"peak": TrajectoryPeak, "rms": TrajectoryRms, "energy": TrajectoryEnergy}
-"""Goals on a motion."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,7 +168,7 @@ def _on_motion(flags: BalanceFlags, design: Design, changes: Changes) -> Optimum
         limits.append((Imbalance(), flags.max_imbalance))
     if flags.max_added is not None:
         limits.append((AddedMass(), flags.max_added))
-    return optimize(design, changes, GOALS[flags.goal](solved), limits=limits)
+    return optimize(design, changes, MOTION_GOALS[flags.goal](solved), limits=limits)
 
 
 def _changed(found: Optimum) -> list[tuple[str, float, float]]:

@@ -13,11 +13,10 @@ from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.output import print_json, print_table, print_written
-from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.measurement_table import measurement_table, read_measurements
-from paminsa_viz.files.tables import table_bytes, table_endings
+from paminsa_viz.files.tables import save_table, table_endings
 from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.precision.calibration import Calibration, calibrate, describe
@@ -105,7 +104,7 @@ class Calibrate(JsonFlags, DesignFlags):
         table = measurement_table(
             Measurements(actuators, chosen), design=design.name, seed=str(self.seed)
         )
-        write_bytes(self.out, table_bytes(table, self.out.suffix[1:].lower()))
+        save_table(table, self.out)
         if self.json:
             print_json({"poses": chosen.tolist(), "actuators": actuators.tolist()})
         else:

@@ -33,6 +33,12 @@ Point: TypeAlias = tuple[float, float, float]
 Wrench: TypeAlias = tuple[float, float, float, float, float, float]
 
 
+def pose_si(pose: Pose) -> Pose:
+    """Return a pose [mm, mm, degrees, mm] in [m, m, rad, m]."""
+    x, y, theta, z = pose
+    return x / MM, y / MM, math.radians(theta), z / MM
+
+
 def check_output(flag: str, path: Path | None, endings: Iterable[str]) -> None:
     """Check, before anything is computed, that a file can be written if there is one.
 
@@ -111,10 +117,7 @@ class PoseFlags:
     @property
     def given_pose(self) -> Pose | None:
         """The pose [m, m, rad, m]."""
-        if self.pose is None:
-            return None
-        x, y, theta, z = self.pose
-        return x / MM, y / MM, math.radians(theta), z / MM
+        return self.pose and pose_si(self.pose)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -27,12 +27,15 @@ from paminsa_viz.model.dynamics import mass_matrix
 from paminsa_viz.model.jacobians import inverse_jacobian, inverse_jacobian_rate
 from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.leg import knee_height, leg_vector, mechanism, pantograph
-from paminsa_viz.model.load import wrench_at_center
+from paminsa_viz.model.load import LoadCase, LoadFrame, center_wrench, wrench_at_center
 from paminsa_viz.model.reach import Limit, check_reach
 from paminsa_viz.model.statics import static_imbalance, static_torques
 
 STEP = 1e-30
 """Imaginary step of the derivatives [m, rad]."""
+
+POSE_AXES = [0, 1, 5, 2]
+"""Where the pose's (x, y, theta, z) are in a wrench or the platform's twist."""
 
 
 def drive_matrix(design: Design) -> Array:
@@ -102,7 +105,7 @@ def _load_rate(design: Design, pose: Array) -> Array:
     arguments: Any = (*load.wrench, *load.point, load.turns, np.cos(theta), np.sin(theta))
     wrench = wrench_at_center(*arguments)
     found = np.zeros((*pose.shape, 4))
-    for row, part in enumerate((0, 1, 5, 2)):
+    for row, part in enumerate(POSE_AXES):
         found[..., row, 2] = np.imag(wrench[part]) / STEP
     return found
 
@@ -132,6 +135,27 @@ def geometric_stiffness(design: Design, pose: ArrayLike) -> Array:
     """
     loaded = drive_stiffness(design, pose)
     return _symmetric(loaded - drive_stiffness(design, pose, loaded=False))
+
+
+def load_tilt_stiffness(load: LoadCase, theta: ArrayLike) -> Array:
+    """Return what a load adds to the stiffness where the platform tilts, (..., 6, 6) [N, N m/rad].
+
+    Symmetric, as `geometric_stiffness`, which has the rest: with a force F at the point r that
+    keeps its direction, V = -F.(R r) for the rotation R. Of a load that turns with the platform the
+    symmetric part counts. Angles (...) [rad].
+    """
+    force = center_wrench(load, theta)[..., :3]
+    found = np.zeros((*force.shape[:-1], 6, 6))
+    if load.frame is LoadFrame.PLATFORM:
+        found[..., :3, 3:] = np.cross(np.eye(3), force[..., None, :])  # -d(phi x F)/d(phi)
+    else:
+        c, s = np.cos(theta), np.sin(theta)
+        x, y, z = load.point
+        r = np.stack(np.broadcast_arrays(c * x - s * y, s * x + c * y, z), axis=-1)
+        along = np.sum(r * force, axis=-1)[..., None, None]
+        found[..., 3:, 3:] = along * np.eye(3) - r[..., :, None] * force[..., None, :]
+    found[(..., *np.ix_(POSE_AXES, POSE_AXES))] = 0.0
+    return 0.5 * (found + np.swapaxes(found, -1, -2))
 
 
 def _symmetric(matrix: Array) -> Array:

@@ -10,7 +10,7 @@ share are the platform's twist at P and the carriage's height Z. What is inside 
 * as its own coordinates: `whole_modes` solves all of them together.
 
 Weight and load soften or stiffen (`geometric_stiffness`) as they do with rigid bars, in the
-platform's x, y, theta and z.
+platform's x, y, theta and z; payload and load off its center do so in its tilt as well.
 """
 
 from __future__ import annotations
@@ -20,7 +20,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.elastostatics.drive_stiffness import geometric_stiffness
+from paminsa_viz.elastostatics.drive_stiffness import (
+    POSE_AXES,
+    geometric_stiffness,
+    load_tilt_stiffness,
+)
 from paminsa_viz.elastostatics.leg_frame import leg_frame
 from paminsa_viz.elastostatics.leg_matrices import LegMatrices, leg_matrices
 from paminsa_viz.elastostatics.leg_model import RETAINED
@@ -31,9 +35,6 @@ from paminsa_viz.model.reach import check_reach
 
 SHARED = 7
 """Shared coordinates: the platform's six, and the carriage's Z."""
-
-POSE_AXES = [0, 1, 5, 2]
-"""Where the pose's (x, y, theta, z) are in the platform's twist."""
 
 BLOCK = 128
 """Poses worked on at a time; their matrices take some 15 MB."""
@@ -62,6 +63,7 @@ def _join(design: Design, pose: Array, stiffness: Array, mass: Array, loaded: bo
         # A tilt lowers a center above P, and lifts one below it.
         payload = design.payload
         stiffness[..., [3, 4], [3, 4]] -= payload.mass * design.gravity * payload.height
+        stiffness[..., :6, :6] += load_tilt_stiffness(design.load, pose[..., 2])
     stiffness[..., 6, 6] += design.elastic.drive_linear
     mass[..., :6, :6] += platform_mass(design)
 

@@ -54,6 +54,18 @@ def check_writable(path: str | os.PathLike[str]) -> None:
         raise FileError(os.fspath(path), "cannot be written: its folder allows no new file")
 
 
+def make_folder(path: Path) -> None:
+    """Make a folder and those that it is in, where they are not there.
+
+    Raises:
+        FileError: If it cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise as_file_error(str(path), error, "written") from error
+
+
 @contextmanager
 def _written(path: str | os.PathLike[str], **how: Any) -> Iterator[Any]:
     name = os.fspath(path)

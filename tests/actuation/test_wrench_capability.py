@@ -190,13 +190,16 @@ def test_speed_and_acceleration_are_held_in_every_direction(axis: Drive, seed: i
 
 def test_a_robot_that_cannot_hold_itself_can_hold_nothing() -> None:
     weak = replace(SERVO, rated_torque=1e-3, peak_torque=1e-3)
-    design = replace(APPENDIX_4, drives=(weak, weak, weak, None))
-    at = capability(design, (0.05, 0.02, 0.2, -0.5))
-    values = (at.horizontal_force, at.payload, at.moment, at.acceleration, at.turn_acceleration)
-    assert values == (0, 0, 0, 0, 0)
-    assert at.vertical_force > 0
-    assert at.speed > 0
-    assert not wrench_polytope(design, (0.05, 0.02, 0.2, -0.5)).holds
+    lift = replace(weak, transmission="screw", lead=0.01)
+    pose = (0.05, 0.02, 0.2, -0.5)
+    for drives in ((weak, weak, weak, None), (None, None, None, lift)):
+        design = replace(APPENDIX_4, drives=drives)
+        at = capability(design, pose)
+        values = (at.horizontal_force, at.vertical_force, at.payload, at.moment)
+        assert values == (0, 0, 0, 0)
+        assert (at.acceleration, at.turn_acceleration) == (0, 0)
+        assert at.speed > 0
+        assert wrench_polytope(design, pose).holds == (drives[0] is None)
 
 
 def test_limits_are_the_drives_or_the_default() -> None:

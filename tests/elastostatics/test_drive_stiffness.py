@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from paminsa_viz.elastostatics.drive_stiffness import drive_stiffness, gravity_stiffness
+from paminsa_viz.elastostatics.drive_stiffness import (
+    drive_stiffness,
+    gravity_stiffness,
+    load_tilt_stiffness,
+)
+from paminsa_viz.elastostatics.leg_matrices import leg_matrices
+from paminsa_viz.elastostatics.vibration import reduced_robot
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.energy import potential_energy
 from paminsa_viz.model.jacobians import inverse_jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics
-from paminsa_viz.model.load import LoadFrame
+from paminsa_viz.model.load import LoadCase, LoadFrame
+from paminsa_viz.model.parameters import Payload
 from paminsa_viz.model.statics import static_torques
 from tests.elastostatics.robots import POSE, elastic_design, poses_of
 from tests.elastostatics.test_stiffness import relative
@@ -57,3 +66,30 @@ def test_gravity_stiffness_is_the_second_derivative_of_the_energy() -> None:
               for a in (-1, 1) for b in (-1, 1)) / 4e-6 for t in steps] for s in steps]
     )  # fmt: skip
     np.testing.assert_allclose(gravity_stiffness(APPENDIX_4, pose), hessian, atol=2e-3)
+
+
+def test_a_force_off_the_center_stiffens_the_tilt_as_a_weight_there_does() -> None:
+    weight = 3.0 * APPENDIX_4.gravity
+    hung = replace(APPENDIX_4, payload=Payload(mass=3.0, height=0.11))
+    pushed = replace(APPENDIX_4, load=LoadCase(force_z=-weight, point_z=0.11))
+    first, second = (
+        reduced_robot(leg_matrices(d), np.array([POSE])).stiffness for d in (hung, pushed)
+    )
+    np.testing.assert_allclose(first, second, atol=1e-9 * np.abs(first).max())
+
+
+@pytest.mark.parametrize("frame", LoadFrame)
+def test_tilt_stiffness_of_a_load_is_the_slope_of_its_wrench(frame: LoadFrame) -> None:
+    load, step = LoadCase(4.0, -7.0, 11.0, 2.0, 3.0, -5.0, 0.1, 0.2, -0.3, frame), 1e-6
+    turn = Rotation.from_rotvec([0.0, 0.0, 0.7])
+    slope = np.zeros((6, 6))
+    for tilt, sign in product(step * np.eye(3), (1, -1)):
+        now = Rotation.from_rotvec(sign * tilt) * turn
+        own = now if frame is LoadFrame.PLATFORM else Rotation.identity()
+        force = own.apply(load.wrench[:3])
+        moment = own.apply(load.wrench[3:]) + np.cross(now.apply(load.point), force)
+        slope[:, 3:] -= sign * np.outer(np.r_[force, moment], tilt) / (2 * step**2)
+    found = load_tilt_stiffness(load, 0.7)
+    tilts = np.ix_([3, 4], range(6))
+    np.testing.assert_allclose(found[tilts], 0.5 * (slope + slope.T)[tilts], atol=1e-8)
+    assert not found[np.ix_([0, 1, 2, 5], [0, 1, 2, 5])].any()

@@ -51,13 +51,6 @@ def start(state: State) -> State:
     return tasks.start(state, "synthesizing", job).updated("synthesizing", best=BestSoFar())
 
 
-def tell(state: State, job: SynthesisJob, best: BestSoFar) -> State:
-    """Take over how far a search is."""
-    if state.synthesizing.running != job:
-        return state
-    return state.updated("synthesizing", best=best, done=best.done)
-
-
 def receive(state: State, outcome: Outcome[SynthesisJob, SearchResult]) -> State:
     """Take over a result; of a front, its first point is shown."""
     received = tasks.receive(state, "synthesizing", outcome)
