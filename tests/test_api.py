@@ -26,10 +26,12 @@ PACKAGES = (
     "paminsa_viz.model",
     "paminsa_viz.trajectory",
     "paminsa_viz.actuation",
+    "paminsa_viz.clearance",
     "paminsa_viz.elastostatics",
     "paminsa_viz.precision",
     "paminsa_viz.balancing",
     "paminsa_viz.studies",
+    "paminsa_viz.synthesis",
     "paminsa_viz.notebook",
     "paminsa_viz.meshes",
 )
