@@ -44,6 +44,7 @@ from paminsa_viz.balancing.springs import (
 )
 from paminsa_viz.balancing.terms import (
     LIFT,
+    MOTION_GOALS,
     ROTARY,
     AddedMass,
     Imbalance,
@@ -65,6 +66,7 @@ from paminsa_viz.balancing.tolerance import (
 
 __all__ = [
     "LIFT",
+    "MOTION_GOALS",
     "OUTPUTS",
     "ROTARY",
     "ActiveConstraint",

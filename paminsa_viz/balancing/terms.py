@@ -6,6 +6,7 @@ peak is a maximum of linear functions, their RMS a norm, the driving energy a su
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
@@ -260,6 +261,14 @@ class TrajectoryEnergy:
         return PositivePartSum(
             matrix.reshape(-1, matrix.shape[-1]), (offset.T * weight).ravel(), starts
         )
+
+
+MOTION_GOALS: dict[str, Callable[[SolvedTrajectory], Term]] = {
+    "peak": TrajectoryPeak,
+    "rms": TrajectoryRms,
+    "energy": TrajectoryEnergy,
+}
+"""What can be minimized on a motion, by the names that commands take."""
 
 
 @dataclass(frozen=True)

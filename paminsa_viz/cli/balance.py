@@ -10,6 +10,7 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.balancing import (
+    MOTION_GOALS,
     AddedMass,
     Changes,
     CounterweightRange,
@@ -19,15 +20,12 @@ from paminsa_viz.balancing import (
     MassRange,
     Optimum,
     Term,
-    TrajectoryEnergy,
-    TrajectoryPeak,
-    TrajectoryRms,
     balance,
     optimize,
     paper_changes,
 )
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_ending
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
 from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.meshes.loads import clearance_text
@@ -61,10 +59,6 @@ cannot run the motion; 2 a wrong argument or file."""
 
 MassFlag = tuple[str, float, float]
 RailFlag = tuple[Literal["b3", "b4", "b7", "b8"], int, float, float, float]
-
-
-GOALS = {"peak": TrajectoryPeak, "rms": TrajectoryRms, "energy": TrajectoryEnergy}
-"""Goals on a motion."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,7 +106,7 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
             raise UsageError("--max-imbalance and --max-added belong to a goal on a motion")
         if self.goal == "static" and (self.preset is not None or self.file is not None):
             raise UsageError("--preset and --file belong to a goal on a motion")
-        check_ending("--out", self.out, [".toml"])
+        check_output("--out", self.out, [".toml"])
 
     def run(self) -> int:
         """Find the masses."""
@@ -174,7 +168,7 @@ def _on_motion(flags: BalanceFlags, design: Design, changes: Changes) -> Optimum
         limits.append((Imbalance(), flags.max_imbalance))
     if flags.max_added is not None:
         limits.append((AddedMass(), flags.max_added))
-    return optimize(design, changes, GOALS[flags.goal](solved), limits=limits)
+    return optimize(design, changes, MOTION_GOALS[flags.goal](solved), limits=limits)
 
 
 def _changed(found: Optimum) -> list[tuple[str, float, float]]:

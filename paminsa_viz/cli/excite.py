@@ -13,11 +13,10 @@ import tyro
 from paminsa_viz import __version__
 from paminsa_viz.actuation import actuator_limits
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_ending
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
-from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.identification_table import excitation_table
-from paminsa_viz.files.tables import table_bytes, table_endings
+from paminsa_viz.files.tables import save_table, table_endings
 from paminsa_viz.identification import (
     Excitation,
     ExcitationLimits,
@@ -81,7 +80,7 @@ class Excite(JsonFlags, DesignFlags):
 
     def run(self) -> int:
         """Search and report."""
-        check_ending("--out", self.out, table_endings())
+        check_output("--out", self.out, table_endings())
         design = self.given_design()
         limits = self._limits(design)
         settings = ExcitationSettings(
@@ -96,8 +95,7 @@ class Excite(JsonFlags, DesignFlags):
             print_error(error)
             return 1
         if self.out is not None:
-            table = excitation_table(design, found, self.rate)
-            write_bytes(self.out, table_bytes(table, self.out.suffix.lower()[1:]))
+            save_table(excitation_table(design, found, self.rate), self.out)
         if self.json:
             print_json(self._data(design, found))
         else:

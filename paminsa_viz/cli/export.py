@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -11,11 +10,11 @@ import numpy as np
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, PoseFlags, check_ending
+from paminsa_viz.cli.flags import DesignFlags, PoseFlags, check_output
 from paminsa_viz.cli.output import print_written
 from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.poses import start_pose
-from paminsa_viz.files.atomic import as_file_error, write_bytes
+from paminsa_viz.files.atomic import make_folder, write_bytes
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -51,8 +50,8 @@ class Export(PoseFlags, DesignFlags):
         """Write the files."""
         if self.glb is None and self.mjcf is None and self.meshes is None:
             raise UsageError("nothing to write; give --glb, --mjcf or --meshes")
-        check_ending("--glb", self.glb, [".glb"])
-        check_ending("--mjcf", self.mjcf, [".xml", ".mjcf"])
+        check_output("--glb", self.glb, [".glb"])
+        check_output("--mjcf", self.mjcf, [".xml", ".mjcf"])
         if self.meshes is not None and self.meshes.suffix.lower() in _OTHER_THAN_FOLDERS:
             raise UsageError(f"--meshes {self.meshes}: a folder or a .zip file is needed")
         design = self.given_design()
@@ -60,7 +59,8 @@ class Export(PoseFlags, DesignFlags):
         require_reachable(design.geometry, pose)
         files, folders = self._contents(design, pose)
         for folder, names in folders.items():  # first, as what most often cannot be made
-            _make_folders(folder, names)
+            for parent in sorted({(folder / name).parent for name in names}):
+                make_folder(parent)
         for path, content in files.items():
             write_bytes(path, content)
             print_written([path])
@@ -101,11 +101,3 @@ class Export(PoseFlags, DesignFlags):
 _OTHER_THAN_FOLDERS = (".glb", ".xml", ".obj", ".stl")
 
 FLAGS = Export
-
-
-def _make_folders(folder: Path, files: Iterable[str]) -> None:
-    try:
-        for name in files:
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise as_file_error(str(folder), error, "written") from error

@@ -13,14 +13,13 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Pose
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Pose, pose_si
 from paminsa_viz.cli.output import print_blocks, print_json, print_written
-from paminsa_viz.files.atomic import write_bytes
+from paminsa_viz.files.atomic import make_folder, write_bytes
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.files.errors import FileError
 from paminsa_viz.files.example_logs import given_log
 from paminsa_viz.files.identification_table import estimate_table, residual_table
-from paminsa_viz.files.tables import table_bytes
+from paminsa_viz.files.tables import save_table
 from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.columns import IdentificationSettings
 from paminsa_viz.identification.findings import Findings, investigate
@@ -28,7 +27,6 @@ from paminsa_viz.identification.log import Log
 from paminsa_viz.identification.results import Estimate
 from paminsa_viz.identification.validation import PayloadEstimate
 from paminsa_viz.report.identification_section import identification_section
-from paminsa_viz.units import MM
 
 DESCRIPTION = """\
 Find masses, balance and friction of the built robot from a log of positions and torques.
@@ -99,10 +97,11 @@ class Identify(JsonFlags, DesignFlags):
             if not (math.isfinite(mass) and mass >= 0):
                 raise UsageError(f"--payload: a mass of 0 kg or more is needed, not {mass!r}")
             loaded = self._read(name)
-        self._check_folder()
+        if self.out is not None:  # before the work, so that a wrong place is known at once
+            make_folder(self.out)
         found = investigate(
             log, design, settings, other=other, loaded=loaded, payload=mass or None,
-            start=self._start,
+            start=self.start and pose_si(self.start),
         )  # fmt: skip
         written = [] if self.out is None else self._write(self.out, found)
         if self.json:
@@ -114,36 +113,16 @@ class Identify(JsonFlags, DesignFlags):
         wrong = bool(found.causes.named) or found.identification.identity.holds is False
         return 1 if wrong else 0
 
-    @property
-    def _start(self) -> tuple[float, ...] | None:
-        if self.start is None:
-            return None
-        x, y, theta, z = self.start
-        return x / MM, y / MM, math.radians(theta), z / MM
-
     def _read(self, name: str) -> Log:
         return given_log(name, gains=self.gains, split=self.split)
-
-    def _check_folder(self) -> None:
-        """Make the folder before the work, so that a place that cannot be is known at once.
-
-        Raises:
-            FileError: If it cannot be made.
-        """
-        if self.out is None:
-            return
-        try:
-            self.out.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise FileError(str(self.out), f"cannot be made: {error.strerror or error}") from error
 
     def _write(self, folder: Path, found: Findings) -> list[Path]:
         from paminsa_viz.plots.identification_series import log_series  # late: matplotlib
         from paminsa_viz.plots.series_figure import render_series
 
         paths = [folder / name for name in FILES]
-        write_bytes(paths[0], table_bytes(estimate_table(found), "csv"))
-        write_bytes(paths[1], table_bytes(residual_table(found), "csv"))
+        save_table(estimate_table(found), paths[0])
+        save_table(residual_table(found), paths[1])
         save_design(found.nearest.design, paths[2])
         write_bytes(paths[3], render_series(log_series(found), "svg"))
         return paths

@@ -11,7 +11,7 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PoseFlags, check_ending
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PoseFlags, check_output
 from paminsa_viz.cli.output import pose_text, print_blocks, print_error, print_json, print_written
 from paminsa_viz.elastostatics.bar_diagram import COMPONENTS
 from paminsa_viz.elastostatics.bar_loads import all_bar_loads, utilization
@@ -24,9 +24,8 @@ from paminsa_viz.elastostatics.joint_forces import (
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
 from paminsa_viz.elastostatics.sideways import SidewaysForces, sideways_forces
 from paminsa_viz.errors import PaminsaError
-from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.loads_table import bar_table, bearing_table, joint_table, motion_loads_table
-from paminsa_viz.files.tables import DataTable, table_bytes, table_endings
+from paminsa_viz.files.tables import DataTable, save_table, table_endings
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.reach import Limit, home_pose, require_reachable, status_words
@@ -71,7 +70,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
 
     def _check(self) -> None:
         for path in self.out:
-            check_ending("--out", path, table_endings())
+            check_output("--out", path, table_endings())
         moving = self.preset is not None or self.file is not None
         for wrong, problem in (
             (moving and self.pose is not None, "--pose excludes --preset and --file"),
@@ -85,7 +84,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
 
     def _write(self, table: DataTable) -> None:
         for path in self.out:
-            write_bytes(path, table_bytes(table, path.suffix.lower()[1:]))
+            save_table(table, path)
         if not self.json:
             print_written(self.out)
 
@@ -94,7 +93,8 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
         require_reachable(design.geometry, pose)
         forces = joint_forces(design, pose)
         if forces.status != Limit.OK:
-            print_error(ImpossiblePose(str(status_words(forces.status, forces.leg))))
+            word = status_words(forces.status, forces.leg)
+            print_error(PaminsaError(f"there are no joint forces in this pose: {word}"))
             return 1
         sideways = sideways_forces(design, pose)
         if self.json:
@@ -129,13 +129,6 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
 
 
 FLAGS = Loads
-
-
-class ImpossiblePose(PaminsaError):
-    """A pose without forces."""
-
-    def __init__(self, word: str) -> None:
-        super().__init__(f"there are no joint forces in this pose: {word}")
 
 
 def _pose_data(

@@ -64,10 +64,6 @@ else:
     Choice = Literal[tuple(name.replace("_", "-") for name in selections())]
 
 
-class NothingReached(PaminsaError):
-    """A map without any position that can be reached."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class Map(FilesFlags, ComparedDesignFlags):
     """Flags of the command."""
@@ -145,7 +141,7 @@ class Map(FilesFlags, ComparedDesignFlags):
         if not (data.status == Limit.OK).any():
             z = format_ascii(data.z, "m", 6)
             problem = f"no position can be reached at {self.theta:g}° and z = {z}"
-            print_error(NothingReached(problem))
+            print_error(PaminsaError(problem))
             return 1
         return 0
 

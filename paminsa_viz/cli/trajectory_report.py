@@ -18,14 +18,10 @@ from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.errors import FileError
 from paminsa_viz.files.tables import table_bytes, table_endings
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
+from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.series import FigureKind
-from paminsa_viz.report.trajectory_section import (
-    LOADS,
-    SPEED_UNITS,
-    TORQUE_UNITS,
-    trajectory_blocks,
-)
+from paminsa_viz.report.trajectory_section import LOADS, trajectory_blocks
 from paminsa_viz.trajectory import (
     ImpossibleTrajectory,
     MinimumTime,
@@ -33,7 +29,6 @@ from paminsa_viz.trajectory import (
     Simulation,
     TrajectoryAnalysis,
 )
-from paminsa_viz.trajectory.limits import ACTUATOR_NAMES
 from paminsa_viz.units import format_ascii
 
 PAGE = ".html"
@@ -140,7 +135,7 @@ def _failure(event: PathEvent | None) -> dict[str, Any] | None:
 
 
 def _actuators(analysis: TrajectoryAnalysis) -> list[dict[str, Any]]:
-    names = zip(ACTUATOR_NAMES, TORQUE_UNITS, SPEED_UNITS, strict=True)
+    names = zip(ACTUATORS, TORQUE_UNITS, SPEED_UNITS, strict=True)
     return [
         {"name": name, "unit": unit, "speed_unit": speed_unit}
         | {key: getattr(summary, load) for load, key, *_ in LOADS}

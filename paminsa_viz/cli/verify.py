@@ -14,7 +14,7 @@ from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags
 from paminsa_viz.cli.output import print_blocks, print_json, print_written
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, verify
 from paminsa_viz.errors import PaminsaError
-from paminsa_viz.files.atomic import as_file_error, write_bytes
+from paminsa_viz.files.atomic import as_file_error, make_folder, write_bytes
 from paminsa_viz.files.errors import FileError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.report.verification_section import verification_blocks
@@ -107,10 +107,7 @@ def _figures(found: Verification, folder: Path, kind: str) -> list[Path]:
     from paminsa_viz.plots.series_figure import render_series
     from paminsa_viz.plots.verified import verification_figures
 
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise as_file_error(str(folder), error, "written") from error
+    make_folder(folder)
     written = []
     for stem, title, data in verification_figures(found):
         path = folder / f"{stem}.{kind}"

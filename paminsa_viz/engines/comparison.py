@@ -10,13 +10,13 @@ import numpy as np
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.drive import TORQUE_UNITS
 from paminsa_viz.model.statics import static_breakdown
 
 LEAST_SCALE = 1e-6
 """What differences are measured by where no body has weight and nothing moves [N m, N]."""
 
-ACTUATORS = ("tau_1", "tau_2", "tau_3", "F_4")
-UNITS = ("N m", "N m", "N m", "N")
+SYMBOLS = ("tau_1", "tau_2", "tau_3", "F_4")
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ class Comparison:
     def summary(self) -> list[dict[str, Any]]:
         """Return the figures of each actuator, ready for JSON."""
         rows = zip(
-            ACTUATORS, UNITS, self.scale.tolist(), self.largest.tolist(), self.rms.tolist(),
+            SYMBOLS, TORQUE_UNITS, self.scale.tolist(), self.largest.tolist(), self.rms.tolist(),
             self.relative.tolist(), self.relative_rms.tolist(), strict=True,
         )  # fmt: skip
         names = (

@@ -4,25 +4,25 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable
+import time
 from dataclasses import replace
 from functools import partial
 from operator import attrgetter
-from typing import Generic
+from typing import Any
 
 from paminsa_viz.explorer import tasks
-from paminsa_viz.explorer.entries import Button, Condition, Progress
+from paminsa_viz.explorer.entries import BackgroundJob, Button, Condition, Progress, given
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.session import IDLE_DELAY, Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.explorer.tasks import Job, Outcome, Report, Result
+from paminsa_viz.explorer.tasks import Outcome
 from paminsa_viz.model import PaminsaError
 
 log = logging.getLogger(__name__)
 
 
-class JobRunner(Generic[Job, Result]):
-    """Runs the newest job that is requested; what comes of it is an action of the session.
+class JobRunner:
+    """A view that runs the newest job that is wanted; what comes of it is an action of the session.
 
     One job runs at a time, and of those that wait only the newest. A job that is no longer wanted
     is asked to stop, and its outcome is dropped.
@@ -31,31 +31,30 @@ class JobRunner(Generic[Job, Result]):
         wanted: The job that was requested last, or None.
     """
 
-    def __init__(
-        self,
-        session: Session,
-        key: str,
-        find: Callable[[Job, Report], Result],
-        receive: Callable[[State, Outcome[Job, Result]], State],
-        undo: bool = False,
-    ) -> None:
-        """Prepare for jobs of one kind.
-
-        Args:
-            session: The session.
-            key: Name of the actions.
-            find: Finds the result of a job; called on the job's thread.
-            receive: Takes an outcome over into the state.
-            undo: Whether what an outcome changes can be undone.
-        """
-        self._session, self._key, self._undo = session, key, undo
-        self._find, self._receive = find, receive
+    def __init__(self, session: Session, entry: BackgroundJob) -> None:
+        """Prepare for jobs of one kind."""
+        self._session, self._entry = session, entry
         self._lock = threading.Lock()
-        self.wanted: Job | None = None
-        self._waiting: Job | None = None
+        self.wanted: Any = None
+        self._waiting: Any = None
         self._busy = False
+        self._seen: Any = None
+        self._since = 0.0
 
-    def request(self, job: Job | None) -> None:
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Run the job that is wanted, unless it can wait or its outcome is known."""
+        entry, state = self._entry, frame.state
+        if entry.wanted is None:
+            self.request(tasks.running(state, entry.key))
+            return
+        job, known, now = entry.wanted(frame), attrgetter(entry.key)(state), time.monotonic()
+        if job != self._seen:
+            self._seen, self._since = job, now
+        changing = dragging and job != self.wanted and now - self._since < IDLE_DELAY
+        waits = changing and given(entry.idle, state)
+        self.request(None if waits or (known is not None and known.job == job) else job)
+
+    def request(self, job: Any) -> None:
         """Run a job, unless it was the last one requested; with None, cancel what runs."""
         with self._lock:
             if job == self.wanted:
@@ -64,9 +63,11 @@ class JobRunner(Generic[Job, Result]):
             if job is None or self._busy:
                 return
             self._busy = True
-        threading.Thread(target=self._work, name=f"paminsa-{self._key}", daemon=True).start()
+        name = f"paminsa-{self._entry.key}"
+        threading.Thread(target=self._work, name=name, daemon=True).start()
 
     def _work(self) -> None:
+        entry = self._entry
         while True:
             with self._lock:
                 job, self._waiting = self._waiting, None
@@ -74,55 +75,28 @@ class JobRunner(Generic[Job, Result]):
                     self._busy = False
                     return
             try:
-                outcome = tasks.solve(self._find, job, partial(self._report, job))
+                outcome = tasks.solve(entry.find, job, partial(self._report, job))
             except Exception:
-                log.exception("a job in the background failed: %s", self._key)
+                log.exception("a job in the background failed: %s", entry.key)
                 error = PaminsaError("it failed; details are in the program's log")
                 outcome = Outcome(job, error=error)
             if self.wanted == job:
                 action = partial(self._deliver, outcome)
-                self._session.dispatch(f"{self._key}.result", action, step=self._undo)
+                self._session.dispatch(f"{entry.key}.result", action, step=entry.undo)
 
-    def _deliver(self, outcome: Outcome[Job, Result], state: State) -> State:
-        return self._receive(state, outcome)
+    def _deliver(self, outcome: Outcome, state: State) -> State:
+        if self._entry.receive is not None:
+            return self._entry.receive(state, outcome)
+        take_over = tasks.receive if self._entry.wanted is None else tasks.keep
+        return take_over(state, self._entry.key, outcome)
 
-    def _report(self, job: Job, done: float) -> bool:
-        del done
-        return self._session.closed or self.wanted != job
-
-
-class TaskRunner(JobRunner[Job, Result]):
-    """A view that runs the job that a task of the state wants, and reports its progress there."""
-
-    def __init__(
-        self,
-        session: Session,
-        path: str,
-        find: Callable[[Job, Report], Result],
-        receive: Callable[[State, Outcome[Job, Result]], State] | None = None,
-        undo: bool = False,
-    ) -> None:
-        """Prepare for the jobs of one task; other arguments as of `JobRunner`.
-
-        Args:
-            session: The session.
-            path: The task's place in the state, such as ``"springing"``.
-            find: Finds the result of a job.
-            receive: Takes an outcome over, where that is more than to keep it.
-            undo: Whether what an outcome changes can be undone.
-        """
-        keep = receive or (lambda state, outcome: tasks.receive(state, path, outcome))
-        super().__init__(session, path, find, keep, undo)
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Run the job that the state wants."""
-        self.request(attrgetter(self._key)(frame.state).running)
-
-    def _report(self, job: Job, done: float) -> bool:
-        if self.wanted == job:
-            action = partial(tasks.progress, path=self._key, job=job, done=done)
-            self._session.dispatch(f"{self._key}.progress", action, step=False)
-        return super()._report(job, done)
+    def _report(self, job: Any, done: float, /, **known: Any) -> bool:
+        stopping = False
+        if self._entry.wanted is None and self.wanted == job:
+            action = partial(tasks.progress, path=self._entry.key, job=job, done=done, **known)
+            self._session.dispatch(f"{self._entry.key}.progress", action, step=False)
+            stopping = attrgetter(self._entry.key)(self._session.state).stopping
+        return stopping or self._session.closed or self.wanted != job
 
 
 def is_running(path: str) -> Condition:

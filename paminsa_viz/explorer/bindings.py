@@ -13,7 +13,9 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from paminsa_viz.explorer.background import JobRunner
 from paminsa_viz.explorer.entries import (
+    BackgroundJob,
     Button,
     ButtonGroup,
     Custom,
@@ -29,7 +31,7 @@ from paminsa_viz.explorer.entries import (
 )
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, Input, Pair, Slider
-from paminsa_viz.explorer.session import Session, View
+from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import PaminsaError
 
@@ -47,22 +49,22 @@ class Panel:
 
     Attributes:
         handles: viser's handles of the entries by their keys.
-        tab: Name of the tab it is in. While something is dragged and the tab is not open, only what
-            draws itself follows the state: it may be a job.
+        tab: Name of the tab it is in. While something is dragged and the tab is not open, only its
+            jobs follow the state.
     """
 
     def __init__(self, session: Session, entries: Sequence[Entry]) -> None:
         self._session, self._gui = session, session.client.gui
         self.handles: dict[str, Any] = {}
         self.tab = ""
-        self._custom: list[View] = []
+        self._jobs: list[JobRunner] = []
         self._draws: list[Draw] = []
         self._build_all(entries)
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the state."""
-        for view in self._custom:
-            view.draw(frame, dragging)
+        for job in self._jobs:
+            job.draw(frame, dragging)
         if dragging and not self._session.shows(self.tab):
             return
         for draw in self._draws:
@@ -74,7 +76,10 @@ class Panel:
 
     def _build(self, entry: Entry) -> None:
         if isinstance(entry, Custom):
-            self._custom.append(entry.make(self._session))
+            self._draws.append(entry.make(self._session).draw)
+            return
+        if isinstance(entry, BackgroundJob):
+            self._jobs.append(JobRunner(self._session, entry))
             return
         if isinstance(entry, ButtonGroup) and callable(entry.choices):
             entry = replace(entry, visible=partial(_has_choices, entry))

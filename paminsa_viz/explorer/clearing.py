@@ -19,8 +19,6 @@ from paminsa_viz.plots.clearance_series import MotionClearance, motion_clearance
 from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis
 
 if TYPE_CHECKING:
-    from paminsa_viz.explorer.frame import Frame
-    from paminsa_viz.explorer.session import Session
     from paminsa_viz.explorer.state import State
 
 
@@ -125,27 +123,3 @@ def find_nearest(job: PoseJob, _: object) -> NearestPoints | None:
 def find_along(job: MotionJob, _: object) -> MotionClearance:
     """Find the clearance along a motion."""
     return motion_clearance(job.analysis, job.pairs)
-
-
-class ClearanceChecker:
-    """A view that finds clearances in the background, once nothing is dragged."""
-
-    def __init__(self, session: Session) -> None:
-        from paminsa_viz.explorer.background import JobRunner
-
-        self._pose = JobRunner(
-            session, "clearing.pose", find_nearest,
-            lambda state, outcome: state.updated("clearing", pose=outcome),
-        )  # fmt: skip
-        self._motion = JobRunner(
-            session, "clearing.motion", find_along,
-            lambda state, outcome: state.updated("clearing", motion=outcome),
-        )  # fmt: skip
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Ask for what is not known."""
-        if dragging:
-            return
-        self._pose.request(pose_job(frame.state))
-        if frame.analysis is not None:
-            self._motion.request(motion_job(frame.state, frame.analysis))

@@ -9,7 +9,6 @@ from typing import Any
 
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.clearing import ClearanceChecker
 from paminsa_viz.explorer.entries import Entry
 from paminsa_viz.explorer.panels.accuracy_panel import ACCURACY
 from paminsa_viz.explorer.panels.balance_panel import BalancePanel
@@ -70,5 +69,4 @@ def build_tabs(
     session.fast += views.values()
     floor = build_views(replace(context, maps=maps.store, legend=legend), animated=False)
     session.deferred += [maps, *floor, legend, compare, files, TabStore(bridge)]
-    session.deferred.append(ClearanceChecker(session))
     register_commands(session)

@@ -14,6 +14,7 @@ from paminsa_viz.explorer.actions import Action
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.session import Session, View
 from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.tasks import Outcome, Report
 
 T = TypeVar("T")
 
@@ -172,3 +173,26 @@ class Custom(Entry):
 
     _: KW_ONLY
     make: Callable[[Session], View]
+
+
+@dataclass(frozen=True)
+class BackgroundJob(Entry):
+    """What is computed in the background, on a thread of its own.
+
+    Its key is a place in the state: of the task that runs its jobs, or of the outcome of the job
+    that follows what is shown.
+
+    Attributes:
+        find: Finds the result of a job; called on the job's thread.
+        receive: Takes an outcome over into the state, where that is more than to keep it.
+        wanted: The job that follows what is shown, or None for none; without it, jobs are started.
+        idle: Whether a job that has just changed waits until nothing is dragged.
+        undo: Whether what an outcome changes can be undone.
+    """
+
+    _: KW_ONLY
+    find: Callable[[Any, Report], Any]
+    receive: Callable[[State, Outcome], State] | None = None
+    wanted: Callable[[Frame], Any] | None = None
+    idle: Given[bool] = False
+    undo: bool = False

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from paminsa_viz.model import PaminsaError
 
@@ -16,8 +16,19 @@ if TYPE_CHECKING:
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 
-Report = Callable[[float], bool]
-"""Takes what part of a job is done, 0 to 1, and returns whether to stop."""
+
+class Report(Protocol):
+    """Takes what part of a job is done, 0 to 1, and what else its task knows by then.
+
+    Returns whether to stop.
+    """
+
+    def __call__(self, done: float, /, **known: Any) -> bool: ...
+
+
+def go_on(done: float, /, **known: Any) -> bool:
+    """Report nothing, and do not stop."""
+    return False
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,11 +60,13 @@ class TaskState(Generic[Job, Result]):
     Attributes:
         running: The job that runs, or None.
         done: What part of it is done, 0 to 1.
+        stopping: Whether it was asked to end with what it has so far.
         outcome: What came of the last one, or None.
     """
 
     running: Job | None = None
     done: float = 0.0
+    stopping: bool = False
     outcome: Outcome[Job, Result] | None = None
 
     @property
@@ -63,7 +76,7 @@ class TaskState(Generic[Job, Result]):
 
 
 def solve(
-    find: Callable[[Job, Report], Result], job: Job, report: Report = lambda _: False
+    find: Callable[[Job, Report], Result], job: Job, report: Report = go_on
 ) -> Outcome[Job, Result]:
     """Return what comes of a job; what is the robot's or the person's fault is part of it."""
     start = time.monotonic()
@@ -75,7 +88,7 @@ def solve(
 
 def start(state: State, path: str, job: object) -> State:
     """Start a job of the task at a place in the state, such as ``"springing"``."""
-    return state.updated(path, running=job, done=0.0)
+    return state.updated(path, running=job, done=0.0, stopping=False)
 
 
 def stop(state: State, path: str) -> State:
@@ -83,9 +96,9 @@ def stop(state: State, path: str) -> State:
     return state.updated(path, running=None)
 
 
-def progress(state: State, path: str, job: object, done: float) -> State:
-    """Take over what part of a job is done, if it is still wanted."""
-    return state.updated(path, done=done) if running(state, path) == job else state
+def progress(state: State, path: str, job: object, done: float, **known: Any) -> State:
+    """Take over what part of a job is done and what is known, if it is still wanted."""
+    return state.updated(path, done=done, **known) if running(state, path) == job else state
 
 
 def receive(state: State, path: str, outcome: Outcome) -> State:
@@ -93,6 +106,12 @@ def receive(state: State, path: str, outcome: Outcome) -> State:
     if running(state, path) != outcome.job:
         return state
     return state.updated(path, running=None, outcome=outcome)
+
+
+def keep(state: State, path: str, outcome: Outcome) -> State:
+    """Put an outcome into its place in the state."""
+    part, _, name = path.rpartition(".")
+    return state.updated(part, **{name: outcome})
 
 
 def running(state: State, path: str) -> object:

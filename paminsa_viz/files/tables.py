@@ -12,6 +12,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz import __version__
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.errors import printable
 
 ROWS_AT_ONCE = 20_000
@@ -117,3 +119,13 @@ def table_bytes(table: DataTable, kind: str) -> bytes:
     if kind not in TABLE_FORMATS:
         raise InvalidInput("kind", f"{' or '.join(TABLE_FORMATS)} is needed")
     return TABLE_FORMATS[kind](table)
+
+
+def save_table(table: DataTable, path: str | os.PathLike[str]) -> None:
+    """Write a table in the format of the file's ending, completely or not at all.
+
+    Raises:
+        InvalidInput: If there is no such format.
+        FileError: If the file cannot be written.
+    """
+    write_bytes(path, table_bytes(table, Path(path).suffix.lower()[1:]))

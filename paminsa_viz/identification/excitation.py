@@ -30,6 +30,7 @@ from paminsa_viz.identification.information import (
 from paminsa_viz.identification.multi_sine import MultiSineFamily
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.drive import SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.jacobians import actuator_velocity
 from paminsa_viz.model.reach import check_reach, workspace_height
@@ -183,9 +184,8 @@ def kept_limits(
         at = int(np.argmin(values) if least else np.argmax(values))
         return KeptLimit(name, float(values[at]), float(limit), unit, float(t[at]), least)
 
-    units = ("rad/s",) * 3 + ("m/s",) + ("N m",) * 3 + ("N",)
-    columns = [*speed.T, *torque.T]
-    values = [*limits.speed, *limits.torque]
+    columns, values = [*speed.T, *torque.T], [*limits.speed, *limits.torque]
+    units = SPEED_UNITS + TORQUE_UNITS
     rows = [row(*item) for item in zip(LIMITED[:8], columns, values, units, strict=True)]
     rows.append(row("condition number", condition, limits.condition, ""))
     height = natural_height(design.geometry, pose)

@@ -234,9 +234,11 @@ def _parameters() -> tuple[Parameter, ...]:
     for group in fields(APPENDIX_4):
         owner = getattr(APPENDIX_4, group.name)
         items = fields(owner) if is_dataclass(owner) else (group,)
+        limits = getattr(owner, "_limits", None)
         for item in (item for item in items if "unit" in item.metadata):
             path = item.name if item is group else f"{group.name}.{item.name}"
-            found.append(Parameter(path, default=APPENDIX_4.value(path), **item.metadata))
+            value = APPENDIX_4.value(path)
+            found.append(Parameter(path, default=value, limits=limits, **item.metadata))
     return tuple(found)
 
 

@@ -20,6 +20,12 @@ from paminsa_viz.units import format_ascii
 ACTUATORS = ("M1", "M2", "M3", "M4")
 """Names of the actuators: three rotary ones and the linear one."""
 
+TORQUE_UNITS = ("N m", "N m", "N m", "N")
+"""Units of their torques and force."""
+
+SPEED_UNITS = ("rad/s", "rad/s", "rad/s", "m/s")
+"""Units of their speeds."""
+
 TRANSMISSIONS = ("", "screw", "belt")
 """What may turn a gear's output into a straight motion; nothing for M1..M3."""
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, NamedTuple
 
 from paminsa_viz.errors import InvalidDesign
-from paminsa_viz.model.ranges import checked_number, possible_range
+from paminsa_viz.model.ranges import checked_number, possible_range, range_text
 from paminsa_viz.units import DisplayUnit, display_unit, format_ascii
 
 MOST_COUNTERWEIGHTS = 12
@@ -55,6 +55,8 @@ class Parameter:
         default: Appendix 4's value.
         positive: Whether zero is refused.
         signed: Whether it may be negative.
+        limits: Smallest number that is not zero, and the largest [SI], where those of its unit
+            do not hold.
     """
 
     path: str
@@ -64,6 +66,7 @@ class Parameter:
     default: float
     positive: bool
     signed: bool = False
+    limits: tuple[float, float] | None = None
 
     @property
     def display(self) -> DisplayUnit:
@@ -78,7 +81,19 @@ class Parameter:
     @property
     def largest(self) -> float:
         """Largest possible number [SI]."""
-        return possible_range(self.unit, self.positive)[1]
+        return self._range[1]
+
+    @property
+    def _range(self) -> tuple[float, float]:
+        return self.limits or possible_range(self.unit, self.positive)
+
+    def refusal(self, value: float, unit: DisplayUnit) -> str | None:
+        """Return what is possible, in the unit shown, if a number [SI] is not."""
+        least, most = self._range
+        if abs(value) <= most and (self.signed or value >= least * self.positive):
+            return None
+        ends = least * unit.factor, most * unit.factor
+        return range_text(*ends, unit.text, positive=self.positive, signed=self.signed)
 
 
 class Group:

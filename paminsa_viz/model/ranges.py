@@ -34,6 +34,17 @@ def possible_range(unit: str, positive: bool) -> tuple[float, float]:
     return (SMALLEST_LOAD if unit in loads else least), LARGEST.get(unit, LARGEST_OTHER)
 
 
+def range_text(least: float, most: float, unit: str, *, positive: bool, signed: bool) -> str:
+    """Return what is needed of a number in a range, in words; ends and unit as they are read."""
+    if signed:
+        text = f"a finite number of at most {most:g} in size is needed"
+    elif positive:
+        text = f"a finite number above 0, from {least:g} to {most:g}, is needed"
+    else:
+        text = f"a finite number of at least 0 and at most {most:g} is needed"
+    return f"{text} [{unit}]" if unit else text
+
+
 def checked_number(
     value: Any,
     path: str,
@@ -58,16 +69,11 @@ def checked_number(
             number = math.inf
     if signed:
         possible = abs(number) <= most
-        allowed = f"a finite number of at most {most:g} in size is needed"
-    elif positive:
-        possible = least <= number <= most
-        allowed = f"a finite number above 0, from {least:g} to {most:g}, is needed"
     else:
-        possible = number == 0 or least <= number <= most
-        allowed = f"a finite number of at least 0 and at most {most:g} is needed"
+        possible = (number == 0 and not positive) or least <= number <= most
     if possible:
         return number
-    allowed += f" [{unit}]" if unit else ""
+    allowed = range_text(least, most, unit, positive=positive, signed=signed)
     if 0 < number < least and not positive:
         allowed += f"; below {least:g} it has to be 0"
     raise InvalidDesign(path, value, allowed)

@@ -1,42 +1,38 @@
 """Color tables of 256 entries that keep their meaning for color-blind eyes and in gray print.
 
-The default diverging table is built here: two arms from one near-white center, blue for negative
+The diverging table is built here: two arms from one near-white center, blue for negative
 and vermillion for positive, lightness falling in equal steps of OKLab (B. Ottosson, 2020) so that
 equal differences look equal. Blue against orange survives the common forms of color blindness.
-The other tables are matplotlib's.
+The sequential one is matplotlib's viridis.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.palette import LIGHT
 
-DIVERGING: tuple[str, ...] = ("blue-vermillion", "RdBu_r", "PuOr_r")
-"""Tables with a neutral center, for signed quantities; the first is the default."""
+DIVERGING = "blue-vermillion"
+"""Table with a neutral center, for signed quantities."""
 
-SEQUENTIAL: tuple[str, ...] = ("viridis", "cividis", "magma")
-"""Tables of rising lightness, for magnitudes; the first is the default."""
+SEQUENTIAL = "viridis"
+"""Table of rising lightness, for magnitudes."""
 
 SIZE = 256
 
 BEYOND: dict[str, tuple[str, str]] = {
-    "blue-vermillion": ("#02234a", "#4a1503"),
-    "RdBu_r": ("#021526", "#33000f"),
-    "PuOr_r": ("#160018", "#4a2100"),
-    "cividis": ("#000a1f", "#fffbdc"),
-    "viridis": ("#1c0022", "#fffbc4"),
-    "magma": ("#3b4252", "#ffffff"),
+    DIVERGING: ("#02234a", "#4a1503"),
+    SEQUENTIAL: ("#1c0022", "#fffbc4"),
 }
 """Colors for values below and above the range: darker, or beyond the light end."""
 
 REACHLESS = LIGHT.reachless
 SINGULAR = "#4b5563"
 """Masked cells: gray with hatching where nothing is reached, plain dark gray where the
-mechanism is singular or a value is not finite. The default tables contain neither gray."""
+mechanism is singular or a value is not finite. The tables contain neither gray."""
 
 _LMS = np.array(
     [
@@ -60,16 +56,16 @@ def oklab(rgb: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.cbrt(linear @ _LMS.T) @ _LAB.T
 
 
-@lru_cache(maxsize=16)
+@cache
 def table(name: str) -> NDArray[np.float64]:
     """Return a color table (256, 3) of sRGB in 0..1, read-only.
 
     Raises:
         KeyError: If there is no such table; callers check the name first.
     """
-    if name == "blue-vermillion":
+    if name == DIVERGING:
         colors = np.concatenate([_arm(250.0, 0.125)[::-1], _arm(38.0, 0.14)])
-    elif name in DIVERGING + SEQUENTIAL:
+    elif name == SEQUENTIAL:
         from matplotlib import colormaps  # late: costs a tenth of a second
 
         colors = np.asarray(colormaps[name](np.arange(SIZE)))[:, :3]

@@ -8,6 +8,7 @@ import numpy as np
 
 from paminsa_viz.identification.findings import Findings
 from paminsa_viz.identification.results import Identification
+from paminsa_viz.model.drive import TORQUE_UNITS
 from paminsa_viz.palette import ACTUATOR_COLORS, INK
 from paminsa_viz.plots.series import (
     Dash,
@@ -17,7 +18,7 @@ from paminsa_viz.plots.series import (
     Trace,
     Values,
 )
-from paminsa_viz.plots.series_builders import SYMBOLS, UNITS, build_series
+from paminsa_viz.plots.series_builders import SYMBOLS, build_series
 from paminsa_viz.plots.series_uplot import Chart
 from paminsa_viz.trajectory import analyze
 from paminsa_viz.units import display_unit
@@ -43,7 +44,7 @@ def log_series(findings: Findings) -> SeriesData:
         else:
             residual = predicted[:, j] - measured[:, j]
             trace = replace(panel.traces[0], values=residual, peak=None)
-            note = f"RMS {display_unit(UNITS[j]).format(float(np.std(residual)), 3)}"
+            note = f"RMS {display_unit(TORQUE_UNITS[j]).format(float(np.std(residual)), 3)}"
             panels.append(replace(panel, traces=(trace,), notes=((note, INK),)))
     failing = np.zeros(motion.size, dtype=bool)
     return replace(
@@ -59,7 +60,7 @@ def log_charts(found: Identification, actuator: int) -> tuple[Chart, Chart]:
     """
     t = found.signals.t
     gaps = np.flatnonzero(np.diff(found.signals.segment)) + 1
-    unit, color = display_unit(UNITS[actuator]), ACTUATOR_COLORS[actuator]
+    unit, color = display_unit(TORQUE_UNITS[actuator]), ACTUATOR_COLORS[actuator]
 
     def curve(label: str, values: Values, line: str, dash: Dash, width: float) -> Trace:
         whole = np.insert(unit.factor * values[:, actuator], gaps, np.nan)

@@ -17,7 +17,6 @@ from paminsa_viz.plots.scale import (
     Scale,
     check_kind,
     check_range,
-    check_table,
 )
 
 NEGLIGIBLE = 1e-9
@@ -38,12 +37,9 @@ class ScaleChoice:
         full: Whether a range found from the data spans every value, instead of the ordinary ones.
         shared: One range for all panels, or one for each.
         kind: ``"linear"`` or ``"symlog"``.
-        threshold: Where the symmetric log turns linear around zero, or None for a default.
-        colors: Name of a color table, or None for the default of the kind of quantity.
-        contours: About how many contour levels; 0 for none.
 
     Raises:
-        InvalidScale: If a number is not finite, the range is empty, or a name is not known.
+        InvalidScale: If a number is not finite, the range is empty, or the kind is not known.
     """
 
     low: float | None = None
@@ -51,20 +47,13 @@ class ScaleChoice:
     full: bool = False
     shared: bool = True
     kind: Kind = "linear"
-    threshold: float | None = None
-    colors: str | None = None
-    contours: int = 12
 
     def __post_init__(self) -> None:
         if (self.low is None) != (self.high is None):
             raise InvalidScale("low" if self.low is None else "high", "give both ends or none")
         if self.low is not None and self.high is not None:
             check_range(self.low, self.high)
-        check_kind(self.kind, self.threshold)
-        if self.colors is not None:
-            check_table(self.colors)
-        if not 0 <= self.contours <= 40:
-            raise InvalidScale("contours", f"0 to 40 are possible, not {self.contours!r}")
+        check_kind(self.kind)
 
 
 def choose_scales(
@@ -193,11 +182,9 @@ def _scale(values: NDArray[np.float64], signed: bool, choice: ScaleChoice) -> Sc
         low, high = robust_range(values, signed)
         if choice.kind == "symlog":  # a log has room for the explosion, so show most of it
             low, high = _wide_range(values, low, high)
-    threshold = choice.threshold
-    if threshold is None:
-        threshold = float(f"1e{math.floor(math.log10(max(abs(low), abs(high)))) - 2}")
-    default = colors.DIVERGING if signed else colors.SEQUENTIAL
-    return Scale(low, high, choice.kind, threshold, choice.colors or default[0], choice.contours)
+    threshold = float(f"1e{math.floor(math.log10(max(abs(low), abs(high)))) - 2}")
+    table = colors.DIVERGING if signed else colors.SEQUENTIAL
+    return Scale(low, high, choice.kind, threshold, table)
 
 
 def _wide_range(values: NDArray[np.float64], low: float, high: float) -> tuple[float, float]:

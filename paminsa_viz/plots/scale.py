@@ -53,13 +53,18 @@ class Scale:
     high: float
     kind: Kind = "linear"
     threshold: float = 1.0
-    colors: str = colors.DIVERGING[0]
+    colors: str = colors.DIVERGING
     contours: int = 12
 
     def __post_init__(self) -> None:
         check_range(self.low, self.high)
-        check_kind(self.kind, self.threshold)
-        check_table(self.colors)
+        check_kind(self.kind)
+        if not (math.isfinite(self.threshold) and self.threshold > 0):
+            problem = f"a finite number above 0 is needed, not {self.threshold!r}"
+            raise InvalidScale("threshold", problem)
+        if self.colors not in colors.BEYOND:
+            known = ", ".join(colors.BEYOND)
+            raise InvalidScale("colors", f"one of {known} is needed, not {self.colors!r}")
 
     def stretch(self, values: ArrayLike) -> NDArray[np.float64]:
         """Return values on the axis along which colors are spread evenly (monotonic, odd)."""
@@ -85,7 +90,7 @@ class Scale:
     def table(self) -> NDArray[np.float64]:
         """Colors (256, 3) of sRGB in 0..1 from low to high."""
         base = colors.table(self.colors)
-        if self.colors not in colors.DIVERGING or self.low == -self.high:
+        if self.colors != colors.DIVERGING or self.low == -self.high:
             return base
         reach = float(self.stretch(max(abs(self.low), abs(self.high))))
         low, high = self._ends
@@ -117,7 +122,7 @@ class Scale:
 
         Diverging tables keep dark lines throughout, so that a line means the same on both sides.
         """
-        if self.colors in colors.DIVERGING:
+        if self.colors == colors.DIVERGING:
             return INK
         place = min(max(float(self.position(level)), 0.0), 1.0)
         color = self.table[round(place * (colors.SIZE - 1))]
@@ -231,14 +236,6 @@ def check_range(low: float, high: float) -> None:
         raise InvalidScale("high", "the range is too narrow for a color scale")
 
 
-def check_kind(kind: str, threshold: float | None) -> None:
+def check_kind(kind: str) -> None:
     if kind not in ("linear", "symlog"):
         raise InvalidScale("kind", f"'linear' or 'symlog' is needed, not {kind!r}")
-    if threshold is not None and not (math.isfinite(threshold) and threshold > 0):
-        raise InvalidScale("threshold", f"a finite number above 0 is needed, not {threshold!r}")
-
-
-def check_table(name: str) -> None:
-    known = colors.DIVERGING + colors.SEQUENTIAL
-    if name not in known:
-        raise InvalidScale("colors", f"one of {', '.join(known)} is needed, not {name!r}")

@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.drive import SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED, REFERENCE
 from paminsa_viz.plots.clearance_series import clearance_panels
 from paminsa_viz.plots.load_series import load_panels
@@ -27,7 +28,7 @@ from paminsa_viz.plots.series import (
 from paminsa_viz.trajectory.analysis import ActuatorSummary, TrajectoryAnalysis
 from paminsa_viz.units import format_value
 
-SYMBOLS, UNITS = ("τ₁", "τ₂", "τ₃", "F₄"), ("N m", "N m", "N m", "N")
+SYMBOLS = ("τ₁", "τ₂", "τ₃", "F₄")
 COORDINATES = {"x": "m", "y": "m", "θ": "rad", "z": "m"}
 
 CAUSES: tuple[tuple[str, str, str, Dash], ...] = (
@@ -107,7 +108,7 @@ def _coordinates(suffix: str = "") -> Iterator[tuple[int, SeriesPanel]]:
 
 def _torques(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield torques of M1..M3 and force of M4, as in Figs. 6 and 7, with peaks and RMS."""
-    for j, panel in _actuators(SYMBOLS, UNITS):
+    for j, panel in _actuators(SYMBOLS, TORQUE_UNITS):
         drawn = _compared(panel, j, sources, lambda a: a.torque, partial(_with_torque, panel.unit))
         if sources.engine is not None:
             marks = _marks(sources.engine, sources.analysis.trajectory.size, j)
@@ -133,7 +134,7 @@ def _marks(engine: EngineTorques, size: int, j: int) -> Trace:
 def _power(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield the power of each actuator, positive where it drives."""
     for j, panel in _actuators(("P₁", "P₂", "P₃", "P₄"), ("W",) * 4):
-        annotate = partial(_with_power, "rad/s" if j < 3 else "m/s")
+        annotate = partial(_with_power, SPEED_UNITS[j])
         yield _compared(panel, j, sources, lambda a: a.power, annotate)
 
 
@@ -171,7 +172,7 @@ def _breakdown(sources: SeriesSources) -> Iterator[SeriesPanel]:
         for name in ("friction", "load")
         if not np.nanmax(np.abs(getattr(parts, name)), initial=0.0) > 0
     }
-    for j, panel in _actuators(SYMBOLS, UNITS):
+    for j, panel in _actuators(SYMBOLS, TORQUE_UNITS):
         causes = [
             Trace(label, getattr(parts, name)[:, j], color, dash)
             for name, label, color, dash in CAUSES
@@ -229,7 +230,7 @@ def _errors(sources: SeriesSources) -> Iterator[SeriesPanel]:
 def _commands(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield the torques that the controller of a simulation commands."""
     torque = sources.simulated.torque
-    for j, panel in _actuators(SYMBOLS, UNITS):
+    for j, panel in _actuators(SYMBOLS, TORQUE_UNITS):
         command = Trace("commanded", torque[:, j], panel.color, width=1.3, suffix="")
         yield replace(panel, traces=(command,))
 
@@ -238,7 +239,7 @@ def _comparison(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield each actuator's torque from two sources, and their difference."""
     other = sources.other
     time, torque = other.pick(sources.analysis.trajectory.t), other.pick(sources.analysis.torque)
-    for j, panel in _actuators(SYMBOLS, UNITS):
+    for j, panel in _actuators(SYMBOLS, TORQUE_UNITS):
         own = Trace("this analysis", torque[:, j], panel.color, width=1.6)
         compared = Trace(other.name, other.torque[:, j], INK, "dashed", 0.8)
         yield replace(panel, traces=(own, compared))
@@ -248,7 +249,7 @@ def _comparison(sources: SeriesSources) -> Iterator[SeriesPanel]:
 def _differences(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield the formulas' torques minus an engine's, with those of the formulas as published."""
     other, formulas = sources.other, replace(sources, reference=None)
-    for j, panel in _actuators(SYMBOLS, UNITS):
+    for j, panel in _actuators(SYMBOLS, TORQUE_UNITS):
         drawn = _compared(panel, j, formulas, lambda a: other.pick(a.torque) - other.torque)
         yield replace(drawn, traces=tuple(replace(trace, until=None) for trace in drawn.traces))
 

@@ -6,6 +6,7 @@ from paminsa_viz.balancing import balance, whole_mass
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_writer import differences
 from paminsa_viz.model.design import PARAMETER, Design
+from paminsa_viz.model.drive import ACTUATORS, TORQUE_UNITS
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import (
     MASS_PATHS,
@@ -123,9 +124,9 @@ def _balanced(analysis: TrajectoryAnalysis) -> list[Block]:
 
 def _on_the_motion(before: TrajectoryAnalysis, after: TrajectoryAnalysis) -> Table:
     rows = []
-    for j, (a, b) in enumerate(zip(before.summary, after.summary, strict=True)):
-        unit = "N m" if j < 3 else "N"
-        cells = [f"M{j + 1}"]
+    each = zip(ACTUATORS, TORQUE_UNITS, before.summary, after.summary, strict=True)
+    for name, unit, a, b in each:
+        cells = [name]
         for one, two in ((abs(a.peak), abs(b.peak)), (a.rms, b.rms)):
             cells += [format_value(one, unit), format_value(two, unit), percent_change(one, two)]
         rows.append(cells)

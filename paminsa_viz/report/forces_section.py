@@ -15,7 +15,7 @@ from paminsa_viz.actuation.wrench_capability import actuator_limits, capability
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.model.grids import Grid, solve_field
 from paminsa_viz.model.load import center_wrench
 from paminsa_viz.model.statics import load_torques
@@ -32,8 +32,6 @@ KEYS = (
     "selective_theta", "selective_z", "conditioning",
 )  # fmt: skip
 """Quantities of the table, with their global indices."""
-
-_UNITS = ("N m", "N m", "N m", "N")
 
 
 def forces_section(request: ReportRequest) -> Section:
@@ -56,7 +54,7 @@ def _load(request: ReportRequest) -> list[Block]:
     against = load_torques(design.geometry, design.load, pose)
     rows += [
         Row((name, "required against the load", format_value(value, unit)))
-        for name, value, unit in zip(ACTUATORS, against, _UNITS, strict=True)
+        for name, value, unit in zip(ACTUATORS, against, TORQUE_UNITS, strict=True)
     ]
     caption = (
         "The load at the platform's center, in base axes, at the report's pose. M_x, M_y and the "
@@ -70,8 +68,8 @@ def _limits(request: ReportRequest) -> Table:
     rows = []
     for j, name in enumerate(ACTUATORS):
         own = "default" if request.design.drives[j] is None else "drive"
-        speed = format_value(limits.speed[j], "rad/s" if j < 3 else "m/s")
-        torques = (format_value(value[j], _UNITS[j]) for value in (limits.rated, limits.peak))
+        speed = format_value(limits.speed[j], SPEED_UNITS[j])
+        torques = (format_value(value[j], TORQUE_UNITS[j]) for value in (limits.rated, limits.peak))
         rows.append(Row((name, own, *torques, speed)))
     head = ("Actuator", "Limits of", "On end", "Peak", "Speed")
     return Table(head, tuple(rows), "Limits that the capability is worked out with.", words=2)

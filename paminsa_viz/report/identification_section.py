@@ -6,7 +6,7 @@ from functools import partial
 
 from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.findings import Findings
-from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.model.drive import ACTUATORS, TORQUE_UNITS
 from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, rows
 from paminsa_viz.units import NONE, format_value, interval_text, number, unit_text
 
@@ -29,7 +29,7 @@ def identification_section(findings: Findings) -> Section:
     blocks.append(Figure(partial(_torques, findings), alt))
     rest = ", ".join(
         f"{name} {format_value(float(rms), unit, 3)}"
-        for name, rms, unit in zip(ACTUATORS, one.noise, ("N m", "N m", "N m", "N"), strict=True)
+        for name, rms, unit in zip(ACTUATORS, one.noise, TORQUE_UNITS, strict=True)
     )
     blocks.append(Note(f"RMS of what is left: {rest}."))
     head = ("", "Parameter", "Log, 95 %", "Unit", "Design")

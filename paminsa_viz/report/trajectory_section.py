@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.report.blocks import (
     Block,
     Note,
@@ -20,9 +21,6 @@ from paminsa_viz.units import format_value
 
 if TYPE_CHECKING:
     from paminsa_viz.plots.series import FigureKind
-
-TORQUE_UNITS = ("N m", "N m", "N m", "N")
-SPEED_UNITS = ("rad/s", "rad/s", "rad/s", "m/s")
 
 LOADS = (
     ("peak", "peak", "Peak", TORQUE_UNITS),
@@ -112,10 +110,7 @@ def _crossings(analysis: TrajectoryAnalysis) -> Table:
         pose = analysis.trajectory.at(item.t).pose
         limits = ["no bound"] * 4
         if item not in analysis.unbounded:
-            limits = [
-                format_value(torque, "N" if j == 3 else "N m")
-                for j, torque in enumerate(item.torque)
-            ]
+            limits = list(map(format_value, item.torque, TORQUE_UNITS))
         inertia = float(escape_inertia(analysis.design, pose))
         found.append(
             (
@@ -126,7 +121,7 @@ def _crossings(analysis: TrajectoryAnalysis) -> Table:
                 format_value(inertia, "kg m^2", 3),
             )
         )
-    head = ("", "At", "t_sᵀ F", "M1", "M2", "M3", "M4", "t_sᵀ M t_s")
+    head = ("", "At", "t_sᵀ F", *ACTUATORS, "t_sᵀ M t_s")
     text = (
         "Crossings of singularities and the torques in the limit. There the actuators have no "
         "authority along the escape twist t_s: what the model does not know of moves the platform "

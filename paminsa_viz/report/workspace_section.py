@@ -13,6 +13,7 @@ from paminsa_viz.engines.poses import WORST_CONDITION, workspace_poses
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.drive import TORQUE_UNITS
 from paminsa_viz.model.grids import Grid
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
 from paminsa_viz.model.reach import Limit, workspace_height, workspace_radius
@@ -23,7 +24,7 @@ from paminsa_viz.plots.formats import Credits, drawing, figure_file
 from paminsa_viz.plots.map_data import FULL, MapData, map_data, workspace_field
 from paminsa_viz.plots.map_figure import render
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
-from paminsa_viz.plots.series_builders import SYMBOLS, UNITS
+from paminsa_viz.plots.series_builders import SYMBOLS
 from paminsa_viz.quantities import TORQUES
 from paminsa_viz.report.blocks import (
     Block,
@@ -132,7 +133,7 @@ def _torques(request: ReportRequest) -> list[Block]:
     figures = [np.sqrt((size**2).mean(axis=0)), *np.percentile(size, [50, 95, 99], axis=0)]
     cells = [
         (name, *(format_value(float(figure[j]), unit) for figure in figures))
-        for j, (name, unit) in enumerate(zip(SYMBOLS, UNITS, strict=True))
+        for j, (name, unit) in enumerate(zip(SYMBOLS, TORQUE_UNITS, strict=True))
     ]
     caption = (
         f"Size of the static torques at {SAMPLED:,} random poses of the workspace with a condition "

@@ -8,8 +8,7 @@ import numpy as np
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
-
-ACTUATOR_NAMES = ("M1", "M2", "M3", "M4")
+from paminsa_viz.model.drive import ACTUATORS, TORQUE_UNITS
 
 
 @dataclass(frozen=True)
@@ -66,13 +65,16 @@ class MotionLimits:
         return np.array([np.inf if value is None else value for value in vars(self).values()])
 
 
-QUANTITIES = (
+LIMITED = (
     "speed", "turning speed", "acceleration", "turning acceleration", "jerk", "turning jerk",
     "torque of M1", "torque of M2", "torque of M3", "force of M4",
-    *(f"torque-speed envelope of {name}" for name in ACTUATOR_NAMES),
-    *(f"motor speed of {name}" for name in ACTUATOR_NAMES),
+    *(f"torque-speed envelope of {name}" for name in ACTUATORS),
+    *(f"motor speed of {name}" for name in ACTUATORS),
 )  # fmt: skip
-"""Limited quantities, in the order in which `timing` looks at them."""
-UNITS = ("m/s", "rad/s", "m/s^2", "rad/s^2", "m/s^3", "rad/s^3", "N m", "N m", "N m", "N") + (
-    ("",) * 4 + ("rad/s",) * 4
-)
+"""What can be limited, in the order in which `timing` looks at it."""
+
+UNITS = (
+    "m/s", "rad/s", "m/s^2", "rad/s^2", "m/s^3", "rad/s^3", *TORQUE_UNITS,
+    *("",) * 4, *("rad/s",) * 4,
+)  # fmt: skip
+"""Units of that."""

@@ -27,7 +27,7 @@ from paminsa_viz.model.jacobians import actuator_acceleration, actuator_velocity
 from paminsa_viz.model.load import NO_LOAD
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, check_path
-from paminsa_viz.trajectory.limits import QUANTITIES, UNITS, MotionLimits
+from paminsa_viz.trajectory.limits import LIMITED, UNITS, MotionLimits
 from paminsa_viz.trajectory.plan import Blend, Plan, UnitCurve
 from paminsa_viz.trajectory.planners import PLACE
 from paminsa_viz.trajectory.supremum import supremum
@@ -42,7 +42,7 @@ class MinimumTime:
 
     Attributes:
         plan: The motion.
-        quantity: What reaches its limit, one of `limits.QUANTITIES`.
+        quantity: What reaches its limit, one of `limits.LIMITED`.
         limit: The limit that is reached.
         unit: Its unit.
         t: When it is reached [s].
@@ -84,7 +84,7 @@ class InfeasibleMotion(PaminsaError):
         self.pose = pose
         self.needed = needed
         self.limit = limit
-        name, unit = QUANTITIES[6 + actuator], UNITS[6 + actuator]
+        name, unit = LIMITED[6 + actuator], UNITS[6 + actuator]
         super().__init__(
             f"no duration is long enough: at {100 * share:.3g} % of the motion gravity (with "
             f"Coulomb friction, if there is any) takes {abs(needed):.4g} {unit}, and the {name} "
@@ -161,7 +161,7 @@ def minimum_time(
     duration = needed.value * (1.0 + _ROUNDING)
     limit = [*rates.ravel(), *limits.actuators, *[1.0] * 4, *_motor_speeds(design)][needed.column]
     return MinimumTime(
-        plan.lasting(duration), QUANTITIES[needed.column], float(limit), UNITS[needed.column],
+        plan.lasting(duration), LIMITED[needed.column], float(limit), UNITS[needed.column],
         needed.u * duration,
     )  # fmt: skip
 
@@ -207,7 +207,7 @@ def _parts(
     return gravity + coulomb * np.sign(speed), viscous * speed, dynamic
 
 
-FIRST_OF_DRIVES = QUANTITIES.index("torque-speed envelope of M1")
+FIRST_OF_DRIVES = LIMITED.index("torque-speed envelope of M1")
 """Place of the drives' limits among the columns of durations."""
 
 

@@ -13,8 +13,9 @@ from paminsa_viz.explorer.entries import ButtonGroup, Folder, given
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.inputs import Slider
 from paminsa_viz.explorer.panels import accuracy_panel as panel
+from paminsa_viz.explorer.panels.manufacture_panel import MANUFACTURE
 from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.model import APPENDIX_4, Drive, DriveAccuracy, singular_rotation
+from paminsa_viz.model import APPENDIX_4, Drive, DriveAccuracy, InvalidInput, singular_rotation
 from paminsa_viz.units import ARCSEC, number
 
 NEAR_FOLD = singular_rotation(APPENDIX_4.geometry) - 0.01
@@ -64,6 +65,19 @@ def test_sliders_set_the_designs_accuracy_which_is_saved_and_shared() -> None:
     assert persistence.load(persistence.dump(state.document)).design == design
     again = group("accuracy.reset", state)["Default"](state)
     assert again.document.design == APPENDIX_4
+
+
+@pytest.mark.parametrize("value", [-1.0, 1e9])
+def test_refusals_have_the_pages_names_and_units(value: float) -> None:
+    folders = [e for e in (*panel.DRIVES_ACCURACY, *MANUFACTURE) if isinstance(e, Folder)]
+    sliders = [e for folder in folders for e in folder.entries if isinstance(e, Slider)]
+    assert len(sliders) == 17
+    for row in sliders:
+        name, _, unit = str(row.label).rpartition(" ")
+        with pytest.raises(InvalidInput) as refused:
+            row.apply(initial_state(), row.parse(initial_state(), value))
+        assert refused.value.argument == f"{name} = {row.unit.format(row.unit.to_si(value))}"
+        assert refused.value.problem.endswith(f"is needed {unit}")
 
 
 def test_encoders_of_the_drives_are_offered() -> None:

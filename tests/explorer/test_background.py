@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from paminsa_viz.explorer import tasks
-from paminsa_viz.explorer.background import TaskRunner, task_entries
-from paminsa_viz.explorer.entries import Button
+from paminsa_viz.explorer.background import JobRunner, task_entries
+from paminsa_viz.explorer.entries import BackgroundJob, Button
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import PaminsaError
 from tests.support.raw_page import TIMEOUT
@@ -30,7 +30,7 @@ class Bench:
         self.ran: list[float] = []
         self.canceled: list[bool] = []
         session: Any = self
-        self.runner: Any = TaskRunner(session, PATH, self._find)
+        self.runner = JobRunner(session, BackgroundJob(PATH, find=self._find))
 
     def dispatch(self, source: str, action: Any, *, step: bool) -> None:
         assert not step

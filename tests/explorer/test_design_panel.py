@@ -179,6 +179,15 @@ def test_typing_through_an_impossible_number_is_not_interrupted(desk: Desk) -> N
     assert not desk.notices
 
 
+@pytest.mark.parametrize("parameter", PARAMETERS, ids=lambda p: p.path)
+def test_refusal_has_number_and_range_in_the_unit_shown(parameter: Parameter) -> None:
+    shown, row = parameter.display, ROWS[parameter.path]
+    with pytest.raises(InvalidInput) as refused:
+        row.apply(initial_state(), 2 * parameter.largest)
+    assert f"{shown.from_si(parameter.largest):g}" in refused.value.problem
+    assert refused.value.problem.partition(" [")[2].rstrip("]") == shown.text
+
+
 def test_only_the_latest_impossible_number_is_notified_and_set_back(
     desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:

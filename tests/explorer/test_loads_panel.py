@@ -16,7 +16,7 @@ from paminsa_viz.explorer.panels import loads_chart as chart
 from paminsa_viz.explorer.panels import loads_panel as tab
 from paminsa_viz.explorer.panels.export_panel import Exporter
 from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.tasks import solve
+from paminsa_viz.explorer.tasks import keep, solve
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.singularity import singular_rotation
 from paminsa_viz.units import number
@@ -26,7 +26,7 @@ def along() -> State:
     state = motions.choose_kind(initial_state().updated("loads", along=True), Kind.ARCH)
     analysis = compute(state).analysis
     assert analysis is not None
-    return tab.receive(state, solve(find_loads, analysis))
+    return keep(state, "loads.outcome", solve(find_loads, analysis))
 
 
 def test_tables_are_those_of_the_pose_and_the_leg() -> None:

@@ -11,21 +11,25 @@ import pytest
 from paminsa_viz.elastostatics.stiffness import compensate, platform_stiffness
 from paminsa_viz.elastostatics.vibration import first_frequencies
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.elasticity import CASES, ElasticJob, analyze_elasticity
+from paminsa_viz.explorer.background import JobRunner
+from paminsa_viz.explorer.elasticity import CASES, ElasticJob, ElasticResult, analyze_elasticity
+from paminsa_viz.explorer.entries import BackgroundJob
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.panels import stiffness_panel as panel
 from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.tasks import solve
+from paminsa_viz.explorer.tasks import Outcome, keep, solve
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.elastic import BARS
 from tests.support.scene import POSE, frame_at
+
+PATH = "elastic_view.outcome"
 
 
 def analyzed(state: State) -> State:
     job = ElasticJob(
         compute(state).shown_design, state.last_reachable.pose, state.elastic_view.case
     )
-    return panel.receive(state, solve(analyze_elasticity, job))
+    return keep(state, PATH, solve(analyze_elasticity, job))
 
 
 def loaded(case: str = "load") -> State:
@@ -67,14 +71,14 @@ def test_poses_that_are_not_held_say_why() -> None:
     pose = (0.0, 0.0, float(np.arccos(0.1 / 0.35)), -0.5)
     found = solve(analyze_elasticity, ElasticJob(APPENDIX_4, pose, "x"))
     assert found.result is None
-    state = panel.receive(frame_at(pose).state, found)
+    state = keep(frame_at(pose).state, PATH, found)
     assert "No stiffness at this pose" in panel.result_html(compute(state))
     weak = APPENDIX_4.vary({"elastic.drive_rotary": 1.0, "payload.mass": 20.0})
     pushed = solve(analyze_elasticity, ElasticJob(weak, (0.08, 0.05, 0.6, -0.5), "load"))
     assert pushed.result is not None
     assert pushed.result.frequencies == ()
     held = frame_at((0.08, 0.05, 0.6, -0.5), weak).state
-    assert "No natural frequencies" in panel.result_html(compute(panel.receive(held, pushed)))
+    assert "No natural frequencies" in panel.result_html(compute(keep(held, PATH, pushed)))
 
 
 def test_a_tube_without_a_wall_is_refused() -> None:
@@ -118,12 +122,14 @@ def test_motors_that_compensate_are_the_models() -> None:
 
 
 def test_only_what_is_shown_or_elastic_is_analyzed_while_dragging() -> None:
-    analyzer = panel.Analyzer(SimpleNamespace(closed=True))  # type: ignore[arg-type]
+    entry = next(each for each in panel.STIFFNESS if isinstance(each, BackgroundJob))
+    analyzer = JobRunner(SimpleNamespace(closed=True), entry)  # type: ignore[arg-type]
     jobs: list[ElasticJob] = []
     state = frame_at(POSE).state
 
     def draw(state: State, dragging: bool) -> int:
-        analyzer.draw(compute(state), dragging)
+        known = None if not jobs else Outcome[ElasticJob, ElasticResult](jobs[-1])
+        analyzer.draw(compute(state.updated("elastic_view", outcome=known)), dragging)
         if analyzer.wanted is not None and analyzer.wanted not in jobs:
             jobs.append(analyzer.wanted)
         return len(jobs)

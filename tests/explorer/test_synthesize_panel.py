@@ -16,16 +16,15 @@ from paminsa_viz.explorer.panels.synthesize_panel import SYNTHESIZE
 from paminsa_viz.explorer.requirements import actions as requirements
 from paminsa_viz.explorer.requirements.checking import current_check
 from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.synthesis import actions, cases
+from paminsa_viz.explorer.synthesis import actions, cases, solving
 from paminsa_viz.explorer.synthesis.jobs import (
     BestSoFar,
     EffortChoice,
     SearchResult,
     Shown,
-    SynthesisJob,
 )
 from paminsa_viz.explorer.synthesis.solving import search
-from paminsa_viz.explorer.tasks import Outcome, receive, solve, stop
+from paminsa_viz.explorer.tasks import Outcome, progress, receive, solve, stop
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
 from paminsa_viz.synthesis.answer.prices import RequirementPrice
@@ -85,11 +84,17 @@ def test_a_short_search_is_adopted_with_the_design_before_as_reference(
     assert job is not None
     seen: list[BestSoFar] = []
     done: list[float] = []
-    outcome = searched(job, lambda part: done.append(part) is not None, seen.append)
+
+    def report(part: float, /, **known: Any) -> bool:
+        done.append(part)
+        seen.extend(known.values())
+        return False
+
+    outcome = solve(search, job, report)
     assert outcome.problem == ""
     assert done == sorted(done)
     assert seen
-    state = actions.receive(actions.tell(started, job, seen[-1]), outcome)
+    state = actions.receive(told(started, seen[-1]), outcome)
     found = outcome.result.answer  # type: ignore[union-attr]
     assert found.feasible
     shown = text.result_html(compute(state))
@@ -104,8 +109,9 @@ def test_a_short_search_is_adopted_with_the_design_before_as_reference(
     assert check.holds
 
 
-def searched(job: SynthesisJob, report: Any, tell: Any) -> Outcome[SynthesisJob, SearchResult]:
-    return solve(lambda job, report: search(job, report, tell), job, report)
+def told(state: State, best: BestSoFar) -> State:
+    """Return the state once its search has told of the best robot so far."""
+    return progress(state, "synthesizing", state.synthesizing.running, 0.5, best=best)
 
 
 def answer(state: State, radius: float, objective: float) -> SynthesisResult:
@@ -173,7 +179,7 @@ def test_a_search_without_an_answer_says_why_and_cannot_be_opened(asked: State) 
     started = actions.start(state)
     job = started.synthesizing.running
     assert job is not None
-    received = actions.receive(started, searched(job, lambda _: False, lambda _: None))
+    received = actions.receive(started, solve(search, job))
     shown = text.result_html(compute(received))
     assert "No robot meets all requirements" in shown
     assert "is excluded" in shown
@@ -187,19 +193,19 @@ def test_the_best_so_far_takes_the_robots_place_only_while_it_is_asked_for(asked
     assert job is not None
     assert actions.previewed(started) is started
     design = APPENDIX_4.vary({"geometry.base_radius": 0.4})
-    best = BestSoFar(0.5, 10, 0.4, True, design, (0.0, 0.0, -0.5))
-    told = actions.tell(started, job, best)
-    shown = actions.previewed(told)
+    best = BestSoFar(10, 0.4, True, design, (0.0, 0.0, -0.5))
+    searching = told(started, best)
+    shown = actions.previewed(searching)
     assert shown.document.design == design
     assert shown.last_reachable.pose == (0.0, 0.0, 0.0, -0.5)
-    assert told.document == started.document
-    changed = designs.vary(told, {"payload.mass": 1.0})
+    assert searching.document == started.document
+    changed = designs.vary(searching, {"payload.mass": 1.0})
     assert actions.previewed(changed) is changed
-    ghost = told.updated("synthesizing.settings", shown=Shown.GHOST)
+    ghost = searching.updated("synthesizing.settings", shown=Shown.GHOST)
     assert actions.previewed(ghost) is ghost
-    stopped = stop(told, "synthesizing")
+    stopped = stop(searching, "synthesizing")
     assert actions.previewed(stopped) is stopped
-    assert actions.tell(stopped, job, best) is stopped
+    assert progress(stopped, "synthesizing", job, 0.5, best=best) is stopped
     assert np.isnan(replace(best, cost=np.nan).cost)
 
 
@@ -216,3 +222,31 @@ def test_settings_are_set_on_the_page_and_a_search_can_be_stopped(desk: Desk, as
     desk.set("synthesize.stop", True)
     desk.until(lambda: desk.state.synthesizing.running is None)
     assert not desk.notices
+
+
+def test_a_stopped_search_gives_the_best_robot_so_far(
+    desk: Desk, asked: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(solving, "PERIOD", 0.0)
+    desk.dispatch(lambda state: replace(state, document=asked.document))
+    desk.set("synthesize", True)
+    desk.until(lambda: (best := desk.state.synthesizing.best) and best.feasible)
+    desk.set("synthesize.stop", True)
+    desk.until(lambda: desk.state.synthesizing.running is None)
+    answer = desk.state.synthesizing.answer
+    assert answer is not None
+    assert answer.canceled
+    assert np.isfinite(answer.objective)
+    assert ", stopped" in text.result_html(compute(desk.state))
+
+
+def test_a_search_without_a_robot_so_far_is_stopped_at_once(asked: State) -> None:
+    started = actions.start(asked)
+    assert actions.stop(started).synthesizing.running is None
+    found = started.updated("synthesizing", best=BestSoFar(feasible=True))
+    once = actions.stop(found)
+    assert once.synthesizing.running is found.synthesizing.running
+    assert "Stopping" in text.best_html(compute(once))
+    assert actions.stop(once).synthesizing.running is None
+    again = actions.start(actions.stop(once))
+    assert "Starting" in text.best_html(compute(again))

@@ -14,6 +14,7 @@ from PIL import Image
 from paminsa_viz.model import APPENDIX_4, Design, solve_field, xy_grid
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import LEG_COLORS
+from paminsa_viz.plots import colors
 from paminsa_viz.plots.map_data import MapData, map_data
 from paminsa_viz.plots.map_figure import LiveMaps
 from paminsa_viz.plots.map_panel import FloorPath
@@ -80,7 +81,7 @@ def scales(draw: st.DrawFn) -> Scale:
         low = -high
     kind = draw(st.sampled_from(["linear", "symlog"]))
     threshold = draw(st.floats(1e-4, 0.9)) * max(abs(low), abs(high))
-    table = draw(st.sampled_from(["blue-vermillion", "RdBu_r", "PuOr_r", "viridis", "cividis"]))
+    table = draw(st.sampled_from([colors.DIVERGING, colors.SEQUENTIAL]))
     return Scale(low, high, kind, threshold, table)
 
 

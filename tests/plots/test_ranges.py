@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.plots import colors
 from paminsa_viz.plots.ranges import NEGLIGIBLE, ScaleChoice, choose_scales, per_panel, robust_range
 from paminsa_viz.plots.scale import InvalidScale, Scale
 from tests.plots.samples import made_up, real
@@ -97,17 +98,10 @@ def test_symlog_range_is_wider() -> None:
 
 
 @pytest.mark.parametrize(
-    ("quantity", "choice", "table"),
-    [
-        ("tau_1", None, "blue-vermillion"),
-        ("max_torque", None, "viridis"),
-        ("max_torque", ScaleChoice(colors="magma"), "magma"),
-    ],
+    ("quantity", "table"), [("tau_1", colors.DIVERGING), ("max_torque", colors.SEQUENTIAL)]
 )
-def test_signed_quantities_diverge_and_magnitudes_do_not(
-    quantity: str, choice: ScaleChoice | None, table: str
-) -> None:
-    assert choose_scales(real(quantities=(quantity,)), choice)[0].colors == table
+def test_signed_quantities_diverge_and_magnitudes_do_not(quantity: str, table: str) -> None:
+    assert choose_scales(real(quantities=(quantity,)))[0].colors == table
 
 
 def test_scales_are_counted() -> None:

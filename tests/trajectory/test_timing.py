@@ -25,7 +25,7 @@ from paminsa_viz.trajectory import (
     minimum_time,
     point_to_point,
 )
-from paminsa_viz.trajectory.limits import QUANTITIES
+from paminsa_viz.trajectory.limits import LIMITED
 from tests.support.cases import Case, cases
 from tests.support.samples import with_knee
 from tests.trajectory.plans import FRICTION, LAWS, PLANS, A, B, all_plans, dense, place
@@ -40,7 +40,7 @@ ROUNDING = 1e-9
 
 
 def used(plan: Plan, t, limits: MotionLimits, design=APPENDIX_4):
-    """Share of each limit that is used at times (n,), (n, 10) in the order of QUANTITIES."""
+    """Share of each limit that is used at times (n,), (n, 10) in the order of LIMITED."""
     state, jerk = plan.at(t), plan.jerk(t)
     rates = [f(x) for x in (state.velocity, state.acceleration, jerk) for f in (place, turn)]
     torque = np.abs(inverse_dynamics(design, *state).torque)
@@ -56,7 +56,7 @@ def assert_at_its_limit(found: MinimumTime, limits: MotionLimits, *robot) -> Non
     plan = found.plan
     all_over = used(plan, dense(plan), limits, *robot)
     assert all_over.max() <= 1 + ROUNDING
-    column = QUANTITIES.index(found.quantity)
+    column = LIMITED.index(found.quantity)
     around = np.clip(found.t + plan.duration * np.array([-2e-12, 0, 2e-12]), 0, plan.duration)
     assert used(plan, around, limits, *robot)[:, column].max() == pytest.approx(1, abs=ROUNDING)
 

@@ -32,6 +32,7 @@ class Goal(Enum):
     MOVED = "balance, least mass moved"
     PEAK = "peak torque, current motion"
     RMS = "RMS torque, current motion"
+    ENERGY = "driving energy, current motion"
     BOTH = "peaks: dynamic and static"
 
     @property
@@ -77,7 +78,7 @@ class BalanceSettings(Settings):
     """
 
     goal: Goal = setting(
-        Goal.ADDED, "Goal", "What is minimized; torques are those of M1–M3"
+        Goal.ADDED, "Goal", "What is minimized; torques of M1–M3, energy of all four"
     )  # fmt: skip
     motion_weight: float = 0.5
     movable: FreeMasses = setting(

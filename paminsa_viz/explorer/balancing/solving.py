@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from paminsa_viz.balancing import (
+    MOTION_GOALS,
     AddedMass,
     Imbalance,
     MassChange,
@@ -16,7 +17,6 @@ from paminsa_viz.balancing import (
     Term,
     Tornado,
     TrajectoryPeak,
-    TrajectoryRms,
     balance,
     optimize,
     pareto_front,
@@ -47,6 +47,7 @@ from paminsa_viz.model import (
     xy_grid,
 )
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.drive import TORQUE_UNITS
 from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.plots.map_data import half_width
 from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, analyze, solve_trajectory
@@ -88,11 +89,10 @@ def _best(job: BalanceJob) -> Optimum:
     limits = _limits(settings)
     if settings.exact:
         limits.append((Imbalance(), 0.0))
+    if settings.goal is not Goal.BOTH:
+        term = MOTION_GOALS[settings.goal.name.lower()](motion(job))
+        return optimize(job.design, changes, term, limits=limits)
     peak = TrajectoryPeak(motion(job))
-    if settings.goal is Goal.PEAK:
-        return optimize(job.design, changes, peak, limits=limits)
-    if settings.goal is Goal.RMS:
-        return optimize(job.design, changes, TrajectoryRms(motion(job)), limits=limits)
     static = StaticPeak(job.plane(COARSE))
     # Each counts by what it is now, so that the share is one of like with like.
     parts = (
@@ -187,9 +187,9 @@ def weights_of(job: BalanceJob, design: Design) -> WeightClearance | None:
 
 
 SIZES = {
-    "largest at rest": ("N m", "N m", "N m", "N"),
-    "largest in motion": ("N m", "N m", "N m", "N"),
-    "RMS in motion": ("N m", "N m", "N m", "N"),
+    "largest at rest": TORQUE_UNITS,
+    "largest in motion": TORQUE_UNITS,
+    "RMS in motion": TORQUE_UNITS,
     "largest power": ("W",) * 4,
 }
 """What is compared of each actuator, and the units of M1 to M4."""

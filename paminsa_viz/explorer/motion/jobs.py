@@ -190,7 +190,7 @@ def serves(answer: Answer, analysis: TrajectoryAnalysis, engine: str = "MuJoCo")
     )
 
 
-def ask_engine(request: EngineRequest) -> EngineAnswer:
+def ask_engine(request: EngineRequest, _: object) -> EngineAnswer:
     """Ask an engine for the torques of a design on a motion.
 
     Raises:

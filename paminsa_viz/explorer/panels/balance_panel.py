@@ -8,7 +8,7 @@ from typing import Any
 from viser import Icon
 
 from paminsa_viz.explorer import actions, tasks
-from paminsa_viz.explorer.background import TaskRunner, is_running, task_entries
+from paminsa_viz.explorer.background import is_running, task_entries
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.jobs import (
     SLOTS,
@@ -22,6 +22,7 @@ from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.entries import (
+    BackgroundJob,
     Button,
     ButtonGroup,
     Condition,
@@ -182,12 +183,7 @@ SENSITIVITY = (
 )  # fmt: skip
 
 BALANCE = (
-    Custom(
-        "balance.job",
-        make=partial(
-            TaskRunner, path="balancing", find=run, receive=balancing.receive_result, undo=True
-        ),
-    ),
+    BackgroundJob("balancing", find=run, receive=balancing.receive_result, undo=True),
     Html("balance.gauge", content=gauge_html),
     Button(
         "balance", "Balance as in the paper", icon=Icon.SCALE, effect=balancing.balance_now,

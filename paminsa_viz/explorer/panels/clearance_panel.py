@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from paminsa_viz.clearance import PairGroup
 from paminsa_viz.explorer import clearing
-from paminsa_viz.explorer.clearing import ClearanceSettings
-from paminsa_viz.explorer.entries import Entry, Folder, Html
+from paminsa_viz.explorer.clearing import ClearanceSettings, MotionJob
+from paminsa_viz.explorer.entries import BackgroundJob, Entry, Folder, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox
 from paminsa_viz.explorer.panels import note, status
@@ -44,7 +44,18 @@ def _switch(group: PairGroup) -> Checkbox:
     )  # fmt: skip
 
 
+def _motion_job(frame: Frame) -> MotionJob | None:
+    return None if frame.analysis is None else clearing.motion_job(frame.state, frame.analysis)
+
+
 CLEARANCE: tuple[Entry, ...] = (
+    BackgroundJob(
+        "clearing.pose", find=clearing.find_nearest, idle=True,
+        wanted=lambda frame: clearing.pose_job(frame.state),
+    ),
+    BackgroundJob(
+        "clearing.motion", find=clearing.find_along, wanted=_motion_job, idle=True
+    ),
     Folder(
         "clearance", "Clearance between bodies", open=False,
         entries=(

@@ -22,7 +22,7 @@ from paminsa_viz.model import (
     InvalidInput,
     Parameter,
 )
-from paminsa_viz.units import number, symbol_text
+from paminsa_viz.units import DisplayUnit, number, symbol_text
 
 STROKE = "geometry.guide_stroke"
 
@@ -207,28 +207,32 @@ def hint(parameter: Parameter) -> str:
 
 def slider(parameter: Parameter, ends: tuple[float, float, float] | None = None) -> Slider:
     """Return the slider of a parameter; ends and step, in the unit shown, follow its default."""
-    path = parameter.path
+    path, unit, symbol = parameter.path, parameter.display, symbol_text(parameter.symbol)
     low, high, step = base_range(parameter) if ends is None else ends
-    default = parameter.display.from_si(parameter.default)
+    default = unit.from_si(parameter.default)
     return Slider(
-        f"design.{path}", label(parameter), range=(low, high), step=step, unit=parameter.display,
+        f"design.{path}", label(parameter), range=(low, high), step=step, unit=unit,
         fit=partial(fitted_range, path), marks=((default, number(default, DIGITS)),),
         hint=hint(parameter),
         read=lambda state: state.document.design.value(path),
-        apply=partial(_set, path),
+        apply=partial(set_value, path=path, name=symbol, unit=unit),
     )  # fmt: skip
 
 
-def _set(path: str, state: State, value: float) -> State:
+def set_value(state: State, value: float, *, path: str, name: str, unit: DisplayUnit) -> State:
+    """Give the design a number that the page shows by a name and in a unit.
+
+    Raises:
+        InvalidInput: If no machine can have it.
+    """
     if value == state.document.design.value(path):  # nor is a length set that follows another one
         return state
     try:
         return actions.vary(state, {path: value})
     except InvalidDesign as error:
         # The model names the value that it misses; the person has to know which one was set.
-        parameter = PARAMETER[path]
-        shown = f"{symbol_text(parameter.symbol)} = {parameter.display.format(value, DIGITS)}"
-        raise InvalidInput(shown, error.allowed) from error
+        allowed = PARAMETER[path].refusal(value, unit) or error.allowed
+        raise InvalidInput(f"{name} = {unit.format(value, DIGITS)}", allowed) from error
 
 
 def is_changed(design: Design, path: str, reference: Design = APPENDIX_4) -> bool:

@@ -14,7 +14,7 @@ from paminsa_viz.actuation.catalog import CatalogError, read_catalog
 from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.actuation.selection import DriveFigures, size_design
 from paminsa_viz.explorer import actions, tasks
-from paminsa_viz.explorer.background import TaskRunner, is_running
+from paminsa_viz.explorer.background import is_running
 from paminsa_viz.explorer.drives import (
     MOST_MOTIONS,
     DriveJob,
@@ -22,7 +22,16 @@ from paminsa_viz.explorer.drives import (
     DriveSettings,
     find_drives,
 )
-from paminsa_viz.explorer.entries import Button, ButtonGroup, Custom, Effect, Folder, Html, Upload
+from paminsa_viz.explorer.entries import (
+    BackgroundJob,
+    Button,
+    ButtonGroup,
+    Custom,
+    Effect,
+    Folder,
+    Html,
+    Upload,
+)
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, attribute
 from paminsa_viz.explorer.motion import actions as motions
@@ -251,10 +260,7 @@ DRIVES = (
         disabled=is_running("driving"),
         hint="Measures every pair of the catalog on the current motion",
     ),
-    Custom(
-        "drives.job",
-        make=partial(TaskRunner, path="driving", find=find_drives, receive=receive),
-    ),
+    BackgroundJob("driving", find=find_drives, receive=receive),
     Folder(
         "drives.found", visible=_found,
         entries=(

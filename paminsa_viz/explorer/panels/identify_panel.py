@@ -10,8 +10,9 @@ from viser import Icon
 
 from paminsa_viz.explorer import exports
 from paminsa_viz.explorer import identify_actions as actions
-from paminsa_viz.explorer.background import TaskRunner, is_running, task_entries
+from paminsa_viz.explorer.background import is_running, task_entries
 from paminsa_viz.explorer.entries import (
+    BackgroundJob,
     Button,
     ButtonGroup,
     Custom,
@@ -136,9 +137,7 @@ def identify_entries() -> tuple[Entry, ...]:
             disabled=is_running("identifying"),
             hint="Fit the log again, with these settings and this design’s lengths",
         ),
-        Custom(
-            "identify.job", make=partial(TaskRunner, path="identifying", find=identify_logs)
-        ),
+        BackgroundJob("identifying", find=identify_logs),
         Html("identify.status", content=text.status_html),
         Folder(
             "identify.found", visible=_found,
@@ -186,12 +185,7 @@ def identify_entries() -> tuple[Entry, ...]:
                         hint="A D-optimal multi-sine within the drives’ limits and κ ≤ 5",
                     ),
                 ),
-                Custom(
-                    "identify.excitation.job",
-                    make=partial(
-                        TaskRunner, path="identifying.excitation", find=search_excitation
-                    ),
-                ),
+                BackgroundJob("identifying.excitation", find=search_excitation),
                 Html("identify.excited", content=text.excitation_html, idle=True),
                 ButtonGroup(
                     "identify.motion", "Motion", visible=_has_motion,

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 from viser import Icon
 
-from paminsa_viz.explorer.background import TaskRunner, task_entries
-from paminsa_viz.explorer.entries import Button, Custom, Html
+from paminsa_viz.explorer.background import task_entries
+from paminsa_viz.explorer.entries import BackgroundJob, Button, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels import note, render
 from paminsa_viz.explorer.requirements import largest
@@ -97,8 +95,5 @@ LARGEST_WORKSPACE = (
     Button(
         "largest.use", "Use as required workspace", visible=_is_proven, effect=largest.use,
     ),
-    Custom(
-        "largest.job",
-        make=partial(TaskRunner, path="requiring.largest", find=largest.find_largest),
-    ),
+    BackgroundJob("requiring.largest", find=largest.find_largest),
 )  # fmt: skip

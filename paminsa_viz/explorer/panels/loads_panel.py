@@ -11,13 +11,10 @@ import numpy as np
 
 from paminsa_viz.elastostatics.bar_loads import BAR_NAMES
 from paminsa_viz.elastostatics.joint_forces import JOINTS
-from paminsa_viz.elastostatics.motion_loads import MotionLoads
 from paminsa_viz.explorer import exports
-from paminsa_viz.explorer.background import JobRunner
-from paminsa_viz.explorer.entries import ButtonGroup, Custom, Effect, Entry, Html
+from paminsa_viz.explorer.entries import BackgroundJob, ButtonGroup, Custom, Effect, Entry, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.loads import (
-    LoadsOutcome,
     LoadsState,
     bars_at,
     find_loads,
@@ -36,14 +33,12 @@ from paminsa_viz.explorer.panels.loads_chart import (
     section_key,
 )
 from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart
-from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.loads_table import bar_table, bearing_table, joint_table, motion_loads_table
 from paminsa_viz.files.tables import DataTable, table_bytes
 from paminsa_viz.model import InvalidInput, Limit
 from paminsa_viz.model.elastic import BARS
-from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import NONE, number
 
 
@@ -173,23 +168,6 @@ def _table(state: State, name: str) -> DataTable:
     return bar_table(forces, pose, state.loads.bar)
 
 
-class LoadsRunner(JobRunner[TrajectoryAnalysis, MotionLoads]):
-    """Computes the loads along the motion while they are wanted, once nothing is dragged."""
-
-    def __init__(self, session: Session) -> None:
-        super().__init__(session, "loads", find_loads, receive)
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Ask for what is wanted."""
-        if not dragging:
-            self.request(frame.analysis if frame.state.loads.along else None)
-
-
-def receive(state: State, outcome: LoadsOutcome) -> State:
-    """Take over a result."""
-    return state.updated("loads", outcome=outcome)
-
-
 def _text(value: Any) -> str:
     value = float(value)
     if math.isnan(value):
@@ -217,7 +195,10 @@ def loads_entries() -> Sequence[Entry]:
             make=partial(PlotlyChart, key=section_key, figure=section_figure, aspect=0.85),
         ),
         _setting("along"),
-        Custom("loads.job", make=LoadsRunner),
+        BackgroundJob(
+            "loads.outcome", find=find_loads, idle=True,
+            wanted=lambda frame: frame.analysis if frame.state.loads.along else None,
+        ),
         Html("loads.motion", content=motion, idle=True),
         _setting("joint", visible=lambda state: found(state) is not None),
         Custom(

@@ -18,6 +18,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.motion.description import Pose
 from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels.design_layout import set_value
 from paminsa_viz.explorer.panels.monte_carlo_panel import (
     MONTE_CARLO,
     NAMES,
@@ -145,7 +146,7 @@ def error_slider(path: str, label: str, high: float, step: float, hint: str = ""
         path, f"{label} [{unit.text}]", range=(0.0, high), step=step, unit=unit, fit=grown,
         hint=f"{parameter.label[0].upper()}{parameter.label[1:]}{hint}",
         read=lambda state: state.document.design.value(path),
-        apply=lambda state, value: actions.vary(state, {path: value}),
+        apply=partial(set_value, path=path, name=label, unit=unit),
     )  # fmt: skip
 
 

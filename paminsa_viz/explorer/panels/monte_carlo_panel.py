@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from viser import Icon
 
 from paminsa_viz.explorer import tasks
-from paminsa_viz.explorer.background import TaskRunner, task_entries
-from paminsa_viz.explorer.entries import Button, Custom, Entry, Html
+from paminsa_viz.explorer.background import task_entries
+from paminsa_viz.explorer.entries import BackgroundJob, Button, Entry, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.manufacture import Manufacture, MonteCarloJob, draw_robots
 from paminsa_viz.explorer.motion.description import Pose
@@ -91,6 +90,6 @@ MONTE_CARLO: tuple[Entry, ...] = (
             hint="Draws lengths within the tolerances and solves each robot, at this pose",
         ),
     ),
-    Custom("manufacture.job", make=partial(TaskRunner, path="manufacture", find=draw_robots)),
+    BackgroundJob("manufacture", find=draw_robots),
     Html("manufacture.found", content=monte_carlo_html, idle=True),
 )  # fmt: skip

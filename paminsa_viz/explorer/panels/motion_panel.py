@@ -9,10 +9,10 @@ from viser import Icon
 
 from paminsa_viz.clearance import clearance_reason
 from paminsa_viz.explorer import clearing
-from paminsa_viz.explorer.background import TaskRunner, is_running
+from paminsa_viz.explorer.background import is_running
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.entries import Button, Custom, Entry, Folder, Html
+from paminsa_viz.explorer.entries import BackgroundJob, Button, Entry, Folder, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Slider, attribute
 from paminsa_viz.explorer.motion import actions as motions
@@ -152,12 +152,7 @@ SIMULATION: tuple[Entry, ...] = (
         "simulation", "Simulate", icon=Icon.PLAYER_TRACK_NEXT, effect=motions.simulate,
         disabled=is_running("simulating"),
     ),
-    Custom(
-        "simulation.job",
-        make=partial(
-            TaskRunner, path="simulating", find=run, receive=motions.receive_simulation, undo=True
-        ),
-    ),
+    BackgroundJob("simulating", find=run, receive=motions.receive_simulation, undo=True),
     Html("simulation.outcome", content=simulation_html),
     Checkbox(
         "simulation.shown", "Play it in the scene",

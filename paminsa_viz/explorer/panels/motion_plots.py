@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import math
-import time
-from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
 
 from paminsa_viz.engines import why_missing
-from paminsa_viz.explorer.background import JobRunner
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge, Slots, marker
+from paminsa_viz.explorer.entries import BackgroundJob
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import COMPARED, PLOTS, SIMULATED
-from paminsa_viz.explorer.motion.jobs import EngineAnswer, EngineRequest, ask_engine
+from paminsa_viz.explorer.motion.jobs import EngineRequest, ask_engine, serves
 from paminsa_viz.explorer.motion.results import MotionResults
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.motion_chart import PLACE, MotionChart, TimeCursor
 from paminsa_viz.explorer.panels.motion_panel import ACTUATORS, status_line
-from paminsa_viz.explorer.session import IDLE_DELAY, Session
+from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.plots.series import Statistics, Trace, statistics
@@ -54,7 +52,18 @@ def _engine_switch(key: str, engine: Engine, order: float) -> Checkbox:
     )  # fmt: skip
 
 
+def wanted_answer(frame: Frame) -> EngineRequest | None:
+    """Return what an engine is asked about what is shown, if it is wanted and not known."""
+    plots, answer = frame.state.plots, frame.state.engine_answer
+    if frame.analysis is None or not plots.needs_engine:
+        return None
+    if answer is not None and serves(answer, frame.analysis, plots.checker):
+        return None
+    return EngineRequest(frame.analysis, plots.checker)
+
+
 INPUTS = (
+    BackgroundJob("engine_answer", find=ask_engine, wanted=wanted_answer, idle=True),
     Dropdown(
         "plots.plot", "show", options=PLOTS, order=5, hint="What is plotted along the motion",
         **attribute("plots.plot"),
@@ -97,7 +106,6 @@ class MotionPlots:
         self._key: tuple[object, ...] = ()
         self._drawn: tuple[Chart, ...] = ()
         self._read: dict[Trace, Statistics] = {}
-        self._checker = EngineChecker(session)
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what has changed, unless nobody sees it."""
@@ -106,8 +114,6 @@ class MotionPlots:
         if not self._slots.width(PLACE):
             return
         found = frame.motions.all(state)
-        wanted = found if state.plots.needs_engine else None
-        self._checker.draw(wanted, state.plots.checker, dragging)
         self._draw_curves(state, found)
         time = state.playback.time
         self._cursor.show(time)
@@ -250,32 +256,3 @@ def _value(value: float) -> str:
     if not math.isfinite(value):
         return NONE
     return number(value if abs(value) > _ROUNDING else 0.0, 4)
-
-
-class EngineChecker:
-    """Asks an engine as soon as a design and motion have not changed for a while."""
-
-    def __init__(self, session: Session) -> None:
-        self._job: JobRunner[EngineRequest, EngineAnswer] = JobRunner(
-            session, "engine_answer", lambda request, _: ask_engine(request),
-            lambda state, answer: replace(state, engine_answer=answer),
-        )  # fmt: skip
-        self._seen: EngineRequest | None = None
-        self._since = 0.0
-
-    def draw(self, found: MotionResults | None, engine: str, dragging: bool) -> None:
-        """Ask about what is shown, unless it still changes or the answer is known.
-
-        Args:
-            found: The motion that an engine's torques are wanted for, or None.
-            engine: Which engine's.
-            dragging: Whether the state changes; perhaps something else, or the motion plays.
-        """
-        now = time.monotonic()
-        request = None if found is None else EngineRequest(found.analysis, engine)
-        if request != self._seen:
-            self._seen, self._since = request, now
-        if found is None or found.answer is not None:
-            return
-        if not dragging or now - self._since >= IDLE_DELAY:
-            self._job.request(request)

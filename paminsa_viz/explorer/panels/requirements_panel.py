@@ -8,13 +8,20 @@ from typing import Any
 from paminsa_viz.explorer import actions as poses
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.entries import ButtonGroup, Condition, Custom, Effect, Folder, Html
+from paminsa_viz.explorer.entries import (
+    BackgroundJob,
+    ButtonGroup,
+    Condition,
+    Effect,
+    Folder,
+    Html,
+)
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, Pair, attribute
 from paminsa_viz.explorer.panels import requirements_text as text
 from paminsa_viz.explorer.panels.largest_panel import LARGEST_WORKSPACE
 from paminsa_viz.explorer.panels.requirement_inputs import DEGREES, EDIT, has_selected
 from paminsa_viz.explorer.requirements import actions
-from paminsa_viz.explorer.requirements.checking import VolumeSolver
+from paminsa_viz.explorer.requirements.checking import find_volume, receive, wanted_volume
 from paminsa_viz.explorer.requirements.saved import asked
 from paminsa_viz.explorer.requirements.suggestions import default_workspace
 from paminsa_viz.explorer.session import Session
@@ -161,7 +168,13 @@ REQUIREMENTS = (
         "requirements.largest", "Largest workspace", entries=LARGEST_WORKSPACE, open=False,
         visible=lambda state: bool(state.document.requirements.bounds),
     ),
-    Custom("requirements.solver", make=VolumeSolver),
+    *(
+        BackgroundJob(
+            f"requiring.{name}", find=find_volume, receive=receive, idle=fine,
+            wanted=partial(wanted_volume, fine=fine),
+        )
+        for name, fine in (("quick", False), ("fine", True))
+    ),
 )  # fmt: skip
 
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from functools import partial
-
-from paminsa_viz.explorer.background import TaskRunner, is_running
+from paminsa_viz.explorer.background import is_running
 from paminsa_viz.explorer.balancing import springs
 from paminsa_viz.explorer.balancing.springs import LENGTHS, SpringSettings, SpringsFrom
-from paminsa_viz.explorer.entries import Button, Custom, Entry, Html
+from paminsa_viz.explorer.entries import BackgroundJob, Button, Entry, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Pair
 from paminsa_viz.explorer.panels import render, status
@@ -57,7 +55,7 @@ def _free_lengths(state: State) -> tuple[float, float]:
 _setting = SettingInputs("springs", "springing.settings", SpringSettings)
 
 SPRINGS: tuple[Entry, ...] = (
-    Custom("springs.fitter", make=partial(TaskRunner, path="springing", find=springs.fit)),
+    BackgroundJob("springing", find=springs.fit),
     Html("springs.text", content=springs_html),
     _setting("start"),
     _setting("height"),

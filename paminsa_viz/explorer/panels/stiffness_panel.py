@@ -11,22 +11,18 @@ import numpy as np
 from paminsa_viz.elastostatics.sections import tube_fits
 from paminsa_viz.elastostatics.stiffness import SHARES
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.background import JobRunner
 from paminsa_viz.explorer.elasticity import (
     CASES,
     MODES,
     ElasticJob,
-    ElasticOutcome,
-    ElasticResult,
     ElasticView,
     analyze_elasticity,
 )
-from paminsa_viz.explorer.entries import ButtonGroup, Custom, Effect, Entry, Folder, Html
+from paminsa_viz.explorer.entries import BackgroundJob, ButtonGroup, Effect, Entry, Folder, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.panels import note, render
 from paminsa_viz.explorer.panels.design_layout import is_changed, slider
-from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import PARAMETER
@@ -132,31 +128,22 @@ def _section(name: str, label: str, step: float) -> Number:
     )  # fmt: skip
 
 
-class Analyzer(JobRunner[ElasticJob, ElasticResult]):
-    """Analyzes what is shown.
+def can_wait(state: State) -> bool:
+    """Whether a result may be old while something is dragged.
 
-    While something is dragged, only if a layer shows the result or elastic data change.
+    It may not where a layer shows it, and while elastic data change.
     """
-
-    def __init__(self, session: Session) -> None:
-        super().__init__(session, "elastic_view", analyze_elasticity, receive)
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Analyze what is shown, unless it can wait."""
-        state, last = frame.state, self.wanted
-        job = ElasticJob(frame.shown_design, state.last_reachable.pose, state.elastic_view.case)
-        if dragging:
-            if last is None:
-                return
-            live = job.design.elastic != last.design.elastic or job.case != last.case
-            if not (live or state.layers.intersection(LAYERS)):
-                return
-        self.request(job)
+    outcome = state.elastic_view.outcome
+    if outcome is None:
+        return True
+    job, elastic = outcome.job, state.document.design.elastic
+    changed = job.design.elastic != elastic or job.case != state.elastic_view.case
+    return not changed and not state.layers.intersection(LAYERS)
 
 
-def receive(state: State, outcome: ElasticOutcome) -> State:
-    """Take over a result."""
-    return state.updated("elastic_view", outcome=outcome)
+def _job(frame: Frame) -> ElasticJob:
+    state = frame.state
+    return ElasticJob(frame.shown_design, state.last_reachable.pose, state.elastic_view.case)
 
 
 def result_html(frame: Frame) -> str:
@@ -269,6 +256,8 @@ STIFFNESS = (
         ),
     ),
     Html("stiffness.sections", content=sections_html, idle=True),
-    Custom("stiffness.job", make=Analyzer),
+    BackgroundJob(
+        "elastic_view.outcome", find=analyze_elasticity, wanted=_job, idle=can_wait
+    ),
 )  # fmt: skip
 """The tab's entries."""

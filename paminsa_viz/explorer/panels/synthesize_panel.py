@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from viser import Icon
 
-from paminsa_viz.explorer.background import JobRunner, TaskRunner, task_entries
+from paminsa_viz.explorer.background import task_entries
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.entries import Button, Custom, Folder, Html
-from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.entries import BackgroundJob, Button, Custom, Folder, Html
 from paminsa_viz.explorer.inputs import Pair, Slider
 from paminsa_viz.explorer.panels import synthesize_text as text
 from paminsa_viz.explorer.panels.design_front import (
@@ -27,15 +27,8 @@ from paminsa_viz.explorer.settings import MILLIMETERS, PLAIN
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.synthesis import actions
 from paminsa_viz.explorer.synthesis.cases import REGIMES, TALL, WIDTH, ranges_of
-from paminsa_viz.explorer.synthesis.jobs import (
-    BestSoFar,
-    Range,
-    SearchResult,
-    SynthesisJob,
-    SynthesisSettings,
-)
+from paminsa_viz.explorer.synthesis.jobs import Range, SynthesisSettings
 from paminsa_viz.explorer.synthesis.solving import find_prices, search
-from paminsa_viz.explorer.tasks import Report
 from paminsa_viz.model import PARAMETER
 from paminsa_viz.synthesis.search.case import DEFAULT_PATHS
 from paminsa_viz.synthesis.search.objectives import OBJECTIVES
@@ -71,24 +64,6 @@ def _range(path: str, label: str, hint: str, *, size: bool = False) -> Pair:
         hint=f"{hint}: least and largest value; it is held where both are equal",
         apply=lambda state, ends: actions.set_range(state, path, ends),
     )  # fmt: skip
-
-
-class Searcher(JobRunner[SynthesisJob, SearchResult]):
-    """Runs the searches of a session, and tells of the best robot so far."""
-
-    def __init__(self, session: Session) -> None:
-        super().__init__(session, "synthesize", self._search, actions.receive)
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Run the search that is wanted."""
-        self.request(frame.state.synthesizing.running)
-
-    def _search(self, job: SynthesisJob, report: Report) -> SearchResult:
-        def tell(best: BestSoFar) -> None:
-            action = partial(actions.tell, job=job, best=best)
-            self._session.dispatch("synthesize.tell", action, step=False)
-
-        return search(job, report, tell)
 
 
 _setting = SettingInputs("synthesize", "synthesizing.settings", SynthesisSettings)
@@ -129,7 +104,7 @@ SYNTHESIZE = (
     _START,
     _PROGRESS,
     Html("synthesize.best", content=text.best_html),
-    _STOP,
+    replace(_STOP, effect=actions.stop, hint="Ends the search with the best robot so far"),
     Folder(
         "synthesize.front", visible=lambda state: front_key(state) is not None,
         entries=(
@@ -162,11 +137,8 @@ SYNTHESIZE = (
         ),
     ),
     Html("synthesize.price_list", content=text.prices_html),
-    Custom("synthesize.job", make=Searcher),
-    Custom(
-        "synthesize.prices.job",
-        make=partial(TaskRunner, path="synthesizing.prices", find=find_prices),
-    ),
+    BackgroundJob("synthesizing", find=search, receive=actions.receive),
+    BackgroundJob("synthesizing.prices", find=find_prices),
 )  # fmt: skip
 
 

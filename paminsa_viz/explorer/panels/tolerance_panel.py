@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 from paminsa_viz.explorer import tasks
-from paminsa_viz.explorer.background import TaskRunner, is_running
+from paminsa_viz.explorer.background import is_running
 from paminsa_viz.explorer.balancing.plane import PlaneJob
 from paminsa_viz.explorer.balancing.tolerances import ToleranceSettings, draw_robots, of_masses
-from paminsa_viz.explorer.entries import Button, Custom, Entry, Html
+from paminsa_viz.explorer.entries import BackgroundJob, Button, Entry, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels import render, status
 from paminsa_viz.explorer.setting_inputs import SettingInputs
@@ -69,7 +67,7 @@ def lengths_html(frame: Frame) -> str:
 _setting = SettingInputs("tolerance", "tolerating.settings", ToleranceSettings)
 
 TOLERANCES: tuple[Entry, ...] = (
-    Custom("tolerance.drawer", make=partial(TaskRunner, path="tolerating", find=draw_robots)),
+    BackgroundJob("tolerating", find=draw_robots),
     _setting("mass"),
     Html("tolerance.masses", content=masses_html, idle=True),
     _setting("length"),

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from paminsa_viz.explorer.background import JobRunner
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.requirements.causes import conflict_text, surface_parts
 from paminsa_viz.explorer.requirements.jobs import Placed, VolumeJob, VolumeOutcome, VolumeResult
 from paminsa_viz.explorer.requirements.saved import asked
-from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.tasks import Report
 from paminsa_viz.model import Design, PaminsaError
@@ -104,24 +102,9 @@ def receive(state: State, outcome: VolumeOutcome) -> State:
     return state.updated("requiring", **{name: outcome})
 
 
-class VolumeSolver:
-    """Finds the volume of what is shown: coarse at once, fine when the page is idle."""
-
-    def __init__(self, session: Session) -> None:
-        self._quick, self._fine = (
-            JobRunner(session, f"requiring.{name}", find_volume, receive)
-            for name in ("quick", "fine")
-        )
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Ask for what is not known yet."""
-        document, known = frame.state.document, frame.state.requiring
-        if frame.state.synthesizing.running is not None:
-            return  # it needs all cores, and shows other robots
-        for runner, outcome in ((self._quick, known.quick), (self._fine, known.fine)):
-            fine = runner is self._fine
-            job = VolumeJob(document.design, document.requirements, fine)
-            there = outcome is not None and outcome.job == job
-            waits = fine and dragging and runner.wanted != job
-            needed = asked(document.requirements) and not (there or waits)
-            runner.request(job if needed else None)
+def wanted_volume(frame: Frame, *, fine: bool) -> VolumeJob | None:
+    """Return the job of what is shown; none while a search needs all cores, and shows others."""
+    document, searching = frame.state.document, frame.state.synthesizing.running is not None
+    if searching or not asked(document.requirements):
+        return None
+    return VolumeJob(document.design, document.requirements, fine)

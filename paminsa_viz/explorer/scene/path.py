@@ -48,7 +48,7 @@ def path_scale(analysis: TrajectoryAnalysis, actuator: int) -> PathScale:
 @cache
 def _hues() -> tuple[str, ...]:
     """Return the colors from low to high, as ``#rrggbb``."""
-    table = colors.table("viridis")[: round(_LIGHTEST * colors.SIZE)]
+    table = colors.table(colors.SEQUENTIAL)[: round(_LIGHTEST * colors.SIZE)]
     return tuple("#{:02x}{:02x}{:02x}".format(*row) for row in np.rint(255 * table).astype(int))
 
 

@@ -51,11 +51,12 @@ def start(state: State) -> State:
     return tasks.start(state, "synthesizing", job).updated("synthesizing", best=BestSoFar())
 
 
-def tell(state: State, job: SynthesisJob, best: BestSoFar) -> State:
-    """Take over how far a search is."""
-    if state.synthesizing.running != job:
-        return state
-    return state.updated("synthesizing", best=best, done=best.done)
+def stop(state: State) -> State:
+    """End the search with the best robot so far; at once if there is none, or if asked again."""
+    best = state.synthesizing.best
+    if state.synthesizing.stopping or best is None or not best.feasible:
+        return tasks.stop(state, "synthesizing")
+    return state.updated("synthesizing", stopping=True)
 
 
 def receive(state: State, outcome: Outcome[SynthesisJob, SearchResult]) -> State:

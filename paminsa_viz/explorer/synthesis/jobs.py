@@ -98,7 +98,6 @@ class BestSoFar:
     """How far a search is.
 
     Attributes:
-        done: What part is done, 0 to 1.
         trials: Robots tried.
         cost: The best objective [SI]; NaN while no robot meets all requirements.
         feasible: Whether the best one meets all requirements.
@@ -106,7 +105,6 @@ class BestSoFar:
         center: Center of its workspace [m].
     """
 
-    done: float = 0.0
     trials: int = 0
     cost: float = float("nan")
     feasible: bool = False

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -43,7 +43,7 @@ BUILT = 200
 SEARCH_SHARE = 0.9
 """Part of a job that the search takes; the tolerances take the rest."""
 
-Tell = Callable[[BestSoFar], None]
+STOPPED = "Stopped before a robot was found."
 
 
 @contextmanager
@@ -59,8 +59,8 @@ def workers_for(effort: EffortChoice) -> Iterator[Workers]:
 class ProgressReport:
     """Turns the progress of a search into what the page shows."""
 
-    def __init__(self, job: SynthesisJob, report: Report, tell: Tell) -> None:
-        self._job, self._report, self._tell = job, report, tell
+    def __init__(self, job: SynthesisJob, report: Report) -> None:
+        self._job, self._report = job, report
         self._due = 0.0
         self._search: int | None = None
         self._trials: dict[object, int] = {}
@@ -71,10 +71,7 @@ class ProgressReport:
         if number != self._search:  # another objective or limit
             self._search, self._best = number, (math.inf, BestSoFar())
         self._trials[number] = progress.trials
-        if time.monotonic() >= self._due:
-            self._due = time.monotonic() + PERIOD
-            self._tell(replace(self._shown(progress, number / count), cost=math.nan))
-        return self._report(number / count)
+        return self._tell(progress, number / count, one_objective=False)
 
     def __call__(self, progress: SearchProgress) -> bool:
         """Take over how far a search is; return whether to stop."""
@@ -83,19 +80,23 @@ class ProgressReport:
         turn = case.regimes.index(progress.regime) if progress.regime in case.regimes else 0
         part = min(progress.generation / case.effort.generations, 1.0)
         done = SEARCH_SHARE * (turn + part) / len(case.regimes)
-        if time.monotonic() >= self._due:
-            self._due = time.monotonic() + PERIOD
-            self._tell(self._shown(progress, done))
-        return self._report(done)
+        return self._tell(progress, done)
 
-    def _shown(self, progress: SearchProgress, done: float) -> BestSoFar:
+    def _tell(self, progress: SearchProgress, done: float, *, one_objective: bool = True) -> bool:
+        if time.monotonic() < self._due:
+            return False
+        self._due = time.monotonic() + PERIOD
+        best = self._shown(progress)
+        return self._report(done, best=best if one_objective else replace(best, cost=math.nan))
+
+    def _shown(self, progress: SearchProgress) -> BestSoFar:
         cost, known = self._best
         if progress.cost < cost:
             cost, known = progress.cost, best_robot(self._job, progress)
             self._best = cost, known
         sign = find_objective(self._job.case.objective).sign
         return BestSoFar(
-            done, sum(self._trials.values()), sign * cost if known.feasible else math.nan,
+            sum(self._trials.values()), sign * cost if known.feasible else math.nan,
             known.feasible, known.design, known.center,
         )  # fmt: skip
 
@@ -114,17 +115,19 @@ def best_robot(job: SynthesisJob, progress: SearchProgress) -> BestSoFar:
     return BestSoFar(feasible=progress.feasible, design=design, center=(x, y, z))
 
 
-def search(job: SynthesisJob, report: Report, tell: Tell) -> SearchResult:
+def search(job: SynthesisJob, report: Report) -> SearchResult:
     """Run a search, then measure robots built within tolerances.
 
     Raises:
         PaminsaError: If no search is possible, or a front has no points.
     """
     with workers_for(job.effort) as workers:
-        shown = ProgressReport(job, report, tell)
+        shown = ProgressReport(job, report)
         if job.against:
             return find_front(job, workers, shown)
         answer = synthesize(job.case, workers=workers, progress=shown)
+        if answer.canceled and answer.regime is None:
+            raise PaminsaError(STOPPED)
         built = None
         if answer.feasible and not report(SEARCH_SHARE):
             built = tolerances(answer, workers, report)
@@ -145,7 +148,7 @@ def find_front(job: SynthesisJob, workers: Workers, shown: ProgressReport) -> Se
     )  # fmt: skip
     if not front.points:
         problem = "No robot meets all requirements; search one objective alone for the reasons."
-        raise PaminsaError(problem)
+        raise PaminsaError(STOPPED if front.canceled else problem)
     return SearchResult(front.points[0].result, front=front)
 
 

@@ -116,6 +116,11 @@ def test_every_goal_is_optimal_within_its_bounds(goal: Goal, movable: FreeMasses
         sizes = np.array([effects[group, f"M{number}"] for number in (1, 2, 3)])
         value = sizes.max() if goal is Goal.PEAK else np.sqrt(np.mean(sizes**2))
         assert value == pytest.approx(found.optimum.objective, rel=1e-9)
+    if goal is Goal.ENERGY:
+        (moved,) = found.optimum.values
+        assert moved.unit == "J"
+        assert moved.after == pytest.approx(found.optimum.objective)
+        assert moved.after <= moved.before
     for weight in design.counterweights:
         assert 0 <= weight.beyond <= 0.1
         assert 0 < weight.mass <= 5

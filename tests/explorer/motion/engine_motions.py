@@ -29,7 +29,7 @@ def caption(found: MotionResults, state: State) -> str:
 def answered(state: State) -> State:
     """Return a state after the engine has computed its motion."""
     request = EngineRequest(analyzed(state).analysis, state.plots.checker)
-    answer = solve(lambda asked, _: ask_engine(asked), request)
+    answer = solve(ask_engine, request)
     return replace(state, engine_answer=answer)
 
 

@@ -5,21 +5,22 @@ from __future__ import annotations
 import sys
 import threading
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from paminsa_viz.engines import EngineMissing, why_missing
-from paminsa_viz.explorer import actions, exports
-from paminsa_viz.explorer.entries import given
+from paminsa_viz.explorer import actions, background, exports
+from paminsa_viz.explorer.background import JobRunner
+from paminsa_viz.explorer.entries import BackgroundJob, given
+from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.inputs import Checkbox
 from paminsa_viz.explorer.motion.jobs import EngineRequest
 from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.panels import motion_plots
 from paminsa_viz.explorer.panels.motion_plots import (
     INPUTS,
-    EngineChecker,
     difference_html,
     drawn_charts,
 )
@@ -96,15 +97,15 @@ class Bench:
 
     closed = False
 
-    def __init__(self, state: State, monkeypatch: pytest.MonkeyPatch) -> None:
+    def __init__(self, state: State) -> None:
         self.state, self.store = state, MotionStore()
         self.designs: list[float] = []
         self.may, self.came = threading.Semaphore(0), threading.Semaphore(0)
         session: Any = self
-        self.checker = EngineChecker(session)
-        monkeypatch.setattr(motion_plots, "ask_engine", self._answer)
+        entry = next(each for each in INPUTS if isinstance(each, BackgroundJob))
+        self.runner = JobRunner(session, replace(entry, find=self._answer))
 
-    def _answer(self, request: EngineRequest) -> None:
+    def _answer(self, request: EngineRequest, _: object) -> None:
         self.designs.append(request.analysis.design.links.b3)
         self.came.release()
         assert self.may.acquire(timeout=TIMEOUT)
@@ -126,13 +127,11 @@ class Bench:
 
     def draw(self, b3: float, dragging: bool = False) -> None:
         self.state = actions.vary(self.state, {"links.b3": b3})
-        self.checker.draw(self.store.all(self.state), "MuJoCo", dragging)
+        self.runner.draw(compute(self.state, self.store), dragging)
 
 
-def test_newest_design_is_computed_once_nothing_is_dragged(
-    state: State, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    bench = Bench(state, monkeypatch)
+def test_newest_design_is_computed_once_nothing_is_dragged(state: State) -> None:
+    bench = Bench(state)
     bench.draw(0.5, dragging=True)
     assert bench.designs == []
     bench.draw(0.5)
@@ -154,8 +153,8 @@ def test_newest_design_is_computed_once_nothing_is_dragged(
 def test_motion_that_plays_does_not_delay_the_engine(
     state: State, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    bench = Bench(state, monkeypatch)
-    monkeypatch.setattr(motion_plots, "IDLE_DELAY", 0.0)
+    bench = Bench(state)
+    monkeypatch.setattr(background, "IDLE_DELAY", 0.0)
     bench.draw(0.5, dragging=True)
     bench.wait()
     bench.answer()

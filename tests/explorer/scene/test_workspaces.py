@@ -23,7 +23,7 @@ from paminsa_viz.explorer.scene.workspaces import outline
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.explorer.synthesis import actions as synthesis
 from paminsa_viz.explorer.synthesis.jobs import BestSoFar, Shown
-from paminsa_viz.explorer.tasks import Outcome, solve, stop
+from paminsa_viz.explorer.tasks import Outcome, progress, solve, stop
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
 from tests.support.raw_page import RawPage
@@ -104,8 +104,8 @@ def test_the_best_robot_is_drawn_while_it_is_searched_for(layers: Scene, asked: 
     assert job is not None
     layers.show(started)
     assert BEST_NODE not in layers.nodes
-    best = BestSoFar(0.5, 10, 0.4, True, APPENDIX_4, (0.0, 0.0, -0.5))
-    told = synthesis.tell(started, job, best)
+    best = BestSoFar(10, 0.4, True, APPENDIX_4, (0.0, 0.0, -0.5))
+    told = progress(started, "synthesizing", job, 0.5, best=best)
     layers.show(told)
     assert BEST_NODE in layers.shown
     layers.show(told.updated("synthesizing.settings", shown=Shown.ROBOT))
