@@ -132,8 +132,9 @@ def test_changelog_begins_with_this_version() -> None:
 
 
 def test_files_that_pages_name_exist() -> None:
-    folders = ("paminsa_viz", "tests", "docs", "examples", "benchmarks")
-    every = [name_of(path) for folder in folders for path in (ROOT / folder).rglob("*.py")]
+    folders = ("paminsa_viz", "tests", "docs", "examples", "benchmarks", "assets")
+    found = [path for folder in folders for path in (ROOT / folder).rglob("*.py")]
+    every = [name_of(path) for path in (*found, *ROOT.glob("*.py"))]
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
         for name in re.findall(r"`([\w./]+\.py)`", text):
