@@ -182,6 +182,7 @@ def _search(
     return distance.reshape(shape), nearest.reshape(shape), points.reshape(*shape, 2, 3)
 
 
+@np.errstate(all="ignore")
 def _placements(design: Design, pose: Array) -> tuple[Array, Array]:
     """Return positions (n, frames, 3) and quaternions (n, frames, 4); NaN of poses out of reach."""
     configuration = inverse_kinematics(design.geometry, pose)

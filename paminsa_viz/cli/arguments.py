@@ -11,7 +11,7 @@ from typing import Any
 
 import tyro
 
-from paminsa_viz.errors import PaminsaError
+from paminsa_viz.errors import PaminsaError, name_hint
 
 command_line: ContextVar[str] = ContextVar("command_line")
 """The command that runs, as it was typed: provenance of what it writes."""
@@ -70,14 +70,38 @@ def one_line(message: str) -> str:
         del texts[:1]  # the title
     for pattern, needed in _TYPES.items():
         texts[:1] = [re.sub(pattern, needed, text) for text in texts[:1]]
+    texts[:1] = [re.sub(_SEVERAL, _count_values, text) for text in texts[:1]]
+    texts[:1] = [re.sub(_CHOICE, _name_choice, text) for text in texts[:1]]
     kept = texts[:1] + [text for text in texts[1:] if text.startswith("Perhaps")]
     return "; ".join(kept) or "the arguments do not fit"
+
+
+_SEVERAL = r"(?i)((?:(?:str|float),? ?){2,}) is needed"
+
+
+def _count_values(found: re.Match[str]) -> str:
+    kinds = re.findall(r"[a-z]+", found[1].lower())
+    names = "a name and " * kinds.count("str")
+    numbers = kinds.count("float")
+    return f"{names}{numbers} number{'s' * (numbers > 1)} are needed"
+
+
+_CHOICE = r"invalid choice '(.*)' for argument '(.*)'\. Expected one of \((.*)\)"
+
+
+def _name_choice(found: re.Match[str]) -> str:
+    """Return advice for a word that is no choice; tyro lists them in any order, and None too."""
+    word, flag, listed = found.groups()
+    choices = sorted(name for name in re.findall(r"'([^']*)'", listed) if name != "None")
+    return f"{flag}: invalid choice {word!r}; {name_hint(word.lower(), choices)}"
 
 
 _TYPES = {
     r"no type matching (?:\{None\}\|)?\{?(.+?)\}? could be instantiated from \[(.*?)\]\. Got.*": (
         r"\1 is needed, not \2"
     ),
+    r"Could not parse arguments \[(.*)\] into tuple type tuple\[(.*)\]": r"\2 is needed, not \1",
+    r"Error parsing [A-Za-z]+: (.*)": r"\1",
     r"invalid literal for int\(\) with base 10: (.*)": r"a whole number is needed, not \1",
     r"could not convert string to float: (.*)": r"a number is needed, not \1",
 }

@@ -25,7 +25,7 @@ from paminsa_viz.balancing import (
     paper_changes,
 )
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_ending
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
 from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.meshes.loads import clearance_text
@@ -106,7 +106,7 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
             raise UsageError("--max-imbalance and --max-added belong to a goal on a motion")
         if self.goal == "static" and (self.preset is not None or self.file is not None):
             raise UsageError("--preset and --file belong to a goal on a motion")
-        check_ending("--out", self.out, [".toml"])
+        check_output("--out", self.out, [".toml"])
 
     def run(self) -> int:
         """Find the masses."""

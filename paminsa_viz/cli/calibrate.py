@@ -11,7 +11,7 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_ending
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.output import print_json, print_table, print_written
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.errors import TableFileError
@@ -70,7 +70,7 @@ class Calibrate(JsonFlags, DesignFlags):
             raise UsageError("either LOG or --propose is needed; see paminsa-viz calibrate --help")
         if self.propose is not None:
             return self._propose(self.propose)
-        check_ending("--out", self.out, [".toml"])
+        check_output("--out", self.out, [".toml"])
         if not 0 <= self.validate <= 0.9:
             raise UsageError(f"--validate {self.validate:g}: a share from 0 to 0.9 is needed")
         if self.seed < 0:
@@ -95,7 +95,7 @@ class Calibrate(JsonFlags, DesignFlags):
         return 0 if found.improved else 1
 
     def _propose(self, poses: int) -> int:
-        check_ending("--out", self.out, table_endings())
+        check_output("--out", self.out, table_endings())
         if self.out is None:
             raise UsageError("--propose writes a table: --out FILE.csv is needed")
         design = self.given_design()

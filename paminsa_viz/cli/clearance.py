@@ -39,6 +39,12 @@ or file, or a pose out of reach."""
 MOST = 12
 """Lines of the list of nearest bodies."""
 
+MOST_POSES = 1_000_000
+"""Random poses that can be asked for: some minutes."""
+
+LARGEST = 1e5
+"""Largest size of their coordinates [mm], as that of a design's lengths."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
@@ -59,8 +65,7 @@ class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
 
     def run(self) -> int:
         """Compute the clearances and report."""
-        if self.poses < 0 or self.seed < 0:
-            raise UsageError("--poses and --seed are whole numbers of at least 0")
+        self._check()
         design = self.given_design()
         pose = self.given_pose or home_pose(design.geometry)
         require_reachable(design.geometry, pose)
@@ -73,6 +78,25 @@ class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
         else:
             _print(groups, here, over, required)
         return 1 if here.reason((), required) else 0
+
+    def _check(self) -> None:
+        if not 0 <= self.poses <= MOST_POSES:
+            raise UsageError(f"--poses: 0 to {MOST_POSES} are possible, not {self.poses}")
+        if self.seed < 0:
+            raise UsageError(f"--seed: a whole number of at least 0 is needed, not {self.seed}")
+        if not np.isfinite(self.least):
+            raise UsageError(f"--least: a finite number of mm is needed, not {self.least}")
+        if self.radius is not None and not 0 < self.radius <= LARGEST:
+            raise UsageError(
+                f"--radius: above 0, to {LARGEST:g} mm, is possible, not {self.radius}"
+            )
+        if not 0 <= self.theta <= 180:
+            raise UsageError(f"--theta: 0 to 180 degrees are possible, not {self.theta}")
+        if self.z is not None and not -LARGEST <= self.z[0] <= self.z[1] <= LARGEST:
+            raise UsageError(
+                f"--z: two numbers, LOW and HIGH, from {-LARGEST:g} to {LARGEST:g} mm are needed, "
+                f"not {self.z[0]} {self.z[1]}"
+            )
 
     def _drawn(self, design: Design) -> np.ndarray:
         """Return random poses, uniform in the workspace asked for (n, 4)."""

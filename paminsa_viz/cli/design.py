@@ -11,7 +11,7 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import JsonFlags, check_ending
+from paminsa_viz.cli.flags import JsonFlags, check_output
 from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_file import load_design, save_design
@@ -104,7 +104,7 @@ class Default:
 
     def run(self) -> int:
         """Write it."""
-        check_ending("--out", self.out, [".toml"])
+        check_output("--out", self.out, [".toml"])
         comment = f"Written by paminsa_viz {__version__}."
         if self.out is None:
             print(write_design(APPENDIX_4, comment=comment), end="")

@@ -17,7 +17,7 @@ from paminsa_viz.actuation.ratios import ratio_intervals
 from paminsa_viz.actuation.selection import DriveFigures, Selection, select_drives, size_design
 from paminsa_viz.actuation.sizing import Order
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_ending
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
 from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.trajectory_table import read_trajectory
@@ -99,7 +99,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
         return 0 if found.feasible else 1
 
     def _check(self) -> None:
-        check_ending("--save", self.save, [".toml"])
+        check_output("--save", self.save, [".toml"])
         one = self.preset is not None or self.file is not None or self.dwell != 0
         for wrong, problem in (
             (self.cycle and one, "--cycle excludes --preset, --file and --dwell"),

@@ -11,7 +11,7 @@ from typing import Annotated
 import numpy as np
 import tyro
 
-from paminsa_viz.cli.flags import DesignFlags, check_ending
+from paminsa_viz.cli.flags import DesignFlags, check_output
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.files.columns import (
     ACCELERATION,
@@ -58,7 +58,7 @@ class Evaluate(DesignFlags):
 
     def run(self) -> int:
         """Evaluate the table."""
-        check_ending("--out", self.out, [".csv"])
+        check_output("--out", self.out, [".csv"])
         counts = evaluate_table(self.table, self.out, self.given_design())
         rows = counts.total()
         reasons = [(word, count) for word, count in counts.most_common() if word != "ok"]

@@ -13,7 +13,7 @@ import tyro
 from paminsa_viz import __version__
 from paminsa_viz.actuation import actuator_limits
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_ending
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
 from paminsa_viz.files.identification_table import excitation_table
 from paminsa_viz.files.tables import save_table, table_endings
@@ -80,7 +80,7 @@ class Excite(JsonFlags, DesignFlags):
 
     def run(self) -> int:
         """Search and report."""
-        check_ending("--out", self.out, table_endings())
+        check_output("--out", self.out, table_endings())
         design = self.given_design()
         limits = self._limits(design)
         settings = ExcitationSettings(

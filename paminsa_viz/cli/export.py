@@ -10,7 +10,7 @@ import numpy as np
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, PoseFlags, check_ending
+from paminsa_viz.cli.flags import DesignFlags, PoseFlags, check_output
 from paminsa_viz.cli.output import print_written
 from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.poses import start_pose
@@ -50,8 +50,8 @@ class Export(PoseFlags, DesignFlags):
         """Write the files."""
         if self.glb is None and self.mjcf is None and self.meshes is None:
             raise UsageError("nothing to write; give --glb, --mjcf or --meshes")
-        check_ending("--glb", self.glb, [".glb"])
-        check_ending("--mjcf", self.mjcf, [".xml", ".mjcf"])
+        check_output("--glb", self.glb, [".glb"])
+        check_output("--mjcf", self.mjcf, [".xml", ".mjcf"])
         if self.meshes is not None and self.meshes.suffix.lower() in _OTHER_THAN_FOLDERS:
             raise UsageError(f"--meshes {self.meshes}: a folder or a .zip file is needed")
         design = self.given_design()

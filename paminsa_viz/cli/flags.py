@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.files.atomic import check_writable
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.tables import table_endings
 from paminsa_viz.files.trajectory_table import read_trajectory
@@ -38,16 +39,22 @@ def pose_si(pose: Pose) -> Pose:
     return x / MM, y / MM, math.radians(theta), z / MM
 
 
-def check_ending(flag: str, path: Path | None, endings: Iterable[str]) -> None:
-    """Check that a file's ending, if there is a file, says what is written into it.
+def check_output(flag: str, path: Path | None, endings: Iterable[str]) -> None:
+    """Check, before anything is computed, that a file can be written if there is one.
+
+    Its ending has to say what is written into it.
 
     Raises:
         UsageError: Which flag, and what endings there are.
+        FileError: If there is no such folder, or something else is in the file's place.
     """
+    if path is None:
+        return
     endings = tuple(endings)
-    if path is not None and path.suffix.lower() not in endings:
+    if path.suffix.lower() not in endings:
         needed = "one of " if len(endings) > 1 else ""
         raise UsageError(f"{flag} {path}: its ending has to be {needed}{', '.join(endings)}")
+    check_writable(path)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -203,4 +210,4 @@ class FilesFlags(JsonFlags):
             UsageError: Which file, and what endings there are.
         """
         for path in self.out:
-            check_ending("--out", path, (*table_endings(), *figure_endings(), *others))
+            check_output("--out", path, (*table_endings(), *figure_endings(), *others))

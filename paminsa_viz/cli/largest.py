@@ -16,7 +16,7 @@ from paminsa_viz.cli.requirement_flags import RequirementFlags
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirement_text import requirement_text
 from paminsa_viz.quantities.requirements import Requirements
-from paminsa_viz.report.requirements_section import evidence_table, workspace_text
+from paminsa_viz.report.requirements_section import evidence_table, verdict_text, workspace_text
 from paminsa_viz.synthesis.proof.certificate import prove
 from paminsa_viz.synthesis.proof.evidence import Evidence, Proof, Verdict
 from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace
@@ -47,7 +47,7 @@ class Prove(JsonFlags, RequirementFlags):
         if self.json:
             print_json({"design": design.name, "made_by": _made_by(), **_proof_data(proof)})
         else:
-            print(f"{design.name}, {_place(requirements)}: {proof.verdict.value}")
+            print(f"{design.name}, {_place(requirements)}: {verdict_text(proof)}")
             print_blocks([evidence_table(proof, requirement_text)])
             if proof.pose is not None:
                 print(f"broken at {pose_text(proof.pose)}")

@@ -11,7 +11,7 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PoseFlags, check_ending
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PoseFlags, check_output
 from paminsa_viz.cli.output import pose_text, print_blocks, print_error, print_json, print_written
 from paminsa_viz.elastostatics.bar_diagram import COMPONENTS
 from paminsa_viz.elastostatics.bar_loads import all_bar_loads, utilization
@@ -70,7 +70,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
 
     def _check(self) -> None:
         for path in self.out:
-            check_ending("--out", path, table_endings())
+            check_output("--out", path, table_endings())
         moving = self.preset is not None or self.file is not None
         for wrong, problem in (
             (moving and self.pose is not None, "--pose excludes --preset and --file"),

@@ -11,7 +11,7 @@ from typing import Annotated
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError, command_line
-from paminsa_viz.cli.flags import DesignFlags, MotionFlags, PoseFlags, check_ending
+from paminsa_viz.cli.flags import DesignFlags, MotionFlags, PoseFlags, check_output
 from paminsa_viz.cli.output import print_written
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.files.design_file import load_content
@@ -53,7 +53,7 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
 
     def run(self) -> int:
         """Write the report."""
-        check_ending("--out", self.out, [".html", ".htm"])
+        check_output("--out", self.out, [".html", ".htm"])
         if self.cross and (self.file is None or self.max_torque is None):
             raise UsageError("--cross needs --file and --max-torque")
         if self.max_torque is not None and not self.cross:

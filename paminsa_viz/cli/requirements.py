@@ -10,7 +10,7 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import JsonFlags, check_ending
+from paminsa_viz.cli.flags import JsonFlags, check_output
 from paminsa_viz.cli.largest import Largest, Prove
 from paminsa_viz.cli.output import print_blocks, print_json, print_table, print_written
 from paminsa_viz.cli.requirement_flags import RequirementFlags
@@ -68,7 +68,7 @@ class CheckRequirements(JsonFlags, RequirementFlags):
     def run(self) -> int:
         """Check, print, write."""
         for path in self.out:
-            check_ending("--out", path, [f".{kind}" for kind in VOLUME_FORMATS])
+            check_output("--out", path, [f".{kind}" for kind in VOLUME_FORMATS])
         design, requirements = self.given()
         if not requirements.bounds and requirements.workspace is None and not self.volume:
             raise UsageError(

@@ -18,7 +18,7 @@ from paminsa_viz.cli.flags import (
     MotionFlags,
     PresetName,
     RegionFlags,
-    check_ending,
+    check_output,
 )
 from paminsa_viz.cli.output import print_error, print_json
 from paminsa_viz.cli.sweep_report import print_report, progress_bar, report
@@ -114,7 +114,7 @@ class Sweep(JsonFlags, RegionFlags, MotionFlags, DesignFlags):
         """Measure the designs."""
         if self.dask is not None and self.jobs is not None:
             raise UsageError("--dask and --jobs exclude each other")
-        check_ending("--out", self.out, [".csv"])
+        check_output("--out", self.out, [".csv"])
         study = study_of(self, self.given_design())
         started = time.monotonic()
         latest = StudySummary(study)

@@ -13,7 +13,7 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError, command_line
-from paminsa_viz.cli.flags import JsonFlags, check_ending
+from paminsa_viz.cli.flags import JsonFlags, check_output
 from paminsa_viz.cli.output import print_blocks, print_json, print_written
 from paminsa_viz.cli.synthesize_answer import (
     AnswerFlags,
@@ -90,8 +90,8 @@ class Synthesize(AnswerFlags, JsonFlags):
 
     def run(self) -> int:
         """Search and report."""
-        check_ending("--out", self.out, [".toml"])
-        check_ending("--checkpoint", self.checkpoint, [".json"])
+        check_output("--out", self.out, [".toml"])
+        check_output("--checkpoint", self.checkpoint, [".json"])
         if self.dask is not None and self.workers != 1:
             raise UsageError("--dask and --workers exclude each other")
         if self.prove is not None and not 0 < self.prove < 1e6:

@@ -108,7 +108,7 @@ def largest_value(places: Array, coefficients: Array) -> tuple[Array, Array]:
         x = np.stack([np.zeros_like(step), step, half / (3 * c[3]), c[1] / half])
         x[2:] = np.where((x[2:] > 0) & (x[2:] < step), x[2:], 0.0)
     values = c[0] + x * (c[1] + x * (c[2] + x * c[3]))
-    values = values.reshape(-1, *values.shape[2:])
+    values = values.reshape(math.prod(values.shape[:2]), *values.shape[2:])
     reached = (start[:-1] + x).reshape(values.shape)
     best = np.abs(values).argmax(axis=0)[None]
     return (
@@ -175,7 +175,7 @@ def make_diagram(
     return BarLoads(
         bar,
         length,
-        np.moveaxis(places, 0, -1).reshape(*batch, -1),
+        np.moveaxis(places, 0, -1).reshape(*batch, len(places)),
         np.moveaxis(c.reshape(*c.shape[:3], *batch), (2, 0, 1), (-3, -2, -1)),
         np.moveaxis(now, 0, -1).reshape(*batch, 3),
     )

@@ -97,6 +97,7 @@ def _knee_gradient(design: Design, pose: Any) -> Any:
     return np.stack([part.sum(axis=-1) for part in parts], axis=-1)
 
 
+@np.errstate(all="ignore")
 def _load_rate(design: Design, pose: Array) -> Array:
     """Return dw/dX of the load, (..., 4, 4): theta turns its point, and its force if it follows."""
     load = design.load

@@ -91,10 +91,12 @@ class JobRunner:
         return take_over(state, self._entry.key, outcome)
 
     def _report(self, job: Any, done: float, /, **known: Any) -> bool:
+        stopping = False
         if self._entry.wanted is None and self.wanted == job:
             action = partial(tasks.progress, path=self._entry.key, job=job, done=done, **known)
             self._session.dispatch(f"{self._entry.key}.progress", action, step=False)
-        return self._session.closed or self.wanted != job
+            stopping = attrgetter(self._entry.key)(self._session.state).stopping
+        return stopping or self._session.closed or self.wanted != job
 
 
 def is_running(path: str) -> Condition:

@@ -60,11 +60,13 @@ class TaskState(Generic[Job, Result]):
     Attributes:
         running: The job that runs, or None.
         done: What part of it is done, 0 to 1.
+        stopping: Whether it was asked to end with what it has so far.
         outcome: What came of the last one, or None.
     """
 
     running: Job | None = None
     done: float = 0.0
+    stopping: bool = False
     outcome: Outcome[Job, Result] | None = None
 
     @property
@@ -86,7 +88,7 @@ def solve(
 
 def start(state: State, path: str, job: object) -> State:
     """Start a job of the task at a place in the state, such as ``"springing"``."""
-    return state.updated(path, running=job, done=0.0)
+    return state.updated(path, running=job, done=0.0, stopping=False)
 
 
 def stop(state: State, path: str) -> State:

@@ -40,6 +40,20 @@ def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
         file.write(content)
 
 
+def check_writable(path: str | os.PathLike[str]) -> None:
+    """Check that a file can be written, as far as can be told without writing it.
+
+    Raises:
+        FileError: If its folder does not exist or allows no new file, or if there is something
+            that is no regular file.
+    """
+    target, _ = _target(path)
+    if not target.parent.is_dir():
+        raise FileError(os.fspath(path), "cannot be written: its folder does not exist")
+    if not os.access(target.parent, os.W_OK):
+        raise FileError(os.fspath(path), "cannot be written: its folder allows no new file")
+
+
 def make_folder(path: Path) -> None:
     """Make a folder and those that it is in, where they are not there.
 
@@ -55,11 +69,7 @@ def make_folder(path: Path) -> None:
 @contextmanager
 def _written(path: str | os.PathLike[str], **how: Any) -> Iterator[Any]:
     name = os.fspath(path)
-    try:
-        target = Path(os.path.realpath(path))
-        mode = _mode(target, name)
-    except (OSError, ValueError) as error:
-        raise as_file_error(name, error, "written") from error
+    target, mode = _target(path)
     temporary = target.with_name(f".{target.name[:50]}.{secrets.token_hex(4)}.tmp")
 
     def remove() -> None:
@@ -84,20 +94,24 @@ def _written(path: str | os.PathLike[str], **how: Any) -> Iterator[Any]:
             remove()
 
 
-def _mode(target: Path, name: str) -> int | None:
-    """Return the mode of the file that is to be replaced, or None where there is none.
+def _target(path: str | os.PathLike[str]) -> tuple[Path, int | None]:
+    """Return the file that a path names, and the mode of the one that is there, if there is one.
 
     Raises:
         FileError: If there is something that is no regular file.
     """
+    name = os.fspath(path)
     try:
+        target = Path(os.path.realpath(path))
         found = target.stat().st_mode
     except FileNotFoundError:
-        return None
+        return target, None
+    except (OSError, ValueError) as error:
+        raise as_file_error(name, error, "written") from error
     if not stat.S_ISREG(found):
         kind = "a folder" if stat.S_ISDIR(found) else "not a regular file"
         raise FileError(name, f"cannot be written: it is {kind}")
-    return stat.S_IMODE(found)
+    return target, stat.S_IMODE(found)
 
 
 def as_file_error(

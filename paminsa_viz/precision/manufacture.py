@@ -109,12 +109,13 @@ def _field_errors(field: Field, design: Design) -> ToleranceErrors:
 def manufactured_pose(design: Design, pose: ArrayLike) -> UnequalPose:
     """Return where a design's legs put the platform if the controller takes all legs as equal.
 
-    The actuators are those of the nominal robot at poses (..., 4).
+    The actuators are those of the nominal robot at poses (..., 4); NaN where it has none.
     """
     nominal = nominal_pose(design.geometry, pose)
     if equal_legs(design):
         return nominal
-    return solve_pose(design.geometry, design_lengths(design), nominal.actuators, nominal.pose)
+    found = solve_pose(design.geometry, design_lengths(design), nominal.actuators, nominal.pose)
+    return found._replace(closure=np.where(nominal.ok, found.closure, nominal.closure))
 
 
 def field_manufactured_pose(field: Field, design: Design) -> UnequalPose:
@@ -162,10 +163,10 @@ def _errors(design: Design, pose: Array) -> tuple[Array, ...]:
     sizes = np.abs(slopes)
     largest = sizes.max(axis=(-1, -2), keepdims=True)
     slopes = np.where(sizes < ROUNDING * largest, 0.0, slopes)
-    sizes = np.abs(slopes).reshape(n, 6, -1)
+    sizes = np.abs(slopes).reshape(n, 6, tolerance.size)
     variance = slopes**2 * ((tolerance**2 + clearance**2) / 3)
     total = variance.sum(axis=(-1, -2))
-    generators = (slopes * (tolerance + clearance)).reshape(n, 6, -1)
+    generators = (slopes * (tolerance + clearance)).reshape(n, 6, tolerance.size)
     scale = np.where(total > 0, total, 1.0)
     return (
         sizes @ (tolerance + clearance).ravel(),

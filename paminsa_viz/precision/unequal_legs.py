@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Geometry
-from paminsa_viz.model.kinematics import LEG_AXES, inverse_kinematics
+from paminsa_viz.model.kinematics import LEG_AXES, Configuration, inverse_kinematics
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.robot import platform_determinant
 from paminsa_viz.precision.closure_equations import ACTUATORS, SLIDES, STATE, closure_equations
@@ -138,10 +138,15 @@ class Sensitivities(NamedTuple):
 def nominal_pose(geometry: Geometry, pose: ArrayLike) -> UnequalPose:
     """Return the solution for nominal lengths at poses (..., 4), in closed form."""
     pose = as_vectors(pose, "pose")
-    state = _start(geometry, pose)
+    found = inverse_kinematics(geometry, pose)
     finite = np.isfinite(pose).all(axis=-1)
-    closure = np.where(finite, Closure.OK, Closure.NOT_FINITE).astype(np.uint8)
-    return UnequalPose(pose, state[..., 4:6], state[..., SLIDES], state[..., ACTUATORS], closure)
+    closed = np.isfinite(found.points[9]).all(axis=(-1, -2))
+    state = np.where(closed[..., None], _state(pose, found, geometry), np.nan)
+    closure = np.where(closed, Closure.OK, np.where(finite, Closure.OPEN, Closure.NOT_FINITE))
+    return UnequalPose(
+        state[..., :4], state[..., 4:6], state[..., SLIDES], state[..., ACTUATORS],
+        closure.astype(np.uint8),
+    )  # fmt: skip
 
 
 def sensitivities(geometry: Geometry, lengths: ArrayLike, solution: UnequalPose) -> Sensitivities:
@@ -172,7 +177,10 @@ def _together(lengths: ArrayLike, **vectors: ArrayLike) -> list[Array]:
 
 def _start(geometry: Geometry, pose: Array) -> Array:
     """Return the state (..., 13) of the nominal robot: coordinates, sliders, actuators."""
-    found = inverse_kinematics(geometry, pose)
+    return _state(pose, inverse_kinematics(geometry, pose), geometry)
+
+
+def _state(pose: Array, found: Configuration, geometry: Geometry) -> Array:
     state = np.zeros((*pose.shape[:-1], STATE))
     state[..., :4] = pose
     axes = geometry.base_radius * LEG_AXES

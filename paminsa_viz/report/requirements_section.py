@@ -210,6 +210,13 @@ def _largest(design: Design, requirements: Requirements) -> list[Block]:
     return [Note(text), evidence_table(found.proof)]
 
 
+def verdict_text(proof: Proof) -> str:
+    """Return what a proof came to as a whole, and whether it leaves requirements out."""
+    if proof.verdict is Verdict.PROVEN and proof.sampled:
+        return "proven, but for requirements that are only sampled"
+    return proof.verdict.value
+
+
 def evidence_table(proof: Proof, text: Text = requirement_label) -> Table:
     """Return what a proof rests on, with the worst values, ``≤`` where a bound is proven."""
     rows = []

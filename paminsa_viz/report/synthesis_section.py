@@ -9,7 +9,11 @@ from paminsa_viz.model.design import Design, stated_parameters
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.report.blocks import Block, Note, Row, Section, Table, rows
-from paminsa_viz.report.requirements_section import evidence_table, workspace_text
+from paminsa_viz.report.requirements_section import (
+    evidence_table,
+    verdict_text,
+    workspace_text,
+)
 from paminsa_viz.synthesis import ObjectiveLimit, SynthesisResult, find_objective
 from paminsa_viz.units import NONE, format_value, percent_change
 
@@ -63,7 +67,7 @@ def synthesis_blocks(result: SynthesisResult, text: BoundText = bound_label) -> 
         head = ("Symbol", "Length", "Before", "Found", "Change")
         blocks.append(Table(head, lengths, "Lengths and masses that changed.", words=2))
     if result.proof is not None:
-        verdict = f"Proof over the whole workspace: {result.proof.verdict.value}."
+        verdict = f"Proof over the whole workspace: {verdict_text(result.proof)}."
         blocks += [Note(verdict), evidence_table(result.proof, text)]
     return blocks
 

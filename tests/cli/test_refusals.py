@@ -23,6 +23,22 @@ xyz                                                 | 'xyz'; there are start, ev
 evaluate                                            | Missing from paminsa-viz evaluate
 evaluate a.csv                                      | --out
 evaluate a.csv --out b.csv --assembly other         | invalid choice 'other'
+evaluate a.csv --out b.csv --load 1 2 3             | 6 numbers are needed, not '1', '2', '3'
+trajectory --preset Circle                          | 'Circle'; did you mean circle?
+trajectory --preset spiral                          | there are arch, circle, line,
+map --quantity max_torque                           | did you mean max-torque?
+drives --cycle arch x 1                             | a name and 2 numbers are needed
+start --pages 0                                     | viz: --pages: 0 is not from 1 to 1000
+synthesize cylinder --seed -1                       | seed: a whole number of at least 0
+clearance --poses 9 --z -300 -900                   | --z: two numbers, LOW and HIGH, from
+clearance --poses 9 --z nan 0                       | --z
+clearance --poses 100000000                         | --poses: 0 to 1000000 are possible
+clearance --poses 9 --radius 0                      | --radius
+clearance --poses 9 --theta 400                     | --theta: 0 to 180 degrees
+clearance --least nan                               | --least
+map --cells 20 --out a.csv --out no/b.csv           | no/b.csv: cannot be written: its folder
+excite --out no/a.csv                               | no/a.csv: cannot be written: its folder
+synthesize cylinder --out no/a.toml                 | no/a.toml: cannot be written: its folder
 evaluate a.csv --out b.csv --desing d               | Perhaps you meant: --design FILE
 design                                              | Expected one of
 design chek                                         | chek
@@ -60,7 +76,7 @@ export --mjcf no/r.xml                              | cannot be written: its fol
 export --meshes old/deeper                          | old/deeper: cannot be written
 export --mjcf r.xml --glb r.glb --meshes old        | old: cannot be written
 export --glb r.glb --pose 1e300 0 0 0               | pose (1e+300 mm, 0.0 mm,
-export --glb r.glb --pose x 0 0 0                   | FLOAT FLOAT FLOAT FLOAT is needed, not 'x',
+export --glb r.glb --pose x 0 0 0                   | 4 numbers are needed, not 'x',
 export --glb r.glb --mjcf r.xml --pose 0 0 73.39845 -600 | pose: it is singular
 report                                              | --out
 report --out r.html --pose 0 0 0 -3000              | be taken: the pantograph is over-stretched

@@ -172,6 +172,21 @@ def test_proof_of_a_workspace(capsys) -> None:
     assert "broken at x" in out
 
 
+def test_what_is_only_sampled_is_not_called_proven(capsys) -> None:
+    words = ("prove", "--require", "condition <= 10", "--require", "error_x <= 100 um", *CENTERED)
+    code, out, _ = run("requirements", capsys, *words)
+    assert code == 0
+    assert "theta 0° to 0°: proven, but for requirements that are only sampled\n" in out
+
+
+def test_a_workspace_beyond_all_reach_is_answered_at_once(capsys) -> None:
+    for size in (("--cylinder", "1e9", "100"), ("--box", "100", "100", "1e300")):
+        words = ("check", "--coarse", "--require", "condition <= 10", *size)
+        code, out, _ = run("requirements", capsys, *words)
+        assert code == 1
+        assert "No place for the workspace can be reached" in out
+
+
 @pytest.mark.parametrize(
     ("words", "place"),
     [

@@ -16,7 +16,7 @@ from paminsa_viz.explorer.panels.synthesize_panel import SYNTHESIZE
 from paminsa_viz.explorer.requirements import actions as requirements
 from paminsa_viz.explorer.requirements.checking import current_check
 from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.synthesis import actions, cases
+from paminsa_viz.explorer.synthesis import actions, cases, solving
 from paminsa_viz.explorer.synthesis.jobs import (
     BestSoFar,
     EffortChoice,
@@ -222,3 +222,31 @@ def test_settings_are_set_on_the_page_and_a_search_can_be_stopped(desk: Desk, as
     desk.set("synthesize.stop", True)
     desk.until(lambda: desk.state.synthesizing.running is None)
     assert not desk.notices
+
+
+def test_a_stopped_search_gives_the_best_robot_so_far(
+    desk: Desk, asked: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(solving, "PERIOD", 0.0)
+    desk.dispatch(lambda state: replace(state, document=asked.document))
+    desk.set("synthesize", True)
+    desk.until(lambda: (best := desk.state.synthesizing.best) and best.feasible)
+    desk.set("synthesize.stop", True)
+    desk.until(lambda: desk.state.synthesizing.running is None)
+    answer = desk.state.synthesizing.answer
+    assert answer is not None
+    assert answer.canceled
+    assert np.isfinite(answer.objective)
+    assert ", stopped" in text.result_html(compute(desk.state))
+
+
+def test_a_search_without_a_robot_so_far_is_stopped_at_once(asked: State) -> None:
+    started = actions.start(asked)
+    assert actions.stop(started).synthesizing.running is None
+    found = started.updated("synthesizing", best=BestSoFar(feasible=True))
+    once = actions.stop(found)
+    assert once.synthesizing.running is found.synthesizing.running
+    assert "Stopping" in text.best_html(compute(once))
+    assert actions.stop(once).synthesizing.running is None
+    again = actions.start(actions.stop(once))
+    assert "Starting" in text.best_html(compute(again))

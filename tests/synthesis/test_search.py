@@ -188,6 +188,15 @@ def test_progress_has_the_best_robot_so_far() -> None:
     assert best.feasible == (best.cost < REFUSED)
 
 
+def test_an_answer_that_is_canceled_in_the_first_round_is_its_best_robot() -> None:
+    seen: list[SearchProgress] = []
+    result = synthesize(SHORT, progress=lambda progress: seen.append(progress) or True)
+    assert result.states == ()
+    assert result.canceled
+    assert result.feasible
+    assert result.objective == pytest.approx(seen[-1].cost)
+
+
 @pytest.mark.slow
 def test_infeasible_bound_is_answered_with_the_least_possible_one() -> None:
     torque = Requirement("max_torque", high=1.0)

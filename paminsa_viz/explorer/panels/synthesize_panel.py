@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -107,7 +108,7 @@ SYNTHESIZE = (
     _START,
     _PROGRESS,
     Html("synthesize.best", content=text.best_html),
-    _STOP,
+    replace(_STOP, effect=actions.stop, hint="Ends the search with the best robot so far"),
     Folder(
         "synthesize.front", visible=lambda state: front_key(state) is not None,
         entries=(

@@ -52,7 +52,7 @@ def best_html(frame: Frame) -> str:
     if job.against:
         found = "a robot for another point of the front"
     return render(
-        "synthesize_best.j2", trials=best.trials, waiting=best.trials == 0,
+        "synthesize_best.j2", trials=best.trials, stopping=synthesizing.stopping,
         text=found if best.feasible else "no robot yet that meets all requirements",
     )  # fmt: skip
 

@@ -51,6 +51,14 @@ def start(state: State) -> State:
     return tasks.start(state, "synthesizing", job).updated("synthesizing", best=BestSoFar())
 
 
+def stop(state: State) -> State:
+    """End the search with the best robot so far; at once if there is none, or if asked again."""
+    best = state.synthesizing.best
+    if state.synthesizing.stopping or best is None or not best.feasible:
+        return tasks.stop(state, "synthesizing")
+    return state.updated("synthesizing", stopping=True)
+
+
 def receive(state: State, outcome: Outcome[SynthesisJob, SearchResult]) -> State:
     """Take over a result; of a front, its first point is shown."""
     received = tasks.receive(state, "synthesizing", outcome)

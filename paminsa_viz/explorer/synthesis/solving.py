@@ -43,6 +43,8 @@ BUILT = 200
 SEARCH_SHARE = 0.9
 """Part of a job that the search takes; the tolerances take the rest."""
 
+STOPPED = "Stopped before a robot was found."
+
 
 @contextmanager
 def workers_for(effort: EffortChoice) -> Iterator[Workers]:
@@ -124,6 +126,8 @@ def search(job: SynthesisJob, report: Report) -> SearchResult:
         if job.against:
             return find_front(job, workers, shown)
         answer = synthesize(job.case, workers=workers, progress=shown)
+        if answer.canceled and answer.regime is None:
+            raise PaminsaError(STOPPED)
         built = None
         if answer.feasible and not report(SEARCH_SHARE):
             built = tolerances(answer, workers, report)
@@ -144,7 +148,7 @@ def find_front(job: SynthesisJob, workers: Workers, shown: ProgressReport) -> Se
     )  # fmt: skip
     if not front.points:
         problem = "No robot meets all requirements; search one objective alone for the reasons."
-        raise PaminsaError(problem)
+        raise PaminsaError(STOPPED if front.canceled else problem)
     return SearchResult(front.points[0].result, front=front)
 
 

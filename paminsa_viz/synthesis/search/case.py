@@ -204,6 +204,8 @@ class SynthesisCase:
             raise InvalidInput(ARM, "it is searched only with arm_follows = false")
         if not (math.isfinite(self.margin) and self.margin >= 0):
             raise InvalidInput("margin", f"at least 0 is needed, not {self.margin!r}")
+        if self.seed < 0:
+            raise InvalidInput("seed", f"a whole number of at least 0 is needed, not {self.seed}")
         if not self.regimes:
             raise InvalidInput("regimes", "at least one of R_pl < R_b and R_pl > R_b is needed")
         if workspace.center[2] is None and "workspace.z" not in paths:

@@ -159,7 +159,13 @@ def synthesize(
             pose that it finds to break a requirement tightens its bound, too. It knows of no
             springs: there is none with them.
     """
-    run = _Run(case, workers, progress, prove=prove)
+    latest: dict[Regime, RegimeState] = {}
+
+    def watch(state: RegimeState) -> bool | None:
+        latest[state.regime] = state
+        return progress and progress(state)
+
+    run = _Run(case, workers, watch, prove=prove)
     refused = {regime: reason for regime in case.regimes if (reason := refusal(case, regime))}
     reached = {state.regime: state for state in states if state.regime in case.regimes}
     answers: list[_Answer] = []
@@ -177,8 +183,9 @@ def synthesize(
             run.search(reached.get(regime, RegimeState(regime)), note)
         except Canceled:
             canceled = True
-        if regime in reached:
-            answers.append(run.verify(reached[regime], repair=not canceled))
+        best = latest.get(regime) if canceled else reached[regime]
+        if best is not None:
+            answers.append(run.verify(best, repair=not canceled))
     found = any(answer.found.feasible for answer in answers)
     searched = tuple(regime for regime in case.regimes if regime not in refused)
     relaxed: tuple[RelaxedBound, ...] = ()

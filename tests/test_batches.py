@@ -1,0 +1,56 @@
+"""Public functions of poses: an empty batch and poses that are no poses give no error."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz import clearance, elastostatics, precision
+from paminsa_viz.actuation import capability
+from paminsa_viz.model import (
+    APPENDIX_4,
+    inverse_dynamics,
+    inverse_kinematics,
+    measure_singularity,
+    static_torques,
+)
+
+G = APPENDIX_4.geometry
+
+FUNCTIONS: dict[str, Callable[[Any], Any]] = {
+    "static_torques": lambda p: static_torques(APPENDIX_4, p),
+    "inverse_dynamics": lambda p: inverse_dynamics(APPENDIX_4, p, np.zeros(4), np.zeros(4)).torque,
+    "inverse_kinematics": lambda p: inverse_kinematics(G, p).points[9],
+    "measure_singularity": lambda p: measure_singularity(G, p).condition,
+    "capability": lambda p: capability(APPENDIX_4, p).payload,
+    "joint_forces": lambda p: elastostatics.joint_forces(APPENDIX_4, p).of("5"),
+    "bar_loads": lambda p: elastostatics.bar_loads(
+        elastostatics.joint_forces(APPENDIX_4, p), "b4"
+    ).extremes(),
+    "utilization": lambda p: elastostatics.utilization(elastostatics.joint_forces(APPENDIX_4, p)),
+    "platform_stiffness": lambda p: elastostatics.platform_stiffness(APPENDIX_4, p).compliance,
+    "drive_stiffness": lambda p: elastostatics.drive_stiffness(APPENDIX_4, p),
+    "first_frequencies": lambda p: elastostatics.first_frequencies(APPENDIX_4, p),
+    "clearance": lambda p: clearance.clearance(APPENDIX_4, p).least,
+    "drive_errors": lambda p: precision.drive_errors(G, APPENDIX_4.accuracy, p).worst,
+    "tolerance_errors": lambda p: precision.tolerance_errors(APPENDIX_4, p).worst,
+    "manufactured_pose": lambda p: precision.manufactured_pose(APPENDIX_4, p).pose,
+}
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_empty_batches_and_poses_out_of_reach_are_no_error(name: str) -> None:
+    function = FUNCTIONS[name]
+    poses = np.full((5, 4), [0.0, 0.0, 0.0, -0.5])
+    poses[1, 2], poses[2, 3], poses[3, 0], poses[4, 2] = np.nan, -np.inf, 9.0, np.inf
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = np.asarray(function(poses))
+        empty = [np.asarray(function(np.zeros(shape))) for shape in ((0, 4), (2, 0, 4))]
+    assert np.isfinite(found[0]).all()
+    assert np.isnan(found[1:]).all()
+    assert [item.shape for item in empty] == [(0, *found.shape[1:]), (2, 0, *found.shape[1:])]
