@@ -8,6 +8,8 @@ import runpy
 import shlex
 import subprocess
 import sys
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -55,6 +57,14 @@ def test_targets_of_links_and_pictures_exist(page) -> None:
             assert found.is_relative_to(DOCS), f"{target} is outside the site of {page.name}"
         if anchor:
             assert anchor in anchors(found), f"{name_of(page)} links to {target}"
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if p.stem != "CHANGELOG"], ids=name_of)
+def test_modules_that_pages_name_exist(page) -> None:
+    for named in re.findall(r"`(paminsa_viz(?:\.[a-z_\d]+)+)`", page.read_text(encoding="utf-8")):
+        module, _, last = named.rpartition(".")
+        found = hasattr(import_module(module), last) or find_spec(named)
+        assert found, f"{name_of(page)} names {named}"
 
 
 def test_every_page_is_in_the_menu() -> None:
