@@ -6,6 +6,7 @@ import ast
 import importlib
 import inspect
 import re
+import runpy
 import subprocess
 import sys
 import textwrap
@@ -21,20 +22,10 @@ import pytest
 
 import paminsa_viz
 
-PACKAGES = (
-    "paminsa_viz",
-    "paminsa_viz.model",
-    "paminsa_viz.trajectory",
-    "paminsa_viz.actuation",
-    "paminsa_viz.clearance",
-    "paminsa_viz.elastostatics",
-    "paminsa_viz.precision",
-    "paminsa_viz.balancing",
-    "paminsa_viz.studies",
-    "paminsa_viz.synthesis",
-    "paminsa_viz.notebook",
-    "paminsa_viz.meshes",
-)
+ROOT = Path(__file__).parents[1]
+
+PACKAGES = tuple(runpy.run_path(str(ROOT / "docs" / "generate.py"))["API"])
+"""The packages of the reference page."""
 
 
 def public() -> Iterator[tuple[str, Any]]:

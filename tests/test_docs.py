@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import runpy
 import shlex
 import subprocess
 import sys
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -54,6 +57,14 @@ def test_targets_of_links_and_pictures_exist(page) -> None:
             assert found.is_relative_to(DOCS), f"{target} is outside the site of {page.name}"
         if anchor:
             assert anchor in anchors(found), f"{name_of(page)} links to {target}"
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if p.stem != "CHANGELOG"], ids=name_of)
+def test_modules_that_pages_name_exist(page) -> None:
+    for named in re.findall(r"`(paminsa_viz(?:\.[a-z_\d]+)+)`", page.read_text(encoding="utf-8")):
+        module, _, last = named.rpartition(".")
+        found = hasattr(import_module(module), last) or find_spec(named)
+        assert found, f"{name_of(page)} names {named}"
 
 
 def test_every_page_is_in_the_menu() -> None:
@@ -113,3 +124,37 @@ def test_changelog_begins_with_this_version() -> None:
     text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     heads = re.findall(r"^## \[([^\]]+)\]", text, re.M)
     assert paminsa_viz.__version__ in heads[:2]
+
+
+def test_files_that_pages_name_exist() -> None:
+    folders = ("paminsa_viz", "tests", "docs", "examples", "benchmarks", "assets")
+    found = [path for folder in folders for path in (ROOT / folder).rglob("*.py")]
+    every = [name_of(path) for path in (*found, *ROOT.glob("*.py"))]
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for name in re.findall(r"`([\w./]+\.py)`", text):
+            known = "NAME" in name or any(f"/{path}".endswith(f"/{name}") for path in every)
+            assert known, f"{name_of(page)} names {name}"
+
+
+@pytest.mark.slow
+def test_names_in_docstrings_exist() -> None:
+    """Names in single back quotes are those of the package, or of what it imports."""
+    known: set[str] = set()
+    used: list[tuple[str, str]] = []
+    for path in sorted((ROOT / "paminsa_viz").rglob("*.py")):
+        known.update(path.with_suffix("").parts)
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            match node:
+                case ast.FunctionDef(name=name) | ast.ClassDef(name=name) | ast.Name(id=name):
+                    known.add(name)
+                case ast.Attribute(attr=name) | ast.arg(arg=name):
+                    known.add(name)
+                case ast.Import(names=names) | ast.ImportFrom(names=names):
+                    module = getattr(node, "module", None) or ""
+                    known.update(module.split("."), *(item.name.split(".") for item in names))
+                case ast.Expr(value=ast.Constant(value=str(text))):
+                    found = re.findall(r"(?<!`)`([A-Za-z_][\w.]*\w)`(?!`)", text)
+                    used += [(name_of(path), name) for name in found]
+    for place, name in used:
+        assert known.issuperset(name.split(".")), f"{place} names {name}"

@@ -58,7 +58,7 @@ def bar_loads(forces: JointForces, bar: str) -> BarLoads:
     """Return N, V and M along a bar of every leg, batch shape (..., 3 legs).
 
     For B1 they are those of the arm's vertical plane that the leg's plane causes; what the shaft's
-    indeterminate sideways share would add is not in them, see `arm_loads`.
+    indeterminate sideways share would add is not in them, see `arm_tip`.
 
     Raises:
         InvalidInput: If there is no such bar.

@@ -119,7 +119,7 @@ class MujocoRobot(ClosedLoopRobot):
         data.xfrc_applied[body] = [*force, *(moment + np.cross(arm, force))]
 
     def _acceleration(self, site: int) -> Array:
-        """Linear acceleration of a site (3,) in world axes; not `mj_jacDot`, wrong before 3.3.1."""
+        """Acceleration of a site (3,) in world axes; not by ``mj_jacDot``, wrong before 3.3.1."""
         found = np.empty(6)
         kind = self._mujoco.mjtObj.mjOBJ_SITE
         self._mujoco.mj_objectAcceleration(self.model, self.data, kind, site, found, 0)

@@ -27,7 +27,6 @@ def parse_log(
     *,
     gains: Sequence[float] | None = None,
     split: bool = False,
-    name: str = "",
     timeout: float | None = None,
 ) -> Log:
     """Read a log from an open table.
@@ -40,7 +39,6 @@ def parse_log(
         source: Its name, for messages.
         gains: (4,) torque or force for each ampere [N m/A, N m/A, N m/A, N/A], for currents.
         split: Split the log at gaps instead of refusing it; see `make_log`.
-        name: The log's name; that of the file by default.
         timeout: How long the table may take to read [s]; None for as long as it takes.
 
     Raises:
@@ -56,7 +54,7 @@ def parse_log(
     try:
         return make_log(
             values[:, 0], values[:, 1:5], values[:, 5:] * factors,
-            split=split, name=name or Path(source).stem or "log", first_row=first_row or 1,
+            split=split, name=Path(source).stem or "log", first_row=first_row or 1,
         )  # fmt: skip
     except InvalidLog as error:
         headers = {column.name.partition("_")[0]: column.header for column in table.columns}
@@ -69,7 +67,6 @@ def read_log(
     *,
     gains: Sequence[float] | None = None,
     split: bool = False,
-    name: str = "",
 ) -> Log:
     """Read a log from a CSV file; see `parse_log`.
 
@@ -78,7 +75,7 @@ def read_log(
         InvalidInput: If the gains are not four finite numbers other than 0.
     """
     with open_table(path) as lines:
-        return parse_log(lines, os.fspath(path), gains=gains, split=split, name=name)
+        return parse_log(lines, os.fspath(path), gains=gains, split=split)
 
 
 def log_table(log: Log) -> DataTable:

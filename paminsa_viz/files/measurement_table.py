@@ -28,9 +28,7 @@ class MeasurementTable(NamedTuple):
     first_row: int
 
 
-def parse_measurements(
-    lines: TextIO, source: str, *, timeout: float | None = None
-) -> MeasurementTable:
+def parse_measurements(lines: TextIO, source: str) -> MeasurementTable:
     """Read measured poses from an open table.
 
     Columns are ``x_m, y_m, theta_rad, z_m`` and ``theta1_rad .. theta3_rad, Z_m``, with
@@ -40,12 +38,11 @@ def parse_measurements(
     Args:
         lines: The text, opened with ``newline=""``.
         source: Its name, for messages.
-        timeout: How long the table may take to read [s]; None for as long as it takes.
 
     Raises:
         TableFileError: If the table is refused; row and column say where.
     """
-    table = TableReader(lines, KIND, source, timeout)
+    table = TableReader(lines, KIND, source)
     tilted = any(column.name in TILT for column in table.columns)
     names = (*POSE, *TILT) if tilted else POSE
     first_row, columns = table.read_all(MOST_ROWS, "measured poses")

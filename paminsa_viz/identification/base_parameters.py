@@ -65,6 +65,7 @@ BASE_PARAMETERS: tuple[BaseParameter, ...] = (
 """The base parameters in their order."""
 
 BASE_SYMBOLS: tuple[str, ...] = tuple(item.symbol for item in BASE_PARAMETERS)
+"""Symbols of the base parameters, in their order."""
 
 LEG_PARAMETERS: tuple[int, ...] = (1, 2, 3, 4, 5, 7, 8, 9)
 """Places of the base parameters that each leg may have its own of."""

@@ -27,6 +27,7 @@ class MultiSine:
         sine: (harmonics, 4) coefficients s_k.
         cosine: (harmonics, 4) coefficients c_k.
         periods: P, how often it is run.
+        bounded_jerk: Whether the acceleration never jumps, as that of sines does not.
     """
 
     center: Array

@@ -81,13 +81,13 @@ def reached_area(data: MapData) -> tuple[Line, NDArray[np.uint8]] | None:
     return None if points is None else (points, codes)
 
 
-def singular_circle(data: MapData, points: int = 181) -> Line:
+def singular_circle(data: MapData) -> Line:
     """Return the singular circle about the origin where the map shows it, possibly nothing."""
     radius = data.singular_radius
     if not radius:
         return NO_LINE
     left, right, bottom, top = data.extent
-    circle = _circle(radius, points)
+    circle = _circle(radius, 181)
     x, y = circle.T
     inside = (x >= left) & (x <= right) & (y >= bottom) & (y <= top)
     return np.where(inside[:, None], circle, np.nan) if inside.any() else NO_LINE

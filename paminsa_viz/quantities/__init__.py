@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.quantities.accuracy import ACCURACY
 from paminsa_viz.quantities.capability import CAPABILITY
@@ -68,12 +68,12 @@ def find(keys: Sequence[str]) -> tuple[Quantity, ...]:
     """Return quantities by their keys.
 
     Raises:
-        InvalidInput: If a key is unknown; names the known ones.
+        InvalidInput: If a key is unknown; names the nearest one.
     """
     for key in keys:
         if key not in QUANTITIES:
-            known = ", ".join(QUANTITIES)
-            raise InvalidInput("quantity", f"{known} are known, not {key!r}")
+            hint = name_hint(key, QUANTITIES)
+            raise InvalidInput("quantity", f"there is no quantity {key[:40]!r}; {hint}")
     return tuple(QUANTITIES[key] for key in keys)
 
 

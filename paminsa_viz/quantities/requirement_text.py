@@ -6,13 +6,12 @@ as well, ``|quantity|`` for a bound on the magnitude, and the units in which a q
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from collections.abc import Callable
 from typing import NoReturn
 
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.quantity import Quantity
 from paminsa_viz.quantities.requirements import Range, Requirement
@@ -157,8 +156,7 @@ def _quantity(name: str) -> Quantity:
     for entry in QUANTITIES.values():
         if name.replace(" ", "") == entry.symbol.replace(" ", ""):
             return entry
-    near = difflib.get_close_matches(key, QUANTITIES, 3, 0.6)
-    hint = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(QUANTITIES)}"
+    hint = name_hint(key, QUANTITIES)
     raise InvalidInput("requirement", f"there is no quantity {name[:40]!r}; {hint}")
 
 

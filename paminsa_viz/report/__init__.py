@@ -1,6 +1,6 @@
 """The design report: one HTML file with everything that a design review needs.
 
-`request.ReportRequest` holds robot, pose and motion, `page.report_html` writes the report. Each
+`blocks.ReportRequest` holds robot, pose and motion, `page.report_html` writes the report. Each
 section is a module that turns results into blocks (`blocks`): tables, figures, notes. One template
 sets them, and commands print the same blocks as text (`cli.output`). The file needs no network and
 no script; a browser's print dialog makes a PDF of it. Nothing is imported here, since figures are

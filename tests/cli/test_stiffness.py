@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes
-from paminsa_viz.elastostatics.stiffness import platform_stiffness, strain_shares
+from paminsa_viz.elastostatics.stiffness import compensate, platform_stiffness, strain_shares
 from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model.design import APPENDIX_4
+from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.singularity import singular_radius
+from paminsa_viz.units import format_ascii
 from tests.support import commands
 
 run = partial(commands.run, "stiffness")
@@ -58,6 +60,11 @@ def test_table_of_a_payload_and_of_unit_forces(capsys) -> None:
     assert (code, err) == (0, "")
     assert "-98.1 N -0.445 mm" in " ".join(out.split())
     assert "a tilt of 0.00649° remains" in out
+    design = APPENDIX_4.vary({"payload.mass": 10.0})
+    back = compensate(design, np.array(AT)).actuators
+    texts = map(format_ascii, back, ("rad", "rad", "rad", "m"), (3,) * 4)
+    motors = ", ".join(f"{name} {text}" for name, text in zip(ACTUATORS, texts, strict=True))
+    assert f"back with {motors};" in out
     assert "B4 53.0 %" in " ".join(out.split())
     code, out, _ = run(capsys, *POSE)
     assert "force x  force y  force z  moment z" in out

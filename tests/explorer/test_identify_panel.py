@@ -31,7 +31,7 @@ from paminsa_viz.plots.identification_series import log_charts
 from tests.support.desk import Desk
 from tests.support.raw_page import upload_messages
 
-PANEL = identify_panel.identify_entries()
+PANEL = identify_panel.IDENTIFY
 HEAD = "t_s,theta1_deg,theta2_deg,theta3_deg,Z_mm,torque1_Nm,torque2_Nm,torque3_Nm,force4_N\n"
 
 

@@ -11,12 +11,13 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.bindings import perform
 from paminsa_viz.explorer.entries import ButtonGroup, Effect, Entry, Html, Run
-from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Slider, attribute
+from paminsa_viz.explorer.inputs import Dropdown, Slider, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels.clearance_panel import CLEARANCE
 from paminsa_viz.explorer.scene.cameras import CAMERAS, look
-from paminsa_viz.explorer.scene.layers import LAYERS, Layer
+from paminsa_viz.explorer.scene.layers import LAYERS
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.setting_inputs import layer_switch
 from paminsa_viz.explorer.state import Appearance, State
 
 LEGS = tuple(name for name in CAMERAS if name.startswith("Leg"))
@@ -35,7 +36,10 @@ def view_entries() -> tuple[Entry, ...]:
                      "dark": Appearance.DARK},
             **attribute("appearance"),
         ),
-        *map(_switch, LAYERS.values()),
+        *(
+            layer_switch(f"layers.{layer.key}", layer.key, layer.label, layer.hint)
+            for layer in LAYERS.values()
+        ),
         Slider(
             "floor_opacity", "Map opacity", range=(0.1, 1.0), step=0.05,
             hint="Of the map under the robot",
@@ -51,14 +55,6 @@ def _cameras(key: str, label: str, names: Iterable[str]) -> ButtonGroup:
 
 def _camera(name: str) -> Run:
     return Run(lambda session: session.submit(lambda: look(session, name)))
-
-
-def _switch(layer: Layer) -> Checkbox:
-    return Checkbox(
-        f"layers.{layer.key}", layer.label, hint=layer.hint,
-        read=lambda state: layer.key in state.layers,
-        apply=lambda state, visible: actions.set_layers(state, **{layer.key: visible}),
-    )  # fmt: skip
 
 
 @dataclass(frozen=True)
