@@ -80,6 +80,7 @@ def test_the_motion_table_is_of_the_current_motion() -> None:
     assert number(float(loads.peak[0, 8]), 3) in text
     assert number(float(loads.equivalent[0, 8]), 3) in text
     assert len(chart.curves_figure(state)["data"]) == 3
+    assert chart.curves_figure(state)["layout"]["yaxis"]["title"]["text"] == "F at joint 2 [N]"
     heavier = actions.vary(state, {"payload.mass": 2.0})
     assert "Computing" in tab.motion(compute(heavier))
     assert chart.curves_key(heavier) is None
