@@ -17,13 +17,10 @@ import pytest
 import paminsa_viz
 from paminsa_viz.cli import map as map_command
 from paminsa_viz.explorer import exports
-from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.entries import ButtonGroup, given
 from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
-from paminsa_viz.explorer.scene.legend import SceneLegend
-from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.files.tables import TABLE_FORMATS, table_csv
 from paminsa_viz.model import APPENDIX_4, Grid, backend, solve_field
@@ -78,11 +75,7 @@ def test_a_quantity_is_swept_drawn_written_and_chosen(
 
 
 def test_a_quantity_is_chosen_on_the_page(quantity: Quantity, server: Any) -> None:
-    def panel(session: Session) -> MapsPanel:
-        bridge = Bridge(session.client)
-        return MapsPanel(session, bridge, SceneLegend(bridge))
-
-    with desk_with(server, panel) as desk:
+    with desk_with(server, MapsPanel) as desk:
         desk.set("family", quantity.family)
         desk.until(lambda: quantity.label in desk.handle("show").options)
         desk.set("show", quantity.label)

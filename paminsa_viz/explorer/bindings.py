@@ -23,6 +23,7 @@ from paminsa_viz.explorer.entries import (
     Entry,
     Folder,
     Html,
+    Message,
     Progress,
     Run,
     Tabs,
@@ -49,14 +50,20 @@ class Panel:
 
     Attributes:
         handles: viser's handles of the entries by their keys.
-        tab: Name of the tab it is in. While something is dragged and the tab is not open, only its
-            jobs follow the state.
     """
 
-    def __init__(self, session: Session, entries: Sequence[Entry]) -> None:
+    def __init__(self, session: Session, entries: Sequence[Entry], tab: str = "") -> None:
+        """Build the entries.
+
+        Args:
+            session: The session.
+            entries: What is built.
+            tab: Name of the tab it is in. While something is dragged and the tab is not open, only
+                its jobs follow the state.
+        """
         self._session, self._gui = session, session.client.gui
         self.handles: dict[str, Any] = {}
-        self.tab = ""
+        self._tab = tab
         self._jobs: list[JobRunner] = []
         self._draws: list[Draw] = []
         self._build_all(entries)
@@ -65,7 +72,7 @@ class Panel:
         """Follow the state."""
         for job in self._jobs:
             job.draw(frame, dragging)
-        if dragging and not self._session.shows(self.tab):
+        if dragging and not self._session.shows(self._tab):
             return
         for draw in self._draws:
             draw(frame, dragging)
@@ -80,6 +87,9 @@ class Panel:
             return
         if isinstance(entry, BackgroundJob):
             self._jobs.append(JobRunner(self._session, entry))
+            return
+        if isinstance(entry, Message):
+            self._session.bridge.on(entry.key, partial(entry.receive, self._session))
             return
         if isinstance(entry, ButtonGroup) and callable(entry.choices):
             entry = replace(entry, visible=partial(_has_choices, entry))

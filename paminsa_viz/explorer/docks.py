@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.browser.bridge import finite
 from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, VIEW_WIDTH, dock_width, is_folded
-from paminsa_viz.explorer.inputs import finite
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import Dock, Docks, State
 
@@ -66,7 +65,7 @@ def as_reported(state: State, data: Any, window: tuple[float, float]) -> State:
     return state if docks == state.docks else state.updated("", docks=docks)
 
 
-def keep_docks(session: Session, bridge: Bridge) -> None:
+def keep_docks(session: Session) -> None:
     """Keep in the state what a person does with the docks, once all of the page is there."""
 
     def listen(data: Any) -> None:
@@ -75,7 +74,7 @@ def keep_docks(session: Session, bridge: Bridge) -> None:
                 "docks", lambda state: as_reported(state, data, session.window), step=False
             )
 
-    bridge.on("docks", listen)
+    session.bridge.on("docks", listen)
 
 
 def restore_right(session: Session) -> None:

@@ -196,3 +196,15 @@ class BackgroundJob(Entry):
     wanted: Callable[[Frame], Any] | None = None
     idle: Given[bool] = False
     undo: bool = False
+
+
+@dataclass(frozen=True)
+class Message(Entry):
+    """Something that the page says; its key is the kind of the message.
+
+    Attributes:
+        receive: Called with what comes with it, which may be anything.
+    """
+
+    _: KW_ONLY
+    receive: Callable[[Session, Any], None]

@@ -6,7 +6,6 @@ SI, ``apply`` makes the state with another value; `attribute` returns both for a
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass
@@ -14,23 +13,12 @@ from decimal import Decimal
 from operator import attrgetter
 from typing import Any, ClassVar
 
+from paminsa_viz.explorer.browser.bridge import finite
 from paminsa_viz.explorer.entries import Entry, Given, given
 from paminsa_viz.explorer.settings import PLAIN, Range
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.units import DisplayUnit
-
-
-def finite(value: Any) -> float | None:
-    """Return a finite number as a float, or None for anything else that a page may send."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return None
-    try:
-        number = float(value)
-    except OverflowError:  # JSON knows integers beyond all floats
-        return None
-    return number if math.isfinite(number) else None
-
 
 SPARE_DECIMALS, LEAST_DECIMALS = 2, 3
 """Decimals that a number box shows beyond those of its step, and the fewest it shows."""

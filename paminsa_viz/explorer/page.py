@@ -13,12 +13,11 @@ import viser
 
 from paminsa_viz.explorer import actions, tab_store
 from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.browser.bridge import finite
 from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, style_html
 from paminsa_viz.explorer.browser.tour import offer_tour
 from paminsa_viz.explorer.docks import keep_docks, restore_right
 from paminsa_viz.explorer.frame import Health, compute
-from paminsa_viz.explorer.inputs import finite
 from paminsa_viz.explorer.panels.pose_panel import POSE, STRIP
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
@@ -89,9 +88,8 @@ def build(
     nobody waits for it. Whoever adds views dispatches a new state, so that they are drawn.
     """
     session = Session(client, opening_state(design, requirements))
-    bridge = Bridge(client, lambda: session.closed)
-    gui = client.gui
-    theme = ThemeView(session, bridge)
+    bridge, gui = session.bridge, client.gui
+    theme = ThemeView(session)
     gui.set_panel_label("PAMINSA")
     gui.main_panel.dock_right()
     gui.main_panel.set_width(CONTROLS_WIDTH)
@@ -100,8 +98,7 @@ def build(
     strip = Panel(session, STRIP)
     tabs = gui.add_tab_group()
     with tabs.add_tab("Pose"):
-        pose = Panel(session, POSE)
-    pose.tab = "Pose"
+        pose = Panel(session, POSE, "Pose")
     places = {name: tabs.add_tab(name) for name in LATER_TABS}
     session.fast += [theme, strip, pose]
     context = SceneContext(
@@ -123,7 +120,7 @@ def build(
             return
         from paminsa_viz.explorer.deferred_tabs import build_tabs
 
-        build_tabs(session, bridge, places, context)
+        build_tabs(session, places, context)
         session.built.set()
         offer_tour(bridge)
         session.dispatch("page", replace)
@@ -149,7 +146,7 @@ def build(
             session.open_tabs = frozenset(map(str, names))
             session.dispatch("tabs", replace)
 
-    keep_docks(session, bridge)
+    keep_docks(session)
     bridge.on("window", take_window)
     bridge.on("tabs", take_tabs)
     bridge.on("hello", restore)

@@ -11,13 +11,14 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Protocol
 
 import viser
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.actions import Action
+from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame, compute
 from paminsa_viz.explorer.history import History, Snapshot
 from paminsa_viz.explorer.motion.actions import advance_time
@@ -70,6 +71,7 @@ class Session:
         window: Width and height of the browser's window at the start [px].
         camera: The camera preset chosen last, and its position [m].
         motions: What is known along the motion; for the worker alone.
+        exporting: Held while a file is made for the tab.
         open_tabs: Names of the tabs that are open, None until the page has said so.
     """
 
@@ -91,10 +93,16 @@ class Session:
         self._closed = False
         self.camera: tuple[str, tuple[float, float, float]] = ("", (0.0, 0.0, 0.0))
         self.motions = MotionStore()
+        self.exporting = threading.Lock()
         self.open_tabs: frozenset[str] | None = None
         self._turn = 0
         self._frame_due: float | None = None
         self._thread = threading.Thread(target=self._run, name="paminsa-session", daemon=True)
+
+    @cached_property
+    def bridge(self) -> Bridge:
+        """Scripts to the tab and messages from it."""
+        return Bridge(self.client, lambda: self.closed)
 
     @property
     def state(self) -> State:

@@ -7,7 +7,6 @@ from typing import Any
 
 import viser
 
-from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
@@ -21,9 +20,9 @@ ground and in the ninth on dark."""
 class ThemeView:
     """Gives the page the theme of the state."""
 
-    def __init__(self, session: Session, bridge: Bridge) -> None:
+    def __init__(self, session: Session) -> None:
         """Set the theme, and follow the browser from now on."""
-        self._client, self._bridge = session.client, bridge
+        self._client, self._bridge = session.client, session.bridge
         self._theme = session.state.theme
         self._asked: Any = None
         configure(session.client, self._theme)
@@ -32,7 +31,7 @@ class ThemeView:
             self._asked = dark
             session.dispatch("scheme", lambda state: as_browser(state, dark), step=False)
 
-        bridge.on("scheme", listen)
+        session.bridge.on("scheme", listen)
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Change the theme if the state has another."""

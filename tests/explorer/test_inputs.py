@@ -35,7 +35,7 @@ from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.drives_panel import DRIVES
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.file_panel import FILE
-from paminsa_viz.explorer.panels.loads_panel import loads_entries
+from paminsa_viz.explorer.panels.loads_panel import LOADS
 from paminsa_viz.explorer.panels.maps_panel import single_entries, torque_entries
 from paminsa_viz.explorer.panels.motion_panel import MOTION
 from paminsa_viz.explorer.panels.motion_plots import INPUTS as PLOT_INPUTS
@@ -71,7 +71,7 @@ PANELS: dict[str, tuple[Entry, ...]] = {
     "motion": MOTION,
     "plots": PLOT_INPUTS,
     "drives": DRIVES,
-    "loads": tuple(loads_entries()),
+    "loads": LOADS,
     "accuracy": ACCURACY,
     "stiffness": STIFFNESS,
     "view": view_entries(),

@@ -14,7 +14,6 @@ from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.panels import loads_chart as chart
 from paminsa_viz.explorer.panels import loads_panel as tab
-from paminsa_viz.explorer.panels.export_panel import Exporter
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.explorer.tasks import keep, solve
 from paminsa_viz.model import APPENDIX_4, InvalidInput
@@ -81,6 +80,7 @@ def test_the_motion_table_is_of_the_current_motion() -> None:
     assert number(float(loads.peak[0, 8]), 3) in text
     assert number(float(loads.equivalent[0, 8]), 3) in text
     assert len(chart.curves_figure(state)["data"]) == 3
+    assert chart.curves_figure(state)["layout"]["yaxis"]["title"]["text"] == "F at joint 2 [N]"
     heavier = actions.vary(state, {"payload.mass": 2.0})
     assert "Computing" in tab.motion(compute(heavier))
     assert chart.curves_key(heavier) is None
@@ -88,9 +88,9 @@ def test_the_motion_table_is_of_the_current_motion() -> None:
 
 
 def test_files_hold_what_is_shown() -> None:
-    state, exporter = along(), Exporter()
-    assert set(tab.files(exporter, initial_state())) == {"Joints", "Bar"}
-    names = list(tab.files(exporter, state))
+    state = along()
+    assert set(tab.files(initial_state())) == {"Joints", "Bar"}
+    names = list(tab.files(state))
     assert names == ["Joints", "Bar", "Bearings", "Samples"]
     files = [tab.file(state, name) for name in names]
     assert len({file.name for file in files}) == 4

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.browser.bridge import NARROWEST, WIDEST, Bridge, Slots
+from paminsa_viz.explorer.browser.bridge import NARROWEST, WIDEST, Slots
 from paminsa_viz.explorer.browser.style import dock_width, view_width
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
 from paminsa_viz.explorer.panels.map_picture import COLUMNS, caption
@@ -22,8 +22,6 @@ from paminsa_viz.explorer.panels.maps_panel import (
     clicked_place,
     show_figure_3,
 )
-from paminsa_viz.explorer.scene.legend import SceneLegend
-from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, initial_state
 from paminsa_viz.plots.map_figure import PAGE_EM
 from paminsa_viz.plots.map_layout import map_layout
@@ -31,10 +29,7 @@ from paminsa_viz.plots.ranges import choose_scales
 from paminsa_viz.quantities import QUANTITIES, TORQUES, families
 from tests.support.desk import Desk
 
-
-def PANEL(session: Session) -> MapsPanel:
-    bridge = Bridge(session.client)
-    return MapsPanel(session, bridge, SceneLegend(bridge))
+PANEL = MapsPanel
 
 
 @pytest.mark.parametrize(
@@ -90,9 +85,11 @@ def slots() -> Any:
     """Sizes of two pictures, what takes the page's reports, and how often it was redrawn."""
     dispatched: list[Any] = []
     listeners: dict[str, Any] = {}
-    session: Any = SimpleNamespace(dispatch=lambda source, action: dispatched.append(action))
-    bridge: Any = SimpleNamespace(on=listeners.__setitem__)
-    made = Slots(session, bridge, {"a": 500, "b": 0})
+    session: Any = SimpleNamespace(
+        dispatch=lambda source, action: dispatched.append(action),
+        bridge=SimpleNamespace(on=listeners.__setitem__),
+    )
+    made = Slots(session, {"a": 500, "b": 0})
     return SimpleNamespace(slots=made, report=listeners["slots"], dispatched=dispatched)
 
 

@@ -10,18 +10,20 @@ from __future__ import annotations
 
 import json
 import logging
+import math
 import threading
 import weakref
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import viser
 
 from paminsa_viz.explorer.browser import STORE_KEY, asset
-from paminsa_viz.explorer.inputs import finite
-from paminsa_viz.explorer.session import Session
+
+if TYPE_CHECKING:
+    from paminsa_viz.explorer.session import Session
 
 log = logging.getLogger(__name__)
 
@@ -33,6 +35,17 @@ HELLO_TIMEOUT = 10.0
 
 MISSING_AFTER = 10.0
 """How long a name of viser may be missing in a page until it is reported [s]."""
+
+
+def finite(value: Any) -> float | None:
+    """Return a finite number as a float, or None for anything else that a page may send."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return None
+    try:
+        number = float(value)
+    except OverflowError:  # JSON knows integers beyond all floats
+        return None
+    return number if math.isfinite(number) else None
 
 
 class Bridge:
@@ -187,12 +200,12 @@ class Slots:
         ratio: Device pixels for one page pixel.
     """
 
-    def __init__(self, session: Session, bridge: Bridge, widths: dict[str, int]) -> None:
+    def __init__(self, session: Session, widths: dict[str, int]) -> None:
         """Start with assumed widths [page pixels], 0 for a place that is not seen."""
         self._session = session
         self._widths = dict(widths)
         self.ratio = 1.0
-        bridge.on("slots", self._hear)
+        session.bridge.on("slots", self._hear)
 
     def width(self, name: str) -> int:
         """Return how wide a place is [page pixels], 0 if it is not seen."""

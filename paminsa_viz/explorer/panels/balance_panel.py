@@ -19,8 +19,6 @@ from paminsa_viz.explorer.balancing.jobs import (
     Task,
 )
 from paminsa_viz.explorer.balancing.solving import run
-from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.entries import (
     BackgroundJob,
     Button,
@@ -37,10 +35,9 @@ from paminsa_viz.explorer.panels import balance_text as text
 from paminsa_viz.explorer.panels import note
 from paminsa_viz.explorer.panels.counterweights_panel import COUNTERWEIGHTS
 from paminsa_viz.explorer.panels.design_panel import gauge_html
-from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart, follow_clicks
+from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart, chart_clicks
 from paminsa_viz.explorer.panels.springs_panel import SPRINGS
 from paminsa_viz.explorer.panels.tolerance_panel import TOLERANCES
-from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.settings import MILLIMETERS, PERCENT, PLAIN
 from paminsa_viz.explorer.state import State
@@ -126,7 +123,13 @@ def _points(state: State) -> tuple[float, float]:
     return 1.0, float(max(len(state.balancing.points), 2))
 
 
+def _click(state: State, data: Any) -> State:
+    index = charts.clicked_point(data, state)
+    return state if index is None else balancing.choose_point(state, index)
+
+
 FRONT = (
+    chart_clicks(charts.FRONT, "balance.point", _click),
     Html("front.text", content=text.front_html),
     *task_entries(
         "balancing",
@@ -214,16 +217,3 @@ BALANCE = (
     ),
     Folder("balance.tornado", "Sensitivity (tornado)", entries=SENSITIVITY, open=False),
 )  # fmt: skip
-
-
-class BalancePanel(Panel):
-    """The entries above, and clicks on the front."""
-
-    def __init__(self, session: Session, bridge: Bridge) -> None:
-        super().__init__(session, BALANCE)
-        follow_clicks(session, bridge, charts.FRONT, "balance.point", _click)
-
-
-def _click(state: State, data: Any) -> State:
-    index = charts.clicked_point(data, state)
-    return state if index is None else balancing.choose_point(state, index)

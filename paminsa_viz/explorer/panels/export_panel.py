@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import logging
-import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
 from paminsa_viz.explorer import exports, pictures
-from paminsa_viz.explorer.copying import Clipboard
+from paminsa_viz.explorer.copying import COPIED, copy_run
 from paminsa_viz.explorer.entries import Button, ButtonGroup, Entry, Html, Progress, Run
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, Number, attribute
@@ -21,7 +20,7 @@ from paminsa_viz.explorer.requirements.saved import asked
 from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import Appearance, State
-from paminsa_viz.files.tables import TABLE_FORMATS, DataTable
+from paminsa_viz.files.tables import TABLE_FORMATS
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.plots.animations import ANIMATION_FORMATS
 from paminsa_viz.plots.formats import FIGURE_FORMATS
@@ -40,37 +39,40 @@ Make = Callable[[Session], exports.File]
 """Makes a file of what a session shows."""
 
 
-class Exporter:
-    """Makes files and has the browser download them, one at a time, on the thread of the click."""
+def session_export(what: str, make: Make) -> Run:
+    """Return the effect of a button that exports something: one at a time, on the click's thread.
 
-    def __init__(self) -> None:
-        self._busy = threading.Lock()
+    The browser downloads what is made.
+    """
+    return Run(partial(_export, what, make))
 
-    def run(self, what: str, make: Make) -> Run:
-        """Return the effect of a button that exports something."""
-        return Run(partial(self._export, what, make))
 
-    def _export(self, what: str, make: Make, session: Session) -> None:
-        if not self._busy.acquire(blocking=False):
-            session.notify("One at a time", "The last export is still being made.")
-            return
+def export(what: str, make: Callable[[State], exports.File]) -> Run:
+    """Return the effect of a button that exports something of the newest state."""
+    return session_export(what, lambda session: make(session.state))
+
+
+def _export(what: str, make: Make, session: Session) -> None:
+    if not session.exporting.acquire(blocking=False):
+        session.notify("One at a time", "The last export is still being made.")
+        return
+    try:
+        notice = session.client.add_notification(
+            f"Exporting {what} …", "", loading=True, with_close_button=False
+        )
         try:
-            notice = session.client.add_notification(
-                f"Exporting {what} …", "", loading=True, with_close_button=False
-            )
-            try:
-                file = make(session)
-                session.client.send_file_download(file.name, file.content, save_immediately=True)
-                session.notify("Exported", f"{file.name}, {_size_of(len(file.content))}")
-            except PaminsaError as error:
-                session.notify("Not exported", str(error), bad=True)
-            except Exception:
-                log.exception("an export failed")
-                session.notify("Not exported", "Details are in the program's log.", bad=True)
-            finally:
-                notice.remove()
+            file = make(session)
+            session.client.send_file_download(file.name, file.content, save_immediately=True)
+            session.notify("Exported", f"{file.name}, {_size_of(len(file.content))}")
+        except PaminsaError as error:
+            session.notify("Not exported", str(error), bad=True)
+        except Exception:
+            log.exception("an export failed")
+            session.notify("Not exported", "Details are in the program's log.", bad=True)
         finally:
-            self._busy.release()
+            notice.remove()
+    finally:
+        session.exporting.release()
 
 
 def light_view(session: Session, legend: Legend) -> exports.File:
@@ -86,20 +88,13 @@ def light_view(session: Session, legend: Legend) -> exports.File:
 
 
 def export_entries(
-    store: MapStore,
-    legend: Callable[[], Legend] = lambda: NO_LEGEND,
-    clipboard: Clipboard | None = None,
+    store: MapStore, legend: Callable[[], Legend] = lambda: NO_LEGEND
 ) -> Sequence[Entry]:
     """Return the entries of the tab; maps come from the store, and pictures have the legend.
 
-    Tables are copied where there is a clipboard.
-
     Everything is made of the newest state, at full resolution, and says design and pose inside.
     """
-    exporter, recorder = Exporter(), Recorder()
-
-    def export(what: str, make: Callable[[State], exports.File]) -> Run:
-        return exporter.run(what, lambda session: make(session.state))
+    recorder = Recorder()
 
     def choices(
         what: str, labels: Mapping[str, str], make: Callable[..., exports.File]
@@ -109,12 +104,10 @@ def export_entries(
             for kind, label in labels.items()
         }
 
-    def copied(what: str, make: Callable[[State], DataTable]) -> dict[str, Run]:
-        return {} if clipboard is None else {"Copy": clipboard.run(what, make)}
-
     figures = {name: each.label for name, each in FIGURE_FORMATS.items()}
     tables = {name: name.upper() for name in TABLE_FORMATS}
     return (
+        COPIED,
         Html("export.maps_heading", content=_maps_heading),
         Dropdown(
             "export.single", "maps",
@@ -140,7 +133,7 @@ def export_entries(
         ButtonGroup(
             "export.table", "data",
             choices=choices("data", tables, partial(exports.table, store=store))
-            | copied("Maps", partial(exports.maps_table, store=store)),
+            | {"Copy": copy_run("Maps", partial(exports.maps_table, store=store))},
             hint="SI units, with every number of the design; Copy: for a spreadsheet",
         ),
         Html(
@@ -158,7 +151,7 @@ def export_entries(
         ButtonGroup(
             "export.scene", "export",
             choices={
-                "View as PNG": exporter.run(
+                "View as PNG": session_export(
                     "the 3D view as PNG",
                     lambda session: light_view(session, legend()),
                 ),
@@ -203,14 +196,14 @@ def export_entries(
         ButtonGroup(
             "export.series", "data",
             choices=choices("data", tables, exports.motion_table)
-            | copied("Motion", lambda state: exports.motion_series(state)[1])
+            | {"Copy": copy_run("Motion", lambda state: exports.motion_series(state)[1])}
             | {"HTML page": export("a page that plays the motion", exports.motion_page)},
             hint="All numbers over time in SI units, or a page that plays the motion by itself",
         ),
         ButtonGroup(
             "export.record", "picture",
             choices={
-                each.label: exporter.run(
+                each.label: session_export(
                     f"the motion as {each.label}",
                     lambda session, kind=kind: recorder.record(session, kind, legend()),
                 )

@@ -11,7 +11,7 @@ from viser import Icon
 from paminsa_viz import __version__
 from paminsa_viz.explorer import actions, persistence
 from paminsa_viz.explorer.browser.tour import START
-from paminsa_viz.explorer.entries import Button, Folder, Html, Run, Upload
+from paminsa_viz.explorer.entries import Button, Folder, Html, Message, Run, Upload
 from paminsa_viz.explorer.examples import EXAMPLES, open_example
 from paminsa_viz.explorer.inputs import TextBox
 from paminsa_viz.explorer.panels import render
@@ -91,6 +91,7 @@ FILE = (
         "file.name", "Design name", hint="Is part of files, figures and tables",
         read=lambda state: state.document.design.name, apply=actions.rename,
     ),
+    Message(EXAMPLE, receive=receive_example),
     Folder("file.examples", "Examples", entries=(Html("file.gallery", content=gallery_html()),)),
     Folder(
         "file.design", "Design file",

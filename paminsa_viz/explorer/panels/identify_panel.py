@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import io
 from functools import partial
-from typing import Any
 
 from viser import Icon
 
-from paminsa_viz.explorer import exports
 from paminsa_viz.explorer import identify_actions as actions
 from paminsa_viz.explorer.background import is_running, task_entries
 from paminsa_viz.explorer.entries import (
@@ -20,9 +18,9 @@ from paminsa_viz.explorer.entries import (
     Entry,
     Folder,
     Html,
-    Run,
     Upload,
 )
+from paminsa_viz.explorer.exports import excitation_csv, identification_table
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.identifying import (
     IdentifySettings,
@@ -32,7 +30,7 @@ from paminsa_viz.explorer.identifying import (
 )
 from paminsa_viz.explorer.inputs import Dropdown, attribute
 from paminsa_viz.explorer.panels import identify_text as text
-from paminsa_viz.explorer.panels.export_panel import Exporter
+from paminsa_viz.explorer.panels.export_panel import export
 from paminsa_viz.explorer.panels.motion_chart import LOWEST, MotionChart
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.setting_inputs import SettingInputs
@@ -111,89 +109,82 @@ def _upload(place: str, label: str, hint: str) -> Upload:
     )  # fmt: skip
 
 
-def identify_entries() -> tuple[Entry, ...]:
-    """Return the entries of the tab."""
-    exporter, table = Exporter(), exports.identification_table
-
-    def export(what: str, make: Any, **options: str) -> Run:
-        return exporter.run(what, lambda session: make(session.state, **options))
-
-    return (
-        Html("identify.logs", content=text.logs_html, idle=True),
-        _upload("log", "Open a log…", "Positions and torques of the built robot over time"),
-        ButtonGroup("identify.examples", "Logs", choices=_log_choices),
-        Folder(
-            "identify.more", "More logs and settings", open=False,
-            entries=(
-                _upload("other", "Second log…", "On another motion: validates the first"),
-                _upload("loaded", "Log with payload…", "Gives the payload, or a common gain"),
-                *map(_setting, ("payload", "cut_off", "gains", "split")),
-                *map(_setting, ("delay", "legs", "rotors", "constrain")),
+IDENTIFY: tuple[Entry, ...] = (
+    Html("identify.logs", content=text.logs_html, idle=True),
+    _upload("log", "Open a log…", "Positions and torques of the built robot over time"),
+    ButtonGroup("identify.examples", "Logs", choices=_log_choices),
+    Folder(
+        "identify.more", "More logs and settings", open=False,
+        entries=(
+            _upload("other", "Second log…", "On another motion: validates the first"),
+            _upload("loaded", "Log with payload…", "Gives the payload, or a common gain"),
+            *map(_setting, ("payload", "cut_off", "gains", "split")),
+            *map(_setting, ("delay", "legs", "rotors", "constrain")),
+        ),
+    ),
+    Button(
+        "identify.run", "Identify", icon=Icon.ZOOM_CHECK, effect=actions.identify, undo=False,
+        visible=lambda state: state.identifying.log is not None,
+        disabled=is_running("identifying"),
+        hint="Fit the log again, with these settings and this design’s lengths",
+    ),
+    BackgroundJob("identifying", find=identify_logs),
+    Html("identify.status", content=text.status_html),
+    Folder(
+        "identify.found", visible=_found,
+        entries=(
+            Dropdown(
+                "identify.actuator", "Actuator",
+                options={name: j for j, name in enumerate(ACTUATORS)},
+                **attribute("identifying.actuator"),
+            ),
+            Custom("identify.charts", make=_Charts),
+            Html("identify.numbers", content=text.numbers_html, idle=True),
+            Html("identify.checks", content=text.checks_html, idle=True),
+            Html("identify.causes", content=text.causes_html, idle=True),
+            ButtonGroup(
+                "identify.use", "Use",
+                choices={
+                    "Use as design": actions.use_design,
+                    "Play the log": actions.use_log_motion,
+                },
+                hint="The nearest masses and the friction; or the log’s motion in the scene",
+            ),
+            ButtonGroup(
+                "identify.export", "Export",
+                choices={
+                    label: export(f"the {label.lower()}", partial(identification_table, kind=kind))
+                    for label, kind in (("Numbers", "parameters"), ("Residuals", "residuals"))
+                },
+                hint="CSV files",
+            ),
+            Folder(
+                "identify.masses", "Nearest masses", open=False,
+                entries=(Html("identify.masses.list", content=text.masses_html, idle=True),),
             ),
         ),
-        Button(
-            "identify.run", "Identify", icon=Icon.ZOOM_CHECK, effect=actions.identify, undo=False,
-            visible=lambda state: state.identifying.log is not None,
-            disabled=is_running("identifying"),
-            hint="Fit the log again, with these settings and this design’s lengths",
-        ),
-        BackgroundJob("identifying", find=identify_logs),
-        Html("identify.status", content=text.status_html),
-        Folder(
-            "identify.found", visible=_found,
-            entries=(
-                Dropdown(
-                    "identify.actuator", "Actuator",
-                    options={name: j for j, name in enumerate(ACTUATORS)},
-                    **attribute("identifying.actuator"),
-                ),
-                Custom("identify.charts", make=_Charts),
-                Html("identify.numbers", content=text.numbers_html, idle=True),
-                Html("identify.checks", content=text.checks_html, idle=True),
-                Html("identify.causes", content=text.causes_html, idle=True),
-                ButtonGroup(
-                    "identify.use", "Use",
-                    choices={
-                        "Use as design": actions.use_design,
-                        "Play the log": actions.use_log_motion,
-                    },
-                    hint="The nearest masses and the friction; or the log’s motion in the scene",
-                ),
-                ButtonGroup(
-                    "identify.export", "Export",
-                    choices={
-                        "Numbers": export("the numbers", table, kind="parameters"),
-                        "Residuals": export("the residuals", table, kind="residuals"),
-                    },
-                    hint="CSV files",
-                ),
-                Folder(
-                    "identify.masses", "Nearest masses", open=False,
-                    entries=(Html("identify.masses.list", content=text.masses_html, idle=True),),
+    ),
+    Folder(
+        "identify.excitation", "Motion for a log",
+        entries=(
+            *map(_setting, ("period", "harmonics", "seconds")),
+            *task_entries(
+                "identifying.excitation",
+                Button(
+                    "identify.search", "Find the best motion", icon=Icon.WAVE_SINE,
+                    effect=actions.search, undo=False,
+                    hint="A D-optimal multi-sine within the drives’ limits and κ ≤ 5",
                 ),
             ),
-        ),
-        Folder(
-            "identify.excitation", "Motion for a log",
-            entries=(
-                *map(_setting, ("period", "harmonics", "seconds")),
-                *task_entries(
-                    "identifying.excitation",
-                    Button(
-                        "identify.search", "Find the best motion", icon=Icon.WAVE_SINE,
-                        effect=actions.search, undo=False,
-                        hint="A D-optimal multi-sine within the drives’ limits and κ ≤ 5",
-                    ),
-                ),
-                BackgroundJob("identifying.excitation", find=search_excitation),
-                Html("identify.excited", content=text.excitation_html, idle=True),
-                ButtonGroup(
-                    "identify.motion", "Motion", visible=_has_motion,
-                    choices={
-                        "Use as motion": actions.use_excitation,
-                        "Export CSV": export("the motion", exports.excitation_csv),
-                    },
-                ),
+            BackgroundJob("identifying.excitation", find=search_excitation),
+            Html("identify.excited", content=text.excitation_html, idle=True),
+            ButtonGroup(
+                "identify.motion", "Motion", visible=_has_motion,
+                choices={
+                    "Use as motion": actions.use_excitation,
+                    "Export CSV": export("the motion", excitation_csv),
+                },
             ),
         ),
-    )  # fmt: skip
+    ),
+)  # fmt: skip

@@ -84,7 +84,7 @@ def curves_figure(state: State) -> Tree:
         for leg, color in enumerate(LEG_COLORS)
     ]  # fmt: skip
     shown = figure(
-        data, "t [s]", f"F {JOINTS[index].label} [N]", legend=LAYOUT["legend"] | {"y": 0}
+        data, "t [s]", f"F at {JOINTS[index].name} [N]", legend=LAYOUT["legend"] | {"y": 0}
     )
     shown["layout"]["yaxis"]["rangemode"] = "tozero"
     return shown

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -25,7 +24,7 @@ from paminsa_viz.explorer.loads import (
     sideways_at,
 )
 from paminsa_viz.explorer.panels import note, render
-from paminsa_viz.explorer.panels.export_panel import Exporter
+from paminsa_viz.explorer.panels.export_panel import export
 from paminsa_viz.explorer.panels.loads_chart import (
     curves_figure,
     curves_key,
@@ -131,13 +130,10 @@ TABLES = {
 """Names of files by what the buttons say; the first two are of the pose, others of the motion."""
 
 
-def files(exporter: Exporter, state: State) -> dict[str, Effect]:
+def files(state: State) -> dict[str, Effect]:
     """Return the buttons of the tables."""
     count = 2 if found(state) is None else 4
-    return {
-        name: exporter.run("loads", lambda session, name=name: file(session.state, name))
-        for name in list(TABLES)[:count]
-    }
+    return {name: export("loads", partial(file, name=name)) for name in list(TABLES)[:count]}
 
 
 def file(state: State, name: str) -> exports.File:
@@ -181,32 +177,29 @@ def _percent(share: float) -> str:
 
 _setting = SettingInputs("loads", "loads", LoadsState)
 
-
-def loads_entries() -> Sequence[Entry]:
-    """Return the entries of the tab."""
-    return (
-        Html("loads.intro", content=intro, idle=True),
-        _setting("leg"),
-        Html("loads.joints", content=joints, idle=True),
-        Html("loads.bars", content=bars, idle=True),
-        _setting("bar"),
-        Custom(
-            "loads.sections",
-            make=partial(PlotlyChart, key=section_key, figure=section_figure, aspect=0.85),
-        ),
-        _setting("along"),
-        BackgroundJob(
-            "loads.outcome", find=find_loads, idle=True,
-            wanted=lambda frame: frame.analysis if frame.state.loads.along else None,
-        ),
-        Html("loads.motion", content=motion, idle=True),
-        _setting("joint", visible=lambda state: found(state) is not None),
-        Custom(
-            "loads.curves",
-            make=partial(PlotlyChart, key=curves_key, figure=curves_figure, aspect=0.55),
-        ),
-        ButtonGroup(
-            "loads.files", "CSV", choices=partial(files, Exporter()),
-            hint="Tables: joints and the bar at this pose; bearings and all samples of the motion",
-        ),
-    )  # fmt: skip
+LOADS: tuple[Entry, ...] = (
+    Html("loads.intro", content=intro, idle=True),
+    _setting("leg"),
+    Html("loads.joints", content=joints, idle=True),
+    Html("loads.bars", content=bars, idle=True),
+    _setting("bar"),
+    Custom(
+        "loads.sections",
+        make=partial(PlotlyChart, key=section_key, figure=section_figure, aspect=0.85),
+    ),
+    _setting("along"),
+    BackgroundJob(
+        "loads.outcome", find=find_loads, idle=True,
+        wanted=lambda frame: frame.analysis if frame.state.loads.along else None,
+    ),
+    Html("loads.motion", content=motion, idle=True),
+    _setting("joint", visible=lambda state: found(state) is not None),
+    Custom(
+        "loads.curves",
+        make=partial(PlotlyChart, key=curves_key, figure=curves_figure, aspect=0.55),
+    ),
+    ButtonGroup(
+        "loads.files", "CSV", choices=files,
+        hint="Tables: joints and the bar at this pose; bearings and all samples of the motion",
+    ),
+)  # fmt: skip

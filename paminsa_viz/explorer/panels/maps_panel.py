@@ -11,12 +11,11 @@ import viser
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.browser.bridge import Bridge, Slots
-from paminsa_viz.explorer.copying import Clipboard
+from paminsa_viz.explorer.browser.bridge import Slots, finite
 from paminsa_viz.explorer.docks import left_dock
 from paminsa_viz.explorer.entries import Button, Entry
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Pair, attribute, finite
+from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Pair, attribute
 from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.explorer.motion.points import click_map
 from paminsa_viz.explorer.panels import motion_points
@@ -231,14 +230,15 @@ class MapsPanel:
 
     Attributes:
         store: Where the maps come from; the floor map can share it.
+        legend: Legend of the 3D view, which pictures of it have too.
     """
 
-    def __init__(self, session: Session, bridge: Bridge, legend: SceneLegend) -> None:
+    def __init__(self, session: Session) -> None:
         client = session.client
         self._session = session
-        self.store = MapStore()
+        self.store, self.legend = MapStore(), SceneLegend(session.bridge)
         width, folded = left_dock(session.state, session.window)
-        slots = Slots(session, bridge, {TORQUE_SLOT: width, SINGLE_SLOT: 0, MOTION_SLOT: 0})
+        slots = Slots(session, {TORQUE_SLOT: width, SINGLE_SLOT: 0, MOTION_SLOT: 0})
         panel = client.gui.add_panel()
         with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):
             self._torques = MapPicture(
@@ -253,17 +253,15 @@ class MapsPanel:
             self._single_inputs = Panel(session, single_entries("single map", self._single))
         motion_tab = panel.add_tab("Motion plots", viser.Icon.CHART_LINE)
         with motion_tab:
-            self.motion = MotionPlots(session, bridge, slots, motion_tab)
+            self.motion = MotionPlots(session, slots, motion_tab)
         with panel.add_tab("Export", viser.Icon.DOWNLOAD):
-            clipboard = Clipboard(session, bridge)
-            entries = export_entries(self.store, lambda: legend.shown, clipboard)
-            self.export = Panel(session, entries)
+            self.export = Panel(session, export_entries(self.store, lambda: self.legend.shown))
         panel.dock_left()
         panel.set_width(width)
         if folded:
             panel.minimize()
-        bridge.on("click", self._click)
-        bridge.on(motion_points.DRAW, partial(motion_points.receive_switch, session))
+        session.bridge.on("click", self._click)
+        session.bridge.on(motion_points.DRAW, partial(motion_points.receive_switch, session))
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw the maps that are seen, and what the inputs show: the ranges of the pictures."""

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.inputs import finite
+from paminsa_viz.explorer.browser.bridge import Bridge, finite
 from paminsa_viz.palette import LIGHT, Theme
 from paminsa_viz.plots.series_uplot import (
     Chart,

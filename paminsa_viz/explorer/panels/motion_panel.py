@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 from viser import Icon
 
 from paminsa_viz.clearance import clearance_reason
 from paminsa_viz.explorer import clearing
 from paminsa_viz.explorer.background import is_running
-from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.entries import BackgroundJob, Button, Entry, Folder, Html
+from paminsa_viz.explorer.entries import BackgroundJob, Button, Entry, Folder, Html, Message
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Slider, attribute
 from paminsa_viz.explorer.motion import actions as motions
@@ -22,7 +18,6 @@ from paminsa_viz.explorer.panels import motion_points, note, render, status
 from paminsa_viz.explorer.panels.crossing_text import chart_html, crossing_html
 from paminsa_viz.explorer.panels.motion_description import DESCRIPTION
 from paminsa_viz.explorer.scene.path import hue_gradient, path_scale
-from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.state import State
 from paminsa_viz.trajectory import ControlMode, TrajectoryAnalysis
@@ -165,6 +160,7 @@ SIMULATION: tuple[Entry, ...] = (
 
 
 MOTION: tuple[Entry, ...] = (
+    Message(motion_points.SELECT, receive=motion_points.receive_row),
     Html("playback.mark", content=render("mark.j2", name="paminsa-playback")),
     Html("motion.status", content=status_html),
     *PLAYBACK,
@@ -192,11 +188,3 @@ MOTION: tuple[Entry, ...] = (
     Folder("motion.simulation", "Simulation", open=False, entries=SIMULATION),
 )  # fmt: skip
 """Status and playback, the motion, its duration, its path, and its simulation."""
-
-
-class MotionPanel(Panel):
-    """The entries of the tab, and presses on its list of poses."""
-
-    def __init__(self, session: Session, bridge: Bridge) -> None:
-        super().__init__(session, MOTION)
-        bridge.on(motion_points.SELECT, partial(motion_points.receive_row, session))

@@ -9,7 +9,7 @@ import numpy as np
 
 from paminsa_viz.engines import why_missing
 from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.browser.bridge import Bridge, Slots, marker
+from paminsa_viz.explorer.browser.bridge import Slots, marker
 from paminsa_viz.explorer.entries import BackgroundJob
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, attribute
@@ -93,10 +93,10 @@ class MotionPlots:
         inputs: What they show.
     """
 
-    def __init__(self, session: Session, bridge: Bridge, slots: Slots, container: Any) -> None:
+    def __init__(self, session: Session, slots: Slots, container: Any) -> None:
         gui = session.client.gui
         self._slots = slots
-        self._cursor = TimeCursor(bridge, lambda time: _scrub(session, time))
+        self._cursor = TimeCursor(session.bridge, lambda time: _scrub(session, time))
         gui.add_html(marker(PLACE), order=0)
         height = session.window[1]
         self.charts = tuple(MotionChart(gui, container, order, height) for order in (1.0, 2.0))

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.browser.bridge import finite
+from paminsa_viz.explorer.entries import Message
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import finite
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model.arrays import Array
@@ -163,16 +163,17 @@ def nearest_point(data: Any, points: Array, *others: Any) -> int | None:
     return nearest if distance[nearest] <= FARTHEST_CLICK else None
 
 
-def follow_clicks(
-    session: Session, bridge: Bridge, chart: str, key: str, choose: Callable[..., State]
-) -> None:
-    """Dispatch an action whenever a chart (the ``meta`` of its layout) is clicked on the page.
+def chart_clicks(chart: str, key: str, choose: Callable[..., State]) -> Message:
+    """Return what dispatches an action whenever a chart is clicked on the page.
 
-    ``choose`` is the action; its ``data`` comes from the page.
+    Args:
+        chart: The ``meta`` of its layout.
+        key: Source of the action.
+        choose: The action; its ``data`` comes from the page.
     """
 
-    def click(data: Any) -> None:
+    def click(session: Session, data: Any) -> None:
         if isinstance(data, dict) and data.get("title") == chart:
             session.dispatch(key, partial(choose, data=data))
 
-    bridge.on("click", click)
+    return Message("click", receive=click)

@@ -6,8 +6,6 @@ from functools import partial
 from typing import Any
 
 from paminsa_viz.explorer import actions as poses
-from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.entries import (
     BackgroundJob,
     ButtonGroup,
@@ -15,6 +13,7 @@ from paminsa_viz.explorer.entries import (
     Effect,
     Folder,
     Html,
+    Message,
 )
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, Pair, attribute
 from paminsa_viz.explorer.panels import requirements_text as text
@@ -148,7 +147,31 @@ WORKSPACE = (
 )  # fmt: skip
 
 
+def _select(session: Session, data: Any) -> None:
+    """Edit the requirement that was clicked; ``data`` comes from the page."""
+    if isinstance(data, str) and data.isascii() and data.isdecimal() and len(data) < 4:
+        action = partial(actions.select, index=int(data))
+        session.dispatch("requirements.selected", action, step=False)
+
+
+def _go(session: Session, data: Any) -> None:
+    """Go to a worst pose; ``data`` comes from the page."""
+    if isinstance(data, str):
+        session.dispatch("requirements.worst", partial(go_to_worst, place=data))
+
+
+def go_to_worst(state: State, place: str) -> State:
+    """Go to the pose where a requirement is nearest to its bound, or most beyond it."""
+    pose = text.worst_pose(state, place)
+    if pose is None:
+        return state
+    x, y, theta, z = pose
+    return poses.move(state, x=x, y=y, theta=theta, z=z)
+
+
 REQUIREMENTS = (
+    Message("requirement", receive=_select),
+    Message("worst pose", receive=_go),
     Html("requirements.list", content=text.list_html),
     ButtonGroup("requirements.buttons", "", choices=_buttons),
     Folder("requirements.edit", "Edit", entries=EDIT, visible=has_selected),
@@ -176,32 +199,3 @@ REQUIREMENTS = (
         for name, fine in (("quick", False), ("fine", True))
     ),
 )  # fmt: skip
-
-
-class RequirementsPanel(Panel):
-    """The entries above, and clicks on their texts."""
-
-    def __init__(self, session: Session, bridge: Bridge) -> None:
-        super().__init__(session, REQUIREMENTS)
-        bridge.on("requirement", self._select)
-        bridge.on("worst pose", self._go)
-
-    def _select(self, data: Any) -> None:
-        """Edit the requirement that was clicked; ``data`` comes from the page."""
-        if isinstance(data, str) and data.isascii() and data.isdecimal() and len(data) < 4:
-            action = partial(actions.select, index=int(data))
-            self._session.dispatch("requirements.selected", action, step=False)
-
-    def _go(self, data: Any) -> None:
-        """Go to a worst pose; ``data`` comes from the page."""
-        if isinstance(data, str):
-            self._session.dispatch("requirements.worst", partial(go_to_worst, place=data))
-
-
-def go_to_worst(state: State, place: str) -> State:
-    """Go to the pose where a requirement is nearest to its bound, or most beyond it."""
-    pose = text.worst_pose(state, place)
-    if pose is None:
-        return state
-    x, y, theta, z = pose
-    return poses.move(state, x=x, y=y, theta=theta, z=z)

@@ -9,8 +9,6 @@ from typing import Any
 from viser import Icon
 
 from paminsa_viz.explorer.background import task_entries
-from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.entries import BackgroundJob, Button, Custom, Folder, Html
 from paminsa_viz.explorer.inputs import Pair, Slider
 from paminsa_viz.explorer.panels import synthesize_text as text
@@ -20,8 +18,7 @@ from paminsa_viz.explorer.panels.design_front import (
     front_figure,
     front_key,
 )
-from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart, follow_clicks
-from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart, chart_clicks
 from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.settings import MILLIMETERS, PLAIN
 from paminsa_viz.explorer.state import State
@@ -87,7 +84,14 @@ _START, _PROGRESS, _STOP = task_entries(
     ),
 )  # fmt: skip
 
+
+def _click(state: State, data: Any) -> State:
+    index = clicked_point(data, state)
+    return state if index is None else actions.choose_point(state, index)
+
+
 SYNTHESIZE = (
+    chart_clicks(DESIGN_FRONT, "synthesize.point", _click),
     Html("synthesize.intro", content=text.intro_html),
     _setting(
         "objective",
@@ -140,16 +144,3 @@ SYNTHESIZE = (
     BackgroundJob("synthesizing", find=search, receive=actions.receive),
     BackgroundJob("synthesizing.prices", find=find_prices),
 )  # fmt: skip
-
-
-class SynthesizePanel(Panel):
-    """The entries above, and clicks on the front."""
-
-    def __init__(self, session: Session, bridge: Bridge) -> None:
-        super().__init__(session, SYNTHESIZE)
-        follow_clicks(session, bridge, DESIGN_FRONT, "synthesize.point", _click)
-
-
-def _click(state: State, data: Any) -> State:
-    index = clicked_point(data, state)
-    return state if index is None else actions.choose_point(state, index)
