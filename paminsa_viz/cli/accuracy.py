@@ -8,7 +8,6 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, RegionFlags
 from paminsa_viz.cli.output import pose_text, print_blocks, print_json
@@ -133,7 +132,6 @@ def _data(design: Design, here: DriveErrors, region: Region, over: RegionErrors)
     bound, leg = Bound(int(here.bound)), int(here.leg)
     names = ("median", "p95", "largest")
     return {
-        "made_by": f"paminsa_viz {__version__}",
         "design": design.name,
         "half_widths": dict(zip(ACTUATORS, design.accuracy.half_widths, strict=True)),
         "deviations": dict(zip(ACTUATORS, design.accuracy.deviations, strict=True)),

@@ -186,7 +186,6 @@ def _data(found: Calibration, source: str) -> dict[str, Any]:
 
     deviations = deviation_array(found.design).ravel()
     return {
-        "made_by": f"paminsa_viz {__version__}",
         "design": found.start.name,
         "log": source,
         "improved": found.improved,

@@ -10,7 +10,6 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.clearance import Clearance, PairGroup, clearance
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
@@ -168,7 +167,6 @@ def _data(
         }
 
     data = {
-        "made_by": f"paminsa_viz {__version__}",
         "design": design.name,
         "pose": list(pose),
         "required_m": required,

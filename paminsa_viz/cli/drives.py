@@ -144,7 +144,6 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
         self, design: Design, catalog: Catalog, found: Selection, advice: list[str]
     ) -> dict[str, Any]:
         return {
-            "made_by": f"paminsa_viz {__version__}",
             "design": design.name,
             "catalog": catalog.name,
             "motions": [

@@ -10,7 +10,6 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.actuation import actuator_limits
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
@@ -127,7 +126,6 @@ class Excite(JsonFlags, DesignFlags):
 
     def _data(self, design: Design, found: Excitation) -> dict[str, Any]:
         return {
-            "made_by": f"paminsa_viz {__version__}",
             "design": design.name,
             "period_s": found.settings.period,
             "harmonics": found.settings.harmonics,

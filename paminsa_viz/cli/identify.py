@@ -11,7 +11,6 @@ from typing import Annotated, Any
 
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Pose, pose_si
 from paminsa_viz.cli.output import print_blocks, print_json, print_written
@@ -135,7 +134,6 @@ def _data(found: Findings, written: Sequence[Path]) -> dict[str, Any]:
     """Return everything as data for JSON, in SI units."""
     one, check = found.identification, found.validation
     return {
-        "made_by": f"paminsa_viz {__version__}",
         "design": one.design.name,
         "log": {
             "name": one.log.name, "rows": len(one.log.t), "rate_Hz": one.log.rate,

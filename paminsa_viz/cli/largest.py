@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import JsonFlags
 from paminsa_viz.cli.output import ascii_numbers, pose_text, print_blocks, print_json
@@ -45,7 +44,7 @@ class Prove(JsonFlags, RequirementFlags):
             raise UsageError("--center: a proof needs three numbers; 'largest' finds a center")
         proof = prove(design, requirements, time_limit=self.time)
         if self.json:
-            print_json({"design": design.name, "made_by": _made_by(), **_proof_data(proof)})
+            print_json({"design": design.name, **_proof_data(proof)})
         else:
             print(f"{design.name}, {_place(requirements)}: {verdict_text(proof)}")
             print_blocks([evidence_table(proof, requirement_text)])
@@ -132,10 +131,6 @@ def _cause(found: LargestWorkspace) -> str:
     return f": {name}" + ("" if found.pose is None else f" breaks at {pose_text(found.pose)}")
 
 
-def _made_by() -> str:
-    return f"paminsa_viz {__version__}"
-
-
 def _proof_data(proof: Proof) -> dict[str, Any]:
     """Return a proof for other programs, in SI units."""
     region = proof.region
@@ -169,7 +164,6 @@ def _text(item: Evidence) -> str:
 
 def _largest_data(design: Design, found: LargestWorkspace) -> dict[str, Any]:
     return {
-        "made_by": _made_by(),
         "design": design.name,
         "found": found.workspace is not None,
         "gap_m": found.gap,

@@ -9,7 +9,6 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PoseFlags, check_output
 from paminsa_viz.cli.output import pose_text, print_blocks, print_error, print_json, print_written
@@ -136,7 +135,6 @@ def _pose_data(
 ) -> dict[str, Any]:
     use = utilization(forces)
     return {
-        "made_by": f"paminsa_viz {__version__}",
         "design": design.name,
         "pose": pose.tolist(),
         "torque": forces.torque.tolist(),
@@ -170,7 +168,6 @@ def _pose_data(
 def _motion_data(found: MotionLoads) -> dict[str, Any]:
     use = found.utilization.max(axis=0)
     return {
-        "made_by": f"paminsa_viz {__version__}",
         "design": found.design.name,
         "trajectory": found.trajectory.name,
         "legs": [

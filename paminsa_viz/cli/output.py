@@ -6,7 +6,9 @@ import json
 import re
 import sys
 from collections.abc import Iterable, Sequence
+from typing import Any
 
+from paminsa_viz import __version__
 from paminsa_viz.cli import PROGRAM
 from paminsa_viz.report.blocks import Block, Note, Table
 from paminsa_viz.units import NONE, format_ascii
@@ -23,9 +25,16 @@ def print_written(paths: Iterable[object]) -> None:
         print(f"{path}: written")
 
 
-def print_json(value: object) -> None:
-    """Print a value as JSON; a number that is not finite becomes null."""
-    print(json.dumps(_finite(value), indent=2, ensure_ascii=False, allow_nan=False))
+def print_json(facts: dict[str, Any], *, signed: bool = True) -> None:
+    """Print facts as JSON; a number that is not finite becomes null.
+
+    Args:
+        facts: What a command found.
+        signed: Whether the program that found them is named first.
+    """
+    made_by = {"made_by": f"paminsa_viz {__version__}"} if signed else {}
+    text = json.dumps(_finite(made_by | facts), indent=2, ensure_ascii=False, allow_nan=False)
+    print(text)
 
 
 def print_blocks(blocks: Iterable[Block]) -> None:

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import JsonFlags, check_output
 from paminsa_viz.cli.largest import Largest, Prove
@@ -113,7 +112,8 @@ class Quantities(JsonFlags):
                 {
                     entry.key: {"symbol": entry.symbol, "unit": entry.unit, "title": entry.title}
                     for entry in QUANTITIES.values()
-                }
+                },
+                signed=False,
             )
             return 0
         rows = [("quantity", "unit", "")]
@@ -136,7 +136,6 @@ def _data(
     """Return the check for other programs, in SI units."""
     bounds = requirements.bounds
     data: dict[str, Any] = {
-        "made_by": f"paminsa_viz {__version__}",
         "design": design.name,
         "holds": found.holds,
         "over": found.over.name.lower(),

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
 from paminsa_viz.cli.output import pose_text, print_blocks, print_json, print_table
@@ -116,7 +115,6 @@ def _data(design: Design, found: PlatformStiffness, *, shear: bool) -> dict[str,
     axes, directions = found.ellipsoid()
     alone = drive_stiffness(design, found.pose)
     return {
-        "made_by": f"paminsa_viz {__version__}",
         "design": design.name,
         "pose": found.pose.tolist(),
         "shear": shear,

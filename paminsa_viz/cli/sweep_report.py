@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from paminsa_viz import __version__
 from paminsa_viz.cli.output import print_table
 from paminsa_viz.studies import StudySummary
 from paminsa_viz.studies.metrics import RUNS
@@ -50,7 +49,6 @@ def report(path: Path, summary: StudySummary, seconds: float) -> dict[str, Any]:
     """Return what the table holds as data for JSON, in SI units."""
     study, motion = summary.study, summary.study.trajectory
     return {
-        "made_by": f"paminsa_viz {__version__}",
         "file": str(path),
         "design": study.design.name,
         "assembly": study.design.geometry.knee.value,

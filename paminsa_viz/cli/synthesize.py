@@ -209,7 +209,6 @@ def _data(result: SynthesisResult, seconds: float) -> dict[str, Any]:
     """Return the answer as data for JSON, in SI units."""
     case = result.case
     return {
-        "made_by": f"paminsa_viz {__version__}",
         "case": case.name,
         "feasible": result.feasible,
         "objective": {"key": case.objective, "value": result.objective},

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz import __version__
 from paminsa_viz.cli import command_module
 from paminsa_viz.cli.output import print_blocks, print_error, print_written
 from paminsa_viz.errors import PaminsaError
@@ -74,7 +73,6 @@ def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
     t = analysis.trajectory
     quickest = results.quickest
     return {
-        "made_by": f"paminsa_viz {__version__}",
         "design": analysis.design.name,
         "assembly": analysis.solved.geometry.knee.value,
         "trajectory": {

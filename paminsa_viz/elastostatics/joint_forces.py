@@ -55,6 +55,11 @@ class LegJoint(NamedTuple):
     by: str
     turning: bool = True
 
+    @property
+    def name(self) -> str:
+        """The label, with the word where it is a number: ``joint 2``, ``guide``."""
+        return f"joint {self.label}" if self.key[0].isdigit() else self.label
+
 
 JOINTS: tuple[LegJoint, ...] = (
     LegJoint("m", "M_k", "B10", "base"),

@@ -50,7 +50,7 @@ class LoadsState:
     )  # fmt: skip
     joint: str = setting(
         "2", "Joint", "Whose force is plotted, of all legs",
-        options={f"joint {j.label}" if j.key[0].isdigit() else j.label: j.key for j in JOINTS},
+        options={joint.name: joint.key for joint in JOINTS},
     )  # fmt: skip
     along: bool = setting(
         False, "Along the motion",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -51,7 +52,11 @@ def test_numbers_causes_checks_and_masses_are_told(found: State) -> None:
     assert numbers.count("pv-unknown") == len(found.identifying.result.identification.unknown)  # type: ignore[union-attr]
     assert "unknown" in numbers
     assert "holds" in numbers
-    assert "Nothing in the log contradicts" in identify_text.causes_html(frame)
+    causes = identify_text.causes_html(frame)
+    assert "Nothing in the log contradicts" in causes
+    assert "N·m/rad" in causes
+    assert " mm</td>" in causes
+    assert not re.search(r"N m|\w_\w", re.sub("<[^>]*>", "", causes))
     assert "Payload" in identify_text.checks_html(frame)
     assert "pv-unknown" in identify_text.masses_html(frame)
     assert "example_log_payload" in identify_text.logs_html(frame)

@@ -86,7 +86,9 @@ def test_the_motion_table_is_of_the_current_motion() -> None:
     text = tab.motion(frame)
     assert number(float(loads.peak[0, 8]), 3) in text
     assert number(float(loads.equivalent[0, 8]), 3) in text
-    assert len(chart.curves_figure(*known(chart.shown_curves(state)))["data"]) == 3
+    figure = chart.curves_figure(*known(chart.shown_curves(state)))
+    assert len(figure["data"]) == 3
+    assert figure["layout"]["yaxis"]["title"]["text"] == "F at joint 2 [N]"
     heavier = actions.vary(state, {"payload.mass": 2.0})
     assert "Computing" in tab.motion(compute(heavier))
     assert chart.shown_curves(heavier) is None

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from paminsa_viz import __version__
 from paminsa_viz.cli import main
 
 
@@ -17,10 +18,16 @@ def run(command: str, capsys, *words: str) -> tuple[int, str, str]:
 
 
 def run_json(command: str, capsys, *words: str) -> Any:
-    """Run a command with ``--json``; check that it succeeds silently, and return its result."""
+    """Run a command with ``--json``; check that it succeeds silently, and return its result.
+
+    Every result names the program first; a list of quantities is by their keys alone.
+    """
     code, out, err = run(command, capsys, *words, "--json")
     assert (code, err) == (0, "")
-    return json.loads(out)
+    found = json.loads(out)
+    if "quantities" not in words:
+        assert found.pop("made_by") == f"paminsa_viz {__version__}"
+    return found
 
 
 def check_refused(command: str, capsys, *words: str, place: str) -> None:

@@ -9,7 +9,7 @@ from paminsa_viz.explorer.panels import note, render, status
 from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.results import Estimate
 from paminsa_viz.model.drive import ACTUATORS
-from paminsa_viz.units import format_value, interval_text, number
+from paminsa_viz.units import display_unit, format_value, interval_text, number
 
 TRIED = 4
 """Causes that are listed with those that are named."""
@@ -43,7 +43,7 @@ def status_html(frame: Frame) -> str:
 
 
 def _size(cause: Cause) -> str:
-    factor, unit = (1.0, cause.unit) if cause.unit else (100.0, "%")
+    factor, unit = display_unit(cause.unit) if cause.unit else (100.0, "%")
     return f"{interval_text(factor * cause.value, factor * cause.half_width)} {unit}"
 
 

@@ -81,7 +81,7 @@ def curves_figure(loads: MotionLoads, joint: str) -> Tree:
         for leg, color in enumerate(LEG_COLORS)
     ]  # fmt: skip
     shown = figure(
-        data, "t [s]", f"F {JOINTS[index].label} [N]", legend=LAYOUT["legend"] | {"y": 0}
+        data, "t [s]", f"F at {JOINTS[index].name} [N]", legend=LAYOUT["legend"] | {"y": 0}
     )
     shown["layout"]["yaxis"]["rangemode"] = "tozero"
     return shown

@@ -13,7 +13,7 @@ from paminsa_viz import palette
 from paminsa_viz.explorer.accuracy import no_bound, shown_errors
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.scene.curves import segments
-from paminsa_viz.explorer.scene.forces import BAR, BELOW, round_scale
+from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import Node, label, lines, mesh
 from paminsa_viz.model import Geometry, jacobian
 from paminsa_viz.precision.drive_errors import DriveErrors
@@ -29,6 +29,9 @@ RING: Final = 48
 
 FLAT: Final = 1e-9
 """Points whose width is this share of their length are in a line."""
+
+BELOW: Final = 0.09
+"""Distance of the label below the platform [m], above those of the elastic robot."""
 
 ERROR_COLOR: Final = palette.BAD
 RMS_COLOR: Final = palette.INK

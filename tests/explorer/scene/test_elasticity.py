@@ -13,6 +13,7 @@ import trimesh
 
 from paminsa_viz.elastostatics.stiffness import platform_stiffness
 from paminsa_viz.explorer.elasticity import ElasticJob, ElasticOutcome, analyze_elasticity
+from paminsa_viz.explorer.scene import drive_errors, elasticity
 from paminsa_viz.explorer.scene.elasticity import (
     LARGEST,
     LONGEST_AXIS,
@@ -32,6 +33,11 @@ LAYERS = ("mode_shape", "deflection", "compliance")
 @pytest.fixture(scope="module")
 def outcome() -> ElasticOutcome:
     return solve(analyze_elasticity, ElasticJob(APPENDIX_4, POSE, "x"))
+
+
+def test_labels_below_the_platform_stand_clear_of_one_another() -> None:
+    below = sorted([drive_errors.BELOW, *elasticity.BELOW.values()])
+    assert np.diff(below).min() >= 0.069
 
 
 def test_layers_show_the_result_and_leave_with_the_pose(
