@@ -17,6 +17,7 @@ import pytest
 import paminsa_viz
 from paminsa_viz.cli import COMMANDS, command_module
 from paminsa_viz.cli.arguments import parse
+from paminsa_viz.explorer.page import LATER_TABS
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -135,6 +136,17 @@ def test_files_that_pages_name_exist() -> None:
         for name in re.findall(r"`([\w./]+\.py)`", text):
             known = "NAME" in name or any(f"/{path}".endswith(f"/{name}") for path in every)
             assert known, f"{name_of(page)} names {name}"
+
+
+def test_tabs_that_texts_name_exist() -> None:
+    """Of the page's two docks; in pages, hints and templates."""
+    tabs = {"Pose", "Export", *LATER_TABS}
+    sources = [
+        path for kind in ("py", "j2", "js") for path in (ROOT / "paminsa_viz").rglob(f"*.{kind}")
+    ]
+    for path in (*PAGES, *sources):
+        named = re.findall(r"\btabs? \*?([A-Z][a-z]+)", path.read_text(encoding="utf-8"))
+        assert tabs.issuperset(named), f"{name_of(path)} names the tabs {named}"
 
 
 @pytest.mark.slow

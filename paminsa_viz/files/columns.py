@@ -118,7 +118,7 @@ class Column:
 
 
 def match_columns(
-    header: tuple[str, ...], kind: TableKind, source: str, row: int = 1
+    header: tuple[str, ...], kind: TableKind, source: str, row: int
 ) -> tuple[Column, ...]:
     """Return the columns of a header that are read.
 

@@ -115,9 +115,8 @@ def minimum_time(
         reshape: Whether a straight trapezoid or S-curve may change its ramps to use the limits of
             speed, acceleration and jerk fully. Otherwise it is only stretched.
         drives: Whether to keep the torque-speed envelopes and top speeds of the design's drives and
-            the peak torques of their gears, if it has any. Where a drive's efficiency is below 1,
-            both directions of the power count, which is a little more than needed near the
-            instants where the direction changes.
+            the peak torques of their gears, if it has any; their losses by the direction of the
+            power.
         misprints: Misprints of the paper to reproduce.
         clearance: See `check_path`.
 
@@ -245,23 +244,27 @@ def _drive_durations(
             viscous, coulomb = drive.reflected_friction
             inertia = drive.reflected_inertia * turned[:, j]
             own = (coulomb * np.sign(speed[:, j]), viscous * speed[:, j], inertia)
-            lines = [
-                (a * drive.ratio, s * drive.ratio**2, share, 1.0)
-                for a, s in drive.lines
-                for share in {1 / drive.total_efficiency, drive.total_efficiency}
-            ]
-            lines.append((drive.gear_limits.peak, 0.0, 1.0, 0.0))
-            for limit, fall, share, counted in lines:
+            # behind the gear the load is T/eta where the motor drives and T eta where the load does
+            eta = np.where(speed[:, j] == 0, 1.0, drive.total_efficiency)
+            shares = (1 / eta, eta) if drive.total_efficiency < 1 else (eta,)
+            lines = [(a * drive.ratio, s * drive.ratio**2, shares, 1.0) for a, s in drive.lines]
+            lines.append((drive.gear_limits.peak, 0.0, (np.ones_like(eta),), 0.0))
+            for limit, fall, lossy, counted in lines:
                 if np.isinf(limit):
                     continue
-                parts = [
-                    share * part[:, j] + counted * o for part, o in zip(load, own, strict=True)
-                ]
                 for sign in (1.0, -1.0):
-                    constant, first, second = (sign * part for part in parts)
-                    first = first + fall * np.abs(speed[:, j])
-                    needed = _longest(limit - constant, first, second)
-                    found[:, j] = np.maximum(found[:, j], needed)
+                    needed = []
+                    for share in lossy:
+                        constant, first, second = (
+                            sign * (share * part[:, j] + counted * o)
+                            for part, o in zip(load, own, strict=True)
+                        )
+                        first = first + fall * np.abs(speed[:, j])
+                        needed.append(_longest(limit - constant, first, second))
+                    # that is the larger of the two at a positive speed: below a limit if both are
+                    along = sign * speed[:, j] > 0
+                    least = np.where(along, np.max(needed, axis=0), np.min(needed, axis=0))
+                    found[:, j] = np.maximum(found[:, j], least)
         return found
 
     return durations

@@ -14,6 +14,7 @@ from paminsa_viz.model import APPENDIX_4, Drive, DriveAccuracy, singular_rotatio
 from paminsa_viz.precision.drive_errors import drive_errors
 from paminsa_viz.precision.leg_lengths import with_deviations
 from paminsa_viz.precision.manufacture import manufactured_pose, monte_carlo, tolerance_errors
+from paminsa_viz.units import format_ascii
 from tests.support.commands import run, run_json
 
 FOLD = float(np.degrees(singular_rotation(APPENDIX_4.geometry)))
@@ -35,6 +36,16 @@ def test_numbers_are_those_of_the_pose_in_si_units(capsys) -> None:
             assert found["errors"][name][kind] == pytest.approx(value, rel=1e-9)
     assert found["errors"]["horizontal_m"]["worst"] == pytest.approx(float(expected.horizontal))
     assert found["half_widths"]["M4"] == pytest.approx(8.5e-6)
+
+
+def test_table_over_the_region_has_the_statistics(capsys) -> None:
+    found = run_json("accuracy", capsys, "--cells", "8")["region"]["errors"]["horizontal_m"]
+    worst, linear, rms = (found[kind] for kind in ("worst", "linear", "rms"))
+    values = (*worst.values(), linear["median"], rms["median"])
+    texts = " ".join(format_ascii(value, "m:um", 3) for value in values)
+    _, printed, _ = run("accuracy", capsys, "--cells", "8")
+    assert f"in the plane {texts}" in " ".join(printed.split())
+    assert linear["median"] < linear["p95"]
 
 
 def test_no_bound_near_the_fold_has_its_reason_and_exit_code_1(capsys) -> None:

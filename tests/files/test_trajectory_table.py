@@ -135,7 +135,7 @@ def test_columns_and_provenance_of_a_written_table() -> None:
             assert [float(cell) for cell in cells] == torque.tolist()
         else:
             assert cells == [""] * 4
-    assert match_columns(tuple(head), TRAJECTORY, "out.csv")[0].name == "t_s"
+    assert match_columns(tuple(head), TRAJECTORY, "out.csv", 1)[0].name == "t_s"
 
 
 def test_npz_holds_the_same_numbers_as_csv() -> None:

@@ -262,9 +262,13 @@ def test_an_impossible_figure_names_its_argument(field, kind, more, analysis) ->
     assert caught.value.argument == field
 
 
-def test_another_motion_is_refused(analysis, failing) -> None:
-    with pytest.raises(InvalidInput, match="same trajectory"):
-        _series("torques", analysis, reference=failing)
+def test_another_motion_is_refused(analysis, failing, everything) -> None:
+    run = everything["simulation"]
+    simulations = [replace(run, t=t) for t in (run.t + 0.01, run.t - 0.01, 1.01 * run.t)]
+    others = [("torques", {"reference": failing})]
+    for kind, other in [*others, *(("tracking", {"simulation": each}) for each in simulations)]:
+        with pytest.raises(InvalidInput, match="same trajectory"):
+            _series(kind, analysis, **other)
 
 
 @given(st.lists(st.one_of(st.floats(-1e6, 1e6), st.just(np.nan)), min_size=1, max_size=300),
