@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -44,19 +43,14 @@ def pose_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
-def set_accuracy(state: State, accuracy: DriveAccuracy) -> State:
-    """Change the accuracy of the drives."""
-    return actions.with_design(state, replace(state.document.design, accuracy=accuracy))
-
-
 def _choices(state: State) -> dict[str, Effect]:
     design = state.document.design
     found: dict[str, Effect] = {}
     if design.accuracy != DriveAccuracy():
-        found["Default"] = partial(set_accuracy, accuracy=DriveAccuracy())
+        found["Default"] = partial(actions.change_design, accuracy=DriveAccuracy())
     measured = design.accuracy.with_encoders(design.drives)
     if measured != design.accuracy:
-        found["Drives' encoders"] = partial(set_accuracy, accuracy=measured)
+        found["Drives' encoders"] = partial(actions.change_design, accuracy=measured)
     return found
 
 

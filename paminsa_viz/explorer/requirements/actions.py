@@ -7,7 +7,7 @@ from dataclasses import replace
 from enum import Enum
 from typing import Any
 
-from paminsa_viz.explorer.actions import with_document
+from paminsa_viz.explorer.actions import change_document
 from paminsa_viz.explorer.requirements.saved import MOST_REQUIREMENTS, require_possible
 from paminsa_viz.explorer.requirements.suggestions import default_workspace, suggested
 from paminsa_viz.explorer.state import State
@@ -51,7 +51,7 @@ def change(state: State, **changes: Any) -> State:
     """
     requirements = replace(state.document.requirements, **changes)
     require_possible(requirements)
-    return with_document(state, replace(state.document, requirements=requirements))
+    return change_document(state, requirements=requirements)
 
 
 def selected(state: State) -> Requirement | None:
