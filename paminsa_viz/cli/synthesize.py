@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import tyro
 
@@ -40,6 +40,7 @@ from paminsa_viz.synthesis import (
 from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case
 from paminsa_viz.synthesis.search.checkpoint import load_checkpoint, save_checkpoint
 from paminsa_viz.synthesis.search.front import design_front
+from paminsa_viz.synthesis.search.objectives import OBJECTIVES
 from paminsa_viz.units import format_ascii
 
 DESCRIPTION = """\
@@ -64,15 +65,20 @@ Exit code: 0 a robot that meets all requirements; 1 none was found, with the rea
 requirements that can be met; 2 a wrong argument or file; 130 stopped with Ctrl-C."""
 
 
+if TYPE_CHECKING:
+    ObjectiveName: TypeAlias = str
+else:
+    ObjectiveName = Literal[tuple(OBJECTIVES)]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Synthesize(AnswerFlags, JsonFlags):
     """Flags of the command."""
 
     case: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="CASE.toml")]
     """Case file, or a worked case: cylinder, cell, arch."""
-    objective: str | None = None
-    """What is minimized, instead of the file's: footprint, moving_mass, static_torque, volume;
-    with motions peak_torque, energy."""
+    objective: ObjectiveName | None = None
+    """What is minimized, instead of the file's; torques of motions and energy need motions."""
     seed: int | None = None
     """Seed of the search, instead of the file's."""
     generations: int | None = None

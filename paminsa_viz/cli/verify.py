@@ -5,7 +5,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 import tyro
 
@@ -33,7 +33,10 @@ MuJoCo moves under the calculated torques. Joint friction is left out.
 
 Exit code: 0 passed, 1 failed, 2 a wrong argument or no engine."""
 
-FormatName = tyro.extras.literal_type_from_choices(FIGURE_FORMATS)
+if TYPE_CHECKING:
+    FormatName: TypeAlias = str
+else:
+    FormatName = Literal[tuple(FIGURE_FORMATS)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,9 +53,7 @@ class Verify(JsonFlags, MotionFlags, DesignFlags):
     """Check this exported MJCF model against the design, instead of the design's own."""
     figures: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
     """Write figures like the paper's Figs. 6 and 7 there: both curves and their difference."""
-    format: Annotated[str, tyro.conf.arg(constructor=FormatName, help_behavior_hint="(png)")] = (
-        "png"
-    )
+    format: FormatName = "png"
     """Format of the figures."""
 
     def run(self) -> int:

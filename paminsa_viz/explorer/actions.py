@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
 from paminsa_viz.explorer.motion.simulated import at_instant
 from paminsa_viz.explorer.scene.layers import with_layers
@@ -38,6 +39,11 @@ def with_document(state: State, document: Document) -> State:
     return replace(state, document=document, last_reachable=last_reachable)
 
 
+def change_document(state: State, **changes: Any) -> State:
+    """Change attributes of the document."""
+    return with_document(state, replace(state.document, **changes))
+
+
 def with_names_apart(document: Document) -> Document:
     """Return the document, its design under another name if a different reference has the same."""
     design, reference = document.design, document.reference
@@ -61,7 +67,7 @@ def move(state: State, **coordinates: float) -> State:
     """Ask for another pose; named coordinates change [m, m, rad, m]."""
     pose = dict(zip(COORDINATES, state.document.pose, strict=True)) | coordinates
     moved = (pose["x"], pose["y"], pose["theta"], pose["z"])
-    return with_document(stop_following(state), replace(state.document, pose=moved))
+    return change_document(stop_following(state), pose=moved)
 
 
 def stop_following(state: State) -> State:
@@ -74,7 +80,7 @@ def stop_following(state: State) -> State:
 def go_home(state: State) -> State:
     """Ask for the home pose."""
     home = home_pose(state.document.design.geometry)
-    return with_document(stop_following(state), replace(state.document, pose=home))
+    return change_document(stop_following(state), pose=home)
 
 
 def vary(state: State, changes: Mapping[str, float | None]) -> State:
@@ -88,8 +94,16 @@ def vary(state: State, changes: Mapping[str, float | None]) -> State:
 
 def with_design(state: State, design: Design) -> State:
     """Return the state with a changed design, see `renamed_if_changed`."""
-    document = replace(state.document, design=renamed_if_changed(design))
-    return with_document(state, document)
+    return change_document(state, design=renamed_if_changed(design))
+
+
+def change_design(state: State, **changes: Any) -> State:
+    """Change attributes of the design.
+
+    Raises:
+        InvalidDesign: If no machine can have them.
+    """
+    return with_design(state, replace(state.document.design, **changes))
 
 
 def renamed_if_changed(design: Design) -> Design:
@@ -145,13 +159,12 @@ def with_knee(document: Document, knee: KneeBranch) -> Document:
 
 def pin_reference(state: State) -> State:
     """Keep the current design to compare with."""
-    return with_document(state, replace(state.document, reference=state.document.design))
+    return change_document(state, reference=state.document.design)
 
 
 def unpin_reference(state: State) -> State:
     """Forget the reference design; maps show values again."""
-    cleared = with_document(state, replace(state.document, reference=None))
-    return cleared.updated("map_view", difference=False)
+    return change_document(state, reference=None).updated("map_view", difference=False)
 
 
 def swap_reference(state: State) -> State:
@@ -160,7 +173,7 @@ def swap_reference(state: State) -> State:
     if document.reference is None:
         return state
     swapped = load_design(state, document.reference)
-    return with_document(swapped, replace(swapped.document, reference=document.design))
+    return change_document(swapped, reference=document.design)
 
 
 def rename(state: State, name: str) -> State:
@@ -172,8 +185,7 @@ def rename(state: State, name: str) -> State:
     problem = name_problem(name)
     if problem:
         raise InvalidInput("name", problem)
-    design = replace(state.document.design, name=name)
-    return with_document(state, replace(state.document, design=design))
+    return change_document(state, design=replace(state.document.design, name=name))
 
 
 def restore(state: State, document: Document) -> State:

@@ -59,7 +59,7 @@ def test_the_choice_is_the_designs_and_can_be_undone_and_shared(found: State) ->
     assert "have changed" not in panel.list_html(compute(chosen))
     one = panel.choose(found.updated("driving", actuator=3, row=1), 1)
     assert [drive is not None for drive in one.document.design.drives] == [False] * 3 + [True]
-    assert not any(panel.remove(chosen).document.design.drives)
+    assert not any(actions.change_design(chosen, drives=(None,) * 4).document.design.drives)
 
 
 def test_lists_say_when_they_are_of_something_else(found: State) -> None:
@@ -72,17 +72,23 @@ def test_lists_say_when_they_are_of_something_else(found: State) -> None:
     assert "Remove" in panel._choices(panel.choose(found, None))
 
 
+def drawn(state: State) -> Any:
+    shown = panel.shown_drive(state)
+    assert shown is not None
+    return panel.chart_figure(*shown)
+
+
 def test_the_chart_holds_the_motion_inside_the_envelope(found: State) -> None:
-    figure = panel.chart_figure(found)
+    figure = drawn(found)
     traces = {trace["name"]: trace for trace in figure["data"]}
     for name in ("M1", "M2", "M3"):
         assert np.abs(traces[name]["x"]).max() < np.max(traces["envelope"]["x"])
         assert np.abs(traces[name]["y"]).max() < np.max(traces["envelope"]["y"])
-    lift = panel.chart_figure(found.updated("driving", actuator=3))
+    lift = drawn(found.updated("driving", actuator=3))
     assert {"M4", "M1"} & {trace["name"] for trace in lift["data"]} == {"M4"}
     other = found.updated("driving", row=1)
-    assert panel.chart_key(found) != panel.chart_key(other)
-    assert panel.chart_key(initial_state()) is None
+    assert panel.shown_drive(found) != panel.shown_drive(other)
+    assert panel.shown_drive(initial_state()) is None
 
 
 def test_a_catalog_without_a_feasible_drive_shows_the_nearest_and_advice() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -19,6 +21,11 @@ from paminsa_viz.explorer.tasks import keep, solve
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.singularity import singular_rotation
 from paminsa_viz.units import number
+
+
+def known(shown: tuple[Any, ...] | None) -> tuple[Any, ...]:
+    assert shown is not None
+    return shown
 
 
 def along() -> State:
@@ -41,7 +48,7 @@ def test_tables_are_those_of_the_pose_and_the_leg() -> None:
     assert number(float(forces.axial), 3) in text
     assert "statically indeterminate" in tab.intro(frame)
     assert tab.bars(frame).count("<tr") == 8
-    data = chart.section_figure(state)["data"]
+    data = chart.section_figure(*known(chart.shown_section(state)))["data"]
     assert [trace["yaxis"] for trace in data] == ["y", "y2", "y3"]
     assert data[0]["x"][-1] > 100
 
@@ -55,7 +62,7 @@ def test_poses_without_numbers_say_why() -> None:
         frame = compute(changed)
         assert "No joint forces" in tab.intro(frame)
         assert not tab.joints(frame) + tab.bars(frame)
-        assert chart.section_key(changed) is None
+        assert chart.shown_section(changed) is None
         with pytest.raises(InvalidInput, match="pose"):
             tab.file(changed, "Joints")
 
@@ -79,11 +86,12 @@ def test_the_motion_table_is_of_the_current_motion() -> None:
     text = tab.motion(frame)
     assert number(float(loads.peak[0, 8]), 3) in text
     assert number(float(loads.equivalent[0, 8]), 3) in text
-    assert len(chart.curves_figure(state)["data"]) == 3
-    assert chart.curves_figure(state)["layout"]["yaxis"]["title"]["text"] == "F at joint 2 [N]"
+    figure = chart.curves_figure(*known(chart.shown_curves(state)))
+    assert len(figure["data"]) == 3
+    assert figure["layout"]["yaxis"]["title"]["text"] == "F at joint 2 [N]"
     heavier = actions.vary(state, {"payload.mass": 2.0})
     assert "Computing" in tab.motion(compute(heavier))
-    assert chart.curves_key(heavier) is None
+    assert chart.shown_curves(heavier) is None
     assert not tab.motion(compute(state.updated("loads", along=False)))
 
 

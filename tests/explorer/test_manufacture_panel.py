@@ -52,7 +52,7 @@ def test_bars_are_the_shares_of_the_chosen_coordinate(moved: State) -> None:
         assert f"{100 * shares[index].max():.1f} %" in text.partition("</tr>")[0]
         assert text.count("<tr") == (shares[index] >= panel.LEAST_SHARE).sum()
         assert name in text
-    exact = panel.set_tolerances(moved, NO_TOLERANCES)
+    exact = actions.change_design(moved, tolerances=NO_TOLERANCES)
     assert "No tolerance has a part" in panel.shares_html(compute(exact))
 
 
@@ -122,7 +122,10 @@ def test_a_deviation_is_set_in_its_unit_saved_and_tilts_the_platform(moved: Stat
     assert persistence.load(persistence.dump(state.document)).design == design
     found, text = manufactured_pose(design, POSE), panel.legs_html(compute(state))
     assert f"tilt about x <b>{robots.error_row('', 'rad:arcsec', found.tilt[0])[2][0]}</b>" in text
-    assert panel.equal_legs(state).document.design.deviations == NO_DEVIATIONS
+    assert (
+        panel._leg_choices(state)["All legs alike"](state).document.design.deviations
+        == NO_DEVIATIONS
+    )
 
 
 def test_legs_that_cannot_close_say_so(moved: State) -> None:

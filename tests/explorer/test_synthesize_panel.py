@@ -11,7 +11,7 @@ import pytest
 from paminsa_viz.explorer import actions as designs
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.panels import synthesize_text as text
-from paminsa_viz.explorer.panels.design_front import clicked_point, front_figure, front_key
+from paminsa_viz.explorer.panels.design_front import clicked_point, front_figure, shown_front
 from paminsa_viz.explorer.panels.synthesize_panel import SYNTHESIZE
 from paminsa_viz.explorer.requirements import actions as requirements
 from paminsa_viz.explorer.requirements.checking import current_check
@@ -132,21 +132,23 @@ def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
     started = actions.start(asked.updated("synthesizing.settings", against="moving_mass"))
     job = started.synthesizing.running
     assert job is not None
-    assert front_key(started) is None
+    assert shown_front(started) is None
     points = tuple(
         FrontPoint((size, mass), answer(asked, radius, size))
         for size, mass, radius in ((0.4, 20.0, 0.3), (0.5, 18.0, 0.33), (0.6, 17.0, 0.36))
     )
     front = DesignFront(("footprint", "moving_mass"), points, 0, 4, 0, canceled=False)
     state = actions.receive(started, Outcome(job, SearchResult(points[0].result, front=front)))
-    figure = front_figure(state)
+    shown = shown_front(state)
+    assert shown is not None
+    figure = front_figure(*shown)
     x, y = (figure["data"][0][axis] for axis in "xy")
     assert np.allclose(x, [400.0, 500.0, 600.0])
     assert clicked_point({"x": x[1], "y": y[1]}, state) == 1
     assert clicked_point({"x": 1e9, "y": y[1]}, state) is None
     assert clicked_point({"x": "no"}, state) is None
     chosen = actions.choose_point(state, 1)
-    assert front_key(chosen) != front_key(state)
+    assert shown_front(chosen) != shown_front(state)
     assert "moving mass 18 kg" in text.result_html(compute(chosen))
     assert actions.open_result(chosen).document.design == points[1].result.design
     assert actions.choose_point(state, 99) is state

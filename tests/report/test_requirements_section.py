@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from functools import partial
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from paminsa_viz.cli.output import ascii_numbers
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import (
     Requirement,
@@ -17,7 +21,8 @@ from paminsa_viz.report import requirements_section as section
 from paminsa_viz.report.blocks import Note, Table
 from paminsa_viz.report.synthesis_section import synthesis_section
 from paminsa_viz.synthesis import Effort, SearchRange, SynthesisCase, synthesize
-from paminsa_viz.synthesis.volume.check import check_requirements
+from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck, check_requirements
+from paminsa_viz.synthesis.volume.conflict import Conflict, VolumeRelaxation
 from paminsa_viz.synthesis.volume.grid import COARSE
 from paminsa_viz.synthesis.volume.solve import solve_volume
 
@@ -43,6 +48,24 @@ def test_broken_requirements_are_marked_and_the_volume_says_what_they_take(
     assert marked == [item.label for item in checked.items if not item.holds] == ["F₄ ≤ 200 N"]
     assert "A requirement is broken." in notes
     assert any("dm³" in note or "is empty" in note for note in notes)
+
+
+@given(st.floats(1.0, 1e4), st.booleans())
+def test_relaxed_bounds_are_rounded_to_the_side_that_helps(size: float, most: bool) -> None:
+    before, after = (
+        Requirement("condition", high=value) if most else Requirement("condition", low=value)
+        for value in (size / 2 if most else 2 * size, size)
+    )
+    relaxation = VolumeRelaxation(0, size / 2, after, None)
+    blocks = section.check_blocks(
+        Requirements((before,)),
+        RequirementsCheck((), Over.BEST, None, None),
+        Conflict((0,), (relaxation,)),
+    )
+    text = blocks[-1].text if isinstance(blocks[-1], Note) else ""
+    (shown,) = re.findall(r"at (?:least|most) (\S+) \(", text)
+    helps = (float(ascii_numbers(shown)) - size) * (1 if most else -1)
+    assert -1e-9 * size <= helps <= 1.1e-3 * size
 
 
 def test_a_search_is_told_with_what_it_changed() -> None:

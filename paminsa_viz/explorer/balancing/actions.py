@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from paminsa_viz.explorer import tasks
-from paminsa_viz.explorer.actions import with_design
+from paminsa_viz.explorer.actions import change_design, with_design
 from paminsa_viz.explorer.balancing.jobs import BalanceJob, Goal, Task
 from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.motion import actions as motions
@@ -104,23 +104,14 @@ def chosen_point(state: State) -> int | None:
 
 
 def _compared(state: State, design: Design, reference: Design) -> State:
-    document = replace(state.document, reference=reference)
-    return with_design(replace(state, document=document), design)
-
-
-def set_counterweights(state: State, weights: tuple[Counterweight, ...]) -> State:
-    """Attach these counterweights to every leg, and no others.
-
-    Raises:
-        InvalidDesign: If they are too many.
-    """
-    return with_design(state, replace(state.document.design, counterweights=weights))
+    return with_design(state.updated("document", reference=reference), design)
 
 
 def add_counterweight(state: State, bar: str, joint: int) -> State:
     """Attach a counterweight of 1 kg to a bar, 100 mm beyond one of its joints."""
     added = Counterweight(bar, joint, 0.1, 1.0)
-    return set_counterweights(state, (*state.document.design.counterweights, added))
+    weights = (*state.document.design.counterweights, added)
+    return change_design(state, counterweights=weights)
 
 
 def change_counterweight(state: State, number: int, mass: float, beyond: float) -> State:
@@ -133,7 +124,7 @@ def change_counterweight(state: State, number: int, mass: float, beyond: float) 
     if number >= len(weights):
         return state
     weights[number] = replace(weights[number], mass=mass, beyond=beyond)
-    return set_counterweights(state, tuple(weights))
+    return change_design(state, counterweights=tuple(weights))
 
 
 def remove_counterweight(state: State, number: int) -> State:
@@ -141,4 +132,4 @@ def remove_counterweight(state: State, number: int) -> State:
     weights = state.document.design.counterweights
     if number not in range(len(weights)):
         return state
-    return set_counterweights(state, weights[:number] + weights[number + 1 :])
+    return change_design(state, counterweights=weights[:number] + weights[number + 1 :])

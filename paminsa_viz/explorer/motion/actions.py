@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from paminsa_viz.explorer import tasks
-from paminsa_viz.explorer.actions import with_document
+from paminsa_viz.explorer.actions import change_document, with_document
 from paminsa_viz.explorer.motion import planning
 from paminsa_viz.explorer.motion.description import (
     SIMULATED,
@@ -47,7 +47,7 @@ def change(state: State, **changes: Any) -> State:
     """
     motion = replace(state.document.motion, **changes)
     require_possible(motion)
-    changed = with_document(state, replace(state.document, motion=motion))
+    changed = change_document(state, motion=motion)
     if motion != state.document.motion:
         changed = _with_path(changed)
     end = duration(changed)

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.accuracy import no_bound, shown_errors
 from paminsa_viz.explorer.entries import ButtonGroup, Effect, Folder, Html, Tabs
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Slider
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.manufacture_panel import MANUFACTURE, error_slider
 from paminsa_viz.explorer.panels.maps_panel import choose_quantity
+from paminsa_viz.explorer.scene.drive_errors import no_bound, shown_errors
 from paminsa_viz.explorer.setting_inputs import layer_switch
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import DriveAccuracy
@@ -44,19 +43,14 @@ def pose_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
-def set_accuracy(state: State, accuracy: DriveAccuracy) -> State:
-    """Change the accuracy of the drives."""
-    return actions.with_design(state, replace(state.document.design, accuracy=accuracy))
-
-
 def _choices(state: State) -> dict[str, Effect]:
     design = state.document.design
     found: dict[str, Effect] = {}
     if design.accuracy != DriveAccuracy():
-        found["Default"] = partial(set_accuracy, accuracy=DriveAccuracy())
+        found["Default"] = partial(actions.change_design, accuracy=DriveAccuracy())
     measured = design.accuracy.with_encoders(design.drives)
     if measured != design.accuracy:
-        found["Drives' encoders"] = partial(set_accuracy, accuracy=measured)
+        found["Drives' encoders"] = partial(actions.change_design, accuracy=measured)
     return found
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from typing import Any
 
 import numpy as np
 
-from paminsa_viz.balancing import OUTPUTS
+from paminsa_viz.balancing import OUTPUTS, ParetoFront, Tornado
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.panels.balance_text import variable_html
 from paminsa_viz.explorer.panels.plotly_chart import (
@@ -31,19 +30,16 @@ OUTPUT_LABELS = ("M_p2", "peak, static", "RMS, static", "peak, dynamic", "RMS, d
 """The outputs of the sensitivity on the page, in the order of `OUTPUTS`."""
 
 
-def front_key(state: State) -> Hashable | None:
+def shown_front(state: State) -> tuple[ParetoFront, int | None] | None:
     """Return what the front's chart shows, or None."""
-    if not state.balancing.points:
+    outcome = state.balancing.front
+    if outcome is None or outcome.result is None or not outcome.result.designs:
         return None
-    return state.balancing.front, balancing.chosen_point(state)
+    return outcome.result.front, balancing.chosen_point(state)
 
 
-def front_figure(state: State) -> Tree:
-    """Return the figure of the Pareto front with the point that is worked on marked."""
-    outcome, chosen = state.balancing.front, balancing.chosen_point(state)
-    if outcome is None or outcome.result is None:
-        raise ValueError("there is no front")
-    front = outcome.result.front
+def front_figure(front: ParetoFront, chosen: int | None) -> Tree:
+    """Return the figure of a Pareto front with the point that is worked on marked."""
     x, y = ([getattr(p, name) for p in front.points] for name in ("first", "second"))
     hover = "dynamic %{x:.4~g} N·m<br>static %{y:.4~g} N·m<extra></extra>"
     before = {
@@ -61,26 +57,23 @@ def front_figure(state: State) -> Tree:
 
 def clicked_point(data: Any, state: State) -> int | None:
     """Return the point of the front that a click means, or None; ``data`` comes from the page."""
-    outcome = state.balancing.front
-    if outcome is None or outcome.result is None:
+    shown = shown_front(state)
+    if shown is None:
         return None
-    front = outcome.result.front
+    front, _ = shown
     points = np.array([(point.first, point.second) for point in front.points])
     return nearest_point(data, points, front.before)
 
 
-def tornado_key(state: State) -> Hashable | None:
+def shown_tornado(state: State) -> tuple[Tornado, int] | None:
     """Return what the tornado chart shows, or None."""
     outcome = state.balancing.tornado
-    return None if outcome is None or outcome.result is None else (outcome, state.balancing.output)
+    found = None if outcome is None else outcome.result
+    return None if found is None else (found, state.balancing.output)
 
 
-def tornado_figure(state: State) -> Tree:
-    """Return the figure of the chosen one of `OUTPUTS`, the longest bar on top."""
-    outcome, output = state.balancing.tornado, state.balancing.output
-    if outcome is None or outcome.result is None:
-        raise ValueError("there is no sensitivity")
-    tornado = outcome.result
+def tornado_figure(tornado: Tornado, output: int) -> Tree:
+    """Return the figure of one of `OUTPUTS`, the longest bar on top."""
     bars = tornado.ranked(output)[:MAX_BARS]
     unit = unit_text(OUTPUTS[output][1])
     names = [variable_html(bar.path) for bar in bars]

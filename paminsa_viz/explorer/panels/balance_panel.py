@@ -116,7 +116,7 @@ SETTINGS = (
 
 
 def _has_front(state: State) -> bool:
-    return charts.front_key(state) is not None
+    return charts.shown_front(state) is not None
 
 
 def _points(state: State) -> tuple[float, float]:
@@ -145,7 +145,7 @@ FRONT = (
             Custom(
                 "front.chart",
                 make=partial(
-                    PlotlyChart, key=charts.front_key, figure=charts.front_figure,
+                    PlotlyChart, shown=charts.shown_front, figure=charts.front_figure,
                     aspect=0.82,
                 ),
             ),
@@ -167,7 +167,7 @@ SENSITIVITY = (
         effect=partial(balancing.start, task=Task.SENSITIVITY),
     ),
     Folder(
-        "tornado.place", visible=lambda state: charts.tornado_key(state) is not None,
+        "tornado.place", visible=lambda state: charts.shown_tornado(state) is not None,
         entries=(
             Dropdown(
                 "balance.output", "Output",
@@ -177,7 +177,7 @@ SENSITIVITY = (
             Custom(
                 "tornado.chart",
                 make=partial(
-                    PlotlyChart, key=charts.tornado_key, figure=charts.tornado_figure,
+                    PlotlyChart, shown=charts.shown_tornado, figure=charts.tornado_figure,
                     aspect=1.15,
                 ),
             ),

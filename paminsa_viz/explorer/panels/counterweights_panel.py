@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 
+from paminsa_viz.explorer.actions import change_design
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.entries import ButtonGroup, Effect, Folder, Html
 from paminsa_viz.explorer.frame import Frame
@@ -73,7 +74,7 @@ def removals(state: State) -> Mapping[str, Effect]:
         for number in range(count if count > 1 else 0)
     }
     if count:
-        found[ALL] = partial(balancing.set_counterweights, weights=())
+        found[ALL] = partial(change_design, counterweights=())
     return found
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from typing import Any
 
 import numpy as np
@@ -18,14 +17,9 @@ DESIGN_FRONT = "design front"
 """Name of the chart in clicks."""
 
 
-def front_of(state: State) -> DesignFront | None:
-    """Return the front that is shown, or None."""
-    return None if state.synthesizing.running else state.synthesizing.front
-
-
-def front_key(state: State) -> Hashable | None:
-    """Return what the chart shows, or None."""
-    front = front_of(state)
+def shown_front(state: State) -> tuple[DesignFront, int] | None:
+    """Return the front that is shown and its chosen point, or None."""
+    front = None if state.synthesizing.running else state.synthesizing.front
     return None if front is None else (front, state.synthesizing.point)
 
 
@@ -40,11 +34,8 @@ def front_values(front: DesignFront) -> Array:
     )
 
 
-def front_figure(state: State) -> Tree:
-    """Return the figure of the front with the chosen robot marked."""
-    front = front_of(state)
-    if front is None:
-        raise ValueError("there is no front")
+def front_figure(front: DesignFront, chosen: int) -> Tree:
+    """Return the figure of a front with the chosen robot marked."""
     x, y = front_values(front).T.tolist()
     titles = []
     for key in front.objectives[:2]:
@@ -52,7 +43,7 @@ def front_figure(state: State) -> Tree:
         unit = f" [{objective.display.text}]" if objective.display.text else ""
         titles.append(symbols_html(objective.label) + unit)
     trace = front_trace(
-        x, y, state.synthesizing.point, showlegend=False,
+        x, y, chosen, showlegend=False,
         hovertemplate="%{x:.4~g}<br>%{y:.4~g}<extra></extra>",
     )  # fmt: skip
     return figure([trace], *titles, meta=DESIGN_FRONT)
@@ -60,5 +51,5 @@ def front_figure(state: State) -> Tree:
 
 def clicked_point(data: Any, state: State) -> int | None:
     """Return the robot that a click means, or None; ``data`` comes from the page."""
-    front = front_of(state)
-    return None if front is None else nearest_point(data, front_values(front))
+    shown = shown_front(state)
+    return None if shown is None else nearest_point(data, front_values(shown[0]))

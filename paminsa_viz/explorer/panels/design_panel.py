@@ -115,7 +115,7 @@ def load_html(frame: Frame) -> str:
 def _set_frame(state: State, frame: LoadFrame) -> State:
     design = state.document.design
     changed = replace(design, load=replace(design.load, frame=frame))
-    return actions.with_document(state, replace(state.document, design=changed))
+    return actions.change_document(state, design=changed)
 
 
 LOAD = (

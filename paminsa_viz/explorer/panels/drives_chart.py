@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
 
 import numpy as np
 
-from paminsa_viz.actuation.selection import cloud
+from paminsa_viz.actuation.duty import DutyCycle
+from paminsa_viz.actuation.selection import DriveFigures, cloud
 from paminsa_viz.explorer.panels.plotly_chart import Tree, figure
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model.drive import ACTUATORS
@@ -19,23 +19,21 @@ MOST_POINTS = 600
 RPM = 30 / math.pi
 
 
-def chart_key(state: State) -> Hashable | None:
-    """Return what the chart shows, or None."""
+def shown_drive(state: State) -> tuple[DriveFigures, DutyCycle, int, tuple[int, ...]] | None:
+    """Return what the chart shows: a drive, its cycle, its actuator, and all with such a drive."""
     driving = state.driving
-    if driving.shown is None:
+    if driving.shown is None or driving.result is None:
         return None
-    return driving.outcome, driving.actuator, driving.row
+    actuator = driving.actuator
+    return driving.shown, driving.result.selection.cycle, actuator, driving.shared(actuator)
 
 
-def chart_figure(state: State) -> Tree:
+def chart_figure(
+    one: DriveFigures, cycle: DutyCycle, actuator: int, shared: tuple[int, ...]
+) -> Tree:
     """Return the figure of a drive's torques over its speeds, inside its envelope."""
-    driving = state.driving
-    one, found = driving.shown, driving.result
-    if one is None or found is None:
-        raise ValueError("there is no drive to show")
     drive = one.drive
-    shared = driving.shared(driving.actuator)
-    clouds = [cloud(found.selection.cycle.loads[j], drive) for j in shared]
+    clouds = [cloud(cycle.loads[j], drive) for j in shared]
     top = max(1.25 * max(float(np.abs(speed).max()) for speed, _ in clouds), 1e-6)
     corners = [(min(s, top) if math.isinf(s) else s, t) for s, t in drive.corners]
     corners = [(s, t) for s, t in corners if math.isfinite(t)]
@@ -72,10 +70,10 @@ def chart_figure(state: State) -> Tree:
                 "hovertemplate": hover,
             }
         )  # fmt: skip
-    mean = RPM * drive.ratio * found.selection.cycle.loads[driving.actuator].mean_speed
+    mean = RPM * drive.ratio * cycle.loads[actuator].mean_speed
     data.append(
         {
-            "type": "scatter", "mode": "markers", "name": f"RMS {ACTUATORS[driving.actuator]}",
+            "type": "scatter", "mode": "markers", "name": f"RMS {ACTUATORS[actuator]}",
             "x": [mean], "y": [one.rms],
             "marker": {"color": INK, "size": 10, "symbol": "x"}, "hovertemplate": hover,
         }

@@ -36,7 +36,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels import note, render
-from paminsa_viz.explorer.panels.drives_chart import RPM, chart_figure, chart_key
+from paminsa_viz.explorer.panels.drives_chart import RPM, chart_figure, shown_drive
 from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.setting_inputs import SettingInputs
@@ -98,12 +98,7 @@ def choose(state: State, row: int | None) -> State:
     drives: Any = list(design.drives)
     for j in driving.shared(driving.actuator):
         drives[j] = driving.listed[row].drive
-    return actions.with_design(state, replace(design, drives=tuple(drives)))
-
-
-def remove(state: State) -> State:
-    """Take all drives off the design."""
-    return actions.with_design(state, replace(state.document.design, drives=NO_DRIVES))
+    return actions.change_design(state, drives=tuple(drives))
 
 
 def _open(session: Session, name: str, content: bytes) -> None:
@@ -227,7 +222,7 @@ def _choices(state: State) -> dict[str, Effect]:
     if _found(state):
         found["First of each list"] = partial(choose, row=None)
     if any(state.document.design.drives):
-        found["Remove"] = remove
+        found["Remove"] = partial(actions.change_design, drives=NO_DRIVES)
     return found
 
 
@@ -277,7 +272,7 @@ DRIVES = (
             ),
             Custom(
                 "drives.chart",
-                make=partial(PlotlyChart, key=chart_key, figure=chart_figure, aspect=1.0),
+                make=partial(PlotlyChart, shown=shown_drive, figure=chart_figure, aspect=1.0),
             ),
             Html("drives.facts", content=facts_html, idle=True),
         ),

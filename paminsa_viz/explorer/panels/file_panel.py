@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from typing import Any
 
 from viser import Icon
@@ -52,8 +51,7 @@ def open_content(state: State, content: DesignContent) -> State:
     if content.requirements is None:
         return opened
     require_possible(content.requirements)
-    document = replace(opened.document, requirements=content.requirements)
-    return actions.with_document(opened, document)
+    return actions.change_document(opened, requirements=content.requirements)
 
 
 def _download(session: Session) -> None:

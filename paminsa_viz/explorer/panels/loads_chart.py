@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from itertools import pairwise
 
 import numpy as np
@@ -10,7 +9,8 @@ import numpy as np
 from paminsa_viz.elastostatics.bar_diagram import COMPONENTS
 from paminsa_viz.elastostatics.bar_loads import bar_loads
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS
-from paminsa_viz.explorer.loads import forces_at, found, instant
+from paminsa_viz.elastostatics.motion_loads import MotionLoads
+from paminsa_viz.explorer.loads import Instant, forces_at, found, instant
 from paminsa_viz.explorer.panels.plotly_chart import LAYOUT, NUMBERS, Tree, figure
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Limit
@@ -27,17 +27,16 @@ MOST_POINTS = 400
 UNITS = ("N", "N", "N·m")
 
 
-def section_key(state: State) -> Hashable | None:
+def shown_section(state: State) -> tuple[Instant, str, int] | None:
     """Return what the chart of the bar shows, or None where there are no forces."""
     at = instant(state)
     known = state.document.pose == at.pose and forces_at(at).status == Limit.OK
     return (at, state.loads.bar, state.loads.leg) if known else None
 
 
-def section_figure(state: State) -> Tree:
-    """Return the figure of N, V and M along the chosen bar of a leg, one above the other."""
-    bar, leg = state.loads.bar, state.loads.leg
-    loads = bar_loads(forces_at(instant(state)), bar)
+def section_figure(at: Instant, bar: str, leg: int) -> Tree:
+    """Return the figure of N, V and M along a bar of a leg, one above the other."""
+    loads = bar_loads(forces_at(at), bar)
     # both sides of every point load are drawn, so that a jump is upright
     s = np.concatenate(
         [
@@ -62,17 +61,15 @@ def section_figure(state: State) -> Tree:
     )  # fmt: skip
 
 
-def curves_key(state: State) -> Hashable | None:
+def shown_curves(state: State) -> tuple[MotionLoads, str] | None:
     """Return what the chart along the motion shows, or None."""
     loads = found(state)
     return None if loads is None else (loads, state.loads.joint)
 
 
-def curves_figure(state: State) -> Tree:
+def curves_figure(loads: MotionLoads, joint: str) -> Tree:
     """Return the figure of a joint's force along the motion, of every leg."""
-    loads, index = found(state), JOINT_INDEX[state.loads.joint]
-    if loads is None:
-        raise ValueError("there are no loads")
+    index = JOINT_INDEX[joint]
     force, t = loads.magnitude[:, :, index], loads.trajectory.t
     kept = thinned(list(force.T), MOST_POINTS)
     data: list[Tree] = [

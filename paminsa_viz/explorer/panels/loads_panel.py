@@ -27,9 +27,9 @@ from paminsa_viz.explorer.panels import note, render
 from paminsa_viz.explorer.panels.export_panel import export
 from paminsa_viz.explorer.panels.loads_chart import (
     curves_figure,
-    curves_key,
     section_figure,
-    section_key,
+    shown_curves,
+    shown_section,
 )
 from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart
 from paminsa_viz.explorer.setting_inputs import SettingInputs
@@ -185,7 +185,7 @@ LOADS: tuple[Entry, ...] = (
     _setting("bar"),
     Custom(
         "loads.sections",
-        make=partial(PlotlyChart, key=section_key, figure=section_figure, aspect=0.85),
+        make=partial(PlotlyChart, shown=shown_section, figure=section_figure, aspect=0.85),
     ),
     _setting("along"),
     BackgroundJob(
@@ -196,7 +196,7 @@ LOADS: tuple[Entry, ...] = (
     _setting("joint", visible=lambda state: found(state) is not None),
     Custom(
         "loads.curves",
-        make=partial(PlotlyChart, key=curves_key, figure=curves_figure, aspect=0.55),
+        make=partial(PlotlyChart, shown=shown_curves, figure=curves_figure, aspect=0.55),
     ),
     ButtonGroup(
         "loads.files", "CSV", choices=files,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache, partial
 
 import numpy as np
@@ -78,30 +77,21 @@ def legs_html(frame: Frame) -> str:
     return render("manufacture_legs.j2", rows=rows, reason="")
 
 
-def set_tolerances(state: State, tolerances: Tolerances) -> State:
-    """Change all tolerances."""
-    return actions.with_design(state, replace(state.document.design, tolerances=tolerances))
-
-
 def _tolerance_choices(state: State) -> dict[str, Effect]:
     now = state.document.design.tolerances
     all_of = {"Default": Tolerances(), "None": NO_TOLERANCES}
     return {
-        name: partial(set_tolerances, tolerances=value)
+        name: partial(actions.change_design, tolerances=value)
         for name, value in all_of.items()
         if value != now
     }
 
 
-def equal_legs(state: State) -> State:
-    """Give all legs the geometry's lengths."""
-    legs = dict(zip(LEG_NAMES, NO_DEVIATIONS, strict=True))
-    return actions.with_design(state, replace(state.document.design, **legs))
-
-
 def _leg_choices(state: State) -> dict[str, Effect]:
-    alike = state.document.design.deviations == NO_DEVIATIONS
-    return {} if alike else {"All legs alike": equal_legs}
+    if state.document.design.deviations == NO_DEVIATIONS:
+        return {}
+    legs = dict(zip(LEG_NAMES, NO_DEVIATIONS, strict=True))
+    return {"All legs alike": partial(actions.change_design, **legs)}
 
 
 def _deviation(state: State) -> tuple[str, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple, cast
 
@@ -80,34 +80,34 @@ class PlotlyChart:
         self,
         session: Session,
         *,
-        key: Callable[[State], Hashable | None],
-        figure: Callable[[State], Tree],
+        shown: Callable[[State], tuple[Any, ...] | None],
+        figure: Callable[..., Tree],
         aspect: float,
     ) -> None:
         """Prepare the chart in the current container.
 
         Args:
             session: The session.
-            key: What it shows; None for nothing.
+            shown: What it shows, the arguments of ``figure``; None for nothing.
             figure: Makes it.
             aspect: Height over width.
         """
         self._gui = session.client.gui
         self._place = self._gui.add_folder(None)
-        self._key, self._figure, self._aspect = key, figure, aspect
-        self._drawn: Hashable | None = None
+        self._shown, self._figure, self._aspect = shown, figure, aspect
+        self._drawn: tuple[Any, ...] = ()
         self._plot: Any = None
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what changed."""
         if dragging:
             return
-        key, theme = self._key(frame.state), frame.state.theme
-        self._place.visible = key is not None
-        if key is None or (key, theme) == self._drawn:
+        shown, theme = self._shown(frame.state), frame.state.theme
+        self._place.visible = shown is not None
+        if shown is None or (shown, theme) == self._drawn:
             return
-        self._drawn = (key, theme)
-        figure = cast(Any, ChartFigure(themed(self._figure(frame.state), theme)))
+        self._drawn = (shown, theme)
+        figure = cast(Any, ChartFigure(themed(self._figure(*shown), theme)))
         if self._plot is not None:
             self._plot.figure = figure
             return

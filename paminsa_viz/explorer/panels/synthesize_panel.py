@@ -16,7 +16,7 @@ from paminsa_viz.explorer.panels.design_front import (
     DESIGN_FRONT,
     clicked_point,
     front_figure,
-    front_key,
+    shown_front,
 )
 from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart, chart_clicks
 from paminsa_viz.explorer.setting_inputs import SettingInputs
@@ -110,11 +110,11 @@ SYNTHESIZE = (
     Html("synthesize.best", content=text.best_html),
     replace(_STOP, effect=actions.stop, hint="Ends the search with the best robot so far"),
     Folder(
-        "synthesize.front", visible=lambda state: front_key(state) is not None,
+        "synthesize.front", visible=lambda state: shown_front(state) is not None,
         entries=(
             Custom(
                 "synthesize.chart",
-                make=partial(PlotlyChart, key=front_key, figure=front_figure, aspect=0.82),
+                make=partial(PlotlyChart, shown=shown_front, figure=front_figure, aspect=0.82),
             ),
             Slider(
                 "synthesize.point", "Point", range=_points, step=1.0, undo=False,

@@ -134,7 +134,8 @@ class MassFactor:
 
     def __post_init__(self) -> None:
         if not 0 <= self.low <= self.high <= LARGEST["kg"]:
-            problem = f"factors 0 <= low <= high are needed, not {self.low!r} to {self.high!r}"
+            ends = f"0 <= low <= high <= {LARGEST['kg']:g}"
+            problem = f"factors {ends} are needed, not {self.low!r} to {self.high!r}"
             raise InvalidInput(self.path, problem)
 
     def of(self, design: Design) -> MassRange:

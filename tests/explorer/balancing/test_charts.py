@@ -14,7 +14,13 @@ from paminsa_viz.explorer.balancing.jobs import Task
 from paminsa_viz.explorer.balancing.solving import middle, run, static_torque
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.panels.balance_charts import clicked_point, front_figure, tornado_figure
+from paminsa_viz.explorer.panels.balance_charts import (
+    clicked_point,
+    front_figure,
+    shown_front,
+    shown_tornado,
+    tornado_figure,
+)
 from paminsa_viz.explorer.panels.balance_text import sensitivity_html
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.tasks import solve
@@ -51,7 +57,7 @@ def test_points_of_the_front_are_designs_with_the_torques_they_say() -> None:
         still = static_torque(job, after.document.design)[0]
         assert still == pytest.approx(second, rel=1e-6, abs=1e-7)
         assert clicked_point({"x": first, "y": second}, after) == index
-        marks = front_figure(after)["data"][0]["marker"]["size"]
+        marks = front_figure(*drawn(shown_front(after)))["data"][0]["marker"]["size"]
         assert marks.index(max(marks)) == index
     with pytest.raises(InvalidInput, match="no such point"):
         balancing.choose_point(after, len(points))
@@ -63,6 +69,11 @@ def test_front_that_is_stopped_stops() -> None:
     _, job = started(START, Task.FRONT)
     found: Any = run(job, lambda _: True)
     assert len(found.front.points) < 3
+
+
+def drawn(shown: Any) -> Any:
+    assert shown is not None
+    return shown
 
 
 def text(state: State) -> str:
@@ -78,16 +89,17 @@ def test_tornado_is_sorted_and_gives_the_models_numbers() -> None:
     assert outcome is not None
     assert outcome.result is not None
     for output in range(len(OUTPUTS)):
-        traces = tornado_figure(after.updated("balancing", output=output))["data"]
+        shown = drawn(shown_tornado(after.updated("balancing", output=output)))
+        traces = tornado_figure(*shown)["data"]
         lengths = np.abs([trace["x"] for trace in traces]).max(axis=0)
         assert len(lengths) > 5
         assert (np.diff(lengths) <= 1e-12).all()
         assert len(set(traces[0]["y"])) == len(traces[0]["y"])
-    assert "counterweight 2" in str(tornado_figure(after))
+    assert "counterweight 2" in str(tornado_figure(*drawn(shown_tornado(after))))
     bar = next(bar for bar in outcome.result.bars if bar.path == "joints.j7")
     more = loaded.document.design.vary({"joints.j7": 1.05 * bar.value})
     assert bar.plus[0] == pytest.approx(static_imbalance(more))
-    assert "Of an earlier design" in text(balancing.set_counterweights(after, ()))
+    assert "Of an earlier design" in text(actions.change_design(after, counterweights=()))
 
 
 def test_sensitivity_is_that_of_poses_away_from_limits() -> None:

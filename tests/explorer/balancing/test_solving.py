@@ -241,8 +241,8 @@ def test_counterweights_are_attached_changed_and_removed() -> None:
     assert balancing.change_counterweight(moved, 5, 1.0, 0.1) is moved
     assert weights(balancing.remove_counterweight(moved, 0)) == (other,)
     assert balancing.remove_counterweight(moved, -1) is moved
-    assert balancing.set_counterweights(moved, ()).document == START.document
-    full = balancing.set_counterweights(START, (ATTACHED,) * MOST_COUNTERWEIGHTS)
+    assert actions.change_design(moved, counterweights=()).document == START.document
+    full = actions.change_design(START, counterweights=(ATTACHED,) * MOST_COUNTERWEIGHTS)
     for impossible in (
         lambda: balancing.change_counterweight(moved, 0, -1.0, 0.1),
         lambda: balancing.add_counterweight(full, "b8", 8),
