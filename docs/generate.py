@@ -130,8 +130,9 @@ def design_file() -> str:
         "envelope = [[0, 0.95], [314, 0.95], [628, 0.4]]\n```",
         "## [[requirements]]",
         "What the robot is needed for, none in Appendix 4: a bound on a quantity, the table "
-        "repeated for each. `quantity` is its name as `map --quantity` has it; `min` and `max` end "
-        "in its SI unit, such as `max_Nm`, and one of them is needed. `theta_min_rad`, "
+        "repeated for each. `quantity` is its name as `paminsa-viz requirements quantities` lists "
+        "it; `min` and `max` end in its SI unit, such as `max_Nm`, and one of them is needed. "
+        "`theta_min_rad`, "
         "`theta_max_rad` and `z_min_m`, `z_max_m` are headings and heights over which it holds; "
         "left out, all those that are required. See [Requirements](requirements.md).",
         "## [workspace]",

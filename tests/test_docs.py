@@ -73,6 +73,13 @@ def test_every_page_is_in_the_menu() -> None:
     assert sorted(menu) == sorted(page.name for page in DOCS.glob("*.md"))
 
 
+def test_the_first_page_leads_to_every_page() -> None:
+    listed = re.findall(r"\]\(([\w-]+\.md)\)", (DOCS / "index.md").read_text(encoding="utf-8"))
+    assert sorted(listed) == sorted(
+        page.name for page in PAGES if page.parent == DOCS and page.name != "index.md"
+    )
+
+
 def test_site_is_built_without_warnings(tmp_path) -> None:
     pytest.importorskip("mkdocs")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]

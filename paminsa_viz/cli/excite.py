@@ -24,6 +24,7 @@ from paminsa_viz.identification import (
     optimize_excitation,
 )
 from paminsa_viz.model.design import Design
+from paminsa_viz.trajectory.sampled import sample_times
 from paminsa_viz.units import format_ascii
 
 DESCRIPTION = """\
@@ -86,6 +87,7 @@ class Excite(JsonFlags, DesignFlags):
             period=self.period, harmonics=self.harmonics, periods=self.periods,
             evaluations=self.evaluations, seconds=self.seconds, seed=self.seed,
         )  # fmt: skip
+        sample_times(0.0, settings.period * settings.periods, self.rate)  # refuses it now
         if not self.json:
             print(f"searching for up to {self.seconds:g} s ...", file=sys.stderr)
         try:

@@ -88,6 +88,8 @@ class Identify(JsonFlags, DesignFlags):
             cut_off=self.cut_off, delay=self.delay, rotors=self.rotors, legs=self.legs,
             constrain=self.constrain,
         )  # fmt: skip
+        if self.start is not None and not all(map(math.isfinite, self.start)):
+            raise UsageError(f"--start: four finite numbers are needed, not {self.start}")
         log = self._read(self.log)
         other = None if self.validate is None else self._read(self.validate)
         loaded, mass = None, None

@@ -51,8 +51,8 @@ Measure many designs over the workspace: torques, masses, distances to every lim
   paminsa-viz sweep --vary joints.j7=0:1:11 --preset arch --out arch.csv
 
 A grid is every combination of LOW:HIGH:COUNT or of values between commas. Random designs are drawn
-evenly from LOW:HIGH or, for a path alone, from --spread around the design's own value. Names are
-those of the model, values in SI units; `paminsa-viz design show` lists both.
+evenly from LOW:HIGH or, for a path alone, from --spread around the design's own value. `paminsa-viz
+design show` lists what can be varied, in SI units: j7_kg of joints there is joints.j7 here.
 
 With --preset or --file, each design is also measured on that motion: torques, forces and energy as
 `paminsa-viz trajectory` has them. A preset is sized for the design that the others are made from,

@@ -141,7 +141,7 @@ def _print_inner(result: SynthesisResult) -> None:
     inner = result.inner
     print(
         f"\nmasses and springs for these lengths are the best; others are better by "
-        f"{inner.gap:.1e} at most"
+        f"{inner.gap:.2g} at most"
     )
     for weight in inner.design.counterweights:
         print(f"  counterweight of {format_ascii(weight.mass, 'kg')} on {weight.place}")

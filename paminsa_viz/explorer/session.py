@@ -184,10 +184,11 @@ class Session:
         self.submit(partial(self._travel, back=False))
 
     def notify(self, title: str, body: str, *, bad: bool = False) -> None:
-        """Show a notice on the page."""
-        self.client.add_notification(
-            title, body, color="red" if bad else "teal", auto_close_seconds=12 if bad else 5
-        )
+        """Show a notice on the page, if it is still there."""
+        if not self._closed:
+            self.client.add_notification(
+                title, body, color="red" if bad else "teal", auto_close_seconds=12 if bad else 5
+            )
 
     def _travel(self, *, back: bool) -> None:
         found = self._history.travel(Snapshot.of(self._state), back=back)

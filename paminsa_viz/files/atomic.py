@@ -105,7 +105,7 @@ def _target(path: str | os.PathLike[str]) -> tuple[Path, int | None]:
         target = Path(os.path.realpath(path))
         found = target.stat().st_mode
     except FileNotFoundError:
-        return target, None
+        return Path(os.path.realpath(path)), None
     except (OSError, ValueError) as error:
         raise as_file_error(name, error, "written") from error
     if not stat.S_ISREG(found):

@@ -104,7 +104,7 @@ def identify(
     )
     notes = list(log.notes)
     notes.append(
-        f"filtered forward and backward (Butterworth, half at {settings.cut_off:g} Hz), "
+        f"Filtered forward and backward (Butterworth, half at {settings.cut_off:g} Hz), "
         f"{len(signals.t)} samples at {1 / signals.step:g} Hz, {solution.blocks} blocks of "
         f"{settings.block:g} s"
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
+from difflib import get_close_matches
 from functools import lru_cache
 from typing import Any
 
@@ -140,7 +141,7 @@ class Design(Group, path="design"):
         group, _, name = path.rpartition(".")
         owner = self._group(group)
         if name not in _numbers_of(type(owner)):
-            raise InvalidInput("path", f"there is no design value {path!r}")
+            raise InvalidInput(path[:60], no_value(path))
         return owner, name
 
     def _group(self, name: str) -> Any:
@@ -203,7 +204,7 @@ class Design(Group, path="design"):
         for path, value in changes.items():
             group, _, name = path.rpartition(".")
             if name not in _numbers_of(type(self._group(group))):
-                raise InvalidDesign(path, value, "there is no design value of this name")
+                raise InvalidDesign(path, value, no_value(path))
             grouped.setdefault(group, {})[name] = value
         top: dict[str, Any] = dict(grouped.pop("", {}))
         weights, drives = list(self.counterweights), list(self.drives)
@@ -255,6 +256,13 @@ PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group not in OPTI
 
 PARAMETER: dict[str, Parameter] = {item.path: item for item in _ALL}
 """Every number of a design by path."""
+
+
+def no_value(path: str) -> str:
+    """Return what is wrong with a path that names no number of a design, and the nearest one."""
+    near = get_close_matches(path[:60], PARAMETER, 1)
+    hint = f"did you mean {near[0]}?" if near else "such as links.b3 or geometry.base_radius"
+    return f"there is no design value of this name; {hint}"
 
 
 def stated_parameters(design: Design) -> tuple[Parameter, ...]:

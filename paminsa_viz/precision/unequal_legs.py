@@ -140,7 +140,7 @@ def nominal_pose(geometry: Geometry, pose: ArrayLike) -> UnequalPose:
     pose = as_vectors(pose, "pose")
     found = inverse_kinematics(geometry, pose)
     finite = np.isfinite(pose).all(axis=-1)
-    closed = np.isfinite(found.points[9]).all(axis=(-1, -2))
+    closed = np.asarray(np.isfinite(found.points[9]).all(axis=(-1, -2)))
     state = np.where(closed[..., None], _state(pose, found, geometry), np.nan)
     closure = np.where(closed, Closure.OK, np.where(finite, Closure.OPEN, Closure.NOT_FINITE))
     return UnequalPose(

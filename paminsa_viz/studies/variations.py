@@ -5,13 +5,12 @@ Design ``i`` can be made without those before it, and is the same wherever it is
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass
 
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model.design import PARAMETER, Design
+from paminsa_viz.model.design import PARAMETER, Design, no_value
 
 
 @dataclass(frozen=True)
@@ -146,9 +145,7 @@ class RandomDesigns:
 def check_path(path: str) -> None:
     """Raise `InvalidInput`, with the nearest name, unless a design has such a value."""
     if path not in PARAMETER:
-        near = difflib.get_close_matches(path, PARAMETER, 1)
-        hint = f"did you mean {near[0]}?" if near else "such as links.b3 or geometry.base_radius"
-        raise InvalidInput(path[:60], f"there is no design value of this name; {hint}")
+        raise InvalidInput(path[:60], no_value(path))
 
 
 def _check_paths(paths: tuple[str, ...]) -> None:

@@ -36,7 +36,10 @@ def sample_times(begin: float, end: float, rate: float) -> Array:
         raise InvalidInput("rate", f"a finite rate above 0 is needed, not {rate!r}")
     count = (end - begin) * rate
     if count > MOST_SAMPLES:
-        raise InvalidInput("rate", f"{count:.3g} samples are more than {MOST_SAMPLES:,}")
+        problem = f"{count:.3g} samples are more than {MOST_SAMPLES:,}"
+        raise InvalidInput(
+            "rate", f"{problem}; at most {MOST_SAMPLES / (end - begin):.3g} a second"
+        )
     return np.linspace(begin, end, max(2, round(count) + 1))
 
 

@@ -96,6 +96,10 @@ clearance --poses -1                                | --poses
 clearance --pose 900 0 0 -500                       | 900.0 mm
 excite --max-torque -1                              | --max-torque
 excite --out motion.txt                             | .csv
+excite --rate 0                                     | rate: a finite rate above 0 is needed, not 0.0
+excite --rate 1e9                                   | rate: 2e+10 samples are more than 1,000,000;
+identify example --start nan 0 0 0                  | --start: four finite numbers are needed, not
+balance --change joints.j7_kg 0 1                   | did you mean joints.j7?
 excite --period 0                                   | period
 loads --pose 900 0 0 -500                           | leg
 loads --pose 50 -20 10 -500 --preset arch           | --pose

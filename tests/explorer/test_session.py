@@ -230,6 +230,7 @@ def test_closed_session_does_nothing_more(bench: Bench) -> None:
     drawn = len(bench.immediate.drawn)
     bench.session.dispatch("x", to(0.05))
     bench.session.submit(lambda: bench.page.notices.append(("", "")))
+    bench.session.notify("Not exported", "viser warns of what a closed tab is sent")
     assert bench.x == 0.0
     assert len(bench.immediate.drawn) == drawn
     assert not bench.page.notices

@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.meshes.part import srgb_to_linear
+from paminsa_viz.model.arrays import Array
 
-Array = NDArray[np.float64]
+MOST_DASHES = 1000
+"""Most dashes of a curve."""
 
 
 def linear_colors(*colors: str) -> NDArray[np.uint8]:
@@ -45,12 +47,16 @@ def thinned(curve: ArrayLike, most: int) -> Array:
 
 
 def dashes(lines: Array, length: float) -> Array:
-    """Cut segments (m, 2, 3) of one curve into dashes and gaps of a ``length`` [m] each."""
+    """Cut segments (m, 2, 3) of one curve into dashes and gaps of a ``length`` [m] each.
+
+    They are longer where there would be more than `MOST_DASHES`: a motion from a file may go on for
+    kilometers.
+    """
     if len(lines) == 0:
         return lines
     step = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1)
     ends = np.cumsum(step)
-    count = max(int(ends[-1] // (2 * length)), 1)
+    count = int(min(max(ends[-1] // (2 * length), 1), MOST_DASHES))
     period = ends[-1] / count
     distance = period * (np.arange(count)[:, None] + [0.0, 0.5])
     i = np.minimum(np.searchsorted(ends, distance), len(lines) - 1)

@@ -14,7 +14,7 @@ from paminsa_viz.explorer.browser.style import over_backdrop, style_html
 from paminsa_viz.explorer.scene import cameras
 from paminsa_viz.explorer.scene.actuators import FACES, arc_arrow, force_arrow, torque_arrows
 from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
-from paminsa_viz.explorer.scene.curves import dashes, segments
+from paminsa_viz.explorer.scene.curves import MOST_DASHES, dashes, segments
 from paminsa_viz.explorer.scene.nodes import Nodes, curves, lines
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.palette import LIGHT, rgb
@@ -48,6 +48,13 @@ def test_gap_breaks_a_curve() -> None:
     line = np.array([[0.0, 0.0], [1.0, 0.0], [np.nan, 0.0], [2.0, 0.0], [3.0, 0.0]])
     pieces = np.array([[[0, 0, 0.5], [1, 0, 0.5]], [[2, 0, 0.5], [3, 0, 0.5]]])
     assert segments(line, 0.5) == pytest.approx(pieces)
+
+
+@pytest.mark.parametrize("length", [1.0, 1e6, 1e12])
+def test_a_curve_of_any_length_has_a_limited_number_of_dashes(length: float) -> None:
+    cut = dashes(segments([[0.0, 0.0], [length, 0.0]]), 1e-4)
+    assert len(cut) == MOST_DASHES
+    assert np.linalg.norm(cut[:, 1] - cut[:, 0], axis=1).sum() == pytest.approx(length / 2)
 
 
 def test_dashes_cover_half_of_a_curve() -> None:
