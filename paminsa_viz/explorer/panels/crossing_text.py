@@ -76,9 +76,9 @@ def drift_text(drift: CrossingDrift) -> str:
     """Return what the actuators have no authority over."""
     moved, turned = math.hypot(*drift.shift[:2]), math.degrees(abs(drift.shift[2]))
     far = f"{number(1e6 * moved, 2)} µm" if moved > 1e-8 else "less than 0.01 µm"
-    wide = f"{number(1e3 * turned, 2)} m°" if turned > 1e-5 else "less than 0.01 m°"
+    wide = f"{number(3600 * turned, 2)}″" if turned > 1e-5 else "less than 0.036″"
     return (
         f"no authority along t_s, inertia t_sᵀMt_s {number(drift.inertia, 3)} kg·m²: "
-        f"{number(PAYLOAD_ERROR)} kg more payload drift {far} and {wide} "
+        f"{number(PAYLOAD_ERROR)} kg more payload lets it drift by {far} and {wide} "
         f"in {number(1e3 * drift.time, 2)} ms"
     )

@@ -142,15 +142,18 @@ class MotionPoints:
         self._nodes.show(self._marks(found, points.selected(state)))
 
     def _marks(self, found: Sequence[points.Point], chosen: int | None) -> Iterator[Node]:
+        names: dict[tuple[float, ...], list[str]] = {}
         for index, point in enumerate(found):
             x, y, _, z = point.pose
+            names.setdefault((round(x, 3), round(y, 3), round(z, 3)), []).append(point.name)
             color = rgb(REFERENCE if index == chosen else INK)
             live = {"position": (x, y, z), "color": color}
             fixed = {"radius": self.RADIUS, "subdivisions": 2, "cast_shadow": False}
             click = partial(self._select, index)
             yield Node(f"/points/{index}", "icosphere", live, fixed, click=click)
+        for index, ((x, y, z), same) in enumerate(names.items()):  # poses may differ in theta only
             place = (x, y, z + 2 * self.RADIUS)
-            yield label(f"/point_names/{index}", point.name, place, "bottom-center", 1.0)
+            yield label(f"/point_names/{index}", ", ".join(same), place, "bottom-center", 1.0)
 
     def _select(self, index: int, _event: Any) -> None:
         self._dispatch("motion.point", partial(points.select, index=index))

@@ -173,6 +173,12 @@ def test_handle_in_the_scene_drags_the_marked_point(
     assert waypoints(state)[:2] == PLACES[:2]
     view.draw(compute(motions.play(state)), True)
     assert not nodes["/point_handle"].visible
+    turn = motions.change(
+        motions.choose_kind(state, Kind.MOVE), start=PLACES[0], goal=(0.05, 0.0, 1.0, -0.5)
+    )
+    view.draw(compute(turn), False)
+    names = [nodes[key].text for key in nodes if key.startswith("/point_names/")]
+    assert names == [", ".join(point.name for point in points.listed(turn))]
     view.draw(compute(motions.choose_preset(state, "circle")), False)
     assert not any(f"/points/{i}" in nodes for i in range(3))
     page.socket.close()
