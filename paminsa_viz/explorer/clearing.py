@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from paminsa_viz.clearance import (
@@ -73,9 +73,7 @@ class Clearing:
 
 def pose_job(state: State) -> PoseJob:
     """Return what is wanted at the last reachable pose, with the current masses."""
-    last = state.last_reachable
-    design = replace(state.document.design, geometry=last.geometry)
-    return PoseJob(design, last.pose, state.clearance_view.pairs)
+    return PoseJob(state.shown_design, state.last_reachable.pose, state.clearance_view.pairs)
 
 
 def motion_job(state: State, analysis: TrajectoryAnalysis) -> MotionJob:

@@ -14,7 +14,7 @@ from paminsa_viz.explorer.motion.description import FIGURES, SIMULATED
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.identification_table import estimate_table, excitation_table, residual_table
-from paminsa_viz.files.tables import DataTable, table_bytes
+from paminsa_viz.files.tables import TABLE_FORMATS, DataTable, table_bytes
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.model import Configuration, Design, InvalidInput, inverse_kinematics
 from paminsa_viz.plots.map_data import MapData
@@ -26,6 +26,9 @@ from paminsa_viz.plots.series_figure import render_series
 from paminsa_viz.quantities import TORQUES
 
 LONGEST_NAME = 40
+
+VOLUME_KINDS = ("stl", "glb", *TABLE_FORMATS)
+"""Endings of the files, see `synthesis.volume.surface.VOLUME_FORMATS`."""
 
 
 class File(NamedTuple):
@@ -142,9 +145,26 @@ def mujoco_model(state: State, meshes: bool) -> File:
 
 def _posed(state: State) -> tuple[Design, Configuration]:
     """Return the current masses on the last reachable geometry, and its configuration."""
-    last_reachable = state.last_reachable
-    design = replace(state.document.design, geometry=last_reachable.geometry)
-    return design, inverse_kinematics(last_reachable.geometry, last_reachable.pose)
+    last = state.last_reachable
+    return state.shown_design, inverse_kinematics(last.geometry, last.pose)
+
+
+def volume_file(state: State, kind: str) -> File:
+    """Write the volume where all requirements hold, finely sampled.
+
+    Raises:
+        InvalidInput: If it is empty and has no surface to write.
+    """
+    from paminsa_viz.synthesis.volume.solve import solve_volume
+    from paminsa_viz.synthesis.volume.surface import volume_bytes  # loads SciPy
+
+    document, known = state.document, state.requiring.fine
+    if known is not None and known.result is not None and known.job.serves(document):
+        volume = known.result.volume
+    else:
+        volume = solve_volume(document.design, document.requirements)
+    parts = ("paminsa", plain(document.design.name), "volume")
+    return File("_".join(part for part in parts if part) + f".{kind}", volume_bytes(volume, kind))
 
 
 def motion_figure_kind(state: State) -> FigureKind:

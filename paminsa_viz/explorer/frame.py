@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
 
@@ -135,11 +135,7 @@ def compute(state: State, motions: MotionStore | None = None) -> Frame:
     """Return what a state shows; the store has what is known along the motion."""
     document, last_reachable = state.document, state.last_reachable
     configuration = inverse_kinematics(last_reachable.geometry, last_reachable.pose)
-    # If the current geometry is out of reach, its masses are shown on the last one that was not.
-    here = document.design
-    if last_reachable.geometry != here.geometry:
-        here = replace(here, geometry=last_reachable.geometry)
-    reference = None
+    here, reference = state.shown_design, None
     if document.reference is not None:
         held = static_torques(document.reference, last_reachable.pose)
         reference = held if np.isfinite(held).all() else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -117,7 +117,7 @@ class Instant:
 def instant(state: State) -> Instant:
     """Return the instant that the robot shows: of the motion that it follows, or at rest."""
     document, here, time = state.document, state.last_reachable, state.playback.time
-    design = replace(document.design, geometry=here.geometry)
+    design = state.shown_design
     trajectory = planned(document.motion, document.design).trajectory
     if trajectory is None or not state.playback.following:
         return Instant(design, here.pose)

@@ -16,8 +16,8 @@ from paminsa_viz.explorer.identifying import Identifying
 from paminsa_viz.explorer.loads import LoadsState
 from paminsa_viz.explorer.manufacture import Manufacture
 from paminsa_viz.explorer.motion.description import Motion, Playback, PlotView, Pose
-from paminsa_viz.explorer.motion.editing import PointEditing
 from paminsa_viz.explorer.motion.jobs import Answer, Simulating
+from paminsa_viz.explorer.motion.planning import PointEditing
 from paminsa_viz.explorer.requirements.jobs import Requiring
 from paminsa_viz.explorer.scene.layers import default_layers
 from paminsa_viz.explorer.synthesis.jobs import Synthesizing
@@ -211,6 +211,12 @@ class State:
         follows = self.appearance is Appearance.BROWSER
         dark = self.browser_dark if follows else self.appearance is Appearance.DARK
         return DARK if dark else LIGHT
+
+    @property
+    def shown_design(self) -> Design:
+        """The design as it is shown: with the lengths of the last reachable pose."""
+        design, shown = self.document.design, self.last_reachable.geometry
+        return design if design.geometry == shown else replace(design, geometry=shown)
 
     def updated(self, part: str, **changes: Any) -> State:
         """Return the state with other attributes of a part, such as ``"simulating.settings"``."""

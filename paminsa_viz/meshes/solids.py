@@ -12,12 +12,10 @@ from contextvars import ContextVar
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from paminsa_viz.dimensions.fixed_parts import RING_STEP
-
-Array = NDArray[np.float64]
+from paminsa_viz.model.arrays import Array
 
 CREASE = np.radians(32.0)
 """Faces that meet at a sharper angle than this are shaded as an edge [rad]."""

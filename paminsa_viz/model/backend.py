@@ -15,12 +15,10 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paminsa_viz.model import leg, robot
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.lumped import EnergyTerms
-
-Array = NDArray[np.float64]
 
 Loops = tuple[Callable[..., None], Callable[..., None]]
 """Compiled loops of a formula, over a grid and over a list, see `compiled.over_poses`."""

@@ -22,12 +22,10 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import PARAMETERS, Design, Geometry
 from paminsa_viz.model.leg_points import PointWeights, counterweight_point
-
-Array = NDArray[np.float64]
 
 
 class Misprint(Flag):

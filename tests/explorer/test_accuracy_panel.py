@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer import actions, persistence
-from paminsa_viz.explorer.accuracy import shown_errors
 from paminsa_viz.explorer.entries import ButtonGroup, Folder, given
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.inputs import Slider
 from paminsa_viz.explorer.panels import accuracy_panel as panel
 from paminsa_viz.explorer.panels.manufacture_panel import MANUFACTURE
+from paminsa_viz.explorer.scene.drive_errors import shown_errors
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, Drive, DriveAccuracy, InvalidInput, singular_rotation
 from paminsa_viz.units import ARCSEC, number

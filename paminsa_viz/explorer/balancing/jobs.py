@@ -18,7 +18,6 @@ from paminsa_viz.balancing import (
 from paminsa_viz.balancing.changes import MOST
 from paminsa_viz.balancing.sensitivity import MASSES
 from paminsa_viz.explorer.balancing.plane import PlaneJob
-from paminsa_viz.explorer.balancing.weight_clearance import WeightClearance
 from paminsa_viz.explorer.settings import PERCENT, Settings, setting
 from paminsa_viz.explorer.tasks import Outcome, TaskState
 from paminsa_viz.model import Design, InvalidInput
@@ -186,6 +185,25 @@ class Effect:
     before: float
     after: float
     group: str = ""
+
+
+@dataclass(frozen=True)
+class WeightClearance:
+    """The least distance of a counterweight to another body.
+
+    Attributes:
+        distance: Negative where they overlap [m].
+        names: The two bodies.
+        pose: Where it is, (x, y, theta, z) [m, m, rad, m].
+        touching: Part of the poses where a counterweight overlaps another body, 0 to 1.
+        poses: Poses that were looked at.
+    """
+
+    distance: float
+    names: tuple[str, str]
+    pose: tuple[float, float, float, float]
+    touching: float
+    poses: int
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,6 +23,7 @@ from paminsa_viz.balancing import (
     tornado,
     whole_mass,
 )
+from paminsa_viz.clearance import PairGroup, clearance
 from paminsa_viz.explorer.balancing.jobs import (
     Balanced,
     BalanceJob,
@@ -31,9 +32,9 @@ from paminsa_viz.explorer.balancing.jobs import (
     Goal,
     MassFront,
     Task,
+    WeightClearance,
     changes_of,
 )
-from paminsa_viz.explorer.balancing.weight_clearance import WeightClearance, weight_clearance
 from paminsa_viz.explorer.maps import COARSE
 from paminsa_viz.explorer.tasks import Report
 from paminsa_viz.model import (
@@ -184,6 +185,22 @@ def weights_of(job: BalanceJob, design: Design) -> WeightClearance | None:
         every = max(job.trajectory.size // MOST_POSES, 1)
         poses.append(job.trajectory.pose[::every])
     return weight_clearance(design, np.concatenate(poses))
+
+
+def weight_clearance(design: Design, poses: Array) -> WeightClearance | None:
+    """Return the least clearance of counterweights over poses (n, 4); None if there are none."""
+    if not any(weight.mass > 0 for weight in design.counterweights) or not len(poses):
+        return None
+    found = clearance(design, poses, (PairGroup.COUNTERWEIGHTS,))
+    known = np.isfinite(found.least)
+    if not known.any():
+        return None
+    low = int(np.nanargmin(found.least))
+    x, y, theta, z = (float(value) for value in poses[low])
+    return WeightClearance(
+        float(found.least[low]), found.pairs[found.pair[low]], (x, y, theta, z),
+        float((found.least[known] < 0).mean()), int(known.sum()),
+    )  # fmt: skip
 
 
 SIZES = {

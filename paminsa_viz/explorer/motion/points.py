@@ -6,7 +6,7 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.maps import go_to, on_map
 from paminsa_viz.explorer.motion.actions import change, choose_kind, current_pose
 from paminsa_viz.explorer.motion.description import Kind, Pose
-from paminsa_viz.explorer.motion.editing import THETA, Point, points, with_point
+from paminsa_viz.explorer.motion.planning import THETA, Point, points, with_point
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
 

@@ -7,13 +7,13 @@ from functools import partial
 import numpy as np
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.accuracy import no_bound, shown_errors
 from paminsa_viz.explorer.entries import ButtonGroup, Effect, Folder, Html, Tabs
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Slider
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.manufacture_panel import MANUFACTURE, error_slider
 from paminsa_viz.explorer.panels.maps_panel import choose_quantity
+from paminsa_viz.explorer.scene.drive_errors import no_bound, shown_errors
 from paminsa_viz.explorer.setting_inputs import layer_switch
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import DriveAccuracy

@@ -12,8 +12,14 @@ from operator import attrgetter
 from markupsafe import Markup
 
 from paminsa_viz.balancing import ActiveConstraint, InfeasibleBounds
-from paminsa_viz.explorer.balancing.jobs import Balanced, BalanceOutcome, Effect, Goal, Task
-from paminsa_viz.explorer.balancing.weight_clearance import WeightClearance
+from paminsa_viz.explorer.balancing.jobs import (
+    Balanced,
+    BalanceOutcome,
+    Effect,
+    Goal,
+    Task,
+    WeightClearance,
+)
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels import render, status
 from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance

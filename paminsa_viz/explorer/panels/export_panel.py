@@ -15,7 +15,6 @@ from paminsa_viz.explorer.inputs import Dropdown, Number, attribute
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.recording import Recorder
-from paminsa_viz.explorer.requirements.files import VOLUME_KINDS, volume_file
 from paminsa_viz.explorer.requirements.saved import asked
 from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
 from paminsa_viz.explorer.session import Session
@@ -178,9 +177,9 @@ def export_entries(
             choices=lambda state: (
                 {
                     kind.upper(): export(
-                        f"the volume as {kind.upper()}", partial(volume_file, kind=kind)
+                        f"the volume as {kind.upper()}", partial(exports.volume_file, kind=kind)
                     )
-                    for kind in VOLUME_KINDS
+                    for kind in exports.VOLUME_KINDS
                 }
                 if asked(state.document.requirements)
                 else {}

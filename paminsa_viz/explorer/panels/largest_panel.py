@@ -8,7 +8,7 @@ from paminsa_viz.explorer.background import task_entries
 from paminsa_viz.explorer.entries import BackgroundJob, Button, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels import note, render
-from paminsa_viz.explorer.requirements import largest
+from paminsa_viz.explorer.requirements import actions
 from paminsa_viz.explorer.requirements.jobs import LargestState
 from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state import State
@@ -85,15 +85,15 @@ LARGEST_WORKSPACE = (
     *task_entries(
         "requiring.largest",
         Button(
-            "largest.start", "Find the largest", icon=Icon.CERTIFICATE, effect=largest.start,
-            undo=False,
+            "largest.start", "Find the largest", icon=Icon.CERTIFICATE, undo=False,
+            effect=actions.start_largest,
             hint="Reach and singularities in closed form, condition number, torques and F₄ by "
             "interval bisection",
         ),
     ),
     Html("largest.result", content=result_html),
     Button(
-        "largest.use", "Use as required workspace", visible=_is_proven, effect=largest.use,
+        "largest.use", "Use as required workspace", visible=_is_proven, effect=actions.use_largest,
     ),
-    BackgroundJob("requiring.largest", find=largest.find_largest),
+    BackgroundJob("requiring.largest", find=actions.find_largest),
 )  # fmt: skip

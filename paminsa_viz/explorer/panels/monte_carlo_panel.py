@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 from viser import Icon
@@ -50,10 +49,9 @@ def error_row(name: str, unit: str, *values: Any) -> tuple[str, str, list[str]]:
 
 def start(state: State) -> State:
     """Draw robots at random, for the pose where the robot is."""
-    own, last = state.manufacture, state.last_reachable
-    design = replace(state.document.design, geometry=last.geometry)
+    own, pose = state.manufacture, state.last_reachable.pose
     return tasks.start(
-        state, "manufacture", MonteCarloJob(design, last.pose, own.robots, own.seed)
+        state, "manufacture", MonteCarloJob(state.shown_design, pose, own.robots, own.seed)
     )  # fmt: skip
 
 

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from enum import Enum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from paminsa_viz.explorer import tasks
 from paminsa_viz.explorer.actions import change_document
+from paminsa_viz.explorer.requirements.jobs import LargestJob
 from paminsa_viz.explorer.requirements.saved import MOST_REQUIREMENTS, require_possible
 from paminsa_viz.explorer.requirements.suggestions import default_workspace, suggested
-from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.state import Document, State
+from paminsa_viz.explorer.tasks import Report
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities import families
@@ -18,8 +21,12 @@ from paminsa_viz.quantities.requirements import (
     Range,
     Requirement,
     Requirements,
+    Workspace,
     WorkspaceShape,
 )
+
+if TYPE_CHECKING:
+    from paminsa_viz.synthesis.proof.largest import LargestWorkspace
 
 TURN = math.radians(30)
 """Half of the range of headings that is suggested [rad]."""
@@ -210,3 +217,50 @@ def choose_shape(state: State, shape: WorkspaceShape | None) -> State:
 def clear(state: State) -> State:
     """Remove all requirements."""
     return change(state, **vars(Requirements()))
+
+
+def proportions(document: Document, shape: WorkspaceShape, free: bool) -> Workspace:
+    """Return the workspace that gives the proportions and, unless it is free, the center."""
+    held = document.requirements.workspace or default_workspace(document)
+    x, y, z = held.size
+    center: Any = (None, None, None) if free else held.center
+    return Workspace(shape, (x, x if shape is WorkspaceShape.CYLINDER else y, z), center)
+
+
+def start_largest(state: State) -> State:
+    """Search for the largest workspace that is proven.
+
+    Raises:
+        InvalidInput: If nothing is required.
+    """
+    document, asked = state.document, state.requiring.largest
+    if not document.requirements.bounds:
+        raise InvalidInput("requirements", "add one first: nothing but reach bounds the workspace")
+    job = LargestJob(
+        document.design, document.requirements,
+        proportions(document, asked.shape, asked.free), asked.growth, asked.seconds,
+    )  # fmt: skip
+    return tasks.start(state, "requiring.largest", job)
+
+
+def find_largest(job: LargestJob, report: Report) -> LargestWorkspace:
+    """Find the largest workspace."""
+    from paminsa_viz.synthesis.proof.largest import largest_workspace
+    from paminsa_viz.synthesis.proof.regions import Growth
+
+    return largest_workspace(
+        job.design, job.requirements, job.workspace, growth=Growth[job.growth],
+        time_limit=job.seconds, progress=report,
+    )  # fmt: skip
+
+
+def use_largest(state: State) -> State:
+    """Require the workspace that was found.
+
+    Raises:
+        InvalidInput: If none was proven.
+    """
+    proven = state.requiring.largest.proven
+    if proven is None:
+        raise InvalidInput("workspace", "none is proven")
+    return change(state, workspace=Workspace(*proven))

@@ -18,11 +18,10 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.scene.layers import LegendRow
 from paminsa_viz.explorer.scene.nodes import Node, label, mesh
 from paminsa_viz.model import lift_constant, lumped_coefficients
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES, LEG_AXES
 from paminsa_viz.units import number
-
-Array = NDArray[np.float64]
 
 ARC_RADIUS: Final = 0.100
 ARC_HEIGHT: Final = at.MOUNT + at.PLATE + 0.026

@@ -6,15 +6,13 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paminsa_viz.dimensions.layout import layout, lift_motor_height, plinth_outline
 from paminsa_viz.explorer.browser.style import view_width
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
-
-Array = NDArray[np.float64]
 
 FIELD_OF_VIEW: Final = float(np.radians(32.0))
 """Vertical field of view of every preset [rad]: a long lens keeps vertical lines vertical."""

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.meshes.part import srgb_to_linear
-
-Array = NDArray[np.float64]
+from paminsa_viz.model.arrays import Array
 
 MOST_DASHES = 1000
 """Most dashes of a curve."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -10,16 +11,15 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from paminsa_viz import palette
-from paminsa_viz.explorer.accuracy import no_bound, shown_errors
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.motion.description import Pose
 from paminsa_viz.explorer.scene.curves import segments
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import Node, label, lines, mesh
-from paminsa_viz.model import Geometry, jacobian
-from paminsa_viz.precision.drive_errors import DriveErrors
+from paminsa_viz.model import DriveAccuracy, Geometry, jacobian
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors
 from paminsa_viz.units import display_unit, number
-
-Array = NDArray[np.float64]
 
 FARTHEST: Final = 0.30
 """Largest distance of the drawn errors from the platform's center [m]."""
@@ -35,6 +35,24 @@ BELOW: Final = 0.09
 
 ERROR_COLOR: Final = palette.BAD
 RMS_COLOR: Final = palette.INK
+
+
+def shown_errors(frame: Frame) -> DriveErrors:
+    """Return the errors at the pose where the robot is shown."""
+    x, y, theta, z = frame.configuration.pose.tolist()
+    design = frame.shown_design
+    return _errors(design.geometry, design.accuracy, (x, y, theta, z))
+
+
+@lru_cache(maxsize=8)
+def _errors(geometry: Geometry, accuracy: DriveAccuracy, pose: Pose) -> DriveErrors:
+    return drive_errors(geometry, accuracy, pose)
+
+
+def no_bound(found: DriveErrors) -> str:
+    """Return why the errors at a pose have no bound, or an empty text."""
+    bound = Bound(int(found.bound))
+    return "" if bound is Bound.OK else bound.reason(int(found.leg))
 
 
 def outline(points: Array) -> Array:

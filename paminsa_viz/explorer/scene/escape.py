@@ -6,17 +6,15 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.scene.layers import LegendRow
 from paminsa_viz.explorer.scene.nodes import Node, arrows, label
 from paminsa_viz.model import Geometry, inverse_kinematics
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.palette import BAD
 from paminsa_viz.trajectory import CrossingPlan
-
-Array = NDArray[np.float64]
 
 LONGEST: Final = 0.2
 """Longest arrow [m]."""

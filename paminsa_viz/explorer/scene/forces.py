@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paminsa_viz import palette
 from paminsa_viz.actuation.polytope import WrenchPolytope, wrench_polytope
@@ -22,14 +21,13 @@ from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.scene.layers import LegendRow
 from paminsa_viz.explorer.scene.nodes import Node, arrows, label, lines, mesh
 from paminsa_viz.model import center_wrench
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.load import WRENCH, LoadCase
 from paminsa_viz.palette import LEG_COLORS
 from paminsa_viz.trajectory import Trajectory
 from paminsa_viz.units import number
-
-Array = NDArray[np.float64]
 
 LONGEST: Final = 0.30
 """Longest arrow of a load [m]."""

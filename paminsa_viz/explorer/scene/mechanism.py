@@ -15,13 +15,12 @@ from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.scene.layers import LegendRow
 from paminsa_viz.explorer.scene.nodes import Node, arrows, ball, copies, label, lines
 from paminsa_viz.explorer.synthesis.jobs import Shown
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
 from paminsa_viz.model.leg_points import bar_length
 from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.units import number
-
-Array = NDArray[np.float64]
 
 JOINTS: Final = (2, 3, 4, 5, 7, 8, 9)
 """The paper's joint numbers, in the order drawn."""

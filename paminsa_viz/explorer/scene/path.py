@@ -13,11 +13,10 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.results import split_path
 from paminsa_viz.explorer.scene.curves import linear_colors, segments
 from paminsa_viz.explorer.scene.nodes import Node, curves, lines
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.palette import BAD, INK
 from paminsa_viz.plots import colors
 from paminsa_viz.trajectory import TrajectoryAnalysis
-
-Array = NDArray[np.float64]
 
 WIDTH: Final = 5.0
 DASH: Final = 0.008

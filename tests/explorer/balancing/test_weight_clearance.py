@@ -10,8 +10,7 @@ import pytest
 from paminsa_viz.clearance import PairGroup, clearance
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.jobs import CounterweightSlot, Task
-from paminsa_viz.explorer.balancing.solving import run
-from paminsa_viz.explorer.balancing.weight_clearance import weight_clearance
+from paminsa_viz.explorer.balancing.solving import run, weight_clearance
 from paminsa_viz.explorer.panels.balance_text import details_html
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.explorer.tasks import solve

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import trimesh
 
+from paminsa_viz.explorer.exports import VOLUME_KINDS, volume_file
 from paminsa_viz.explorer.page import opening_state
 from paminsa_viz.explorer.panels.file_panel import open_content, uploaded_content
 from paminsa_viz.explorer.requirements import actions
 from paminsa_viz.explorer.requirements.checking import find_volume
-from paminsa_viz.explorer.requirements.files import VOLUME_KINDS, volume_file
 from paminsa_viz.explorer.requirements.jobs import VolumeJob
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.explorer.tasks import solve
