@@ -30,19 +30,20 @@ _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _SYMBOL = re.compile(r"\b([A-Za-z])_([A-Za-z]{0,4}\d{0,2})\b(?:\^\((\w+)\))?")
 
 
-def number(value: float, digits: int = 4, *, sign: bool = False) -> str:
+def number(value: float, digits: int = 4, *, sign: bool = False, padded: bool = False) -> str:
     """Return a number with at most ``digits`` significant digits and a true minus sign.
 
     Large and small ones get a power of ten, 1.2·10⁻¹³; NaN is a dash. With ``sign``, positive
-    numbers get a plus sign.
+    numbers get a plus sign. With ``padded``, which suits columns, zeros at the end stay.
     """
     if math.isnan(value):
         return NONE
-    text = f"{value:{'+' if sign else ''}.{digits}g}"
+    text = f"{value:{'+' if sign else ''}{'#' if padded else ''}.{digits}g}"
     mantissa, e, exponent = text.partition("e")
+    mantissa = mantissa.removesuffix(".")
     if e:
         return f"{mantissa.replace('-', '−')}·{power_of_ten(int(exponent))}"
-    return "0" if value == 0 else text.replace("-", "−")
+    return "0" if value == 0 else mantissa.replace("-", "−")
 
 
 def fixed(value: float, decimals: int) -> str:
