@@ -13,6 +13,8 @@ from paminsa_viz import clearance, elastostatics, precision
 from paminsa_viz.actuation import capability
 from paminsa_viz.model import (
     APPENDIX_4,
+    InvalidInput,
+    center_wrench,
     inverse_dynamics,
     inverse_kinematics,
     measure_singularity,
@@ -54,3 +56,15 @@ def test_empty_batches_and_poses_out_of_reach_are_no_error(name: str) -> None:
     assert np.isfinite(found[0]).all()
     assert np.isnan(found[1:]).all()
     assert [item.shape for item in empty] == [(0, *found.shape[1:]), (2, 0, *found.shape[1:])]
+
+
+def test_functions_of_one_pose_and_of_an_angle_say_what_they_need() -> None:
+    with pytest.raises(InvalidInput, match=r"pose: one pose \(4,\) is needed; got \(2, 4\)"):
+        elastostatics.robot_modes(APPENDIX_4, np.zeros((2, 4)))
+    with pytest.raises(InvalidInput, match="theta: real numbers are needed"):
+        center_wrench(APPENDIX_4.load, "x")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        modes = elastostatics.robot_modes(APPENDIX_4, [0.0, 0.0, np.inf, -0.5])
+    assert np.isnan(modes.frequencies).all()
+    assert precision.monte_carlo(APPENDIX_4, np.zeros((0, 4)), robots=3).errors.shape == (3, 0, 6)

@@ -137,6 +137,7 @@ def geometric_stiffness(design: Design, pose: ArrayLike) -> Array:
     return _symmetric(loaded - drive_stiffness(design, pose, loaded=False))
 
 
+@np.errstate(all="ignore")
 def load_tilt_stiffness(load: LoadCase, theta: ArrayLike) -> Array:
     """Return what a load adds to the stiffness where the platform tilts, (..., 6, 6) [N, N m/rad].
 

@@ -29,6 +29,7 @@ from paminsa_viz.elastostatics.leg_frame import leg_frame
 from paminsa_viz.elastostatics.leg_matrices import LegMatrices, leg_matrices
 from paminsa_viz.elastostatics.leg_model import RETAINED
 from paminsa_viz.elastostatics.modes import Modes, natural_modes
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import check_reach
@@ -190,9 +191,12 @@ def robot_modes(
         robot does not hold the pose, see `first_frequencies`.
 
     Raises:
-        InvalidInput: If arm or shaft has no length, or ``divisions`` is not possible.
+        InvalidInput: If it is not one pose, arm or shaft has no length, or ``divisions`` is not
+            possible.
     """
     pose = as_vectors(pose, "pose")
+    if pose.ndim > 1:
+        raise InvalidInput("pose", f"one pose (4,) is needed; got {pose.shape}")
     matrices = leg_matrices(design, divisions, shear)
     return whole_modes(matrices, pose, count)
 

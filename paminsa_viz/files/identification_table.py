@@ -9,7 +9,7 @@ import numpy as np
 
 from paminsa_viz.files.columns import TIME, TORQUES
 from paminsa_viz.files.tables import DataTable, provenance
-from paminsa_viz.files.trajectory_table import analysis_table
+from paminsa_viz.files.trajectory_table import analysis_table, parameter_facts, robot_facts
 from paminsa_viz.trajectory import analyze
 
 if TYPE_CHECKING:
@@ -53,9 +53,10 @@ def _facts(findings: Findings) -> dict[str, str]:
     found = findings.identification
     return {
         "log": found.log.name,
-        "design": found.design.name,
         "cut-off [Hz]": repr(found.settings.cut_off),
         **{f"note {number}": note for number, note in enumerate(found.notes, 1)},
+        **robot_facts(found.design),
+        **parameter_facts(found.design),
     }
 
 

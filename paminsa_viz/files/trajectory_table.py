@@ -33,7 +33,9 @@ from paminsa_viz.files.columns import (
 from paminsa_viz.files.errors import TableFileError, shown
 from paminsa_viz.files.table_reader import TableReader, open_table
 from paminsa_viz.files.tables import DataTable, provenance
-from paminsa_viz.model.design import PARAMETERS, Design
+from paminsa_viz.model.design import Design, stated_parameters
+from paminsa_viz.model.drive import ACTUATORS as ACTUATOR_NAMES
+from paminsa_viz.model.load import LoadFrame
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.imported import from_samples
@@ -105,12 +107,23 @@ def robot_facts(design: Design) -> dict[str, str]:
     return {"design": design.name, "assembly": design.geometry.knee.value}
 
 
-def parameter_facts(design: Design) -> dict[str, str]:
-    """Return all numbers of a design for the header of a table."""
-    return {
-        f"design {p.path}{f' [{p.unit}]' if p.unit else ''}": repr(design.value(p.path))
-        for p in PARAMETERS
+def parameter_facts(design: Design, what: str = "design") -> dict[str, str]:
+    """Return all that numbers follow from for the header of a table.
+
+    The rigid robot's numbers, others that are not the default, counterweights and drives.
+    """
+    facts = {
+        f"{what} {p.path}{f' [{p.unit}]' if p.unit else ''}": repr(float(design.value(p.path)))
+        for p in stated_parameters(design)
     }
+    if design.load.frame is not LoadFrame.WORLD:
+        facts[f"{what} load.frame"] = design.load.frame.value
+    for number, weight in enumerate(design.counterweights):
+        facts[f"{what} counterweights.{number}"] = f"{weight.mass!r} kg on {weight.place}"
+    for name, drive in zip(ACTUATOR_NAMES, design.drives, strict=True):
+        if drive is not None:
+            facts[f"{what} drives.{name}"] = drive.summary
+    return facts
 
 
 def parse_trajectory(

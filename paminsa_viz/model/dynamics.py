@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, as_vectors, together
 from paminsa_viz.model.design import Design
@@ -264,6 +265,9 @@ def forward_dynamics(
 
     Returns:
         [m/s^2, m/s^2, rad/s^2, m/s^2]; NaN where the pose cannot be taken.
+
+    Raises:
+        InvalidInput: If nothing of the robot has inertia in some direction.
     """
     shape, (p, v, q) = together(pose=pose, velocity=velocity, torque=torque)
     bias = inverse_dynamics(design, p, v, np.zeros_like(p), load=flat_load(load, shape)).torque
@@ -272,5 +276,11 @@ def forward_dynamics(
     force = np.einsum("nji,nj->ni", g, q - bias)
     good = np.isfinite(force).all(axis=-1) & np.isfinite(matrix).all(axis=(-1, -2))
     acceleration = np.full_like(p, np.nan)
-    acceleration[good] = np.linalg.solve(matrix[good], force[good, :, None])[..., 0]
+    try:
+        acceleration[good] = np.linalg.solve(matrix[good], force[good, :, None])[..., 0]
+    except np.linalg.LinAlgError:
+        raise InvalidInput(
+            "design", "without any inertia in some direction its acceleration has no bound there; "
+            "platform.inertia above 0 gives it one in theta"
+        ) from None  # fmt: skip
     return acceleration.reshape(*shape, 4)

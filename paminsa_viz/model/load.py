@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput
-from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.parameters import Group, parameter
 
 
@@ -120,9 +120,9 @@ def center_wrench(load: LoadCase, theta: ArrayLike, extra: ArrayLike | None = No
         (F_x, F_y, F_z, M_x, M_y, M_z) [N, N m]. M_x and M_y load the bearings alone.
 
     Raises:
-        InvalidInput: If the further wrench does not hold six real numbers each.
+        InvalidInput: If theta is no real number, or the further wrench does not hold six each.
     """
-    theta = np.asarray(theta, dtype=np.float64)
+    theta = as_numbers(theta, "theta")
     parts: Any = load.wrench
     if extra is not None:
         parts = np.moveaxis(as_vectors(extra, "load", 6) + np.array(load.wrench), -1, 0)

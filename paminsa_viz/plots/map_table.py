@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.files.columns import POSE, STATUS
 from paminsa_viz.files.tables import DataTable, provenance
-from paminsa_viz.model.design import Design, stated_parameters
+from paminsa_viz.files.trajectory_table import parameter_facts
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.plots.caption import key_numbers
 from paminsa_viz.plots.map_data import MapData
@@ -69,20 +69,11 @@ def _facts(data: MapData) -> dict[str, str]:
         facts["singular radius [m]"] = repr(float(data.singular_radius))
     for symbol, value, unit in key_numbers(data.design):
         facts[f"{symbol} [{unit}]"] = repr(float(value))
-    facts |= _parameters("design", data.design)
+    facts |= parameter_facts(data.design)
     if data.reference is not None:
         facts["reference"] = data.reference.name
-        facts |= _parameters("reference", data.reference)
+        facts |= parameter_facts(data.reference, "reference")
     return facts
-
-
-def _parameters(what: str, design: Design) -> dict[str, str]:
-    return {
-        f"{what} {p.path} [{p.unit}]" if p.unit else f"{what} {p.path}": repr(
-            float(design.value(p.path))
-        )
-        for p in stated_parameters(design)
-    }
 
 
 def _plain(name: str) -> str:

@@ -281,7 +281,7 @@ def monte_carlo(
     errors = np.empty((robots, len(flat), 6))
     closure = np.empty((robots, len(flat)), np.uint8)
     wanted = start.coordinates
-    at_once, done, canceled = max(1, block // len(flat)), 0, False
+    at_once, done, canceled = max(1, block // max(len(flat), 1)), 0, False
     while done < robots and not canceled:
         some = slice(done, min(done + at_once, robots))
         drawn = random.uniform(-1.0, 1.0, (some.stop - done, 2, 3, len(LENGTHS)))

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.dynamics import forward_dynamics
 from paminsa_viz.model.energy import kinetic_energy, potential_energy
 from paminsa_viz.trajectory.check import (
     GUIDES,
@@ -150,8 +151,8 @@ def simulate(
 
     Raises:
         ImpossibleTrajectory: If the robot cannot run the trajectory at all.
-        InvalidInput: If the model's geometry is another, or the start with its offset is out of
-            reach.
+        InvalidInput: If the model's geometry is another, the start with its offset is out of
+            reach, or nothing of the robot has inertia in some direction.
         SimulationFailed: If the solver gives up away from any limit, or would take too long.
     """
     from scipy.integrate import solve_ivp  # slow to load
@@ -179,6 +180,7 @@ def simulate(
 
     if not margins(trajectory.t[0], start[:4]).min() > 0:
         raise InvalidInput("offset", "the robot cannot start there")
+    forward_dynamics(design, start[:4], start[4:8], np.zeros(4))  # raises without inertia
 
     gains = controller.gains(model, trajectory.pose[0])
     derivative, torques = equations(design, model, gains, trajectory)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import io
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from paminsa_viz.elastostatics.joint_forces import joint_forces
 from paminsa_viz.files.columns import (
     ACCELERATION,
     LOAD,
@@ -23,6 +25,7 @@ from paminsa_viz.files.columns import (
     part_columns,
 )
 from paminsa_viz.files.errors import TableFileError
+from paminsa_viz.files.loads_table import joint_table
 from paminsa_viz.files.tables import table_csv, table_npz
 from paminsa_viz.files.trajectory_table import (
     analysis_table,
@@ -30,7 +33,16 @@ from paminsa_viz.files.trajectory_table import (
     read_trajectory,
     simulation_table,
 )
-from paminsa_viz.model import APPENDIX_4, KneeBranch, Misprint
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Counterweight,
+    Drive,
+    KneeBranch,
+    LoadFrame,
+    Misprint,
+)
+from paminsa_viz.plots.map_data import map_data, workspace_field
+from paminsa_viz.plots.map_table import map_table
 from paminsa_viz.trajectory import (
     Controller,
     ControlMode,
@@ -112,6 +124,29 @@ def test_a_written_trajectory_comes_back(samples, knee, tmp_path) -> None:
     for name in ("t", "pose", "velocity", "acceleration"):
         np.testing.assert_array_equal(getattr(back, name), getattr(samples, name))
     assert back.notes == ()
+
+
+def test_headers_state_all_that_numbers_follow_from() -> None:
+    changes = {"elastic.b4_outer": 0.05, "tolerances.bar": 1e-5, "load.force_x": 3.0}
+    design = replace(
+        APPENDIX_4.vary(changes),
+        counterweights=(Counterweight("b3", 7, 0.1, 2.5),),
+        drives=(None, None, Drive(name="motor", gear_ratio=50.0), None),
+    )
+    design = replace(design, load=replace(design.load, frame=LoadFrame.PLATFORM))
+    pose = np.array([0.0, 0.0, 0.0, -0.5])
+    maps = map_data(workspace_field(design.geometry, *pose[2:], 3), design, pose)
+    tables = (
+        analysis_table(analyze(design, LEAVING)), joint_table(joint_forces(design, pose), pose),
+        map_table(maps),
+    )  # fmt: skip
+    for head in (table.provenance for table in tables):
+        assert float(head["design elastic.b4_outer [m]"]) == 0.05
+        assert float(head["design tolerances.bar [m]"]) == 1e-5
+        assert head["design load.frame"] == "platform"
+        assert head["design counterweights.0"] == "2.5 kg on B3, 100 mm beyond joint 7"
+        assert head["design drives.M3"] == "motor, 50:1"
+        assert not any(name in key for key in head for name in ("drives.M1", "leg1", "accuracy"))
 
 
 def test_columns_and_provenance_of_a_written_table() -> None:

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import (
     APPENDIX_4,
     COEFFICIENTS,
@@ -34,7 +35,9 @@ from paminsa_viz.model import (
     unit_torques,
 )
 from paminsa_viz.model import regressor as module
+from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.regressor import regressor_torques
+from paminsa_viz.trajectory import point_to_point, simulate
 from tests.model import paper
 from tests.support import samples
 from tests.support.cases import BY_HAND, PROTOTYPES, Case, assert_close, assert_within, cases
@@ -119,6 +122,15 @@ def test_forward_dynamics_undoes_inverse_dynamics(case: Case) -> None:
     for design in (case.design, rubbing(case.design)):
         torque = inverse_dynamics(design, pose, v, a).torque
         assert_close(forward_dynamics(design, pose, v, torque), a, 1e-10)
+
+
+def test_a_robot_without_inertia_is_refused() -> None:
+    """Legs of no mass and a point for a platform: nothing resists a turn."""
+    bare = APPENDIX_4.vary(dict.fromkeys(MASS_PATHS, 0.0) | {"platform.mass": 1.0})
+    with pytest.raises(InvalidInput, match=r"platform\.inertia above 0"):
+        forward_dynamics(bare, BY_HAND, np.zeros(4), np.zeros(4))
+    with pytest.raises(InvalidInput, match=r"platform\.inertia above 0"):
+        simulate(bare, point_to_point(BY_HAND[0], BY_HAND[1]).sample(100))
 
 
 @pytest.mark.parametrize("which", ["velocity", "acceleration"])

@@ -23,6 +23,9 @@ def test_ordinary_values_are_all_shown(seed: int, size: float) -> None:
         low, high = robust_range(field, signed)
         assert low == (-high if signed else 0)
         assert size * 0.99 <= high <= most * size
+    low, high = robust_range(-np.abs(values), signed=False)
+    assert high == 0
+    assert size * 0.99 <= -low <= 1.3 * size
 
 
 @given(seeds, st.floats(0.01, 0.3), st.floats(1e2, 1e8))
