@@ -34,7 +34,7 @@ from paminsa_viz.files.errors import TableFileError, shown
 from paminsa_viz.files.table_reader import TableReader, open_table
 from paminsa_viz.files.tables import DataTable, provenance
 from paminsa_viz.model.design import Design, stated_parameters
-from paminsa_viz.model.drive import ACTUATORS as DRIVEN
+from paminsa_viz.model.drive import ACTUATORS as ACTUATOR_NAMES
 from paminsa_viz.model.load import LoadFrame
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
@@ -120,7 +120,7 @@ def parameter_facts(design: Design, what: str = "design") -> dict[str, str]:
         facts[f"{what} load.frame"] = design.load.frame.value
     for number, weight in enumerate(design.counterweights):
         facts[f"{what} counterweights.{number}"] = f"{weight.mass!r} kg on {weight.place}"
-    for name, drive in zip(DRIVEN, design.drives, strict=True):
+    for name, drive in zip(ACTUATOR_NAMES, design.drives, strict=True):
         if drive is not None:
             facts[f"{what} drives.{name}"] = drive.summary
     return facts

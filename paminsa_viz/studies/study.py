@@ -13,6 +13,7 @@ from paminsa_viz import __version__
 from paminsa_viz.balancing.changes import whole_mass
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.errors import printable
+from paminsa_viz.files.trajectory_table import parameter_facts
 from paminsa_viz.model import backend
 from paminsa_viz.model.design import (
     APPENDIX_4,
@@ -20,9 +21,7 @@ from paminsa_viz.model.design import (
     PARAMETER,
     PARAMETERS,
     Design,
-    stated_parameters,
 )
-from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.resizing import resized
 from paminsa_viz.studies.metrics import (
     METRICS,
@@ -203,13 +202,7 @@ class Study:
             facts["motion"] = f"{motion.name}, {motion.size} samples in {motion.duration:g} s"
             facts["hash of the motion's samples"] = samples_hash(motion)
         facts |= {m.column: m.meaning for m in self.metrics}
-        stated = stated_parameters(self.design)
-        facts |= {f"design {p.path}": repr(self.design.value(p.path)) for p in stated}
-        for number, weight in enumerate(self.design.counterweights):
-            facts[f"design counterweights.{number}"] = f"{weight.mass!r} kg on {weight.place}"
-        for name, drive in zip(ACTUATORS, self.design.drives, strict=True):
-            if drive is not None:
-                facts[f"design drives.{name}"] = drive.summary
+        facts |= parameter_facts(self.design)
         return {key: printable(value) for key, value in facts.items() if value}
 
     @property

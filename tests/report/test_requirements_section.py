@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from functools import partial
 
 import pytest
@@ -48,6 +49,16 @@ def test_broken_requirements_are_marked_and_the_volume_says_what_they_take(
     assert marked == [item.label for item in checked.items if not item.holds] == ["F₄ ≤ 200 N"]
     assert "A requirement is broken." in notes
     assert any("dm³" in note or "is empty" in note for note in notes)
+
+
+def test_a_volume_away_from_home_is_said_to_be_one() -> None:
+    solved = solve_volume(APPENDIX_4, Requirements(NEEDS.bounds[:1]), resolution=COARSE)
+    for inside in (True, False):
+        volume = replace(solved, home_inside=inside)
+        check = RequirementsCheck((), Over.VOLUME, None, volume)
+        blocks = section.check_blocks(volume.requirements, check)
+        said = any("Home is not in it" in block.text for block in blocks if isinstance(block, Note))
+        assert said is not inside
 
 
 @given(st.floats(1.0, 1e4), st.booleans())
