@@ -12,13 +12,14 @@ import binascii
 import json
 import re
 import zlib
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any
 
 import msgspec
 
 from paminsa_viz.explorer.motion.description import motion_data, motion_from_data
 from paminsa_viz.explorer.requirements.saved import requirements_data, requirements_from_data
+from paminsa_viz.explorer.settings import changed_data
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.errors import printable, shown
@@ -67,15 +68,9 @@ def _described(design: Design) -> dict[str, Any]:
     described: dict[str, Any] = {"name": design.name, "design": _numbers(design)}
     if design.load.frame is not LoadFrame.WORLD:
         described["load_frame"] = design.load.frame.value
-    drives = [None if drive is None else _changed_fields(drive) for drive in design.drives]
+    drives = [None if drive is None else changed_data(drive, Drive()) for drive in design.drives]
     described |= {"counterweights": weights} if weights else {}
     return described | ({"drives": drives} if any(design.drives) else {})
-
-
-def _changed_fields(drive: Drive) -> dict[str, Any]:
-    """Return the fields of a drive that are not the default."""
-    values = {item.name: getattr(drive, item.name) for item in fields(Drive)}
-    return {name: value for name, value in values.items() if value != getattr(Drive(), name)}
 
 
 def dump(document: Document) -> str:
@@ -150,7 +145,7 @@ def _design(data: dict[str, Any]) -> Design:
 
 
 def _drive(values: dict[str, Any]) -> Drive:
-    """Read what `_changed_fields` returned."""
+    """Read what `changed_data` returned."""
     known: Any = values | {"name": printable(str(values.get("name", "")))[:NAME_CHARACTERS]}
     return Drive(**known)
 

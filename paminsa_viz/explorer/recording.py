@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.explorer import tasks
 from paminsa_viz.explorer.exports import File, motion_name
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.motion import actions as motions
@@ -24,7 +24,7 @@ from paminsa_viz.explorer.pictures import VIEW_TIMEOUT, picture
 from paminsa_viz.explorer.scene.floor import FloorMap
 from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import Recording, State
+from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput, PaminsaError
 from paminsa_viz.plots.animations import ANIMATION_FORMATS
 
@@ -98,10 +98,13 @@ class Recorder:
         times = instants(found.analysis.trajectory.duration)
         self._cancel.clear()
         try:
+            start = partial(tasks.start, path="recording", job=kind)
+            session.dispatch("recording", start, step=False)
             frames = self._frames(session, state, times, legend)
             content = ANIMATION_FORMATS[kind].encode(frames, float(times[1] - times[0]))
         finally:
-            session.dispatch("recording", lambda s: replace(s, recording=Recording()), step=False)
+            stop = partial(tasks.stop, path="recording")
+            session.dispatch("recording", stop, step=False)
         return File(motion_name(state, found, "", kind), content)
 
     def _frames(
@@ -114,10 +117,8 @@ class Recorder:
             done = index / len(times)
             if done - told >= 0.05:  # now and then: the page is drawn for it
                 told = done
-                shown = Recording(True, done)
-                session.dispatch(
-                    "recording", lambda s, now=shown: replace(s, recording=now), step=False
-                )
+                action = partial(State.updated, part="recording", done=done)
+                session.dispatch("recording.done", action, step=False)
             draw = partial(_render, session, state, float(time), size, legend)
             yield self._on_worker(session, draw)
 

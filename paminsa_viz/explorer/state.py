@@ -21,6 +21,7 @@ from paminsa_viz.explorer.motion.planning import PointEditing
 from paminsa_viz.explorer.requirements.jobs import Requiring
 from paminsa_viz.explorer.scene.layers import default_layers
 from paminsa_viz.explorer.synthesis.jobs import Synthesizing
+from paminsa_viz.explorer.tasks import TaskState
 from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
@@ -139,19 +140,6 @@ class ExportSettings:
 
 
 @dataclass(frozen=True)
-class Recording:
-    """The recording of a motion as an animated picture.
-
-    Attributes:
-        running: Whether one is being made.
-        done: What part of it is.
-    """
-
-    running: bool = False
-    done: float = 0.0
-
-
-@dataclass(frozen=True)
 class State:
     """Everything one browser tab shows.
 
@@ -199,7 +187,7 @@ class State:
     engine_answer: Answer | None = None
     condition_limit: float = CONDITION_LIMIT
     export: ExportSettings = field(default_factory=ExportSettings)
-    recording: Recording = field(default_factory=Recording)
+    recording: TaskState[str, bytes] = TaskState()
     table_at_rest: bool = False
     appearance: Appearance = Appearance.BROWSER
     browser_dark: bool = False

@@ -27,6 +27,7 @@ from paminsa_viz.trajectory import (
     analyze,
     simulate,
 )
+from paminsa_viz.units import number
 
 LONGEST = 60.0
 """Longest motion that is simulated on the page [s]."""
@@ -122,7 +123,12 @@ def run(job: SimulationJob, _: object) -> Simulation:
     settings, model = job.settings, job.design
     if not settings.knows_friction:
         model = model.without_friction()
-    payload = replace(model.payload, mass=model.payload.mass + settings.payload_mismatch)
+    known = model.payload.mass
+    if known + settings.payload_mismatch < 0:
+        raise InvalidInput(
+            "payload mismatch", f"at least {number(-known)} kg is needed: no payload is left then"
+        )
+    payload = replace(model.payload, mass=known + settings.payload_mismatch)
     return simulate(
         replace(job.design, payload=payload), job.trajectory, model=model,
         controller=settings.controller(), offset=(settings.initial_error, 0.0, 0.0, 0.0),

@@ -24,7 +24,6 @@ from paminsa_viz.explorer.entries import (
     Button,
     ButtonGroup,
     Condition,
-    Custom,
     Folder,
     Html,
 )
@@ -35,7 +34,7 @@ from paminsa_viz.explorer.panels import balance_text as text
 from paminsa_viz.explorer.panels import note
 from paminsa_viz.explorer.panels.counterweights_panel import COUNTERWEIGHTS
 from paminsa_viz.explorer.panels.design_panel import gauge_html
-from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart, chart_clicks
+from paminsa_viz.explorer.panels.plotly_chart import chart, chart_clicks
 from paminsa_viz.explorer.panels.springs_panel import SPRINGS
 from paminsa_viz.explorer.panels.tolerance_panel import TOLERANCES
 from paminsa_viz.explorer.setting_inputs import SettingInputs
@@ -50,10 +49,6 @@ _busy = is_running("balancing")
 
 def _idle(state: State) -> bool:
     return not _busy(state)
-
-
-def _stop(state: State) -> State:
-    return tasks.stop(state, "balancing")
 
 
 def _running(task: Task) -> Condition:
@@ -111,7 +106,10 @@ SETTINGS = (
         "balance.optimize", "Optimize", visible=_idle,
         effect=partial(balancing.start, task=Task.OPTIMUM),
     ),
-    Button("balance.stop", "Stop", color="gray", visible=_busy, effect=_stop),
+    Button(
+        "balance.stop", "Stop", color="gray", visible=_busy,
+        effect=partial(tasks.stop, path="balancing"),
+    ),
 )  # fmt: skip
 
 
@@ -142,13 +140,7 @@ FRONT = (
     Folder(
         "front.place", visible=_has_front,
         entries=(
-            Custom(
-                "front.chart",
-                make=partial(
-                    PlotlyChart, shown=charts.shown_front, figure=charts.front_figure,
-                    aspect=0.82,
-                ),
-            ),
+            chart("front.chart", charts.shown_front, charts.front_figure, 0.82),
             Slider(
                 "balance.point", "Point", range=_points, step=1.0,
                 hint="Works on a point of the front; undo goes back",
@@ -174,13 +166,7 @@ SENSITIVITY = (
                 options={label: index for index, label in enumerate(charts.OUTPUT_LABELS)},
                 **attribute("balancing.output"),
             ),
-            Custom(
-                "tornado.chart",
-                make=partial(
-                    PlotlyChart, shown=charts.shown_tornado, figure=charts.tornado_figure,
-                    aspect=1.15,
-                ),
-            ),
+            chart("tornado.chart", charts.shown_tornado, charts.tornado_figure, 1.15),
         ),
     ),
 )  # fmt: skip

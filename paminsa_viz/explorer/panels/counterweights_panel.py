@@ -14,7 +14,7 @@ from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.settings import MILLIMETERS, PLAIN
 from paminsa_viz.explorer.state import State
 from paminsa_viz.meshes.loads import clearance_text
-from paminsa_viz.model.parameters import BAR_ENDS, MOST_COUNTERWEIGHTS
+from paminsa_viz.model.parameters import BAR_ENDS, MOST_COUNTERWEIGHTS, Counterweight
 
 PLACES = {
     f"{bar.upper()} past {joint}": (bar, joint) for bar, ends in BAR_ENDS.items() for joint in ends
@@ -35,28 +35,25 @@ def counterweights_html(frame: Frame) -> str:
 def _weight(number: int) -> Pair:
     """Return the row of a counterweight: its lever and its mass."""
 
-    def there(state: State) -> bool:
-        return number < len(state.document.design.counterweights)
+    def held(state: State) -> Counterweight | None:
+        return next(iter(state.document.design.counterweights[number:]), None)
 
     def label(state: State) -> str:
-        if not there(state):
-            return str(number + 1)
-        weight = state.document.design.counterweights[number]
-        return f"{number + 1}: {weight.bar.upper()} past {weight.joint}"
+        weight = held(state)
+        place = "" if weight is None else f": {weight.bar.upper()} past {weight.joint}"
+        return f"{number + 1}{place}"
 
     def read(state: State) -> tuple[float, float]:
-        if not there(state):
-            return 0.0, 0.0
-        weight = state.document.design.counterweights[number]
-        return weight.beyond, weight.mass
+        weight = held(state)
+        return (0.0, 0.0) if weight is None else (weight.beyond, weight.mass)
 
     def apply(state: State, value: tuple[float, float]) -> State:
         beyond, mass = value
         return balancing.change_counterweight(state, number, mass, beyond)
 
     return Pair(
-        f"weights.{number}", label, visible=there, units=(MILLIMETERS, PLAIN), read=read,
-        apply=apply,
+        f"weights.{number}", label, visible=lambda state: held(state) is not None,
+        units=(MILLIMETERS, PLAIN), read=read, apply=apply,
         hint="Distance beyond the joint [mm]; before it, on the bar itself, where negative. Mass "
         "on each leg [kg]",
     )  # fmt: skip

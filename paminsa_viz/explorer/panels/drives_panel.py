@@ -26,7 +26,6 @@ from paminsa_viz.explorer.entries import (
     BackgroundJob,
     Button,
     ButtonGroup,
-    Custom,
     Effect,
     Folder,
     Html,
@@ -37,7 +36,7 @@ from paminsa_viz.explorer.inputs import Dropdown, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels import note, render
 from paminsa_viz.explorer.panels.drives_chart import RPM, chart_figure, shown_drive
-from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart
+from paminsa_viz.explorer.panels.plotly_chart import chart
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state import State
@@ -270,10 +269,7 @@ DRIVES = (
                 "drives.row", "Drive", options=_options, hint="Shown in its envelope",
                 **attribute("driving.row"),
             ),
-            Custom(
-                "drives.chart",
-                make=partial(PlotlyChart, shown=shown_drive, figure=chart_figure, aspect=1.0),
-            ),
+            chart("drives.chart", shown_drive, chart_figure, 1.0),
             Html("drives.facts", content=facts_html, idle=True),
         ),
     ),

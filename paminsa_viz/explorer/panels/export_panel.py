@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 from paminsa_viz.explorer import exports, pictures
+from paminsa_viz.explorer.background import is_running
 from paminsa_viz.explorer.copying import COPIED, copy_run
 from paminsa_viz.explorer.entries import Button, ButtonGroup, Entry, Html, Progress, Run
 from paminsa_viz.explorer.frame import Frame
@@ -26,6 +27,8 @@ from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.quantities import QUANTITIES
 
 log = logging.getLogger(__name__)
+
+_recording = is_running("recording")
 
 VIEW_SIZES: dict[str, tuple[int, int] | None] = {
     "as on the page": None,
@@ -209,7 +212,7 @@ def export_entries(
                 for kind, each in ANIMATION_FORMATS.items()
                 if not each.missing
             },
-            visible=lambda state: not state.recording.running,
+            visible=lambda state: not _recording(state),
             hint="The motion in the 3D view as an animated picture or a video, in true time; this "
             "tab of the browser has to stay in front",
         ),
@@ -217,18 +220,18 @@ def export_entries(
             Button(
                 f"export.{kind}", f"{each.label}: needs {each.package}", color="gray",
                 effect=Run(lambda session: None), hint=each.missing, disabled=lambda state: True,
-                visible=lambda state: not state.recording.running,
+                visible=lambda state: not _recording(state),
             )
             for kind, each in ANIMATION_FORMATS.items()
             if each.missing
         ),
         Progress(
             "export.recorded", read=lambda state: state.recording.done,
-            visible=lambda state: state.recording.running,
+            visible=_recording,
         ),
         Button(
             "export.cancel", "Cancel", color="gray", effect=Run(recorder.cancel),
-            visible=lambda state: state.recording.running,
+            visible=_recording,
         ),
     )  # fmt: skip
 

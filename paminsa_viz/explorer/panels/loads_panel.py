@@ -11,7 +11,7 @@ import numpy as np
 from paminsa_viz.elastostatics.bar_loads import BAR_NAMES
 from paminsa_viz.elastostatics.joint_forces import JOINTS
 from paminsa_viz.explorer import exports
-from paminsa_viz.explorer.entries import BackgroundJob, ButtonGroup, Custom, Effect, Entry, Html
+from paminsa_viz.explorer.entries import BackgroundJob, ButtonGroup, Effect, Entry, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.loads import (
     LoadsState,
@@ -31,7 +31,7 @@ from paminsa_viz.explorer.panels.loads_chart import (
     shown_curves,
     shown_section,
 )
-from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart
+from paminsa_viz.explorer.panels.plotly_chart import chart
 from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.loads_table import bar_table, bearing_table, joint_table, motion_loads_table
@@ -183,10 +183,7 @@ LOADS: tuple[Entry, ...] = (
     Html("loads.joints", content=joints, idle=True),
     Html("loads.bars", content=bars, idle=True),
     _setting("bar"),
-    Custom(
-        "loads.sections",
-        make=partial(PlotlyChart, shown=shown_section, figure=section_figure, aspect=0.85),
-    ),
+    chart("loads.sections", shown_section, section_figure, 0.85),
     _setting("along"),
     BackgroundJob(
         "loads.outcome", find=find_loads, idle=True,
@@ -194,10 +191,7 @@ LOADS: tuple[Entry, ...] = (
     ),
     Html("loads.motion", content=motion, idle=True),
     _setting("joint", visible=lambda state: found(state) is not None),
-    Custom(
-        "loads.curves",
-        make=partial(PlotlyChart, shown=shown_curves, figure=curves_figure, aspect=0.55),
-    ),
+    chart("loads.curves", shown_curves, curves_figure, 0.55),
     ButtonGroup(
         "loads.files", "CSV", choices=files,
         hint="Tables: joints and the bar at this pose; bearings and all samples of the motion",

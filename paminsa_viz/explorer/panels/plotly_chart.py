@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from paminsa_viz.explorer.browser.bridge import finite
-from paminsa_viz.explorer.entries import Message
+from paminsa_viz.explorer.entries import Custom, Message
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
@@ -113,6 +113,16 @@ class PlotlyChart:
             return
         with self._place:
             self._plot = self._gui.add_plotly(figure, aspect=self._aspect)
+
+
+def chart(
+    key: str,
+    shown: Callable[[State], tuple[Any, ...] | None],
+    figure: Callable[..., Tree],
+    aspect: float,
+) -> Custom:
+    """Return the entry of a `PlotlyChart`."""
+    return Custom(key, make=partial(PlotlyChart, shown=shown, figure=figure, aspect=aspect))
 
 
 def figure(data: list[Tree], x: str, *y: str, **layout: Any) -> Tree:

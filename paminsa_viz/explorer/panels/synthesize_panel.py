@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from viser import Icon
 
 from paminsa_viz.explorer.background import task_entries
-from paminsa_viz.explorer.entries import BackgroundJob, Button, Custom, Folder, Html
+from paminsa_viz.explorer.entries import BackgroundJob, Button, Folder, Html
 from paminsa_viz.explorer.inputs import Pair, Slider
 from paminsa_viz.explorer.panels import synthesize_text as text
 from paminsa_viz.explorer.panels.design_front import (
@@ -18,7 +17,7 @@ from paminsa_viz.explorer.panels.design_front import (
     front_figure,
     shown_front,
 )
-from paminsa_viz.explorer.panels.plotly_chart import PlotlyChart, chart_clicks
+from paminsa_viz.explorer.panels.plotly_chart import chart, chart_clicks
 from paminsa_viz.explorer.setting_inputs import SettingInputs
 from paminsa_viz.explorer.settings import MILLIMETERS, PLAIN
 from paminsa_viz.explorer.state import State
@@ -112,10 +111,7 @@ SYNTHESIZE = (
     Folder(
         "synthesize.front", visible=lambda state: shown_front(state) is not None,
         entries=(
-            Custom(
-                "synthesize.chart",
-                make=partial(PlotlyChart, shown=shown_front, figure=front_figure, aspect=0.82),
-            ),
+            chart("synthesize.chart", shown_front, front_figure, 0.82),
             Slider(
                 "synthesize.point", "Point", range=_points, step=1.0, undo=False,
                 hint="A robot of the front; click one in the chart",

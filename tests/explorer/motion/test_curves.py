@@ -179,5 +179,13 @@ def test_impossible_load_or_path_of_a_simulation_is_explained(failing: State) ->
     motion = motions.planned(initial_state()).trajectory
     design = initial_state().document.design
     lighter = make_job(design, motion, SimulationSettings(payload_mismatch=-1.0))
-    assert "payload" in solve(run, lighter).problem
+    needed = "payload mismatch: at least 0 kg is needed: no payload is left then"
+    assert solve(run, lighter).problem == needed
+    loaded = design.vary({"payload.mass": 2.0})
+    assert (
+        "at least −2 kg"
+        in solve(
+            run, replace(lighter, design=loaded, settings=SimulationSettings(payload_mismatch=-3.0))
+        ).problem
+    )
     assert "cannot be run" in solve(run, motions.wanted_job(failing)).problem
