@@ -187,6 +187,7 @@ class Pair(Input):
 
     Attributes:
         precision: Decimals that are shown; two more than the step has if None.
+        ordered: Whether the second number is at least the first one.
     """
 
     _: KW_ONLY
@@ -194,6 +195,7 @@ class Pair(Input):
     step: Given[float] = 0.001
     precision: Callable[[State], int] | None = None
     units: tuple[DisplayUnit, DisplayUnit] = (PLAIN, PLAIN)
+    ordered: bool = False
 
     def shown(self, state: State) -> tuple[float, float]:
         first, second = (u.from_si(v) for u, v in zip(self.units, self.read(state), strict=True))
@@ -206,6 +208,9 @@ class Pair(Input):
             self.number(state, one, ends, unit)
             for one, ends, unit in zip(value, self.range, self.units, strict=True)
         )
+        if self.ordered and first > second:
+            needed = f"the least and then the largest is needed, not {value[0]:g} and {value[1]:g}"
+            raise self.refusal(state, needed)
         return first, second
 
     def add(self, gui: Any, state: State, label: str, **properties: Any) -> Any:

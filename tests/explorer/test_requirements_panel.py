@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -50,6 +52,14 @@ def test_marks_follow_the_design(asked: State) -> None:
     assert shown.count("✗") == sum(not item.holds for item in check.items) > 0
     assert strip_html(compute(smaller)).count("✗") == shown.count("✗")
     assert "requirements-strip" not in strip_html(compute(initial_state()))
+
+
+def test_ends_in_the_wrong_order_are_refused_as_they_were_typed(desk: Desk, asked: State) -> None:
+    before = asked.document.requirements.theta
+    desk.dispatch(lambda state: replace(state, document=asked.document))
+    desk.set("requirements.headings", [40.0, 30.0])
+    desk.noticed("θ [°]: the least and then the largest is needed, not 40 and 30")
+    assert desk.state.document.requirements.theta == before
 
 
 def test_a_worst_value_leads_to_its_pose(asked: State) -> None:

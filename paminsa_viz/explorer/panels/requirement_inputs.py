@@ -82,7 +82,7 @@ def _own(name: str, label: str, unit_label: str, unit: Any, step: float) -> tupl
         ),
         Pair(
             f"requirements.{name}", unit_label, visible=has, units=(unit, unit), step=step,
-            read=read, hint="From, to",
+            ordered=True, read=read, hint="From, to",
             apply=lambda state, ends: actions.edit(state, **{name: ends}),
         ),
     )  # fmt: skip
@@ -113,7 +113,7 @@ EDIT = (
         visible=lambda state: _side(state) is not Side.BETWEEN, read=_bound, apply=_set_bound,
     ),
     Pair(
-        "requirements.ends", partial(_unit, name="From, to"), step=0.1,
+        "requirements.ends", partial(_unit, name="From, to"), step=0.1, ordered=True,
         visible=lambda state: _side(state) is Side.BETWEEN, read=_ends, apply=_set_ends,
     ),
     *_own("theta", "Own θ range", "θ [°]", DEGREES, 1.0),

@@ -86,7 +86,7 @@ def _height_free(state: State) -> bool:
 
 WORKSPACE = (
     Pair(
-        "requirements.headings", "θ [°]", units=(DEGREES, DEGREES), step=1.0,
+        "requirements.headings", "θ [°]", units=(DEGREES, DEGREES), step=1.0, ordered=True,
         hint="Headings that count, from and to: every requirement without a range of its own has "
         "to hold for all of them",
         read=lambda state: state.document.requirements.theta,

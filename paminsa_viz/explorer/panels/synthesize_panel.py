@@ -56,7 +56,7 @@ def _range(path: str, label: str, hint: str, *, size: bool = False) -> Pair:
     return Pair(
         f"synthesize.{path}", label if plain else f"{label} [mm]", units=(unit, unit),
         range=((1e-3, LARGEST), (1e-3, LARGEST)), step=0.1 if plain else 1.0, read=read,
-        visible=_sizes if size else None,
+        visible=_sizes if size else None, ordered=True,
         hint=f"{hint}: least and largest value; it is held where both are equal",
         apply=lambda state, ends: actions.set_range(state, path, ends),
     )  # fmt: skip
