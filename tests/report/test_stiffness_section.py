@@ -47,6 +47,7 @@ def test_stiffness_and_shares_are_the_librarys() -> None:
     assert all(len(row.cells) == len(stiffness.head) for row in stiffness.rows)
     best = strain_shares(design, POSE).share.max()
     assert shares.rows[0].cells == ("B1", f"{100 * best:.1f} %")
+    assert {"M1–M3", "M4"} <= {row.cells[0] for row in shares.rows}
     assert directions.rows[2].cells[1] == format_value(float(found.along(2)), "N/m")
     assert deflection.rows[2].cells[2] == format_value(float(found.deflection()[2]), "m", 3)
     assert "a tilt of" in note.text
