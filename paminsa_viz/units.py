@@ -30,19 +30,26 @@ _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _SYMBOL = re.compile(r"\b([A-Za-z])_([A-Za-z]{0,4}\d{0,2})\b(?:\^\((\w+)\))?")
 
 
-def number(value: float, digits: int = 4, *, sign: bool = False) -> str:
+def number(value: float, digits: int = 4, *, sign: bool = False, padded: bool = False) -> str:
     """Return a number with at most ``digits`` significant digits and a true minus sign.
 
-    Large and small ones get a power of ten, 1.2·10⁻¹³; NaN is a dash. With ``sign``, positive
-    numbers get a plus sign.
+    Those from 10⁵ on and small ones get a power of ten, 1.2·10⁻¹³; NaN is a dash. With ``sign``,
+    positive numbers get a plus sign. With ``padded``, which suits columns, zeros at the end stay.
     """
     if math.isnan(value):
         return NONE
-    text = f"{value:{'+' if sign else ''}.{digits}g}"
+    text = _plain(value, digits, ("+" if sign else "") + ("#" if padded else ""))
     mantissa, e, exponent = text.partition("e")
+    mantissa = mantissa.removesuffix(".")
     if e:
         return f"{mantissa.replace('-', '−')}·{power_of_ten(int(exponent))}"
-    return "0" if value == 0 else text.replace("-", "−")
+    return "0" if value == 0 else mantissa.replace("-", "−")
+
+
+def _plain(value: float, digits: int, flags: str = "") -> str:
+    """Return a number with at most ``digits`` digits, below 10⁵ without an exponent: 6910."""
+    text = f"{value:{flags}.{digits}g}"
+    return f"{float(text):{flags}.0f}" if text[-4:] in ("e+02", "e+03", "e+04") else text
 
 
 def fixed(value: float, decimals: int) -> str:
@@ -138,7 +145,7 @@ class DisplayUnit(NamedTuple):
         With ``ascii_only`` the number is one that every terminal and program reads: ``-1e-13``.
         """
         shown = value * self.factor
-        text = f"{shown:.{digits}g}" if ascii_only else number(shown, digits)
+        text = _plain(shown, digits) if ascii_only else number(shown, digits)
         space = "" if self.text.startswith(("°", "″")) else " "
         return NONE if math.isnan(value) else f"{text}{space}{self.text}".rstrip()
 

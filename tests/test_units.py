@@ -132,6 +132,24 @@ def test_numbers_are_short_with_a_true_minus_sign(value: float, text: str) -> No
     assert number(value) == text
 
 
+@given(value=st.floats(-1e9, 1e9).filter(bool), digits=st.integers(1, 6))
+def test_padded_numbers_have_all_their_digits(value: float, digits: int) -> None:
+    text, plain = number(value, digits, padded=True), number(value, digits)
+    figures = text.partition("·")[0].lstrip("−0.").replace(".", "")
+    assert len(figures) >= digits
+    assert ".·" not in text
+    assert not text.endswith(".")
+    assert text.partition("·")[0].startswith(plain.partition("·")[0])
+    assert text.partition("·")[2] == plain.partition("·")[2]
+
+
+def test_numbers_below_a_hundred_thousand_have_no_exponent() -> None:
+    assert [number(value, 3) for value in (999.6, 6912.9, -98765.0)] == ["1000", "6910", "−98800"]
+    assert number(99996.0, 3) == "1·10⁵"
+    assert number(1040.4, 2, sign=True) == "+1000"
+    assert format_ascii(1.0404e-3, "m:um", 3) == "1040 µm"
+
+
 def test_numbers_with_a_sign() -> None:
     assert [number(value, 3, sign=True) for value in (1.5, -1.5, 0.0)] == ["+1.5", "−1.5", "0"]
 

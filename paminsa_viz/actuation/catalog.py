@@ -132,7 +132,8 @@ def load_catalog(path: str | os.PathLike[str]) -> Catalog:
         with open(path, "rb") as file:
             data = file.read(LARGEST_CATALOG + 1)
     except OSError as error:
-        raise CatalogError(name, f"cannot be read: {error.strerror or error}") from error
+        reason = str(error.strerror or error)
+        raise CatalogError(name, f"cannot be read: {reason[:1].lower()}{reason[1:]}") from error
     return read_catalog(data, Path(name).name)
 
 
@@ -206,13 +207,15 @@ class _Column:
 
 
 def _unknown(name: str) -> str:
+    if ";" in name or "\t" in name:
+        return "columns are separated by commas (and decimals written with a point)"
     for field, item in _FIELDS.items():
         unit = item.metadata.get("unit")
         if unit and (name == field or name.startswith(f"{field}_")):
             return f"its unit is missing or not known; there are {_columns_of(field)}"
     if name.startswith("envelope"):
         return "its units are missing or not known; there is for example envelope_rpm_Nm"
-    known = [*_TEXTS, *_FIELDS]
+    known = list(dict.fromkeys((*_TEXTS, *_FIELDS)))  # a drive has a name of its own
     near = difflib.get_close_matches(name, known, 1, 0.5)
     hint = f"did you mean {_columns_of(near[0])}?" if near else f"there are {', '.join(known)}"
     return f"there is no such column; {hint}"

@@ -48,6 +48,8 @@ def test_the_shipped_catalog_is_generic_and_drives_every_preset() -> None:
     ("text", "row", "column", "told"),
     [
         ("", None, None, "first line names the columns"),
+        ("kind;name;source\n", 1, "kind;name;source", "columns are separated by commas"),
+        ("zzzz,name,source\n", 1, "zzzz", "there are name, source, kind, rotor_inertia,"),
         (HEAD.replace("rated_torque_mNm", "rated_torque"), 1, "rated_torque", "rated_torque_Nm"),
         (HEAD.replace("_g_cm2", "_oz_in2"), 1, "rotor_inertia_oz_in2", "rotor_inertia_kg_cm2"),
         (HEAD.replace("efficiency", "eficiencia"), 1, "eficiencia", "did you mean efficiency"),
@@ -69,7 +71,7 @@ def test_the_shipped_catalog_is_generic_and_drives_every_preset() -> None:
         (f"{HEAD}\ngear,two,x,,,,,,,0,0.9,", 2, "gear_ratio", "above 0"),
         (f"{HEAD}\nscrew,two,x,,,,,,,,,", 2, "lead", "lead_mm"),
     ],
-    ids=range(21),
+    ids=range(23),
 )
 def test_impossible_catalogs_are_refused_in_one_line(
     text: str, row: int | None, column: str | None, told: str
@@ -89,7 +91,7 @@ def test_a_catalog_without_a_part_says_which(tmp_path: Path) -> None:
         load_catalog(path).pairs(0)
     with pytest.raises(CatalogError, match="no gear and no screw or belt"):
         load_catalog(path).pairs(3)
-    with pytest.raises(CatalogError, match="cannot be read"):
+    with pytest.raises(CatalogError, match="cannot be read: no such file"):
         load_catalog(tmp_path / "none.csv")
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(CatalogError, match="UTF-8"):

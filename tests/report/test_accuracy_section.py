@@ -10,8 +10,10 @@ import pytest
 
 from paminsa_viz.model import APPENDIX_4, Design, DriveAccuracy, singular_rotation
 from paminsa_viz.precision.drive_errors import drive_errors
-from paminsa_viz.precision.manufacture import tolerance_errors
-from paminsa_viz.report.accuracy_section import accuracy_section
+from paminsa_viz.precision.leg_lengths import LENGTHS
+from paminsa_viz.precision.manufacture import monte_carlo, tolerance_errors
+from paminsa_viz.precision.unequal_legs import Closure
+from paminsa_viz.report.accuracy_section import accuracy_section, manufacture_blocks
 from paminsa_viz.report.blocks import Note, ReportRequest, Section, Table
 from paminsa_viz.trajectory import PRESET
 from paminsa_viz.units import format_value
@@ -48,6 +50,18 @@ def test_tables_have_the_numbers_of_the_library() -> None:
         assert all(len(row.cells) == len(table.head) for row in table.rows)
     assert "No bound" not in notes(found)
     assert "equal legs" not in notes(found)
+
+
+def test_shares_and_robots_that_cannot_be_assembled_are_counted() -> None:
+    share = tolerance_errors(APPENDIX_4, POSE).shares[0]
+    best = int(np.argmax(share))
+    drawn = monte_carlo(APPENDIX_4, POSE, robots=20, seed=1)
+    closure = np.array([Closure.OPEN] * 3 + [Closure.OK] * 17, np.uint8)
+    table, note = manufacture_blocks(APPENDIX_4, POSE, replace(drawn, closure=closure))
+    assert isinstance(table, Table)
+    assert isinstance(note, Note)
+    assert table.rows[0].cells[-1].startswith(f"{LENGTHS[best].symbol} {100 * share[best]:.0f} %")
+    assert "3 of 20 robots cannot be assembled" in note.text
 
 
 def test_unbounded_poses_and_unequal_legs_are_named() -> None:

@@ -53,12 +53,16 @@ def test_broken_requirements_are_marked_and_the_volume_says_what_they_take(
 
 def test_a_volume_away_from_home_is_said_to_be_one() -> None:
     solved = solve_volume(APPENDIX_4, Requirements(NEEDS.bounds[:1]), resolution=COARSE)
-    for inside in (True, False):
-        volume = replace(solved, home_inside=inside)
+    for home in (True, False):
+        volume = replace(solved, home_inside=home)
         check = RequirementsCheck((), Over.VOLUME, None, volume)
         blocks = section.check_blocks(volume.requirements, check)
         said = any("Home is not in it" in block.text for block in blocks if isinstance(block, Note))
-        assert said is not inside
+        assert said is not home
+        (table,) = [b for b in blocks if isinstance(b, Table) and b.head[0] == "Cause"]
+        first = [row.cells[2].removesuffix(" %") for row in table.rows if row.cells[2]]
+        inside = {cause.word: share for cause, share in volume.shares().items()}["inside"]
+        assert sum(map(float, first)) == pytest.approx(100 * (1 - inside), abs=0.1 * len(first))
 
 
 @given(st.floats(1.0, 1e4), st.booleans())

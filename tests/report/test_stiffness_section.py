@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from datetime import UTC, datetime
 
+import numpy as np
 import pytest
 
-from paminsa_viz.elastostatics.drive_stiffness import drive_modes
+from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
 from paminsa_viz.elastostatics.stiffness import platform_stiffness, strain_shares
 from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.model.design import APPENDIX_4, Design
@@ -47,7 +48,12 @@ def test_stiffness_and_shares_are_the_librarys() -> None:
     assert all(len(row.cells) == len(stiffness.head) for row in stiffness.rows)
     best = strain_shares(design, POSE).share.max()
     assert shares.rows[0].cells == ("B1", f"{100 * best:.1f} %")
+    assert {"M1–M3", "M4"} <= {row.cells[0] for row in shares.rows}
     assert directions.rows[2].cells[1] == format_value(float(found.along(2)), "N/m")
+    compliance = np.diag(np.linalg.inv(drive_stiffness(design, POSE)))  # of x, y, theta, z
+    x, y, z = (format_value(float(1 / compliance[i]), "N/m") for i in (0, 1, 3))
+    turn = format_value(float(1 / compliance[2]), "N m/rad")
+    assert [row.cells[2] for row in directions.rows[:6]] == [x, y, z, "rigid", "rigid", turn]
     assert deflection.rows[2].cells[2] == format_value(float(found.deflection()[2]), "m", 3)
     assert "a tilt of" in note.text
     first = robot_modes(design, POSE).frequencies[0]

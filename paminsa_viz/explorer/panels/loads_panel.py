@@ -168,7 +168,7 @@ def _text(value: Any) -> str:
     value = float(value)
     if math.isnan(value):
         return NONE
-    return number(0.0 if abs(value) < 1e-9 else value, 3)
+    return number(0.0 if abs(value) < 1e-9 else value, 3, padded=True)
 
 
 def _percent(share: float) -> str:

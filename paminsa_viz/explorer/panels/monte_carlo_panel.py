@@ -43,7 +43,10 @@ def error_row(name: str, unit: str, *values: Any) -> tuple[str, str, list[str]]:
     return (
         name,
         shown.text,
-        [fixed(one, 0) if 1000 <= abs(one) < 1e6 else number(one, 3) for one in numbers],
+        [
+            fixed(one, 0) if 1000 <= abs(one) < 1e6 else number(one, 3, padded=True)
+            for one in numbers
+        ],
     )
 
 
