@@ -6,7 +6,6 @@ peak is a maximum of linear functions, their RMS a norm, the driving energy a su
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
@@ -154,8 +153,7 @@ class StaticLift:
             _row(len(space.start), Mp1=3 * k, Mp2=end, Mp3=3.0, m_pl=k * g)
             for end in (float(lift.min()), float(lift.max()))
         ]
-        # a load lifts or presses alike everywhere
-        push = -k * space.design.load.force_z
+        push = -k * space.design.load.force_z  # a load lifts or presses alike everywhere
         return MaxAbs(np.array(matrix), np.full(2, push))
 
 
@@ -263,11 +261,7 @@ class TrajectoryEnergy:
         )
 
 
-MOTION_GOALS: dict[str, Callable[[SolvedTrajectory], Term]] = {
-    "peak": TrajectoryPeak,
-    "rms": TrajectoryRms,
-    "energy": TrajectoryEnergy,
-}
+MOTION_GOALS = {"peak": TrajectoryPeak, "rms": TrajectoryRms, "energy": TrajectoryEnergy}
 """What can be minimized on a motion, by the names that commands take."""
 
 

@@ -29,7 +29,8 @@ _GROWTH = {"all": Growth.ALL, "horizontal": Growth.HORIZONTAL, "vertical": Growt
 class Prove(JsonFlags, RequirementFlags):
     """Prove that all requirements hold over the workspace, or find a pose where one does not.
 
-    Its center has to be given. Exit code 1 if one is broken or undecided."""
+    Its center has to be given. Exit code 1 if one is broken or undecided; one that can only be
+    sampled, see docs/largest-workspace.md, is named and does not change it."""
 
     time: Annotated[float, tyro.conf.arg(metavar="S")] = 15.0
     """Time after which to answer that it is undecided."""

@@ -107,14 +107,18 @@ class Map(FilesFlags, ComparedDesignFlags):
         if not fewest <= self.cells <= most:
             raise UsageError(f"--cells: {fewest} to {most} are possible, not {self.cells}")
         for name in ("theta", "z", "at", "range"):
-            if not np.isfinite(getattr(self, name) or 0.0).all():
-                raise UsageError(f"--{name}: finite numbers are needed")
+            value = getattr(self, name) or 0.0
+            if not np.isfinite(value).all():
+                raise UsageError(f"--{name}: finite numbers are needed, not {value}")
         if self.range is not None and self.full_range:
             raise UsageError("--range and --full-range exclude each other")
         if self.range is not None and not self.range[0] < self.range[1]:
-            raise UsageError("--range: the first end has to be below the second")
+            raise UsageError(f"--range: the first end has to be below the second, not {self.range}")
+        if self.own_ranges and (self.range is not None or self.quantities != TORQUES):
+            raise UsageError("--own-ranges is for the three torques, and excludes --range")
         if not self.max_condition >= 1:
-            raise UsageError("--max-condition: 1 is the least condition number there is")
+            least = "1 is the least condition number there is"
+            raise UsageError(f"--max-condition: {least}, not {self.max_condition}")
         self.check_files()
 
     def run(self) -> int:

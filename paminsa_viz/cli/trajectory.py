@@ -175,6 +175,10 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
                 "--cross needs --max-torque or --max-force",
             ),
             (self.payload_mismatch and not self.simulate, "--payload-mismatch needs --simulate"),
+            (
+                self.bandwidth != Controller().bandwidth and not self.simulate,
+                "--bandwidth needs --simulate",
+            ),
             (kind == "tracking" and not self.simulate, "--figure tracking needs --simulate"),
             (
                 kind == "comparison" and not second,

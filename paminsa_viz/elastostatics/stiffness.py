@@ -36,6 +36,9 @@ BLOCK = 1024
 SHARES = (*PARTS, "M4")
 """Parts in the order of `StrainShares.energy`."""
 
+SHARE_LABELS = tuple("M1–M3" if name == "drive" else name for name in SHARES)
+"""The same for people."""
+
 _ACTUATED = [0, 1, 5, 2]
 """x, y, theta, z in a twist."""
 

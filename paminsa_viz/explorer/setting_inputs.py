@@ -11,6 +11,7 @@ from paminsa_viz.explorer.actions import set_layers
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Input, Number, TextBox, attribute
 from paminsa_viz.explorer.settings import Setting
 from paminsa_viz.explorer.state import State
+from paminsa_viz.quantities import QUANTITIES, families
 
 
 def layer_switch(key: str, layer: str, label: str, hint: str, *, undo: bool = True) -> Checkbox:
@@ -19,6 +20,34 @@ def layer_switch(key: str, layer: str, label: str, hint: str, *, undo: bool = Tr
         key, label, hint=hint, undo=undo,
         read=lambda state: layer in state.layers,
         apply=lambda state, visible: set_layers(state, **{layer: visible}),
+    )  # fmt: skip
+
+
+def quantity_inputs(
+    key: str,
+    labels: tuple[str, str],
+    read: Callable[[State], str],
+    choose: Callable[[State, str], State],
+    hints: tuple[str, str] = ("", ""),
+) -> tuple[Dropdown, Dropdown]:
+    """Return the choice of a quantity: its family, then itself; `choose` takes its key."""
+
+    def family(state: State) -> str:
+        return QUANTITIES[read(state)].family
+
+    def choose_family(state: State, chosen: str) -> State:
+        """Choose the first quantity of a family, unless one of it is chosen."""
+        return state if chosen == family(state) else choose(state, families()[chosen][0].key)
+
+    return (
+        Dropdown(
+            f"{key}.family", labels[0], options={name: name for name in families()},
+            hint=hints[0], read=family, apply=choose_family,
+        ),
+        Dropdown(
+            f"{key}.quantity", labels[1], hint=hints[1], read=read, apply=choose,
+            options=lambda state: {q.label: q.key for q in families()[family(state)]},
+        ),
     )  # fmt: skip
 
 

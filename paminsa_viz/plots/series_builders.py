@@ -229,10 +229,9 @@ def _errors(sources: SeriesSources) -> Iterator[SeriesPanel]:
 
 def _commands(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield the torques that the controller of a simulation commands."""
-    torque = sources.simulated.torque
     for j, panel in _actuators(SYMBOLS, TORQUE_UNITS):
-        command = Trace("commanded", torque[:, j], panel.color, width=1.3, suffix="")
-        yield replace(panel, traces=(command,))
+        torque = sources.simulated.torque[:, j]
+        yield replace(panel, traces=(Trace("commanded", torque, panel.color, "solid", 1.3, ""),))
 
 
 def _comparison(sources: SeriesSources) -> Iterator[SeriesPanel]:

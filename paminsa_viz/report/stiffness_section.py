@@ -7,7 +7,7 @@ import numpy as np
 from paminsa_viz.elastostatics.contacts import contacts
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
 from paminsa_viz.elastostatics.stiffness import (
-    SHARES,
+    SHARE_LABELS,
     PlatformStiffness,
     compensate,
     load_wrench,
@@ -148,7 +148,7 @@ def _loaded(design: Design, pose: Array, *, shear: bool) -> list[Block]:
     shares = strain_cases(design, pose, shear=shear)
     order = np.argsort(-np.max(list(shares.values()), axis=0))
     rows = tuple(
-        Row((SHARES[i], *(f"{100 * share[i]:.1f} %" for share in shares.values())))
+        Row((SHARE_LABELS[i], *(f"{100 * share[i]:.1f} %" for share in shares.values())))
         for i in order
         if any(share[i] > 0 for share in shares.values())
     )

@@ -49,7 +49,11 @@ map --theta nan                                     | --theta
 map --z inf                                         | --z
 map --quantity beauty                               | beauty
 map --cells 3                                       | --cells
-map --range 3 1                                     | --range
+map --range 3 1                                     | below the second, not (3.0, 1.0)
+map --at nan 0                                      | --at: finite numbers are needed, not
+map --own-ranges --quantity condition               | --own-ranges is for the three torques
+map --own-ranges --range 0 1                        | --own-ranges is for the three torques
+trajectory --bandwidth 5                            | --bandwidth needs --simulate
 map --range 0 nan                                   | --range
 map --range 0 1 --full-range                        | --full-range
 map --out no/a.csv                                  | no/a.csv

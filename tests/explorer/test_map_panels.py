@@ -17,11 +17,11 @@ from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
 from paminsa_viz.explorer.panels.map_picture import COLUMNS, caption
 from paminsa_viz.explorer.panels.maps_panel import (
     MapsPanel,
-    choose_family,
     choose_quantity,
     clicked_place,
     show_figure_3,
 )
+from paminsa_viz.explorer.setting_inputs import quantity_inputs
 from paminsa_viz.explorer.state import RangeMode, initial_state
 from paminsa_viz.plots.map_figure import PAGE_EM
 from paminsa_viz.plots.map_layout import map_layout
@@ -204,7 +204,10 @@ def test_only_the_map_in_sight_is_drawn_and_finely_when_idle(desk: Desk) -> None
 
 def test_a_family_of_quantities_is_chosen_first(desk: Desk) -> None:
     """Only those of the family are offered, and its first is shown; choosing it again keeps."""
-    kept = choose_family(choose_quantity(desk.state, "rms_torque"), "static torques")
+    family, _ = quantity_inputs(
+        "map", ("", ""), lambda state: state.map_view.quantity, choose_quantity
+    )
+    kept = family.apply(choose_quantity(desk.state, "rms_torque"), "static torques")
     assert kept.map_view.quantity == "rms_torque"
     desk.set("family", "kinematics")
     desk.until(lambda: desk.state.map_view.quantity == "condition")

@@ -48,6 +48,7 @@ def test_stiffness_and_shares_are_the_librarys() -> None:
     assert all(len(row.cells) == len(stiffness.head) for row in stiffness.rows)
     best = strain_shares(design, POSE).share.max()
     assert shares.rows[0].cells == ("B1", f"{100 * best:.1f} %")
+    assert {"M1–M3", "M4"} <= {row.cells[0] for row in shares.rows}
     assert directions.rows[2].cells[1] == format_value(float(found.along(2)), "N/m")
     compliance = np.diag(np.linalg.inv(drive_stiffness(design, POSE)))  # of x, y, theta, z
     x, y, z = (format_value(float(1 / compliance[i]), "N/m") for i in (0, 1, 3))

@@ -25,11 +25,12 @@ from paminsa_viz.explorer.panels.motion_chart import PLACE as MOTION_SLOT
 from paminsa_viz.explorer.panels.motion_plots import MotionPlots
 from paminsa_viz.explorer.scene.legend import SceneLegend
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.setting_inputs import quantity_inputs
 from paminsa_viz.explorer.state import RangeMode, State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.plots import ticks
 from paminsa_viz.plots.ranges import LARGEST_END
-from paminsa_viz.quantities import QUANTITIES, TORQUES, families
+from paminsa_viz.quantities import QUANTITIES, TORQUES
 from paminsa_viz.units import display_unit
 
 FIG_3_ANGLE = np.pi / 3
@@ -69,35 +70,6 @@ def set_difference(state: State, value: bool) -> State:
     if value and state.document.reference is None:
         raise InvalidInput("difference", "pin a reference design first")
     return state.updated("map_view", difference=value)
-
-
-def _family(state: State) -> str:
-    return QUANTITIES[state.map_view.quantity].family
-
-
-def choose_family(state: State, family: str) -> State:
-    """Show the first quantity of a family, unless one of it is shown."""
-    if family == _family(state):
-        return state
-    return choose_quantity(state, families()[family][0].key)
-
-
-def quantity_entries(name: str) -> tuple[Entry, Entry]:
-    """Return the choice of what the single map and the floor show: its family, then itself."""
-    return (
-        Dropdown(
-            f"{name}.family", "family",
-            options={family: family for family in families()},
-            hint="Which quantities are offered below",
-            read=_family, apply=choose_family,
-        ),
-        Dropdown(
-            f"{name}.quantity", "show",
-            options=lambda state: {q.label: q.key for q in families()[_family(state)]},
-            hint="What this map and the floor map below the robot show",
-            read=lambda state: state.map_view.quantity, apply=choose_quantity,
-        ),
-    )  # fmt: skip
 
 
 def range_entries(
@@ -214,12 +186,16 @@ def torque_entries(name: str, picture: MapPicture) -> tuple[Entry, ...]:
 def single_entries(name: str, picture: MapPicture) -> tuple[Entry, ...]:
     """Return the entries next to the map of one quantity."""
     return (
-        *quantity_entries(name),
+        *quantity_inputs(
+            name, ("family", "show"), lambda state: state.map_view.quantity, choose_quantity,
+            ("Which quantities are offered below",
+             "What this map and the floor map below the robot show"),
+        ),
         *range_entries(
             name, picture, lambda state: QUANTITIES[state.map_view.quantity].unit, brief=False
         ),
         *switch_entries(name, brief=False),
-    )
+    )  # fmt: skip
 
 
 TORQUE_SLOT, SINGLE_SLOT = "torques", "single"

@@ -9,6 +9,7 @@ from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Input, Number, Pair
 from paminsa_viz.explorer.panels.requirements_text import names
 from paminsa_viz.explorer.requirements import actions
 from paminsa_viz.explorer.requirements.actions import Side, selected, side_of
+from paminsa_viz.explorer.setting_inputs import quantity_inputs
 from paminsa_viz.explorer.settings import MILLIMETERS
 from paminsa_viz.explorer.state import State
 from paminsa_viz.quantities import families
@@ -32,10 +33,6 @@ def _edited(state: State) -> Requirement:
 
 def _side(state: State) -> Side:
     return side_of(_edited(state))
-
-
-def _family(state: State) -> str:
-    return _edited(state).entry.family
 
 
 def _unit(state: State, name: str) -> str:
@@ -95,14 +92,9 @@ EDIT = (
         read=lambda state: state.requiring.selected if has_selected(state) else 0,
         apply=actions.select, undo=False,
     ),
-    Dropdown(
-        "requirements.family", "Family", options={family: family for family in families()},
-        read=_family, apply=actions.choose_family,
-    ),
-    Dropdown(
-        "requirements.quantity", "Quantity",
-        options=lambda state: {q.label: q.key for q in families()[_family(state)]},
-        read=lambda state: _edited(state).quantity, apply=actions.choose_quantity,
+    *quantity_inputs(
+        "requirements", ("Family", "Quantity"), lambda state: _edited(state).quantity,
+        actions.choose_quantity,
     ),
     Dropdown(
         "requirements.side", "Bound", options={side.value: side for side in Side},

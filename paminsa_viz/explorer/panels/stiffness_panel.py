@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from paminsa_viz.elastostatics.sections import tube_fits
-from paminsa_viz.elastostatics.stiffness import SHARES
+from paminsa_viz.elastostatics.stiffness import SHARE_LABELS
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.elasticity import (
     CASES,
@@ -180,8 +180,7 @@ def shares_html(frame: Frame) -> str:
     if outcome is None or result is None or result.shares is None:
         return ""
     shares = np.asarray(result.shares.share)
-    names = [{"drive": "M1–M3"}.get(name, name) for name in SHARES]
-    rows = sorted(zip(names, shares.tolist(), strict=True), key=lambda row: -row[1])
+    rows = sorted(zip(SHARE_LABELS, shares.tolist(), strict=True), key=lambda row: -row[1])
     rows = [row for row in rows if row[1] >= 0.0005]
     most = max((share for _, share in rows), default=1.0)
     return render("stiffness_shares.j2", rows=rows, most=most, case=CASES[outcome.job.case][0])

@@ -16,7 +16,6 @@ from paminsa_viz.explorer.state import Document, State
 from paminsa_viz.explorer.tasks import Report
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.model.reach import home_pose
-from paminsa_viz.quantities import families
 from paminsa_viz.quantities.requirements import (
     Range,
     Requirement,
@@ -116,14 +115,6 @@ def choose_quantity(state: State, quantity: str) -> State:
         return state
     other = suggested(state.document, quantity)
     return edit(state, quantity=quantity, low=other.low, high=other.high)
-
-
-def choose_family(state: State, family: str) -> State:
-    """Bound the first quantity of a family, unless one of it is bounded."""
-    one = selected(state)
-    if one is None or one.entry.family == family:
-        return state
-    return choose_quantity(state, families()[family][0].key)
 
 
 def choose_side(state: State, side: Side) -> State:
