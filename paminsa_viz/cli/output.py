@@ -6,11 +6,13 @@ import json
 import re
 import sys
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 from paminsa_viz import __version__
 from paminsa_viz.cli import PROGRAM
-from paminsa_viz.report.blocks import Block, Note, Table
+from paminsa_viz.files.atomic import open_atomically
+from paminsa_viz.report.blocks import Block, Note, ReportRequest, Table
 from paminsa_viz.units import NONE, format_ascii
 
 
@@ -23,6 +25,19 @@ def print_written(paths: Iterable[object]) -> None:
     """Print which files are written."""
     for path in paths:
         print(f"{path}: written")
+
+
+def write_report(request: ReportRequest, path: Path) -> None:
+    """Write a design report, with its progress on the error stream.
+
+    Raises:
+        FileError: If it cannot be written.
+    """
+    from paminsa_viz.report.page import report_html  # figures take a second to load
+
+    # Opened first, so that a place which cannot be written to is known before the work.
+    with open_atomically(path) as file:
+        file.write(report_html(request, lambda part: print(f"{part} ...", file=sys.stderr)))
 
 
 def print_json(facts: dict[str, Any], *, signed: bool = True) -> None:

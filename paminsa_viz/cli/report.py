@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,8 +11,7 @@ import tyro
 
 from paminsa_viz.cli.arguments import UsageError, command_line
 from paminsa_viz.cli.flags import DesignFlags, MotionFlags, PoseFlags, check_output
-from paminsa_viz.cli.output import print_written
-from paminsa_viz.files.atomic import open_atomically
+from paminsa_viz.cli.output import print_written, write_report
 from paminsa_viz.files.design_file import load_content
 from paminsa_viz.files.example_logs import given_log
 from paminsa_viz.model.reach import home_pose
@@ -67,7 +65,6 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
             trajectory = plan_crossing(design, path, limits, name=trajectory.name).plan.sample()
 
         from paminsa_viz.report.blocks import ReportRequest
-        from paminsa_viz.report.page import report_html  # figures take a second to load
 
         request = ReportRequest(
             design=design,
@@ -80,9 +77,7 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
             log=None if self.log is None else given_log(self.log),
             requirements=None if self.design is None else load_content(self.design).requirements,
         )
-        # Opened first, so that a place which cannot be written to is known before the work.
-        with open_atomically(self.out) as file:
-            file.write(report_html(request, lambda part: print(f"{part} ...", file=sys.stderr)))
+        write_report(request, self.out)
         print_written([self.out])
         return 0
 

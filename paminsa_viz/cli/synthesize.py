@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
@@ -13,8 +14,8 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError, command_line
-from paminsa_viz.cli.flags import JsonFlags, check_output
-from paminsa_viz.cli.output import print_blocks, print_json, print_written
+from paminsa_viz.cli.flags import JsonFlags, MotionFlags, check_output
+from paminsa_viz.cli.output import print_blocks, print_json, print_written, write_report
 from paminsa_viz.cli.synthesize_answer import (
     AnswerFlags,
     bound_text,
@@ -27,7 +28,9 @@ from paminsa_viz.cli.synthesize_answer import (
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.interrupts import on_interrupt
 from paminsa_viz.model.design import Design, stated_parameters
+from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.report.blocks import ReportRequest
 from paminsa_viz.report.synthesis_section import synthesis_blocks
 from paminsa_viz.studies import Workers, cluster, processes
 from paminsa_viz.synthesis import (
@@ -89,6 +92,8 @@ class Synthesize(AnswerFlags, JsonFlags):
     """Work on the Dask cluster with this scheduler, such as tcp://10.0.0.1:8786."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
     """Design file to write the robot to, with its requirements."""
+    report: Annotated[Path | None, tyro.conf.arg(metavar="FILE.html")] = None
+    """Design report to write on the robot, with the search; see paminsa-viz report."""
     checkpoint: Annotated[Path | None, tyro.conf.arg(metavar="FILE.json")] = None
     """File that keeps where the search is; one that exists is resumed."""
     prove: Annotated[float | None, tyro.conf.arg(metavar="S")] = None
@@ -97,6 +102,7 @@ class Synthesize(AnswerFlags, JsonFlags):
     def run(self) -> int:
         """Search and report."""
         check_output("--out", self.out, [".toml"])
+        check_output("--report", self.report, [".html", ".htm"])
         check_output("--checkpoint", self.checkpoint, [".json"])
         if self.dask is not None and self.workers != 1:
             raise UsageError("--dask and --workers exclude each other")
@@ -129,6 +135,8 @@ class Synthesize(AnswerFlags, JsonFlags):
             print_checks(result, checks)
         if self.out is not None and result.feasible:
             self._save(result, self.out)
+        if self.report is not None and result.feasible:
+            self._report(result, self.report)
         return 0 if result.feasible else 1
 
     def _save(self, result: SynthesisResult, path: Path) -> None:
@@ -139,10 +147,22 @@ class Synthesize(AnswerFlags, JsonFlags):
         if not self.json:
             print_written([saved])
 
+    def _report(self, result: SynthesisResult, path: Path) -> None:
+        design = _named(result)
+        request = ReportRequest(
+            design=design, pose=home_pose(design.geometry),
+            trajectory=MotionFlags().given_motion(design.geometry), made=datetime.now(UTC),
+            command=command_line.get(), requirements=_requirements(result), synthesis=result,
+        )  # fmt: skip
+        write_report(request, path)
+        if not self.json:
+            print_written([path])
+
     def _front(self, case: SynthesisCase) -> int:
         """Search a front and report."""
-        if self.checkpoint is not None:
-            raise UsageError("--front excludes --checkpoint")
+        for name in ("checkpoint", "report"):
+            if getattr(self, name) is not None:
+                raise UsageError(f"--front excludes --{name}")
         started = time.monotonic()
         with _progress_line(case) as show, self._executor() as workers:
             front = design_front(

@@ -101,6 +101,20 @@ def test_prices_robots_within_tolerances_and_mujoco(capsys) -> None:
 
 
 @pytest.mark.slow
+def test_the_report_is_that_of_the_robot_with_its_search(capsys) -> None:
+    words = ("small.toml", "--seed", "3", "--out", "best.toml", "--report", "best.html")
+    code, out, _ = run("synthesize", capsys, *words)
+    assert code == 0
+    assert "best.html: written" in out
+    text = Path("best.html").read_text()
+    assert "PAMINSA design report: small" in text
+    assert "--seed 3" in text
+    section = text[text.index('id="synthesis"') :]
+    length = load_content("best.toml").design.geometry.crank_length
+    assert f"{1e3 * length:.5g}" in section[: section.index("</section>")]
+
+
+@pytest.mark.slow
 def test_a_front_is_written_point_by_point(capsys) -> None:
     words = ("small.toml", "--front", "footprint", "--front", "moving_mass", "--points", "2")
     found = run_json("synthesize", capsys, *words, "--out", "f.toml")
@@ -140,6 +154,8 @@ def test_contradictory_requirements_are_named(capsys) -> None:
             ("--front", "footprint", "--front", "volume", "--checkpoint", "a.json"),
             "--front excludes",
         ),
+        (("--front", "footprint", "--front", "volume", "--report", "a.html"), "--front excludes"),
+        (("--report", "a.pdf"), "--report"),
     ],
 )
 def test_flags_that_make_no_sense_are_refused(words, place, capsys) -> None:
