@@ -51,6 +51,7 @@ def test_marks_follow_the_design(asked: State) -> None:
     assert check is not None
     assert shown.count("✗") == sum(not item.holds for item in check.items) > 0
     assert strip_html(compute(smaller)).count("✗") == shown.count("✗")
+    assert 'title="Over the required workspace and all headings' in strip_html(compute(smaller))
     assert "requirements-strip" not in strip_html(compute(initial_state()))
 
 

@@ -126,7 +126,7 @@ def strip_html(state: State) -> str:
         if item.requirement is not None:
             symbol = requirements.bounds[item.requirement].entry.symbol
         items.append((*level(item, requirements), symbol))
-    return render("requirements_strip.j2", items=items)
+    return render("requirements_strip.j2", items=items, note=note_of(state, check))
 
 
 def volume_html(frame: Frame) -> str:
