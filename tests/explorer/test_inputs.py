@@ -209,7 +209,13 @@ def test_keys_and_labels_tell_inputs_apart(state: State) -> None:
         assert max(names.values()) == 1, names.most_common(1)
 
 
-@pytest.mark.parametrize("panel", PANELS)
+@pytest.mark.parametrize(
+    "panel",
+    [
+        *(name for name in PANELS if name != "design"),
+        pytest.param("design", marks=pytest.mark.slow),
+    ],
+)
 def test_each_input_sets_the_state_and_undo_takes_it_back(
     server: viser.ViserServer, panel: str, state: State
 ) -> None:

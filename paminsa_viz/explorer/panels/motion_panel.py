@@ -167,7 +167,7 @@ MOTION: tuple[Entry, ...] = (
     *DESCRIPTION,
     Folder(
         "motion.crossing", "Singularities passed",
-        visible=lambda state: state.document.motion.crosses,
+        visible=lambda state: motions.planned(state).crossing is not None,
         entries=(
             Html("motion.crossing.text", content=crossing_html, idle=True),
             Html("motion.crossing.chart", content=chart_html, idle=True),

@@ -28,11 +28,17 @@ from paminsa_viz.explorer.motion.description import (
 )
 from paminsa_viz.explorer.motion.planning import checked
 from paminsa_viz.explorer.panels.crossing_text import crossing_html
-from paminsa_viz.explorer.panels.motion_panel import status_line
+from paminsa_viz.explorer.panels.motion_panel import MOTION, status_line
 from paminsa_viz.explorer.panels.pose_panel import status_html
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch
 from paminsa_viz.trajectory import PRESETS, Locus, Profile, Trajectory, analyze, from_samples
+
+
+def shows_crossings(state: State) -> Any:
+    """Whether the folder on the singularities passed is seen."""
+    folder = next(entry for entry in MOTION if getattr(entry, "key", "") == "motion.crossing")
+    return folder.visible is not None and folder.visible(state)
 
 
 def trajectory(state: State) -> Trajectory:
@@ -248,6 +254,7 @@ def test_motion_passes_singularities_on_request(turning: State) -> None:
     assert compute(there).barriers == (Locus.ROTATION,)
     assert "singular rotation lies between" in status_html(compute(there))
     assert not compute(motions.scrub(state, 0.0)).barriers
+    assert shows_crossings(state)
     text = crossing_html(compute(state))
     assert "singular rotation at 0.1794 s" in text
     assert "without the condition: 631" in text
@@ -261,6 +268,7 @@ def test_refusal_to_pass_a_singularity_is_the_problem(turning: State) -> None:
     state = motions.limit(motions.change(turning, cross=True), "torque", 5.0)
     assert "times as large" in motions.planned(state).problem
     assert crossing_html(compute(state)) == ""
+    assert not shows_crossings(state)
     ok, line = status_line(state, analyze(state.document.design, trajectory(state)))
     assert not ok
     assert "times as large" in line
