@@ -9,7 +9,6 @@ from functools import cached_property
 
 import numpy as np
 
-from paminsa_viz import __version__
 from paminsa_viz.balancing.changes import whole_mass
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.errors import printable
@@ -35,6 +34,7 @@ from paminsa_viz.studies.metrics import (
 )
 from paminsa_viz.studies.variations import DesignGrid, RandomDesigns
 from paminsa_viz.trajectory import Trajectory
+from paminsa_viz.version import MADE_BY, __version__
 
 FORMAT = "paminsa_viz sweep 1"
 """Name and version of the table's layout."""
@@ -185,7 +185,7 @@ class Study:
             "command": command,
             "design": self.design.name,
             "study": self.fingerprint,
-            "made by": f"paminsa_viz {__version__}",
+            "made by": MADE_BY,
             "rows": str(self.size),
             "designs": designs,
             "assembly": self.design.geometry.knee.value,
