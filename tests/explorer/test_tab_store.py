@@ -13,12 +13,13 @@ import pytest
 from paminsa_viz.actuation.catalog import generic_catalog
 from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.errors import PaminsaError
-from paminsa_viz.explorer import actions, tab_store
-from paminsa_viz.explorer.balancing.jobs import CounterweightSlot, Goal
-from paminsa_viz.explorer.balancing.springs import SpringsFrom
-from paminsa_viz.explorer.drives import DriveSettings
-from paminsa_viz.explorer.settings import Settings
-from paminsa_viz.explorer.state import MapView, RangeMode, initial_state
+from paminsa_viz.explorer.core import actions, tab_store
+from paminsa_viz.explorer.state.balance import CounterweightSlot, Goal
+from paminsa_viz.explorer.state.drives import DriveSettings
+from paminsa_viz.explorer.state.maps import MapView, RangeMode
+from paminsa_viz.explorer.state.settings import Settings
+from paminsa_viz.explorer.state.springs import SpringsFrom
+from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.trajectory import PRESET, ControlMode
 
