@@ -23,8 +23,8 @@ from paminsa_viz.plots.series import FigureKind
 from paminsa_viz.report.trajectory_section import LOADS, trajectory_blocks
 from paminsa_viz.trajectory import (
     ImpossibleTrajectory,
-    MinimumTime,
     PathEvent,
+    ShortestStretch,
     Simulation,
     TrajectoryAnalysis,
 )
@@ -48,7 +48,7 @@ class Results:
     """
 
     analysis: TrajectoryAnalysis
-    quickest: MinimumTime | None = None
+    quickest: ShortestStretch | None = None
     reference: TrajectoryAnalysis | None = None
     printed: TrajectoryAnalysis | None = None
     simulation: Simulation | None = None
