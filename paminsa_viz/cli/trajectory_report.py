@@ -74,7 +74,7 @@ def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
     quickest = results.quickest
     return {
         "design": analysis.design.name,
-        "assembly": analysis.solved.geometry.knee.value,
+        "knee": analysis.solved.geometry.knee.value,
         "trajectory": {
             "name": t.name,
             "kind": t.kind,

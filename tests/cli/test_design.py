@@ -84,7 +84,7 @@ def test_show_prints_every_number(capsys) -> None:
     assert shown["values"] == {
         key: value if value < math.inf else None for key, value in values.items()
     }
-    assert (shown["name"], shown["knee"], shown["load_frame"]) == ("Appendix 4", "printed", "world")
+    assert (shown["name"], shown["knee"], shown["load_frame"]) == ("Appendix 4", "lower", "world")
     assert list(run_json(capsys, "show")["values"].values()) == [
         p.default if p.default < math.inf else None for p in PARAMETER.values()
     ]
@@ -110,7 +110,7 @@ def test_stiffness_that_was_rigid_has_no_change_in_percent(capsys) -> None:
          {"links.b3_kg": (0.406, 0.203), "payload.mass_kg": (0.0, 2.0)}),
         ("d.toml a.toml", ["links b3_kg 0.203 0.406 +100 %", "payload mass_kg 2 0 -100 %"],
          {"links.b3_kg": (0.203, 0.406), "payload.mass_kg": (2.0, 0.0)}),
-        ("u.toml", ["geometry knee printed mirror "], {"geometry.knee": ("printed", "mirror")}),
+        ("u.toml", ["geometry knee lower upper "], {"geometry.knee": ("lower", "upper")}),
         ("w.toml", ["counterweights - 1.5 kg on B3, 200 mm"], {}),
     ],
     ids=["appendix 4", "another file", "knee", "counterweight"],
