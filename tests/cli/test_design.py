@@ -78,7 +78,7 @@ def test_show_prints_every_number(capsys) -> None:
     values = {key.path: OTHER.value(key.parameter.path) for key in KEYS}
     texts = {key: f"{v:.10g}" if v < math.inf else "rigid" for key, v in values.items()}
     wanted = [f"{key.table} {key.name} {texts[key.path]} ".lstrip() for key in KEYS]
-    for words in (*wanted, "geometry knee printed ", "load frame world "):
+    for words in (*wanted, "geometry knee lower ", "load frame world "):
         assert sum(line.startswith(words) for line in lines) == 1, words
     shown = run_json(capsys, "show", "d.toml")
     assert shown["values"] == {
