@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from paminsa_viz.explorer.core.tasks import progress, receive, start, stop
+from paminsa_viz.explorer.core import tasks
 from paminsa_viz.explorer.kit.entries import BackgroundJob, Button
 from paminsa_viz.explorer.kit.task import JobRunner, task_entries
-from paminsa_viz.explorer.state import outcome as tasks
+from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import PaminsaError
 from tests.support.raw_page import TIMEOUT
@@ -51,7 +51,7 @@ class Bench:
 
     def want(self, job: float | None) -> None:
         """Have the state want a job, and draw it."""
-        change = stop(self.state, PATH) if job is None else start(self.state, PATH, job)
+        change = tasks.stop(self.state, PATH) if job is None else tasks.start(self.state, PATH, job)
         self.state = change
         frame: Any = SimpleNamespace(state=change)
         self.runner.draw(frame, False)
@@ -108,14 +108,14 @@ def test_errors_are_the_outcome_and_unexpected_ones_are_logged(
 
 def test_a_task_is_started_or_stopped_and_outcomes_of_others_are_dropped() -> None:
     def start(state: State) -> State:
-        return start(state, PATH, 1.0)
+        return tasks.start(state, PATH, 1.0)
 
     entries: Any = task_entries(PATH, Button("draw", "Draw", effect=start))
     idle = initial_state()
     running = entries[0].effect(idle)
     assert [entry.visible(idle) for entry in entries] == [True, False, False]
     assert [entry.visible(running) for entry in entries] == [False, True, True]
-    assert entries[1].read(progress(running, PATH, 1.0, 0.5)) == 0.5
-    assert progress(running, PATH, 2.0, 0.5) is running
-    assert receive(running, PATH, tasks.Outcome(2.0)) is running
+    assert entries[1].read(tasks.progress(running, PATH, 1.0, 0.5)) == 0.5
+    assert tasks.progress(running, PATH, 2.0, 0.5) is running
+    assert tasks.receive(running, PATH, Outcome(2.0)) is running
     assert entries[2].effect(running) == idle
