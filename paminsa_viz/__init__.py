@@ -10,6 +10,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from paminsa_viz.version import __version__ as __version__
+
 if TYPE_CHECKING:
     from paminsa_viz.balancing import balance
     from paminsa_viz.files.design_file import load_design, save_design
@@ -27,8 +29,6 @@ if TYPE_CHECKING:
         xy_grid,
     )
     from paminsa_viz.trajectory import analyze
-
-__version__ = "0.1.0"
 
 __all__ = [
     "APPENDIX_4",

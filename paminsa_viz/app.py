@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 
 from paminsa_viz import cli
-from paminsa_viz.cli import PROGRAM
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.version import COMMAND
 
 if TYPE_CHECKING:  # loaded when the server starts, and in the background
     import viser
@@ -61,7 +61,7 @@ Without a command the explorer starts and opens in the browser. It runs on this 
 Commands:
 {chr(10).join(f"  {name:<10} {text}" for name, text in cli.COMMANDS.items())}
 
-'{PROGRAM} COMMAND --help' explains a command; '{PROGRAM} --version' prints the version."""
+'{COMMAND} COMMAND --help' explains a command; '{COMMAND} --version' prints the version."""
 
 
 @dataclass(frozen=True)

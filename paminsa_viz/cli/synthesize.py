@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError, command_line
 from paminsa_viz.cli.flags import JsonFlags, MotionFlags, check_output
 from paminsa_viz.cli.output import print_blocks, print_json, print_written, write_report
@@ -45,6 +44,7 @@ from paminsa_viz.synthesis.search.checkpoint import load_checkpoint, save_checkp
 from paminsa_viz.synthesis.search.front import design_front
 from paminsa_viz.synthesis.search.objectives import OBJECTIVES
 from paminsa_viz.units import format_ascii
+from paminsa_viz.version import MADE_BY
 
 DESCRIPTION = """\
 Find the lengths of the robot that meets requirements over a workspace and minimizes an objective.
@@ -142,7 +142,7 @@ class Synthesize(AnswerFlags, JsonFlags):
     def _save(self, result: SynthesisResult, path: Path) -> None:
         saved = save_design(
             _named(result), path, requirements=_requirements(result),
-            comment=f"Made by paminsa_viz {__version__}: {command_line.get()}",
+            comment=f"Made by {MADE_BY}: {command_line.get()}",
         )  # fmt: skip
         if not self.json:
             print_written([saved])

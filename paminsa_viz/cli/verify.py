@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags
 from paminsa_viz.cli.output import print_blocks, print_json, print_written
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, verify
@@ -18,6 +17,7 @@ from paminsa_viz.files.atomic import as_file_error, make_folder, write_bytes
 from paminsa_viz.files.errors import FileError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.report.verification_section import verification_blocks
+from paminsa_viz.version import __version__
 
 DESCRIPTION = """\
 Check the formulas against MuJoCo and Pinocchio, two independent physics engines.

@@ -21,7 +21,7 @@ import numpy as np
 import viser
 from numpy.typing import ArrayLike
 
-from paminsa_viz import __version__, palette
+from paminsa_viz import palette
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.explorer.browser import asset
 from paminsa_viz.explorer.browser.style import style_html
@@ -43,6 +43,7 @@ from paminsa_viz.trajectory.analysis import TrajectoryAnalysis, analyze
 from paminsa_viz.trajectory.check import ImpossibleTrajectory
 from paminsa_viz.trajectory.planners import PLACE
 from paminsa_viz.trajectory.sampled import Trajectory
+from paminsa_viz.version import MADE_BY
 
 FRAME_RATE = 30.0
 """Places of the robot a second [1/s]; between them the page interpolates."""
@@ -233,7 +234,7 @@ def _notes(analysis: TrajectoryAnalysis) -> list[str]:
     trajectory, first = analysis.trajectory, analysis.check.first
     notes = [
         f"Design “{analysis.design.name}”, {analysis.solved.geometry.knee.label}; "
-        f"{trajectory.duration:.4g} s. paminsa_viz {__version__}.",
+        f"{trajectory.duration:.4g} s. {MADE_BY}.",
         *trajectory.notes,
     ]
     if first is not None:

@@ -7,7 +7,6 @@ from typing import Any
 
 from viser import Icon
 
-from paminsa_viz import __version__
 from paminsa_viz.explorer import actions, persistence
 from paminsa_viz.explorer.browser.tour import START
 from paminsa_viz.explorer.entries import Button, Folder, Html, Message, Run, Upload
@@ -25,6 +24,7 @@ from paminsa_viz.files.design_file import (
 )
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model import Design
+from paminsa_viz.version import MADE_BY
 
 
 def file_name(design: Design) -> str:
@@ -57,7 +57,7 @@ def open_content(state: State, content: DesignContent) -> State:
 def _download(session: Session) -> None:
     document = session.state.document
     design, requirements = document.design, document.requirements
-    comment = f"Written by paminsa_viz {__version__}."
+    comment = f"Written by {MADE_BY}."
     text = write_design(
         design, comment=comment, requirements=requirements if asked(requirements) else None
     )
