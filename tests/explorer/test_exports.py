@@ -20,6 +20,7 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.maps import FULL, MapStore
 from paminsa_viz.explorer.features.export import exports, pictures
 from paminsa_viz.explorer.features.export.tab import export_entries
+from paminsa_viz.explorer.kit import downloads
 from paminsa_viz.explorer.kit.downloads import LONGEST_NAME, File, file_name
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.files.design_file import save_design
@@ -66,7 +67,7 @@ def test_file_name_has_design_content_and_last_reachable_pose(
     ids=len,
 )
 def test_any_design_name_becomes_a_plain_one(name: str, plain: str) -> None:
-    assert plain(name) == plain
+    assert downloads.plain(name) == plain
 
 
 @pytest.mark.parametrize(

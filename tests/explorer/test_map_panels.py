@@ -82,11 +82,8 @@ def slots() -> Any:
     """Sizes of two pictures, what takes the page's reports, and how often it was redrawn."""
     dispatched: list[Any] = []
     listeners: dict[str, Any] = {}
-    session: Any = SimpleNamespace(
-        dispatch=lambda source, action: dispatched.append(action),
-        bridge=SimpleNamespace(on=listeners.__setitem__),
-    )
-    made = Slots(session, {"a": 500, "b": 0})
+    bridge: Any = SimpleNamespace(on=listeners.__setitem__)
+    made = Slots(bridge, lambda source, action: dispatched.append(action), {"a": 500, "b": 0})
     return SimpleNamespace(slots=made, report=listeners["slots"], dispatched=dispatched)
 
 
