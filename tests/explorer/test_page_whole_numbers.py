@@ -11,6 +11,7 @@ import pytest
 import viser
 
 from paminsa_viz.explorer.kit.design_numbers import GROUPS
+from paminsa_viz.explorer.tabs import TABS
 from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
