@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, Generic, Protocol, TypeVar
+from dataclasses import dataclass, replace
+from typing import Any, Generic, Protocol, Self, TypeVar
 
 from paminsa_viz.model import PaminsaError
 
@@ -13,7 +13,7 @@ Job = TypeVar("Job")
 Result = TypeVar("Result")
 
 
-class Report(Protocol):
+class Progress(Protocol):
     """Takes what part of a job is done, 0 to 1, and what else its task knows by then.
 
     Returns whether to stop.
@@ -55,12 +55,14 @@ class TaskState(Generic[Job, Result]):
 
     Attributes:
         running: The job that runs, or None.
+        ticket: Number of the last run: what a run says counts as long as this is its number.
         done: What part of it is done, 0 to 1.
         stopping: Whether it was asked to end with what it has so far.
         outcome: What came of the last one, or None.
     """
 
     running: Job | None = None
+    ticket: int = 0
     done: float = 0.0
     stopping: bool = False
     outcome: Outcome[Job, Result] | None = None
@@ -70,13 +72,25 @@ class TaskState(Generic[Job, Result]):
         """What the last job found, or None."""
         return None if self.outcome is None else self.outcome.result
 
+    def runs(self, ticket: int) -> bool:
+        """Whether a run is the one that is wanted."""
+        return self.running is not None and self.ticket == ticket
+
+    def started(self, job: Job) -> Self:
+        """Return the task with a run of a job, even of the same as before."""
+        return replace(self, running=job, ticket=self.ticket + 1, done=0.0, stopping=False)
+
+    def ended(self) -> Self:
+        """Return the task with nothing that runs; the last outcome stays."""
+        return replace(self, running=None)
+
 
 def solve(
-    find: Callable[[Job, Report], Result], job: Job, report: Report = go_on
+    find: Callable[[Job, Progress], Result], job: Job, progress: Progress = go_on
 ) -> Outcome[Job, Result]:
     """Return what comes of a job; what is the robot's or the person's fault is part of it."""
     start = time.monotonic()
     try:
-        return Outcome(job, find(job, report), seconds=time.monotonic() - start)
+        return Outcome(job, find(job, progress), seconds=time.monotonic() - start)
     except PaminsaError as error:
         return Outcome(job, error=error)

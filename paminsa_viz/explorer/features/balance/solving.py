@@ -28,15 +28,15 @@ from paminsa_viz.explorer.core.maps import COARSE
 from paminsa_viz.explorer.state.balance import (
     Balanced,
     BalanceJob,
+    BalanceKind,
     BalanceSettings,
     Effect,
     Goal,
     MassFront,
-    Task,
     WeightClearance,
     changes_of,
 )
-from paminsa_viz.explorer.state.outcome import Report
+from paminsa_viz.explorer.state.outcome import Progress
 from paminsa_viz.model import (
     Design,
     Geometry,
@@ -66,17 +66,17 @@ SAME_PLACE = 1e-9
 """Counterweights on one bar nearer to each other than this are one [m]."""
 
 
-def run(job: BalanceJob, report: Report) -> Balanced | MassFront | Tornado:
+def run(job: BalanceJob, report: Progress) -> Balanced | MassFront | Tornado:
     """Solve a task.
 
     Raises:
         PaminsaError: If it has no solution.
     """
-    if job.task is Task.FRONT:
+    if job.task is BalanceKind.FRONT:
         return _front(job, report)
-    if job.task is Task.SENSITIVITY:
+    if job.task is BalanceKind.SENSITIVITY:
         return _tornado(job)
-    found = balance(job.design) if job.task is Task.PAPER else _best(job)
+    found = balance(job.design) if job.task is BalanceKind.PAPER else _best(job)
     after = tidied(found.after)
     return Balanced(after, found, effects(job, after), weights_of(job, after))
 
@@ -108,7 +108,7 @@ def _limits(settings: BalanceSettings) -> list[tuple[Term, float]]:
     return [(AddedMass(), settings.max_added)] if settings.max_added > 0 else []
 
 
-def _front(job: BalanceJob, report: Report) -> MassFront:
+def _front(job: BalanceJob, report: Progress) -> MassFront:
     found = pareto_front(
         job.design, changes_of(job.settings, job.design), TrajectoryPeak(motion(job)),
         StaticPeak(job.plane(COARSE)), points=FRONT_POINTS, limits=_limits(job.settings),

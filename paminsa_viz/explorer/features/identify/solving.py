@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from paminsa_viz.actuation import actuator_limits
-from paminsa_viz.explorer.state.outcome import Report
+from paminsa_viz.explorer.state.outcome import Progress
 from paminsa_viz.model import PaminsaError
 
 if TYPE_CHECKING:  # a page waits for none of it at its start
@@ -14,7 +14,7 @@ if TYPE_CHECKING:  # a page waits for none of it at its start
 from paminsa_viz.explorer.state.identify import ExcitationJob, IdentifyJob
 
 
-def identify_logs(job: IdentifyJob, report: Report) -> Findings:
+def identify_logs(job: IdentifyJob, report: Progress) -> Findings:
     """Identify.
 
     Raises:
@@ -37,7 +37,7 @@ def identify_logs(job: IdentifyJob, report: Report) -> Findings:
         raise PaminsaError("it was stopped") from None
 
 
-def search_excitation(job: ExcitationJob, report: Report) -> Excitation:
+def search_excitation(job: ExcitationJob, report: Progress) -> Excitation:
     """Search for a motion.
 
     Raises:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paminsa_viz.explorer.state.outcome import Report
+from paminsa_viz.explorer.state.outcome import Progress
 from paminsa_viz.explorer.state.synthesis import (
     BestSoFar,
     EffortChoice,
@@ -59,7 +59,7 @@ def workers_for(effort: EffortChoice) -> Iterator[Workers]:
 class ProgressReport:
     """Turns the progress of a search into what the page shows."""
 
-    def __init__(self, job: SynthesisJob, report: Report) -> None:
+    def __init__(self, job: SynthesisJob, report: Progress) -> None:
         self._job, self._report = job, report
         self._due = 0.0
         self._search: int | None = None
@@ -115,7 +115,7 @@ def best_robot(job: SynthesisJob, progress: SearchProgress) -> BestSoFar:
     return BestSoFar(feasible=progress.feasible, design=design, center=(x, y, z))
 
 
-def search(job: SynthesisJob, report: Report) -> SearchResult:
+def search(job: SynthesisJob, report: Progress) -> SearchResult:
     """Run a search, then measure robots built within tolerances.
 
     Raises:
@@ -152,7 +152,7 @@ def find_front(job: SynthesisJob, workers: Workers, shown: ProgressReport) -> Se
     return SearchResult(front.points[0].result, front=front)
 
 
-def find_prices(job: PriceJob, report: Report) -> tuple[RequirementPrice, ...]:
+def find_prices(job: PriceJob, report: Progress) -> tuple[RequirementPrice, ...]:
     """Work out what the requirements of an answer cost."""
     from paminsa_viz.synthesis.answer.prices import requirement_prices
 
@@ -162,7 +162,7 @@ def find_prices(job: PriceJob, report: Report) -> tuple[RequirementPrice, ...]:
         )
 
 
-def tolerances(result: SynthesisResult, workers: Workers, report: Report) -> BuildYield:
+def tolerances(result: SynthesisResult, workers: Workers, report: Progress) -> BuildYield:
     """Return which part of the robots built within tolerances meets the requirements."""
 
     def progress(done: int, count: int) -> bool:
