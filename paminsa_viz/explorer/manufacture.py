@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 from paminsa_viz.explorer.motion.description import Pose
 from paminsa_viz.explorer.settings import setting
-from paminsa_viz.explorer.tasks import Report, TaskState
+from paminsa_viz.explorer.tasks import TaskState
 from paminsa_viz.model import Design
 from paminsa_viz.precision.manufacture import MonteCarlo, monte_carlo
+from paminsa_viz.progress import Progress
 
 MOST_ROBOTS = 200_000
 """Most robots of a job: some twenty seconds."""
@@ -56,7 +57,7 @@ class Manufacture(TaskState[MonteCarloJob, MonteCarlo]):
     length: int = 0
 
 
-def draw_robots(job: MonteCarloJob, report: Report) -> MonteCarlo:
+def draw_robots(job: MonteCarloJob, progress: Progress) -> MonteCarlo:
     """Draw the robots.
 
     Raises:
@@ -64,5 +65,5 @@ def draw_robots(job: MonteCarloJob, report: Report) -> MonteCarlo:
     """
     return monte_carlo(
         job.design, job.pose, robots=job.robots, seed=job.seed, block=512,
-        progress=lambda done, every: report(done / every),
+        progress=progress,
     )  # fmt: skip

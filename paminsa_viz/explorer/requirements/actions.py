@@ -13,9 +13,9 @@ from paminsa_viz.explorer.requirements.jobs import LargestJob
 from paminsa_viz.explorer.requirements.saved import MOST_REQUIREMENTS, require_possible
 from paminsa_viz.explorer.requirements.suggestions import default_workspace, suggested
 from paminsa_viz.explorer.state import Document, State
-from paminsa_viz.explorer.tasks import Report
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.model.reach import home_pose
+from paminsa_viz.progress import Progress
 from paminsa_viz.quantities.requirements import (
     Range,
     Requirement,
@@ -234,14 +234,14 @@ def start_largest(state: State) -> State:
     return tasks.start(state, "requiring.largest", job)
 
 
-def find_largest(job: LargestJob, report: Report) -> LargestWorkspace:
+def find_largest(job: LargestJob, progress: Progress) -> LargestWorkspace:
     """Find the largest workspace."""
     from paminsa_viz.synthesis.proof.largest import largest_workspace
     from paminsa_viz.synthesis.proof.regions import Growth
 
     return largest_workspace(
         job.design, job.requirements, job.workspace, growth=Growth[job.growth],
-        time_limit=job.seconds, progress=report,
+        time_limit=job.seconds, progress=progress,
     )  # fmt: skip
 
 
