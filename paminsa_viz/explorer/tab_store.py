@@ -24,6 +24,7 @@ from paminsa_viz.explorer.scene.layers import LAYERS
 from paminsa_viz.explorer.settings import Settings
 from paminsa_viz.explorer.state import Appearance, Docks, MapView, State, initial_state
 from paminsa_viz.explorer.synthesis.jobs import SynthesisSettings
+from paminsa_viz.files.plain_data import parse_json
 from paminsa_viz.plots.ranges import LARGEST_END
 from paminsa_viz.quantities import QUANTITIES
 
@@ -68,7 +69,7 @@ def restore(state: State, text: str) -> State:
         PaminsaError: If the document cannot be read.
     """
     state = actions.restore(state, persistence.load(text))
-    view = json.loads(text).get("view", {})
+    view = parse_json(text).get("view", {})
     for name, kind in VIEW.items():
         try:
             value = msgspec.convert(view[name], kind)

@@ -71,7 +71,7 @@ class DesignFileError(FileError):
         place = "" if line is None else f", line {line}"
         if key:
             table, _, name = key.rpartition(".")
-            place += f", [{printable(table)}]" if table else ","
+            place += f", [{printable(table[:SHOWN_CHARACTERS])}]" if table else ","
             place += f" {printable(name[:SHOWN_CHARACTERS])}"
             place += "" if value is None else f" = {shown(value)}"
         super().__init__(source, problem, place)
