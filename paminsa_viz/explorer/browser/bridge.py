@@ -21,6 +21,7 @@ from typing import Any
 import viser
 
 from paminsa_viz.explorer.browser import STORE_KEY, TITLE, asset
+from paminsa_viz.files.plain_data import parse_json
 
 log = logging.getLogger(__name__)
 
@@ -135,7 +136,7 @@ class Bridge:
         if event.client is None or len(text) > MESSAGE_LIMIT:
             return
         try:
-            messages = [(int(number), str(kind), data) for number, kind, data in json.loads(text)]
+            messages = [(int(number), str(kind), data) for number, kind, data in parse_json(text)]
         except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
             return  # not from this page's script
         with self._lock:

@@ -23,6 +23,7 @@ from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.explorer.state.settings import Settings
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.view import Appearance
+from paminsa_viz.files.plain_data import parse_json
 from paminsa_viz.model import PaminsaError
 
 log = logging.getLogger(__name__)
@@ -69,7 +70,7 @@ def restore(state: State, text: str) -> State:
         PaminsaError: If the document cannot be read.
     """
     state = actions.restore(state, persistence.load(text))
-    view = json.loads(text).get("view", {})
+    view = parse_json(text).get("view", {})
     for name, kind in VIEW.items():
         try:
             value = msgspec.convert(view[name], kind)
