@@ -11,7 +11,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, dataclass, fields, replace
 from functools import partial
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -21,9 +21,10 @@ from paminsa_viz.explorer.core.session import IDLE_DELAY, Session
 from paminsa_viz.explorer.kit.changes import changed_names, sentence
 from paminsa_viz.explorer.kit.entries import Button, Given, ProgressBar, Worker, given
 from paminsa_viz.explorer.kit.text import status
-from paminsa_viz.explorer.state.outcome import Outcome, Progress, TaskState, solve
+from paminsa_viz.explorer.state.outcome import Outcome, TaskState, solve
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput, PaminsaError
+from paminsa_viz.progress import Progress
 
 log = logging.getLogger(__name__)
 
@@ -169,11 +170,16 @@ class Task(Generic[Job, Result]):
         return Worker(self.place.path, make=partial(TaskRunner, task=self))
 
     def report(self, state: State, ticket: int, done: float, **known: Any) -> State:
-        """Take over what part of a run is done and what is known, if it is still wanted."""
+        """Take over what part of a run is done and what is known, if it is still wanted.
+
+        Of what is known, that counts which the place has room for.
+        """
         own = self._at(state)
         if not own.runs(ticket):
             return state
-        return self.place.write(state, replace(own, done=done, **known))
+        room = {item.name for item in fields(own)}
+        kept = {name: value for name, value in known.items() if name in room}
+        return self.place.write(state, replace(own, done=done, **kept))
 
     def deliver(self, state: State, ticket: int, outcome: Outcome[Job, Result]) -> State:
         """Take over the outcome of a run; that of an older one is dropped."""

@@ -5,26 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Generic, Protocol, Self, TypeVar
+from typing import Generic, Self, TypeVar
 
 from paminsa_viz.model import PaminsaError
+from paminsa_viz.progress import Progress, go_on
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
-
-
-class Progress(Protocol):
-    """Takes what part of a job is done, 0 to 1, and what else its task knows by then.
-
-    Returns whether to stop.
-    """
-
-    def __call__(self, done: float, /, **known: Any) -> bool: ...
-
-
-def go_on(done: float, /, **known: Any) -> bool:
-    """Report nothing, and do not stop."""
-    return False
 
 
 @dataclass(frozen=True, eq=False)

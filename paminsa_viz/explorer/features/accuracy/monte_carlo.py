@@ -14,11 +14,11 @@ from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.monte_carlo import Manufacture, MonteCarloJob
 from paminsa_viz.explorer.state.motion import Pose
-from paminsa_viz.explorer.state.outcome import Progress
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Design
 from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.precision.manufacture import MonteCarlo, monte_carlo
+from paminsa_viz.progress import Progress
 from paminsa_viz.units import display_unit, fixed, number
 
 NAMES = ("x", "y", "θ", "z", "tilt about x", "tilt about y")
@@ -55,7 +55,7 @@ def error_row(name: str, unit: str, *values: Any) -> tuple[str, str, list[str]]:
     )
 
 
-def draw_robots(job: MonteCarloJob, report: Progress) -> MonteCarlo:
+def draw_robots(job: MonteCarloJob, progress: Progress) -> MonteCarlo:
     """Draw the robots.
 
     Raises:
@@ -63,7 +63,7 @@ def draw_robots(job: MonteCarloJob, report: Progress) -> MonteCarlo:
     """
     return monte_carlo(
         job.design, job.pose, robots=job.robots, seed=job.seed, block=512,
-        progress=lambda done, every: report(done / every),
+        progress=progress,
     )  # fmt: skip
 
 

@@ -13,11 +13,11 @@ from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS, requ
 from paminsa_viz.explorer.features.requirements.suggestions import default_workspace, suggested
 from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.state.document import Document
-from paminsa_viz.explorer.state.outcome import Progress
 from paminsa_viz.explorer.state.requirements import LargestJob, LargestOutcome
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.model.reach import home_pose
+from paminsa_viz.progress import Progress
 from paminsa_viz.quantities.requirements import (
     Range,
     Requirement,
@@ -235,14 +235,14 @@ def largest_job(state: State) -> LargestJob:
     )  # fmt: skip
 
 
-def find_largest(job: LargestJob, report: Progress) -> LargestWorkspace:
+def find_largest(job: LargestJob, progress: Progress) -> LargestWorkspace:
     """Find the largest workspace."""
     from paminsa_viz.synthesis.proof.largest import largest_workspace
     from paminsa_viz.synthesis.proof.regions import Growth
 
     return largest_workspace(
         job.design, job.requirements, job.workspace, growth=Growth[job.growth],
-        time_limit=job.seconds, progress=report,
+        time_limit=job.seconds, progress=progress,
     )  # fmt: skip
 
 

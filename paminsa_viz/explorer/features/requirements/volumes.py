@@ -9,20 +9,19 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.saved_requirements import asked
 from paminsa_viz.explorer.kit.task import Follower
-from paminsa_viz.explorer.state.outcome import Progress
 from paminsa_viz.explorer.state.requirements import VolumeJob, VolumeOutcome, VolumeResult
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import PaminsaError
+from paminsa_viz.progress import Canceled, Progress
 from paminsa_viz.synthesis.volume.check import check_requirements
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE
-from paminsa_viz.synthesis.volume.margins import Canceled
 from paminsa_viz.synthesis.volume.solve import solve_volume
 
 VOLUME_SHARE = 0.6
 """Part of a fine job that the volume takes; the check and the surface take the rest."""
 
 
-def find_volume(job: VolumeJob, report: Progress) -> VolumeResult:
+def find_volume(job: VolumeJob, progress: Progress) -> VolumeResult:
     """Find the volume and what holds.
 
     Raises:
@@ -31,11 +30,11 @@ def find_volume(job: VolumeJob, report: Progress) -> VolumeResult:
     try:
         volume = solve_volume(
             job.design, job.requirements, resolution=FINE if job.fine else COARSE,
-            progress=lambda done: report(VOLUME_SHARE * done),
+            progress=lambda done, /, **_: progress(VOLUME_SHARE * done),
         )  # fmt: skip
         check = check_requirements(
             job.design, job.requirements, fine=job.fine, volume=volume,
-            progress=lambda done: report(VOLUME_SHARE + (1 - VOLUME_SHARE) * done),
+            progress=lambda done, /, **_: progress(VOLUME_SHARE + (1 - VOLUME_SHARE) * done),
         )  # fmt: skip
     except Canceled:
         raise PaminsaError("canceled") from None

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from paminsa_viz.explorer.core.actions import load_design, move, stop_following, with_document
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.kit.task import Task
-from paminsa_viz.explorer.state.outcome import Progress
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.synthesis import (
     BestSoFar,
@@ -20,6 +19,7 @@ from paminsa_viz.explorer.state.synthesis import (
     SynthesisJob,
 )
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.progress import Progress
 
 if TYPE_CHECKING:
     from paminsa_viz.synthesis.answer.prices import RequirementPrice
