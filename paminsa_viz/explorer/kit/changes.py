@@ -36,7 +36,6 @@ NAMES = {
     "analysis": "motion",
     "theta": "θ",
     "condition_limit": "κ that counts",
-    "case": "load case",
     "log": "logs",
     "other": "logs",
     "loaded": "logs",

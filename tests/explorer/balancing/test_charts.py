@@ -22,7 +22,7 @@ from paminsa_viz.explorer.features.balance.charts import (
 )
 from paminsa_viz.explorer.features.balance.solving import middle, run, static_torque
 from paminsa_viz.explorer.features.balance.texts import front_html, sensitivity_html
-from paminsa_viz.explorer.state.balance import BalanceKind
+from paminsa_viz.explorer.state.balance import BalanceKind, MassFront
 from paminsa_viz.explorer.state.outcome import Outcome, solve
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import (
@@ -123,7 +123,7 @@ def test_without_a_motion_the_sensitivity_is_static() -> None:
 def test_front_and_sensitivity_say_what_has_changed_since() -> None:
     """Both claim to be of this plane and of these bounds."""
     job = balancing.make_job(START, BalanceKind.FRONT)
-    front: Any = SimpleNamespace(designs=(actions.vary(START, {"links.b4": 0.9}).document.design,))
+    front: Any = MassFront(SimpleNamespace(), (actions.vary(START, {"links.b4": 0.9}).document.design,))
     tornado: Any = SimpleNamespace(bars=(SimpleNamespace(lost=0),), ranked=lambda output: ())
     made = balancing.make_job(START, BalanceKind.SENSITIVITY)
     state = START.updated(
