@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from paminsa_viz.balancing import balance
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
@@ -25,6 +26,7 @@ from paminsa_viz.trajectory import (
     MotionLimits,
     analyze,
     check_path,
+    crossing_plan,
     round_trip,
 )
 from paminsa_viz.trajectory import crossing_program as program
@@ -307,3 +309,20 @@ def test_a_planned_crossing_passes_the_check_and_another_one_does_not(
     back = round_trip(found.plan).sample()
     assert check_path(design.geometry, back).ok
     assert len(back.passages) == 2
+
+
+def test_steep_crossing_gets_fine_pieces_that_no_finer_ones_beat(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A line across the circle, almost at right angles to the escape twist: 30 % are at stake."""
+    design = balance(APPENDIX_4).after
+    path = straight_path([0.12, 0.0, 0.3, -0.5], [0.36, 0.03, 0.33, -0.5])
+    (crossing,) = crossings(design.geometry, path)
+    condition = crossing_condition(design, path, crossing.s)
+    assert 1e-3 < program.influence(design, path, crossing, condition) < program.STEEP
+    limits = MotionLimits(torque=10.0)
+    shortest = plan_crossing(design, path, limits).durations[0]
+    monkeypatch.setattr(crossing_plan, "REFINEMENTS", (9,))
+    assert shortest <= 1.002 * plan_crossing(design, path, limits).durations[0]
+    monkeypatch.setattr(crossing_plan, "REFINEMENTS", (0,))
+    assert shortest < 0.99 * plan_crossing(design, path, limits).durations[0]

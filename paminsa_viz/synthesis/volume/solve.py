@@ -49,8 +49,8 @@ class Volume:
         nearest: Code of the cause that ends the volume next to a node inside; elsewhere the cause.
         reachable: Nodes whose poses can be taken with every heading, joined to home.
         volume: [m^3], see `volume.measure`.
-        error: Three standard deviations of the samples, and what every second heading changes
-            [m^3].
+        error: Three standard deviations of the samples, what every second heading changes, and
+            parts that may be joined by a neck thinner than the cells [m^3].
         reachable_volume: Volume of the reachable body [m^3].
         home_inside: Whether home is in the volume. If not, it is the largest connected part that
             can be reached from home.
