@@ -132,7 +132,7 @@ class Bridge:
         for kind in ("hello", "shown"):
             self._deliver(kind, None)
 
-    def _receive(self, event: Any) -> None:
+    async def _receive(self, event: Any) -> None:
         text = self._inbox.value
         if event.client is None or len(text) > MESSAGE_LIMIT:
             return

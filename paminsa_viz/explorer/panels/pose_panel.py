@@ -14,6 +14,7 @@ from paminsa_viz.explorer.frame import Frame, Health
 from paminsa_viz.explorer.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.requirements.saved import asked
+from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Geometry, KneeBranch
 from paminsa_viz.model.grids import COORDINATES
@@ -189,8 +190,8 @@ POSE = (
         "pose.steps", "Steps",
         choices={
             "Home": actions.go_home,
-            "Undo": Run(lambda session: session.undo()),
-            "Redo": Run(lambda session: session.redo()),
+            "Undo": Run(Session.undo, at_once=True),
+            "Redo": Run(Session.redo, at_once=True),
         },
     ),
     Html("readout.quality", content=quality_html),

@@ -30,7 +30,7 @@ class PoseHandle(ABC):
     """Length of its arrows [m]."""
 
     def __init__(self, context: SceneContext) -> None:
-        self._dispatch: Callable[[str, Callable[[Any], Any]], None] = context.dispatch
+        self._dispatch: Callable[..., None] = context.dispatch
         free, locked = (-1000.0, 1000.0), (0.0, 0.0)
         self.handle = context.scene.add_transform_controls(
             f"/{self.name}",
@@ -52,13 +52,14 @@ class PoseHandle(ABC):
     def put(self, state: State, pose: Pose) -> State:
         """Return the state with the pose elsewhere."""
 
-    def _dragged(self, event: viser.TransformControlsEvent) -> None:
+    async def _dragged(self, event: viser.TransformControlsEvent) -> None:
         self._held = event.phase != "end"
-        self._dispatch(self.name, self._move)
+        move = partial(self._move, tuple(self.handle.position), tuple(self.handle.wxyz))
+        self._dispatch(self.name, move, overtakes=True)
 
-    def _move(self, state: State) -> State:
-        x, y, z = (float(v) for v in self.handle.position)
-        w, _, _, k = (float(v) for v in self.handle.wxyz)
+    def _move(self, place: tuple[float, ...], turned: tuple[float, ...], state: State) -> State:
+        x, y, z = (float(v) for v in place)
+        w, _, _, k = (float(v) for v in turned)
         if not np.isfinite((x, y, z, w, k)).all():
             raise InvalidInput("handle", "finite numbers are needed")
         turn = 2 * np.arctan2(k, w)
@@ -155,5 +156,5 @@ class MotionPoints:
             place = (x, y, z + 2 * self.RADIUS)
             yield label(f"/point_names/{index}", ", ".join(same), place, "bottom-center", 1.0)
 
-    def _select(self, index: int, _event: Any) -> None:
+    async def _select(self, index: int, _event: Any) -> None:
         self._dispatch("motion.point", partial(points.select, index=index))
