@@ -13,11 +13,12 @@ import viser
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import bindings, history
-from paminsa_viz.explorer.entries import Button, ButtonGroup, Run
-from paminsa_viz.explorer.inputs import Checkbox, Slider
-from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.core import history
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.kit import bindings
+from paminsa_viz.explorer.kit.entries import Button, ButtonGroup, Run
+from paminsa_viz.explorer.kit.inputs import Checkbox, Slider
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4
 from tests.support.desk import Desk, SilentPage, stop
 from tests.support.raw_page import TIMEOUT
