@@ -42,9 +42,9 @@ def press(index: int, factor: float) -> Change:
     return lambda state: put(index, factor * state.document.pose[index] + 1)(state)
 
 
-def mixed(x: float, y: float, part: float) -> float:
+def mixed(pose: tuple[float, ...], part: float) -> float:
     """Return a number that depends on all that was set before."""
-    return x + 3 * y + 7 * part
+    return pose[0] + 3 * pose[1] + 7 * part
 
 
 @dataclass
@@ -95,11 +95,11 @@ def request(session: Session, model: Model, kind: str, number: int) -> None:
 
         def change(state: State) -> State:
             x, y, *_ = state.document.pose
-            mix = mixed(x, y, state.floor_opacity)
+            mix = mixed((x, y), state.floor_opacity)
             return replace(state, floor_opacity=value if verb == "drag" else mix)
 
         session.dispatch(kind, change, step=False, overtakes=verb == "drag")
-        model.part = value if verb == "drag" else mixed(*model.pose, model.part)
+        model.part = value if verb == "drag" else mixed(model.pose, model.part)
     elif verb == "drag":
         index = "xy".index(what)
         session.dispatch(kind, put(index, value), overtakes=True)
@@ -109,10 +109,10 @@ def request(session: Session, model: Model, kind: str, number: int) -> None:
 
         def click(state: State) -> State:
             x, y, *_ = state.document.pose
-            return put(index, mixed(x, y, state.floor_opacity) + number)(state)
+            return put(index, mixed((x, y), state.floor_opacity) + number)(state)
 
         session.dispatch(kind, click)
-        model.set(index, mixed(*model.pose, model.part) + number, None)
+        model.set(index, mixed(model.pose, model.part) + number, None)
 
 
 @pytest.fixture(autouse=True)
