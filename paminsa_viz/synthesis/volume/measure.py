@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.volume.grid import home_side
-from paminsa_viz.synthesis.volume.margins import Progress, heading_margins, time_per_position
+from paminsa_viz.synthesis.volume.margins import heading_margins, time_per_position
 from paminsa_viz.synthesis.volume.reach import can_be_taken, reach_bounds, takes_own_headings
 
 _BAND = 1.25
@@ -135,7 +136,7 @@ def measure(
     count: int,
     both_sides: bool,
     budget: float,
-    progress: Progress | None = None,
+    progress: Progress = go_on,
 ) -> Measured:
     """Return how large a volume is.
 
@@ -163,7 +164,9 @@ def measure(
     holds = _taken(design, requirements, edge.points, both_sides)
     looser = holds.copy()
     taken = holds.copy()
-    holds[taken], looser[taken] = _met(design, requirements, edge.points[taken], count, progress)
+    holds[taken], looser[taken] = _met(
+        design, requirements, edge.points[taken], count, lambda _: progress(1.0)
+    )
     volume, deviation = edge.size(holds)
     fewer = edge.size(looser)[0] - volume
     volume = min(volume - fewer / 3.0, reachable)
@@ -194,7 +197,7 @@ def _taken(design: Design, requirements: Requirements, points: Array, both_sides
 
 
 def _met(
-    design: Design, requirements: Requirements, points: Array, count: int, progress: Progress | None
+    design: Design, requirements: Requirements, points: Array, count: int, progress: Progress
 ) -> tuple[Holds, Holds]:
     """Return where requirements are met at points (n, 3), for all and for every second heading."""
     level = np.zeros(1)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.volume.causes import (
     DISCONNECTED,
@@ -25,7 +26,7 @@ from paminsa_viz.synthesis.volume.causes import (
     reach_distances,
 )
 from paminsa_viz.synthesis.volume.grid import FINE, Resolution, axes_of, home_side, joined_to_home
-from paminsa_viz.synthesis.volume.margins import Progress, heading_margins
+from paminsa_viz.synthesis.volume.margins import heading_margins
 from paminsa_viz.synthesis.volume.measure import Nodes, measure
 from paminsa_viz.synthesis.volume.reach import can_be_taken, reach_bounds, takes_own_headings
 
@@ -125,7 +126,7 @@ def solve_volume(
     *,
     resolution: Resolution = FINE,
     both_sides: bool = False,
-    progress: Progress | None = None,
+    progress: Progress = go_on,
 ) -> Volume:
     """Find where every requirement holds for its whole range of headings, joined to home.
 
@@ -194,7 +195,7 @@ def _margins(
     z: Array,
     reachable: NDArray[np.bool_],
     headings: int,
-    progress: Progress | None,
+    progress: Progress,
 ) -> Array:
     """Return the margins on the nodes (requirements, x, y, z); NaN out of reach."""
     found = np.full((len(requirements.bounds), *reachable.shape), np.nan)
