@@ -24,7 +24,6 @@ from typing import Any
 import tyro
 
 from paminsa_viz import cli
-from paminsa_viz.cli import PROGRAM
 from paminsa_viz.files.design_schema import (
     CHOICE_MEANINGS,
     CHOICES,
@@ -39,6 +38,7 @@ from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model import drive as drive_model
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.parameters import BAR_ENDS
+from paminsa_viz.version import COMMAND
 
 FOLDER = Path(__file__).parent
 
@@ -72,8 +72,8 @@ def design_file() -> str:
         "# Design file",
         NOTE,
         "A robot as text (TOML), in SI units, each key ending in its unit. "
-        f"`{PROGRAM} design default --out robot.toml` writes one to start from, "
-        f"`{PROGRAM} design check robot.toml` says whether it can be used and, if not, which line "
+        f"`{COMMAND} design default --out robot.toml` writes one to start from, "
+        f"`{COMMAND} design check robot.toml` says whether it can be used and, if not, which line "
         "and key stand in the way.",
         "A value that is left out is Appendix 4's. An unknown table or key is refused, so that a "
         "typing error does not pass as the default; so is a number that no machine can have.",

@@ -18,10 +18,9 @@ from importlib import import_module
 from io import TextIOWrapper
 from types import ModuleType
 
-from paminsa_viz import __version__, interrupts
+from paminsa_viz import interrupts
 from paminsa_viz.errors import PaminsaError, name_hint
-
-PROGRAM = "paminsa-viz"
+from paminsa_viz.version import COMMAND, __version__
 
 COMMANDS: dict[str, str] = {
     "start": "open the explorer in the browser (also without any command)",
@@ -62,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             program itself then, whose process Ctrl-C ends.
     """
     if arguments is None:
-        interrupts.exit_on_interrupt(PROGRAM)
+        interrupts.exit_on_interrupt(COMMAND)
         if isinstance(sys.stdout, TextIOWrapper):  # a code page may lack letters such as theta
             sys.stdout.reconfigure(errors="replace")
         try:
@@ -96,9 +95,9 @@ def _run(words: list[str]) -> int:
     from paminsa_viz.cli.arguments import UsageError, command_line, parse
 
     if words[:1] in (["--version"], ["-V"]):
-        print(f"{PROGRAM} {__version__}")
+        print(f"{COMMAND} {__version__}")
         return 0
-    command_line.set(shlex.join([PROGRAM, *words]))
+    command_line.set(shlex.join([COMMAND, *words]))
     named = bool(words) and not words[0].startswith("-")
     name = words.pop(0) if named else "start"
     if name not in COMMANDS:
@@ -108,7 +107,7 @@ def _run(words: list[str]) -> int:
         # it names no place.
         warnings.simplefilter("ignore", RuntimeWarning)
         module = command_module(name)
-        program = PROGRAM if name == "start" else f"{PROGRAM} {name}"
+        program = COMMAND if name == "start" else f"{COMMAND} {name}"
         code = parse(module.FLAGS, words, program, module.DESCRIPTION).run()
     sys.stdout.flush()
     return code

@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.balancing import (
     MOTION_GOALS,
     AddedMass,
@@ -34,6 +33,7 @@ from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.ranges import LARGEST
 from paminsa_viz.trajectory import ImpossibleTrajectory, solve_trajectory
 from paminsa_viz.units import MM
+from paminsa_viz.version import MADE_BY
 
 DESCRIPTION = """\
 Find the masses that balance the robot best, within bounds, and prove that none are better.
@@ -123,7 +123,7 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
             print_error(error)
             return 1
         if self.out is not None:
-            comment = f"Balanced by paminsa_viz {__version__}."
+            comment = f"Balanced by {MADE_BY}."
             save_design(replace(found.after, name=self.out.stem[:100]), self.out, comment=comment)
         if self.json:
             print_json(_report(found))

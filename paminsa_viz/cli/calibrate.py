@@ -9,7 +9,6 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.output import print_json, print_table, print_written
@@ -25,6 +24,7 @@ from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
 from paminsa_viz.precision.measurements import InvalidMeasurement, Measurements, PredictionErrors
 from paminsa_viz.precision.unequal_legs import COORDINATES
 from paminsa_viz.units import MM, format_ascii
+from paminsa_viz.version import MADE_BY
 
 DESCRIPTION = """\
 Identify the lengths of each leg from measured poses, and write the corrected design.
@@ -88,7 +88,7 @@ class Calibrate(JsonFlags, DesignFlags):
         else:
             self._print(found)
         if self.out is not None and found.improved:
-            comment = f"Calibrated by paminsa_viz {__version__} with {self.log.name}."
+            comment = f"Calibrated by {MADE_BY} with {self.log.name}."
             path = save_design(found.design, self.out, comment=comment)
             if not self.json:
                 print_written([path])

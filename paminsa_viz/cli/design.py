@@ -9,7 +9,6 @@ from typing import Annotated, Any, TypeAlias
 
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import JsonFlags, check_output
 from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
@@ -19,6 +18,7 @@ from paminsa_viz.files.design_schema import CHOICE_MEANINGS, CHOICES, KEYS, choi
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.version import MADE_BY
 
 DESCRIPTION = """\
 Work with design files: a robot's lengths, masses and inertias as readable TOML.
@@ -105,7 +105,7 @@ class Default:
     def run(self) -> int:
         """Write it."""
         check_output("--out", self.out, [".toml"])
-        comment = f"Written by paminsa_viz {__version__}."
+        comment = f"Written by {MADE_BY}."
         if self.out is None:
             print(write_design(APPENDIX_4, comment=comment), end="")
         else:

@@ -9,7 +9,6 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.actuation.catalog import Catalog, generic_catalog, load_catalog
 from paminsa_viz.actuation.drive_table import drive_table
 from paminsa_viz.actuation.duty import ActuatorLoad, Duty, DutyCycle, duty_cycle
@@ -24,6 +23,7 @@ from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.trajectory import PRESET, ImpossibleTrajectory, Trajectory
 from paminsa_viz.units import format_ascii
+from paminsa_viz.version import MADE_BY
 
 DESCRIPTION = """\
 Find motors and gears for M1 to M3, and motors, gears and screws or belts for M4.
@@ -92,7 +92,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
         else:
             self._print(design, catalog, found, advice)
         if self.save is not None and found.feasible:
-            comment = f"Drives by paminsa_viz {__version__} from {catalog.name}."
+            comment = f"Drives by {MADE_BY} from {catalog.name}."
             path = save_design(found.design(design), self.save, comment=comment)
             if not self.json:
                 print_written([path])

@@ -9,16 +9,16 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from paminsa_viz import __version__
-from paminsa_viz.cli import PROGRAM
+from paminsa_viz.errors import printable
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.report.blocks import Block, Note, ReportRequest, Table
 from paminsa_viz.units import NONE, format_ascii
+from paminsa_viz.version import COMMAND, MADE_BY
 
 
 def print_error(error: Exception) -> None:
     """Print an error as one line on stderr."""
-    print(f"{PROGRAM}: {' '.join(str(error).split())}", file=sys.stderr)
+    print(f"{COMMAND}: {printable(' '.join(str(error).split()))}", file=sys.stderr)
 
 
 def print_written(paths: Iterable[object]) -> None:
@@ -47,7 +47,7 @@ def print_json(facts: dict[str, Any], *, signed: bool = True) -> None:
         facts: What a command found.
         signed: Whether the program that found them is named first.
     """
-    made_by = {"made_by": f"paminsa_viz {__version__}"} if signed else {}
+    made_by = {"made_by": MADE_BY} if signed else {}
     text = json.dumps(_finite(made_by | facts), indent=2, ensure_ascii=False, allow_nan=False)
     print(text)
 

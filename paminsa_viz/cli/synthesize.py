@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError, command_line
 from paminsa_viz.cli.flags import JsonFlags, MotionFlags, check_output
 from paminsa_viz.cli.output import print_blocks, print_json, print_written, write_report
@@ -41,10 +40,11 @@ from paminsa_viz.synthesis import (
     synthesize,
 )
 from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case
-from paminsa_viz.synthesis.search.checkpoint import load_checkpoint, save_checkpoint
+from paminsa_viz.synthesis.search.checkpoint import Checkpoint
 from paminsa_viz.synthesis.search.front import design_front
 from paminsa_viz.synthesis.search.objectives import OBJECTIVES
 from paminsa_viz.units import format_ascii
+from paminsa_viz.version import MADE_BY
 
 DESCRIPTION = """\
 Find the lengths of the robot that meets requirements over a workspace and minimizes an objective.
@@ -112,18 +112,17 @@ class Synthesize(AnswerFlags, JsonFlags):
         case = self._case()
         if self.front:
             return self._front(case)
-        path = self.checkpoint
-        states = () if path is None else load_checkpoint(path, case)
         started = time.monotonic()
-        kept = "" if path is None else "; the same command resumes it"
+        kept = "" if self.checkpoint is None else "; the same command resumes it"
         with (
+            nullcontext() if self.checkpoint is None else Checkpoint(self.checkpoint, case) as at,
             on_interrupt(lambda: f"stopped{kept}"),
             _progress_line(case) as show,
             self._executor() as workers,
         ):
             result = synthesize(
-                case, workers=workers, progress=show, states=states, prove=self.prove,
-                checkpoint=None if path is None else lambda s: save_checkpoint(path, case, s),
+                case, workers=workers, progress=show, states=() if at is None else at.states,
+                prove=self.prove, checkpoint=None if at is None else at.save,
             )  # fmt: skip
             seconds = time.monotonic() - started
             checks = self.checks(result, workers)
@@ -142,7 +141,7 @@ class Synthesize(AnswerFlags, JsonFlags):
     def _save(self, result: SynthesisResult, path: Path) -> None:
         saved = save_design(
             _named(result), path, requirements=_requirements(result),
-            comment=f"Made by paminsa_viz {__version__}: {command_line.get()}",
+            comment=f"Made by {MADE_BY}: {command_line.get()}",
         )  # fmt: skip
         if not self.json:
             print_written([saved])

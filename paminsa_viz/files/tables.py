@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz import __version__
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.errors import printable
+from paminsa_viz.version import MADE_BY
 
 ROWS_AT_ONCE = 20_000
 """Rows in one block: enough for array speed, some 40 MB."""
@@ -45,7 +45,7 @@ class DataTable:
 
 def provenance(layout: str, facts: Mapping[str, str]) -> dict[str, str]:
     """Return a header: name and version of the layout, the program, and facts, each on one line."""
-    head = {"format": layout, "made by": f"paminsa_viz {__version__}", **facts}
+    head = {"format": layout, "made by": MADE_BY, **facts}
     return {printable(key): printable(value) for key, value in head.items()}
 
 

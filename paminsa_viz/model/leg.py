@@ -19,7 +19,15 @@ from paminsa_viz.model.design import Geometry
 ROUNDING = 2.0**-48
 """What rounding may change of a number, as a share of the numbers that it is the difference of.
 
-It is 16 units of the last place. A distance to a singularity within it counts as zero.
+It is 16 units of the last place.
+"""
+
+SINGULAR = 2.0**-40
+"""Distance to a singularity that counts as zero, as a share of the lengths that it is the
+difference of.
+
+Torques go with its inverse, and of a moving robot at a limit of reach with its power -3/2. Within
+256 times `ROUNDING` they would be of the rounding of the pose, in size and in their digits.
 """
 
 
@@ -74,8 +82,8 @@ def mechanism_of_lengths(
         root: +1 for the published root of the knee, -1 for its mirror image.
     """
     span_ratio = k / (k - 1.0)
-    blur = ROUNDING * (base_radius + platform_radius)
-    reach_blur = ROUNDING * (crank + coupler) + span_ratio * blur
+    blur = SINGULAR * (base_radius + platform_radius)
+    reach_blur = SINGULAR * (crank + coupler) + span_ratio * blur
     rho_min = np.maximum(clearance, blur)
     rho_max = stroke * (k - 1.0)
     reach_min = np.abs(coupler - crank) + reach_blur

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from paminsa_viz import __version__
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.plots.hover import reasons
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.units import MM, number
+from paminsa_viz.version import MADE_BY
 
 LONGEST_NAME = 60
 """Characters of a design's name that a caption repeats."""
@@ -40,7 +40,7 @@ def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
         parts.append(f"Dark gray: {data.missing_word}.")
     if _beyond(data, scales):
         parts.append("Pointed ends of the color bar: beyond its range.")
-    parts.append(f"paminsa_viz {__version__}.")
+    parts.append(f"{MADE_BY}.")
     return " ".join(part for part in parts if part)
 
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from io import BytesIO
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from paminsa_viz import __version__
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.version import MADE_BY
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,9 +28,6 @@ RESOLUTIONS = (20.0, 2400.0)
 """Possible resolutions [pixels per inch]."""
 MOST_PIXELS = 20_000
 """Largest width of a figure made of pixels."""
-
-
-PROGRAM = f"paminsa_viz {__version__}"
 
 
 class Credits(NamedTuple):
@@ -70,20 +67,20 @@ FIGURE_FORMATS: dict[str, FigureFormat] = {
     for each in (
         FigureFormat(
             "png",
-            lambda c: {"Title": c.title, "Description": c.about, "Software": PROGRAM},
+            lambda c: {"Title": c.title, "Description": c.about, "Software": MADE_BY},
             pixels=True,
         ),
         FigureFormat(
             "svg",
             # Without a date, so that equal input gives equal bytes; the same for PDF.
             lambda c: {
-                "Title": c.title, "Description": c.about, "Creator": PROGRAM, "Date": None
+                "Title": c.title, "Description": c.about, "Creator": MADE_BY, "Date": None
             },
         ),
         FigureFormat(
             "pdf",
             lambda c: {
-                "Title": c.title, "Subject": c.about, "Creator": PROGRAM,
+                "Title": c.title, "Subject": c.about, "Creator": MADE_BY,
                 "Producer": "matplotlib", "CreationDate": None,
             },
         ),

@@ -9,7 +9,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from paminsa_viz import __version__
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.plots.caption import equals, robot, shown
@@ -17,6 +16,7 @@ from paminsa_viz.plots.series import SeriesData, SeriesSources
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.control import ControlMode
 from paminsa_viz.units import format_value, number
+from paminsa_viz.version import MADE_BY
 
 NAMED_FAILURES = 4
 """Failures that a caption names one by one."""
@@ -94,7 +94,7 @@ def caption(data: SeriesData, notes: Sequence[str] = ()) -> str:
         sentences.append(f"Formulas as published: {_misprints_text(misprints)}.")
     sentences += _failure_sentences(data)
     sentences += [note if note.endswith(".") else f"{note}." for note in (*t.notes, *notes)]
-    return " ".join([*sentences, f"paminsa_viz {__version__}."])
+    return " ".join([*sentences, f"{MADE_BY}."])
 
 
 def summary(data: SeriesData) -> str:

@@ -6,7 +6,6 @@ import math
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
-import paminsa_viz
 from paminsa_viz.engines.verification import Verification
 from paminsa_viz.files.design_schema import KEY_OF, DesignKey
 from paminsa_viz.files.design_writer import write_design
@@ -14,6 +13,7 @@ from paminsa_viz.model.design import APPENDIX_4, Design, stated_parameters
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.report.blocks import Block, Listing, Note, ReportRequest, Row, Section, Table, rows
 from paminsa_viz.units import format_value, percent_change
+from paminsa_viz.version import MADE_BY
 
 GROUPS: dict[str, str] = {
     "geometry": "Lengths",
@@ -111,7 +111,7 @@ def provenance_section(request: ReportRequest, found: Verification | str) -> Sec
     verdict = "no" if isinstance(found, str) else "passed" if found.passed else "failed"
     facts = [
         ("Made", request.made.strftime("%Y-%m-%d %H:%M %Z")),
-        ("By", f"paminsa_viz {paminsa_viz.__version__}"),
+        ("By", MADE_BY),
         ("Command", request.command),
         ("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}"),
         ("Packages", ", ".join(_versions())),

@@ -7,7 +7,6 @@ from functools import lru_cache
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 from markupsafe import Markup
 
-import paminsa_viz
 from paminsa_viz.balancing import whole_mass
 from paminsa_viz.engines.verification import Verification
 from paminsa_viz.identification.findings import investigate
@@ -29,6 +28,7 @@ from paminsa_viz.report.verification_section import checked, verification_sectio
 from paminsa_viz.report.workspace_section import maps_section, workspace_section
 from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
 from paminsa_viz.units import NONE, format_value, number, symbols_html
+from paminsa_viz.version import __version__
 
 
 def report_html(request: ReportRequest, progress: Progress = silent) -> str:
@@ -80,7 +80,7 @@ def report_html(request: ReportRequest, progress: Progress = silent) -> str:
         opening=_facts(request, analysis, found),
         sections=list(enumerate(sections, 1)),
         colors={"ink": INK, "muted": MUTED, "ok": OK, "warn": WARN, "bad": BAD},
-        version=paminsa_viz.__version__,
+        version=__version__,
         made=request.made.strftime("%Y-%m-%d %H:%M %Z"),
     )
 

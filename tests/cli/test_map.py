@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from paminsa_viz.cli.map import Map, maps_of, scales_of
-from paminsa_viz.explorer.exports import figure, table
-from paminsa_viz.explorer.maps import MapStore
-from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
+from paminsa_viz.explorer.core.maps import MapStore
+from paminsa_viz.explorer.features.export.exports import figure, table
+from paminsa_viz.explorer.state.maps import MapView, RangeMode
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -71,7 +72,7 @@ def test_a_difference_is_that_of_the_explorer(capsys, folder) -> None:
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_numbers_are_static_torques(capsys, folder, knee) -> None:
     z = -0.5 if knee is KneeBranch.LOWER else 0.5
-    found = run_json(capsys, "--theta", "20", "--z", str(1e3 * z), "--cells", "40", "--assembly",
+    found = run_json(capsys, "--theta", "20", "--z", str(1e3 * z), "--cells", "40", "--knee",
                  knee.value, "--out", "a.npz")  # fmt: skip
     with np.load(folder / "a.npz") as arrays:
         x, y = np.meshgrid(arrays["x_m"], arrays["y_m"])

@@ -125,20 +125,20 @@ int main(void)
         const double *v = pose;
         PaminsaReach reach = paminsa_inverse_kinematics(&PAMINSA_DESIGN, pose, four);
         seen[reach.status] = 1;
-        wrong += reach.status != PAMINSA_OK && !all_nan(four, 4);
+        wrong += reach.status != PAMINSA_STATUS_OK && !all_nan(four, 4);
         reach = paminsa_inverse_dynamics(&PAMINSA_DESIGN, pose, v, v, four);
-        wrong += reach.status != PAMINSA_OK && !all_nan(four, 4);
+        wrong += reach.status != PAMINSA_STATUS_OK && !all_nan(four, 4);
         reach = paminsa_forward_dynamics(&PAMINSA_DESIGN, pose, v, v, four);
-        wrong += reach.status != PAMINSA_OK && !all_nan(four, 4);
+        wrong += reach.status != PAMINSA_STATUS_OK && !all_nan(four, 4);
         reach = paminsa_static_torques(&PAMINSA_DESIGN, pose, four);
-        wrong += reach.status != PAMINSA_OK && !all_nan(four, 4);
+        wrong += reach.status != PAMINSA_STATUS_OK && !all_nan(four, 4);
         reach = paminsa_jacobian(&PAMINSA_DESIGN, pose, matrix);
-        wrong += reach.status != PAMINSA_OK && !all_nan(matrix[2], 4);
+        wrong += reach.status != PAMINSA_STATUS_OK && !all_nan(matrix[2], 4);
         reach = paminsa_mass_matrix_of(&PAMINSA_DESIGN, pose, matrix);
-        wrong += reach.status != PAMINSA_OK && !all_nan(matrix[1], 4);
+        wrong += reach.status != PAMINSA_STATUS_OK && !all_nan(matrix[1], 4);
         reach = paminsa_actuator_motion(&PAMINSA_DESIGN, pose, v, v, four, more);
-        wrong += reach.status != PAMINSA_OK && !(all_nan(four, 4) && all_nan(more, 4));
-        wrong += paminsa_nearest_pose(&PAMINSA_DESIGN, pose, v, four) != PAMINSA_OK &&
+        wrong += reach.status != PAMINSA_STATUS_OK && !(all_nan(four, 4) && all_nan(more, 4));
+        wrong += paminsa_nearest_pose(&PAMINSA_DESIGN, pose, v, four) != PAMINSA_STATUS_OK &&
             !all_nan(four, 4);
         const int found = paminsa_forward_kinematics(&PAMINSA_DESIGN, pose, poses);
         wrong += found < 0 || found > 2 || (found < 2 && !all_nan(poses[1], 4));
@@ -150,7 +150,7 @@ int main(void)
     const double rest[4] = {0.0, 0.0, 0.0, 0.0};
     const PaminsaReach held =
         paminsa_inverse_dynamics(&PAMINSA_DESIGN, singular, rest, rest, four);
-    wrong += held.status != PAMINSA_SINGULAR || !all_nan(four, 4);
+    wrong += held.status != PAMINSA_STATUS_SINGULAR || !all_nan(four, 4);
     PaminsaDesign carrying = PAMINSA_DESIGN;
     paminsa_set_payload(&carrying, 2.0, 0.0);
     const double home[4] = {0.0, 0.0, 0.0, -0.55};
@@ -185,7 +185,7 @@ def test_no_input_makes_undefined_behavior_and_no_failure_leaves_a_number(
 
 def test_status_codes_are_those_of_the_model() -> None:
     text = controller_kit(APPENDIX_4)["paminsa.h"]
-    codes = dict(re.findall(r"PAMINSA_([A-Z_]+) = (\d)", text))
+    codes = dict(re.findall(r"PAMINSA_STATUS_([A-Z_]+) = (\d)", text))
     assert {name: int(code) for name, code in codes.items() if name in Limit.__members__} == {
         limit.name: int(limit) for limit in Limit
     }

@@ -15,9 +15,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import persistence
-from paminsa_viz.explorer.motion.description import MOST_WAYPOINTS, Kind, Motion, Timing
-from paminsa_viz.explorer.state import Document
+from paminsa_viz.explorer.core import persistence
+from paminsa_viz.explorer.state.document import Document
+from paminsa_viz.explorer.state.motion import MOST_WAYPOINTS, Kind, Motion, Timing
 from paminsa_viz.files.design_file import read_design, write_design
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, PaminsaError
 from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, Counterweight
@@ -182,7 +182,7 @@ def test_any_text_is_read_or_refused(text: str, data: bytes, value: Any) -> None
 @given(
     document=documents(),
     key=st.sampled_from(
-        ["version", "name", "design", "assembly", "pose", "reference", "counterweights", "motion"]
+        ["version", "name", "design", "knee", "pose", "reference", "counterweights", "motion"]
     ),
     value=JSON,
 )
@@ -250,3 +250,11 @@ def test_name_from_elsewhere_is_made_printable() -> None:
     design = persistence.load(text).design
     assert design.name.startswith("a?bxxx")
     write_design(design)
+
+
+def test_old_words_for_the_knee_are_read() -> None:
+    for old, new in (("printed", "lower"), ("mirror", "upper")):
+        document = Document(design=APPENDIX_4.with_knee(KneeBranch(new)))
+        data = json.loads(persistence.dump(document))
+        assert data.pop("knee") == new
+        assert persistence.load(json.dumps(data | {"assembly": old})) == document

@@ -12,14 +12,14 @@
 
 /* Why a pose cannot be taken, or a result not be given. */
 typedef enum {
-    PAMINSA_OK = 0,          /* all is well */
-    PAMINSA_NOT_FINITE = 1,  /* an argument is not finite */
-    PAMINSA_STRETCHED = 2,   /* joints 8 and 5 of a leg are too far apart for its bars */
-    PAMINSA_FOLDED = 3,      /* joints 8 and 5 of a leg are too close together for its bars */
-    PAMINSA_GUIDE = 4,       /* joint 8 of a leg would leave its guide */
-    PAMINSA_AXIS = 5,        /* joint 5 of a leg is on its leg axis */
-    PAMINSA_SINGULAR = 6,    /* no torque holds the platform there, or nothing resists a motion */
-    PAMINSA_NO_ASSEMBLY = 7  /* no pose has these actuator positions */
+    PAMINSA_STATUS_OK = 0,          /* all is well */
+    PAMINSA_STATUS_NOT_FINITE = 1,  /* an argument is not finite */
+    PAMINSA_STATUS_STRETCHED = 2,   /* joints 8 and 5 of a leg are too far apart for its bars */
+    PAMINSA_STATUS_FOLDED = 3,      /* joints 8 and 5 of a leg are too close together for its bars */
+    PAMINSA_STATUS_GUIDE = 4,       /* joint 8 of a leg would leave its guide */
+    PAMINSA_STATUS_AXIS = 5,        /* joint 5 of a leg is on its leg axis */
+    PAMINSA_STATUS_SINGULAR = 6,    /* no torque holds the platform there, or nothing resists a motion */
+    PAMINSA_STATUS_NO_ASSEMBLY = 7  /* no pose has these actuator positions */
 } PaminsaStatus;
 
 /* Whether a pose can be taken. */
@@ -89,9 +89,9 @@ static inline int paminsa_finite(const double *values, int count)
 static inline PaminsaReach paminsa_reach(const PaminsaDesign *design, const double pose[4])
 {
     static const PaminsaStatus limits[4] = {
-        PAMINSA_STRETCHED, PAMINSA_FOLDED, PAMINSA_GUIDE, PAMINSA_AXIS
+        PAMINSA_STATUS_STRETCHED, PAMINSA_STATUS_FOLDED, PAMINSA_STATUS_GUIDE, PAMINSA_STATUS_AXIS
     };
-    PaminsaReach reach = {PAMINSA_NOT_FINITE, 0, NAN};
+    PaminsaReach reach = {PAMINSA_STATUS_NOT_FINITE, 0, NAN};
 
     if (!paminsa_finite(pose, 4))
         return reach;
@@ -101,7 +101,7 @@ static inline PaminsaReach paminsa_reach(const PaminsaDesign *design, const doub
         return reach;
     const int which = (int)least.which;
     const int on_guide = which % 4 == 2;
-    reach.status = PAMINSA_OK;
+    reach.status = PAMINSA_STATUS_OK;
     reach.margin = least.margin;
     /* A guide may be used to its end; at the other limits the mechanism is singular. */
     if (least.margin < 0.0 || (least.margin == 0.0 && !on_guide)) {
@@ -137,7 +137,7 @@ static inline PaminsaReach paminsa_inverse_kinematics(const PaminsaDesign *desig
     const PaminsaReach reach = paminsa_reach(design, pose);
 
     paminsa_fill(actuators, 4, NAN);
-    if (reach.status != PAMINSA_OK)
+    if (reach.status != PAMINSA_STATUS_OK)
         return reach;
     const double c = cos(pose[2]), s = sin(pose[2]);
     for (int leg = 0; leg < 3; leg++) {
@@ -196,7 +196,7 @@ static inline PaminsaStatus paminsa_nearest_pose(const PaminsaDesign *design,
 
     paminsa_fill(pose, 4, NAN);
     if (!paminsa_finite(actuators, 4) || !paminsa_finite(near, 4))
-        return PAMINSA_NOT_FINITE;
+        return PAMINSA_STATUS_NOT_FINITE;
     for (int i = 0; i < count; i++) {
         const double turn = paminsa_wrap_angle(poses[i][2] - near[2]);
         const double path = design->mechanism.platform_radius * turn;
@@ -209,7 +209,7 @@ static inline PaminsaStatus paminsa_nearest_pose(const PaminsaDesign *design,
             pose[3] = poses[i][3];
         }
     }
-    return best < INFINITY ? PAMINSA_OK : PAMINSA_NO_ASSEMBLY;
+    return best < INFINITY ? PAMINSA_STATUS_OK : PAMINSA_STATUS_NO_ASSEMBLY;
 }
 
 /* Put the 9 values of a matrix's part in x, y and theta, and that of z, into four rows. */
@@ -229,7 +229,7 @@ static inline PaminsaReach paminsa_inverse_jacobian(const PaminsaDesign *design,
     const PaminsaReach reach = paminsa_reach(design, pose);
 
     paminsa_fill_matrix(g, NAN);
-    if (reach.status != PAMINSA_OK)
+    if (reach.status != PAMINSA_STATUS_OK)
         return reach;
     const PaminsaSpeedRows rows =
         paminsa_speed_rows(m, pose[0], pose[1], cos(pose[2]), sin(pose[2]), pose[3]);
@@ -245,14 +245,14 @@ static inline PaminsaReach paminsa_jacobian(const PaminsaDesign *design, const d
     PaminsaReach reach = paminsa_reach(design, pose);
 
     paminsa_fill_matrix(j, NAN);
-    if (reach.status != PAMINSA_OK)
+    if (reach.status != PAMINSA_STATUS_OK)
         return reach;
     const PaminsaWrenchTorques rows =
         paminsa_wrench_torques(m, pose[0], pose[1], cos(pose[2]), sin(pose[2]), pose[3]);
     if (paminsa_finite(rows.values, 9))
         paminsa_matrix(rows.values, m->k, j);
     else
-        reach.status = PAMINSA_SINGULAR;
+        reach.status = PAMINSA_STATUS_SINGULAR;
     return reach;
 }
 
@@ -269,7 +269,7 @@ static inline PaminsaReach paminsa_actuator_motion(const PaminsaDesign *design,
 
     paminsa_fill(speed, 4, NAN);
     paminsa_fill(growth, 4, NAN);
-    if (reach.status != PAMINSA_OK)
+    if (reach.status != PAMINSA_STATUS_OK)
         return reach;
     const PaminsaSpeedRowRates rates = paminsa_speed_row_rates(m, pose[0], pose[1], cos(pose[2]),
         sin(pose[2]), velocity[0], velocity[1], velocity[2]);
@@ -344,12 +344,12 @@ static inline PaminsaReach paminsa_gravity_torques(const PaminsaDesign *design,
     PaminsaReach reach = paminsa_reach(design, pose);
 
     paminsa_fill(torque, 4, NAN);
-    if (reach.status != PAMINSA_OK)
+    if (reach.status != PAMINSA_STATUS_OK)
         return reach;
     const PaminsaUnitTorques gamma =
         paminsa_unit_torques(m, pose[0], pose[1], cos(pose[2]), sin(pose[2]), pose[3]);
     if (!paminsa_finite(gamma.values, 4)) {
-        reach.status = PAMINSA_SINGULAR;
+        reach.status = PAMINSA_STATUS_SINGULAR;
         return reach;
     }
     for (int i = 0; i < 4; i++)
@@ -364,7 +364,7 @@ static inline PaminsaReach paminsa_static_torques(const PaminsaDesign *design,
 {
     const PaminsaReach reach = paminsa_gravity_torques(design, pose, torque);
 
-    if (reach.status != PAMINSA_OK)
+    if (reach.status != PAMINSA_STATUS_OK)
         return reach;
     return paminsa_subtract_load(design, pose, reach, torque);
 }
@@ -393,10 +393,10 @@ static inline PaminsaReach paminsa_inverse_dynamics(const PaminsaDesign *design,
     PaminsaReach reach = paminsa_reach(design, pose);
 
     paminsa_fill(torque, 4, NAN);
-    if (reach.status != PAMINSA_OK)
+    if (reach.status != PAMINSA_STATUS_OK)
         return reach;
     if (!paminsa_finite(velocity, 4) || !paminsa_finite(acceleration, 4)) {
-        reach.status = PAMINSA_NOT_FINITE;
+        reach.status = PAMINSA_STATUS_NOT_FINITE;
         return reach;
     }
     const PaminsaActuatorForces forces = paminsa_inverse_dynamics_kernel(&design->mechanism,
@@ -404,7 +404,7 @@ static inline PaminsaReach paminsa_inverse_dynamics(const PaminsaDesign *design,
         v[3], a[0], a[1], a[2], a[3]);
     const double found[4] = {forces.tau1, forces.tau2, forces.tau3, forces.f4};
     if (!paminsa_finite(found, 4)) {
-        reach.status = PAMINSA_SINGULAR;
+        reach.status = PAMINSA_STATUS_SINGULAR;
         return reach;
     }
     for (int i = 0; i < 4; i++)
@@ -430,7 +430,7 @@ static inline PaminsaReach paminsa_mass_matrix_of(const PaminsaDesign *design,
     const PaminsaReach reach = paminsa_inverse_jacobian(design, pose, g);
 
     paminsa_fill_matrix(matrix, NAN);
-    if (reach.status != PAMINSA_OK)
+    if (reach.status != PAMINSA_STATUS_OK)
         return reach;
     const PaminsaMassMatrix upper = paminsa_mass_matrix(&design->mechanism, &design->energy,
         pose[0], pose[1], cos(pose[2]), sin(pose[2]), pose[3]);
@@ -459,10 +459,10 @@ static inline PaminsaReach paminsa_forward_dynamics(const PaminsaDesign *design,
     PaminsaReach reach = paminsa_inverse_dynamics(design, pose, velocity, rest, bias);
 
     paminsa_fill(acceleration, 4, NAN);
-    if (reach.status != PAMINSA_OK)
+    if (reach.status != PAMINSA_STATUS_OK)
         return reach;
     if (!paminsa_finite(torque, 4)) {
-        reach.status = PAMINSA_NOT_FINITE;
+        reach.status = PAMINSA_STATUS_NOT_FINITE;
         return reach;
     }
     paminsa_inverse_jacobian(design, pose, g);
@@ -474,7 +474,7 @@ static inline PaminsaReach paminsa_forward_dynamics(const PaminsaDesign *design,
         m[0][3], m[1][1], m[1][2], m[1][3], m[2][2], m[2][3], m[3][3], force[0], force[1],
         force[2], force[3]);
     if (!(found.pivot > 0.0)) {
-        reach.status = PAMINSA_SINGULAR;
+        reach.status = PAMINSA_STATUS_SINGULAR;
         return reach;
     }
     acceleration[0] = found.x;

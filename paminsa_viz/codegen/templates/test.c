@@ -80,7 +80,7 @@ int main(int count, char **words)
         compare(&checks[0], status, next, 2);
         compare(&checks[1], four, next + 2, 4);
         next += 6;
-        if (reach.status == PAMINSA_OK) {
+        if (reach.status == PAMINSA_STATUS_OK) {
             paminsa_nearest_pose(design, four, pose, nearest);
             compare(&checks[8], nearest, pose, 4);
         }

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import hmac
 import secrets
-from http.cookies import CookieError, SimpleCookie
 from urllib.parse import parse_qsl, urlencode
 
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
+
+from .limits import logger
 
 TOKEN_BYTES = 32
 
@@ -32,6 +33,7 @@ class AccessToken:
 
     def __init__(self) -> None:
         self.value = secrets.token_urlsafe(TOKEN_BYTES)
+        self._reported = False
         # All servers of a machine share its cookies, whatever their ports are.
         self._cookie = f"paminsa-viz-{secrets.token_hex(4)}"
 
@@ -54,14 +56,20 @@ class AccessToken:
             return text_response(303, "See Other", "", Location=place, Set_Cookie=cookie)
         if any(map(self._matches, self._cookies(request.headers))):
             return None
+        if not self._reported and any(name == "token" for name, _ in fields):
+            self._reported = True  # once: whoever guesses fills no log
+            logger.warning("a request with a wrong access token was refused, as all others will be")
         return text_response(401, "Unauthorized", REFUSAL, WWW_Authenticate="Token")
 
     def _cookies(self, headers: Headers) -> list[str]:
-        try:
-            jar = SimpleCookie("; ".join(headers.get_all("Cookie")))
-        except CookieError:
-            return []
-        return [jar[self._cookie].value] if self._cookie in jar else []
+        """Return the values of all cookies with this program's name.
+
+        A browser sends the cookies of all programs of a host, whose values may be anything but a
+        semicolon. Parsers of cookies give up at the first that is not as the standard has it.
+        """
+        fields = (field for line in headers.get_all("Cookie") for field in line.split(";"))
+        pairs = (field.partition("=") for field in fields)
+        return [value.strip(" \t") for name, _, value in pairs if name.strip(" \t") == self._cookie]
 
     def _matches(self, value: str) -> bool:
         return hmac.compare_digest(value.encode(errors="surrogateescape"), self.value.encode())

@@ -5,14 +5,41 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
+from paminsa_viz.synthesis.masses.program import InnerSolution
 from paminsa_viz.units import DisplayUnit, display_unit
 
-if TYPE_CHECKING:
-    from paminsa_viz.synthesis.search.trial import TrialRobot
+
+class Trial(Protocol):
+    """What objectives read of a robot that reaches its workspace.
+
+    Attributes:
+        reference: The robot that the search starts from.
+        workspace: Its workspace, at its height.
+        masses: In the order of `lumped.MASS_PATHS` (28,) [kg, kg m^2].
+        inner: The best masses and springs, where some are free.
+        footprint: Radius about z that it sweeps [m].
+        static_torque: Largest static torque of M1 to M3 over the workspace [N m].
+    """
+
+    @property
+    def reference(self) -> Design: ...
+    @property
+    def workspace(self) -> Workspace: ...
+    @property
+    def masses(self) -> Array: ...
+    @property
+    def inner(self) -> InnerSolution | None: ...
+    @property
+    def footprint(self) -> float: ...
+    @property
+    def static_torque(self) -> float: ...
 
 
 @dataclass(frozen=True)
@@ -32,7 +59,7 @@ class Objective:
     label: str
     title: str
     unit: str
-    value: Callable[[TrialRobot], float]
+    value: Callable[[Trial], float]
     largest: bool = False
 
     @property
@@ -52,21 +79,19 @@ _LEG_MASSES = [
 _PLATFORM = MASS_PATHS.index("platform.mass")
 
 
-def _moving_mass(trial: TrialRobot) -> float:
+def _moving_mass(trial: Trial) -> float:
     legs = float(trial.masses[_LEG_MASSES].sum())
-    owner = trial.case.reference if trial.inner is None else trial.inner.design
+    owner = trial.reference if trial.inner is None else trial.inner.design
     weights = sum(weight.mass for weight in owner.counterweights)
     return 3 * (legs + weights) + float(trial.masses[_PLATFORM])
 
 
-def _of_motions(trial: TrialRobot, key: str) -> float:
+def _of_motions(trial: Trial, key: str) -> float:
     assert trial.inner is not None  # see `masses.case.check_inner`
     return trial.inner.value(key)
 
 
-def _volume(trial: TrialRobot) -> float:
-    from paminsa_viz.quantities.requirements import WorkspaceShape
-
+def _volume(trial: Trial) -> float:
     x, y, z = trial.workspace.size
     return x * y * z * (math.pi / 4 if trial.workspace.shape is WorkspaceShape.CYLINDER else 1.0)
 

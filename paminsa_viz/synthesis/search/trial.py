@@ -103,6 +103,11 @@ class TrialRobot:
         """The case."""
         return self.poses.case
 
+    @property
+    def reference(self) -> Design:
+        """The robot that the search starts from."""
+        return self.case.reference
+
     @cached_property
     def design(self) -> Design:
         """The robot."""
@@ -146,8 +151,8 @@ class TrialRobot:
         if not len(heights):
             return out
         found = self.poses.over(theta)
-        c, load = self.coefficients, self.case.reference.load
-        k, g = self.geometry.magnification, self.case.reference.gravity
+        c, load = self.coefficients, self.reference.load
+        k, g = self.geometry.magnification, self.reference.gravity
         lift = k * (c[16] * g + 3 * c[0]) + 3 * c[2] - k * load.force_z
         xy = found.place(found.within, self.workspace)
         kernels.load()[1](
@@ -193,10 +198,14 @@ class TrialRobot:
         return float(self.radii.max())
 
     @cached_property
+    def _most(self) -> Array:
+        """Largest of `kernels.TORQUE_COLUMNS` over the workspace."""
+        return self.torques(self.case.requirements.theta)[1]
+
+    @property
     def static_torque(self) -> float:
         """Largest static torque of M1 to M3 over the workspace [N m]."""
-        most = kernels.TORQUE_COLUMNS.index("max_torque")
-        return float(self.torques(self.case.requirements.theta)[1, most])
+        return float(self._most[kernels.TORQUE_COLUMNS.index("max_torque")])
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,13 +10,16 @@ import ssl
 import subprocess
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from websockets.datastructures import Headers
 from websockets.exceptions import InvalidStatus
+from websockets.http11 import Request
 from websockets.sync.client import connect
 
 from paminsa_viz.explorer.server.access import AccessToken
@@ -79,6 +82,39 @@ def test_nothing_else_passes(closed: GuardedServer, query: str, cookie: str, tok
     assert status in (400, 401, 403)
 
 
+FOREIGN = st.one_of(
+    st.sampled_from(
+        ['theme={"dark":true}', "a[b]=1", "x=a b", "=", "a", "", "a=b=c", 'q="un;closed', "$Path=/"]
+    ),
+    st.text(st.characters(min_codepoint=32, max_codepoint=255, exclude_characters="\x7f")),
+)
+"""What other programs on this host may have set."""
+
+
+@settings(max_examples=200, deadline=None)
+@given(before=st.lists(FOREIGN, max_size=4), after=st.lists(FOREIGN, max_size=4), own=st.data())
+def test_cookies_of_other_programs_lock_nobody_out(
+    before: list[str], after: list[str], own: st.DataObject
+) -> None:
+    granted = TOKEN.respond(Request(f"/?token={TOKEN.value}", Headers()))
+    assert granted is not None
+    cookie = granted.headers["Set-Cookie"].partition(";")[0]
+    name, _, _ = cookie.partition("=")
+    # Another program on the host may have set one of the same name, for a longer path.
+    before = own.draw(st.sampled_from([before, [*before, f"{name}=other"]]))
+    after = own.draw(st.sampled_from([after, [f"{name}=other", *after]]))
+    joint = own.draw(st.sampled_from(["; ", ";"]))
+    assert TOKEN.respond(_with_cookies(joint.join([*before, cookie, *after]))) is None
+    assert TOKEN.respond(_with_cookies(*before, cookie, *after)) is None  # a header each, HTTP/2
+    refused = TOKEN.respond(_with_cookies(joint.join([*before, f"{cookie[:-1]}", *after])))
+    assert refused is not None
+    assert refused.status_code == 401
+
+
+def _with_cookies(*headers: str) -> Request:
+    return Request("/", Headers([("Cookie", header) for header in headers]))
+
+
 @pytest.mark.parametrize("cookie", ["", "{name}=wrong", "{name}=", "={value}", "{name}"])
 def test_no_web_socket_opens_without_the_token(closed: GuardedServer, cookie: str) -> None:
     name, _, value = _cookie(closed).partition("=")
@@ -93,6 +129,21 @@ def test_the_token_is_not_logged(closed: GuardedServer, caplog: pytest.LogCaptur
         _get(closed, f"/?token={TOKEN.value}")
         _get(closed, cookie=_cookie(closed))
     assert TOKEN.value not in caplog.text
+
+
+def test_crowd_of_wrong_tokens_is_answered_and_logged_once(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    server = GuardedServer(token=AccessToken())
+    try:
+        with ThreadPoolExecutor(150) as crowd:
+            found = list(crowd.map(lambda n: _get(server, f"/?token=guess{n}").status, range(300)))
+    finally:
+        server.close()
+    assert set(found) == {401}
+    (record,) = caplog.records
+    assert "access token" in record.getMessage()
+    assert "guess" not in record.getMessage()
 
 
 def _needed(program: str) -> str:

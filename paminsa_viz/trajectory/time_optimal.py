@@ -1,0 +1,238 @@
+"""Motions that cross type-2 singularities with bounded torques, in the shortest or a given time.
+
+The path is given, its time law is found: z(s) = s'^2 is a cubic spline, so that the jerk is
+continuous along the way and the torques are at the crossings. The condition of `crossing`, the
+limits of torques (with rows multiplied by the determinant, nothing is divided by zero), the torque
+in the limit and speeds are all linear in z. The shortest motion is the one with the largest z
+wherever it can be (Bobrow, Dubowsky and Gibson 1985), so it is the optimum of one linear program;
+where there is none, another one tells by what factor the torque limits are too low.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.reach import Limit, reach_status
+from paminsa_viz.model.statics import static_torques
+from paminsa_viz.trajectory.crossing import (
+    Crossing,
+    CrossingCondition,
+    CrossingKind,
+    CrossingRefused,
+    crossings,
+)
+from paminsa_viz.trajectory.crossing_program import REFINEMENTS, CrossingProgram
+from paminsa_viz.trajectory.limits import MotionLimits
+from paminsa_viz.trajectory.paths import Path, TimedPath
+from paminsa_viz.trajectory.plan import Plan
+from paminsa_viz.trajectory.sampled import Passage
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
+TIGHTENED = 4
+"""How often limits that are exceeded between the points are added at most."""
+
+STANDSTILL = 1e-9
+"""Share of the largest s'^2 below which a motion counts as standing still on its way."""
+
+
+@dataclass(frozen=True)
+class PlannedCrossing:
+    """A crossing that a motion makes.
+
+    Attributes:
+        crossing: Where.
+        condition: What has to be satisfied there.
+        t: When [s].
+        residual: t_s^T F, zero but for rounding [N m].
+        torque: (4,) torques in the limit [N m, N].
+        speed: s' there [1/s].
+        speed_range: Smallest and largest s' that the limits allow there [1/s].
+    """
+
+    crossing: Crossing
+    condition: CrossingCondition
+    t: float
+    residual: float
+    torque: tuple[float, ...]
+    speed: float
+    speed_range: tuple[float, float]
+
+    @property
+    def explanation(self) -> str:
+        """Text of the crossing."""
+        torques = ", ".join(f"{torque:.4g}" for torque in self.torque[:3])
+        return (
+            f"crosses the {self.crossing.locus.label} at {self.t:.4g} s, where M1 to M3 make "
+            f"{torques} N m and M4 {self.torque[3]:.4g} N; actuators have no authority there along "
+            "the escape twist"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class TimeOptimalPlan:
+    """A motion through singularities.
+
+    Attributes:
+        plan: The motion.
+        curve: Its path with the time law.
+        crossings: What it crosses, in its order.
+        durations: Shortest and longest duration that the planner can give it [s].
+        slowest, fastest: The least and the largest s'^2 by s that the limits allow [1/s^2]: every
+            motion that keeps them is between.
+    """
+
+    plan: Plan
+    curve: TimedPath
+    crossings: tuple[PlannedCrossing, ...]
+    durations: tuple[float, float]
+    slowest: BSpline
+    fastest: BSpline
+
+    @property
+    def path(self) -> Path:
+        """The motion's path."""
+        return self.curve.path
+
+
+def time_optimal(
+    design: Design,
+    path: Path,
+    limits: MotionLimits,
+    duration: float | None = None,
+    *,
+    name: str = "crossing",
+) -> TimeOptimalPlan:
+    """Return the shortest motion on a path, from rest to rest, or one of a given duration.
+
+    Args:
+        design: The robot; its friction at the actuators is not counted in the limits.
+        path: The path; it may cross no singularity at all.
+        limits: Of torque, force, speed and turn_speed; others are not supported here.
+        duration: [s]; the shortest by default.
+        name: What a person calls it.
+
+    Raises:
+        InvalidInput: If a limit is not supported, torques are not limited, or the duration is out
+            of the range that the limits allow.
+        CrossingRefused: If the path cannot be run, with the cause.
+    """
+    if not limits.needs_torques or np.isfinite(limits.rates[1:]).any():
+        raise InvalidInput(
+            "limits", "torque or force, and at most speed and turn_speed, are needed"
+        )
+    found = crossings(design.geometry, path)
+    _check_path(design, path, found, limits)
+    program, fast, slow = _program(design, path, found, limits)
+
+    def blend(share: float) -> TimedPath:
+        return TimedPath(path, program.spline(share * fast + (1.0 - share) * slow))
+
+    longest = blend(1e-3).duration
+    curve = blend(1.0)
+    shortest = curve.duration
+    if duration is not None:
+        if not shortest <= duration <= longest:
+            raise InvalidInput(
+                "duration", f"{shortest:.4g} s to {longest:.4g} s are possible, not {duration:g} s"
+            )
+        from scipy.optimize import brentq
+
+        share: Any = brentq(lambda at: np.log(blend(at).duration / duration), 1e-3, 1.0, xtol=1e-12)
+        curve = blend(share)
+    planned = tuple(_planned(program, curve, *item) for item in enumerate(found))
+    passages = tuple(Passage(p.t / curve.duration, p.crossing.locus) for p in planned)
+    kind = "through singularities" if passages else "minimum time"
+    notes = tuple(item.explanation for item in planned)
+    plan = Plan(curve, curve.duration, name, kind, notes, passages)
+    return TimeOptimalPlan(
+        plan, curve, planned, (shortest, longest), program.spline(slow), program.spline(fast)
+    )
+
+
+def _check_path(
+    design: Design, path: Path, found: tuple[Crossing, ...], limits: MotionLimits
+) -> None:
+    s = np.linspace(0.0, 1.0, 801)
+    pose = path(s)
+    for crossing in found:
+        where = f"at s = {crossing.s:.6g}"
+        if min(crossing.s, 1.0 - crossing.s) < 1e-6:
+            problem = (
+                f"the path begins or ends on the {crossing.locus.label}; no torque holds it there"
+            )
+            raise CrossingRefused("rest", problem, crossing.s)
+        if crossing.kind is CrossingKind.DOUBLE:
+            problem = f"{where} the path meets both loci at once; lead it past one of them"
+            raise CrossingRefused("double", problem, crossing.s)
+        if crossing.kind is CrossingKind.TANGENT:
+            problem = f"{where} the path touches the {crossing.locus.label} without passing it"
+            raise CrossingRefused("tangent", problem, crossing.s)
+    status, _ = reach_status(design.geometry, pose)
+    lost = np.flatnonzero((status != Limit.OK) & (status != Limit.SINGULAR))
+    if lost.size:
+        text = Limit(int(status[lost[0]])).explanation
+        raise CrossingRefused("reach", f"at s = {s[lost[0]]:.4g}: {text}", float(s[lost[0]]))
+    for end, at in (("start", 0), ("goal", -1)):
+        torque = static_torques(design.without_friction(), pose[at])
+        over = np.abs(torque) - limits.actuators
+        if not (over <= 0).all():
+            worst = int(np.nanargmax(np.where(np.isnan(over), -np.inf, over)))
+            problem = (
+                f"the {end} cannot be held: M{worst + 1} needs {abs(torque[worst]):.4g} of "
+                f"{limits.actuators[worst]:.4g} {'N' if worst == 3 else 'N m'}"
+            )
+            raise CrossingRefused("hold", problem, float(s[at]))
+
+
+def _program(
+    design: Design, path: Path, found: tuple[Crossing, ...], limits: MotionLimits
+) -> tuple[CrossingProgram, Array, Array]:
+    """Return the coarsest program with motions that do not stop, its fastest and its slowest.
+
+    Raises:
+        CrossingRefused: If there is none.
+    """
+    refusal = CrossingRefused("infeasible", "")
+    for refinement in REFINEMENTS if found else REFINEMENTS[:1]:
+        program = CrossingProgram(design, path, found, limits, refinement)
+        try:
+            fast, slow = program.fastest(), program.slowest()
+            for _ in range(TIGHTENED):
+                if not program.tighten(fast, slow):
+                    break
+                fast, slow = program.fastest(), program.slowest()
+        except CrossingRefused as infeasible:
+            refusal = infeasible
+            continue
+        s = np.linspace(0.0, 1.0, 2001)[1:-1]
+        z = program.spline(fast)(s)
+        if z.min() > STANDSTILL * z.max():
+            return program, fast, slow
+        stop = float(s[np.argmin(z)])
+        problem = (
+            "the conditions at the crossings can be met only by a motion that stops at "
+            f"s = {stop:.4g}; change the path"
+        )
+        refusal = CrossingRefused("weak", problem, stop)
+    raise refusal
+
+
+def _planned(
+    program: CrossingProgram, curve: TimedPath, index: int, item: Crossing
+) -> PlannedCrossing:
+    condition = program.conditions[index]
+    z = np.array([float(curve.z(item.s, order)) for order in range(3)])
+    torque = program.limit_torques[index] @ np.append(z, 1.0)
+    speed = float(np.sqrt(z[0]))
+    return PlannedCrossing(
+        item, condition, curve.time_at(item.s), condition.residual(speed, 0.5 * z[1]),
+        tuple(torque.tolist()), speed, program.speed_range(index),
+    )  # fmt: skip
