@@ -64,7 +64,7 @@ class Source:
     @property
     def names(self) -> dict[str, Any]:
         """Names of the module that the function is in."""
-        return self.function.__globals__
+        return getattr(self.function, "__globals__")  # noqa: B009
 
 
 def read_source(function: FunctionType) -> Source:

@@ -12,14 +12,14 @@
 
 /* Why a pose cannot be taken, or a result not be given. */
 typedef enum {
-    PAMINSA_STATUS_OK = 0,          /* all is well */
-    PAMINSA_STATUS_NOT_FINITE = 1,  /* an argument is not finite */
-    PAMINSA_STATUS_STRETCHED = 2,   /* joints 8 and 5 of a leg are too far apart for its bars */
-    PAMINSA_STATUS_FOLDED = 3,      /* joints 8 and 5 of a leg are too close together for its bars */
-    PAMINSA_STATUS_GUIDE = 4,       /* joint 8 of a leg would leave its guide */
-    PAMINSA_STATUS_AXIS = 5,        /* joint 5 of a leg is on its leg axis */
-    PAMINSA_STATUS_SINGULAR = 6,    /* no torque holds the platform there, or nothing resists a motion */
-    PAMINSA_STATUS_NO_ASSEMBLY = 7  /* no pose has these actuator positions */
+    PAMINSA_STATUS_OK = 0,         /* all is well */
+    PAMINSA_STATUS_NOT_FINITE = 1, /* an argument is not finite */
+    PAMINSA_STATUS_STRETCHED = 2,  /* joints 8 and 5 of a leg are too far apart for its bars */
+    PAMINSA_STATUS_FOLDED = 3,     /* joints 8 and 5 of a leg are too close together for its bars */
+    PAMINSA_STATUS_GUIDE = 4,      /* joint 8 of a leg would leave its guide */
+    PAMINSA_STATUS_AXIS = 5,       /* joint 5 of a leg is on its leg axis */
+    PAMINSA_STATUS_SINGULAR = 6,   /* nothing holds the platform there, or resists its motion */
+    PAMINSA_STATUS_NO_ASSEMBLY = 7 /* no pose has these actuator positions */
 } PaminsaStatus;
 
 /* Whether a pose can be taken. */
@@ -89,7 +89,8 @@ static inline int paminsa_finite(const double *values, int count)
 static inline PaminsaReach paminsa_reach(const PaminsaDesign *design, const double pose[4])
 {
     static const PaminsaStatus limits[4] = {
-        PAMINSA_STATUS_STRETCHED, PAMINSA_STATUS_FOLDED, PAMINSA_STATUS_GUIDE, PAMINSA_STATUS_AXIS
+        PAMINSA_STATUS_STRETCHED, PAMINSA_STATUS_FOLDED,
+        PAMINSA_STATUS_GUIDE, PAMINSA_STATUS_AXIS
     };
     PaminsaReach reach = {PAMINSA_STATUS_NOT_FINITE, 0, NAN};
 
