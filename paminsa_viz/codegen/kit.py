@@ -163,7 +163,7 @@ def test_vectors(design: Design) -> str:
     """Return the text of vectors.csv: random states, most of them within reach."""
     pose = _poses(design)
     rng = np.random.default_rng(2005)
-    velocity, acceleration = rng.normal(size=(2, len(pose), 4)) * [0.3, 0.3, 1.0, 0.3]
+    velocity, acceleration = rng.normal(size=(2, len(pose), 4)) * np.array([0.3, 0.3, 1.0, 0.3])
     geometry = design.geometry
     reach = check_reach(geometry, pose)
     ok = reach.ok[:, None]

@@ -178,7 +178,11 @@ class _Body:
         self.arguments: list[str] = []
         self.lines: list[str] = []
         self.result: Kind | None = None
-        stored = [n.id for n in ast.walk(source.tree) if _is_stored(n)]
+        stored = [
+            node.id
+            for node in ast.walk(source.tree)
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+        ]
         self.changing = {name for name, count in Counter(stored).items() if count > 1}
         self._said = source.tree.body[0].lineno if source.tree.body else 0
 
@@ -366,7 +370,7 @@ class _Body:
         if function is where:
             condition, yes, no = (self._operand(item, CHOICE + 1) for item in arguments)
             return f"{condition} ? {yes} : {no}", self._expression(arguments[1])[1], CHOICE
-        if function in FUNCTIONS if _hashable(function) else False:
+        if _hashable(function) and function in FUNCTIONS:
             values = ", ".join(self._real(item) for item in arguments)
             return f"{self.language.elementary(FUNCTIONS[function])}({values})", REAL, ATOM
         if is_record(function):
@@ -388,10 +392,6 @@ class _Body:
             called = f"{self.language.function_name(name)}({', '.join(passed)})"
             return called, self.printer.results[name], ATOM
         raise self._refused(node, f"a call of {ast.unparse(node.func)}")
-
-
-def _is_stored(node: ast.AST) -> bool:
-    return isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
 
 
 def _hashable(value: object) -> bool:

@@ -9,7 +9,7 @@ import textwrap
 import tokenize
 from dataclasses import dataclass, field
 from types import FunctionType
-from typing import Any, NamedTuple, Union
+from typing import Any, NamedTuple, TypeGuard, Union
 
 from paminsa_viz.errors import PaminsaError
 
@@ -98,7 +98,7 @@ def read_record(kind: type) -> Record:
     return Record(kind.__name__, names, len(names), beside, inspect.getdoc(kind) or "")
 
 
-def is_record(value: object) -> bool:
+def is_record(value: object) -> TypeGuard[type]:
     """Whether a value is a class of named tuples."""
     return isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields")
 
