@@ -37,7 +37,11 @@ def write_report(request: ReportRequest, path: Path) -> None:
 
     # Opened first, so that a place which cannot be written to is known before the work.
     with open_atomically(path) as file:
-        file.write(report_html(request, lambda part: print(f"{part} ...", file=sys.stderr)))
+        file.write(report_html(request, _print_step))
+
+
+def _print_step(done: float, /, *, step: str, **_: Any) -> None:
+    print(f"{step} ...", file=sys.stderr)
 
 
 def print_json(facts: dict[str, Any], *, signed: bool = True) -> None:

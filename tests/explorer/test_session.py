@@ -1,4 +1,4 @@
-"""The worker of a tab: the latest request per source wins, and failures stay single."""
+"""The worker of a tab: it draws the newest state, and failures stay single."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def test_last_of_500_requests_wins_and_is_one_step(
 ) -> None:
     monkeypatch.setattr(history, "PAUSE", 60.0)  # a busy machine is no pause of the person
     for i in range(1, 501):
-        bench.session.dispatch("slider", to(i / 5000))
+        bench.session.dispatch("slider", to(i / 5000), overtakes=True)
     eventually(lambda: bench.x == 0.1)
     bench.idle()
     for watch in (bench.immediate, bench.deferred):
@@ -119,23 +119,30 @@ def test_last_of_500_requests_wins_and_is_one_step(
     eventually(lambda: bench.x == 0.0)
 
 
-def test_latest_request_per_source_wins(bench: Bench) -> None:
+def test_value_that_was_overtaken_is_not_even_applied(bench: Bench) -> None:
     ran: list[str] = []
 
-    def counted(name: str, **pose: float) -> Callable[[State], State]:
+    def counted(name: str, action: Callable[[State], State]) -> Callable[[State], State]:
         def run(state: State) -> State:
             ran.append(name)
-            return actions.move(state, **pose)
+            return action(state)
 
         return run
 
+    def opacity(value: float) -> Callable[[State], State]:
+        return lambda state: replace(state, floor_opacity=value)
+
     bench.hold()
-    for i in range(100):
-        bench.session.dispatch("x", counted(f"x{i}", x=i / 1000))
-        bench.session.dispatch("y", counted(f"y{i}", y=i / 1000))
+    for i in range(100):  # a drag, and two jobs that say how far they are
+        value = i / 1000
+        moved = counted(f"x{i}", to(value))
+        bench.session.dispatch("x", moved, overtakes=True)
+        for job in "ab":
+            done = counted(f"{job}{i}", opacity(value))
+            bench.session.dispatch(job, done, step=False, overtakes=True)
     bench.immediate.gate.set()
-    eventually(lambda: bench.session.state.document.pose[:2] == (0.099, 0.099))
-    assert ran == ["x99", "y99"]
+    eventually(lambda: (bench.x, bench.session.state.floor_opacity) == (0.099, 0.099))
+    assert ran == ["x99", "a99", "b99"]
 
 
 @pytest.mark.parametrize("error", [InvalidInput("x", "it is not liked"), RuntimeError("broken")])

@@ -22,7 +22,6 @@ from paminsa_viz.synthesis import (
     ObjectiveLimit,
     Regime,
     RegimeState,
-    SearchProgress,
     SearchRange,
     SynthesisCase,
     SynthesisResult,
@@ -151,8 +150,9 @@ def test_result_is_the_same_in_other_processes() -> None:
 def test_checkpoint_goes_on_as_if_not_stopped(tmp_path: Path) -> None:
     path = tmp_path / "search.json"
 
-    def stop(progress: SearchProgress) -> bool:
-        return progress.generation == 25
+    def stop(done: float, *, state: RegimeState) -> bool:
+        assert done == state.generation / 40 / len(SHORT.regimes)
+        return state.generation == 25
 
     with Checkpoint(path, SHORT) as new:
         assert new.states == ()
@@ -175,11 +175,11 @@ def test_checkpoint_goes_on_as_if_not_stopped(tmp_path: Path) -> None:
 
 
 def test_progress_has_the_best_robot_so_far() -> None:
-    seen: list[SearchProgress] = []
+    seen: list[RegimeState] = []
 
-    def note(progress: SearchProgress) -> bool:
-        seen.append(progress)
-        return progress.generation == 12
+    def note(done: float, *, state: RegimeState) -> bool:
+        seen.append(state)
+        return state.generation == 12
 
     result = synthesize(SHORT, progress=note)
     assert result.canceled
@@ -195,8 +195,8 @@ def test_progress_has_the_best_robot_so_far() -> None:
 
 
 def test_an_answer_that_is_canceled_in_the_first_round_is_its_best_robot() -> None:
-    seen: list[SearchProgress] = []
-    result = synthesize(SHORT, progress=lambda progress: seen.append(progress) or True)
+    seen: list[RegimeState] = []
+    result = synthesize(SHORT, progress=lambda done, state: seen.append(state) or True)
     assert result.states == ()
     assert result.canceled
     assert result.feasible

@@ -10,10 +10,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, TypeAlias, TypeVar
 
+from paminsa_viz import progress
 from paminsa_viz.explorer.core.actions import Action
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session, View
-from paminsa_viz.explorer.state.outcome import Outcome, Report
+from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.state import State
 
 T = TypeVar("T")
@@ -33,11 +34,15 @@ def given(value: Any, state: State) -> Any:
 class Run:
     """What a button does when it does not change the state, such as an export.
 
-    It is called with the session on the thread of the click; `Session.submit` hands work to the
-    session's worker.
+    Attributes:
+        call: Called with the session, on a thread of its own; `Session.submit` hands work to the
+            session's worker.
+        at_once: Whether it is called as the click arrives, before all that comes later. It may
+            then do no more than to hand over work.
     """
 
     call: Callable[[Session], None]
+    at_once: bool = False
 
 
 Effect = Action | Run
@@ -48,7 +53,7 @@ class Entry:
     """What all entries share.
 
     Attributes:
-        key: Its name: a newer request of the same key replaces one that waits.
+        key: Its name.
         label: Text next to it.
         hint: Tooltip.
         visible, disabled: When it is; always and never if None.
@@ -191,7 +196,7 @@ class BackgroundJob(Entry):
     """
 
     _: KW_ONLY
-    find: Callable[[Any, Report], Any]
+    find: Callable[[Any, progress.Progress], Any]
     receive: Callable[[State, Outcome], State] | None = None
     wanted: Callable[[Frame], Any] | None = None
     idle: Given[bool] = False

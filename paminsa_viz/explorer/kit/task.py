@@ -95,7 +95,9 @@ class JobRunner:
         stopping = False
         if self._entry.wanted is None and self.wanted == job:
             action = partial(progress, path=self._entry.key, job=job, done=done, **known)
-            self._session.dispatch(f"{self._entry.key}.progress", action, step=False)
+            self._session.dispatch(
+                f"{self._entry.key}.progress", action, step=False, overtakes=True
+            )
             stopping = attrgetter(self._entry.key)(self._session.state).stopping
         return stopping or self._session.closed or self.wanted != job
 
