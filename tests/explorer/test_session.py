@@ -179,6 +179,37 @@ def test_failing_view_does_not_end_the_session(bench: Bench) -> None:
     bench.idle()
 
 
+def test_frame_that_failed_is_drawn_again_and_stops_no_other_view(bench: Bench) -> None:
+    second = Watch()
+    bench.session.immediate.append(second)
+    failing = iter([RuntimeError("broken"), None])
+    bench.immediate.error = next(failing)
+    draw = bench.immediate.draw
+
+    def once(frame: Frame, dragging: bool) -> None:
+        try:
+            draw(frame, dragging)
+        finally:
+            bench.immediate.error = next(failing, None)
+
+    bench.immediate.draw = once  # type: ignore[method-assign]
+    bench.session.dispatch("x", to(0.01))
+    eventually(lambda: bench.x == 0.01)
+    bench.idle()  # every view has drawn the newest state, without another change
+    assert second.drawn[0][0].document.pose[0] == 0.01
+    assert len(bench.page.notices) == 1
+
+
+def test_frame_that_always_fails_is_not_tried_without_end(bench: Bench) -> None:
+    bench.immediate.error = RuntimeError("broken")
+    before = len(bench.immediate.drawn)
+    bench.session.dispatch("x", to(0.01))
+    eventually(lambda: len(bench.page.notices) == 2)
+    time.sleep(5 * session.IDLE_DELAY)
+    assert len(bench.immediate.drawn) == before + 2
+    bench.immediate.error = None
+
+
 def test_deferred_views_skip_states_while_dragging_but_draw_the_last(bench: Bench) -> None:
     second = Watch()
     bench.session.deferred.append(second)

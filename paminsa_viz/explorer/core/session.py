@@ -18,7 +18,7 @@ from typing import Protocol
 import viser
 
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import actions, threads
 from paminsa_viz.explorer.core.actions import Action
 from paminsa_viz.explorer.core.frame import Frame, compute
 from paminsa_viz.explorer.core.history import History, Snapshot
@@ -123,7 +123,7 @@ class Session:
         self.open_tabs: frozenset[str] | None = None
         self._turn = 0
         self._frame_due: float | None = None
-        self._thread = threading.Thread(target=self._run, name="paminsa-session", daemon=True)
+        self._thread: threads.Running | None = None
 
     @cached_property
     def bridge(self) -> Bridge:
@@ -142,14 +142,14 @@ class Session:
 
     def start(self) -> None:
         """Draw the first frame and start to respond."""
-        self._thread.start()
+        self._thread = threads.start(self._run)
         self._wake.set()
 
     def close(self) -> None:
         """Stop the worker, as the tab has gone, and wait until it has ended what it was doing."""
         self._closed = True
         self._wake.set()
-        if self._thread.is_alive():
+        if self._thread is not None:
             self._thread.join(LONGEST_CLOSING)
 
     @property
@@ -204,8 +204,9 @@ class Session:
         done = threading.Event()
 
         def draw() -> None:
-            self._draw_together(self.immediate, compute(state, self.motions), False)
+            errors = self._draw_together(self.immediate, compute(state, self.motions), False)
             done.set()
+            _report(errors)
 
         self.submit(draw)
         done.wait(SCENE_TIMEOUT)
@@ -234,6 +235,7 @@ class Session:
     def _run(self) -> None:
         idle_due: float | None = None
         drawn: State | None = None
+        failed: State | None = None
         while not self._closed:
             due = idle_due if self._frame_due is None else self._frame_due
             self._wake.wait(None if due is None else max(0.0, due - time.monotonic()))
@@ -255,7 +257,10 @@ class Session:
                     return
                 log.exception("a session could not draw")
                 self.notify("Something went wrong", "Details are in the program's log.", bad=True)
-                idle_due = None
+                # Once more, or it would go on showing what was before.
+                again = self._state is not failed
+                failed = self._state
+                idle_due = time.monotonic() + IDLE_DELAY if again else None
 
     def _serve(self) -> None:
         """Do all that waits, in its order."""
@@ -301,29 +306,48 @@ class Session:
 
     def _draw(self, state: State, *, dragging: bool) -> None:
         frame = compute(self._shown(state), self.motions)
-        self._draw_together(self.immediate, frame, dragging)
+        errors = self._draw_together(self.immediate, frame, dragging)
         time.sleep(FLUSH_DELAY)
-        self._draw_together(self.fast, frame, dragging)
+        errors += self._draw_together(self.fast, frame, dragging)
         due = time.monotonic() + DEFERRED_TIMEOUT
         for _ in range(len(self.deferred)):
             view = self.deferred[self._turn % len(self.deferred)]
             self._turn += 1
-            view.draw(frame, dragging)
+            errors += _attempt(view, frame, dragging)
             self.client.flush()
             now = time.monotonic()
             played_on = self._frame_due is not None and now >= self._frame_due
             if dragging and now > due and (played_on or self._newer_waits()):
                 break  # the robot first, then the views that are still due
+        _report(errors)
 
     def _newer_waits(self) -> bool:
         with self._lock:
             return any(request.changes for request in self._requests)
 
-    def _draw_together(self, views: list[View], frame: Frame, dragging: bool) -> None:
+    def _draw_together(self, views: list[View], frame: Frame, dragging: bool) -> list[Exception]:
+        """Draw views for one picture of the browser; one that fails stops no other."""
+        errors: list[Exception] = []
         with self.client.atomic():
             for view in views:
-                view.draw(frame, dragging)
+                errors += _attempt(view, frame, dragging)
         self.client.flush()
+        return errors
+
+
+def _attempt(view: View, frame: Frame, dragging: bool) -> list[Exception]:
+    """Draw a view; return its failure, if it fails."""
+    try:
+        view.draw(frame, dragging)
+    except Exception as error:
+        return [error]
+    return []
+
+
+def _report(errors: list[Exception]) -> None:
+    """Raise what views have failed with."""
+    if errors:
+        raise ExceptionGroup("views could not be drawn", errors)
 
 
 def _overtaken(waiting: Sequence[_Request], newer: _Request) -> int | None:

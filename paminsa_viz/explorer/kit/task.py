@@ -10,6 +10,7 @@ from functools import partial
 from operator import attrgetter
 from typing import Any
 
+from paminsa_viz.explorer.core import threads
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import IDLE_DELAY, Session
 from paminsa_viz.explorer.core.tasks import keep, progress, receive, running, stop
@@ -64,8 +65,7 @@ class JobRunner:
             if job is None or self._busy:
                 return
             self._busy = True
-        name = f"paminsa-{self._entry.key}"
-        threading.Thread(target=self._work, name=name, daemon=True).start()
+        threads.start(self._work)
 
     def _work(self) -> None:
         entry = self._entry
