@@ -24,6 +24,8 @@ from paminsa_viz.model import (
     xy_grid,
 )
 from paminsa_viz.model.accuracy import DriveAccuracy
+from paminsa_viz.model.kinematics import LEG_AXES
+from paminsa_viz.precision import drive_corners
 from paminsa_viz.precision.drive_corners import CORNERS
 from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors, field_drive_errors
 from tests.support.samples import each_robot, random_design, random_poses
@@ -312,3 +314,30 @@ def test_grids_and_batches_are_the_poses_one_by_one() -> None:
 def test_a_pose_has_four_numbers() -> None:
     with pytest.raises(InvalidInput, match="pose"):
         drive_errors(GEOMETRY, DEFAULT, (0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("geometry", [GEOMETRY, PLATFORM_WIDER], ids=["appendix4", "R_pl>R_b"])
+def test_modes_that_are_proven_apart_stay_apart_in_the_box(geometry: Any) -> None:
+    """By the closure equations at points of the box; most boxes are near what the proof refuses."""
+    rng = np.random.default_rng(31)
+    poses = rng.uniform([-0.25, -0.25, -1.3, -0.3], [0.25, 0.25, 1.3, -0.3], (3000, 4))
+    half = np.radians([2.0, 5.0, 3.0])
+    headings = inverse_kinematics(geometry, poses).beta
+    proven = drive_corners.corner_errors(geometry, poses, half)[2]
+    ratio2 = (geometry.base_radius / geometry.platform_radius) ** 2
+
+    def apart(beta: Any) -> Any:
+        axes = np.arctan2(LEG_AXES[:, 1], LEG_AXES[:, 0])
+        turn = np.sin(np.roll(beta, -1, axis=-1) - np.roll(beta, -2, axis=-1))
+        a = (turn * np.sin(beta - axes)).sum(axis=-1)
+        b = (turn * np.cos(beta - axes)).sum(axis=-1)
+        return b**2 - (ratio2 - 1.0) * a**2, b
+
+    steps = samples(rng, np.append(half, 0.0), 150)[:, :3]
+    room, side = apart(headings[:, None] + steps)
+    center = apart(headings)[1]
+    free = (room > 0.0).all(axis=1)
+    if ratio2 > 1.0:
+        free &= (np.sign(side) == np.sign(center)[:, None]).all(axis=1)
+    assert not (proven & ~free).any()
+    assert proven.sum() > 0.5 * free.sum()
