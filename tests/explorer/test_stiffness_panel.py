@@ -132,7 +132,7 @@ def test_only_what_is_shown_or_elastic_is_analyzed_while_dragging() -> None:
     def draw(state: State, dragging: bool) -> int:
         known = None if not jobs else Outcome[ElasticJob, ElasticResult](jobs[-1])
         analyzer.draw(compute(state.updated("elastic_view", outcome=known)), dragging)
-        run = analyzer.thread.wanted
+        run = analyzer.background.wanted
         if run is not None and run.job not in jobs:
             jobs.append(run.job)
         return len(jobs)

@@ -15,6 +15,7 @@ from dataclasses import KW_ONLY, dataclass, fields, replace
 from functools import partial
 from typing import Any, Generic, NamedTuple, TypeVar
 
+from paminsa_viz.explorer.core import threads
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.session import IDLE_DELAY, Session
@@ -232,7 +233,7 @@ class Run(NamedTuple):
     job: Any
 
 
-class Thread:
+class Background:
     """Runs the newest run that is requested, on a thread.
 
     One runs at a time, and of those that wait only the newest.
@@ -252,7 +253,7 @@ class Thread:
         """Prepare for jobs of one kind.
 
         Args:
-            name: Of the thread.
+            name: What it is of, for the log.
             find: Finds the result of a job.
             deliver: Called with a run that is still wanted and its outcome.
             report: Called with a run that is still wanted, what part of it is done, and what is
@@ -275,7 +276,7 @@ class Thread:
             if run is None or self._busy:
                 return
             self._busy = True
-        threading.Thread(target=self._work, name=self._name, daemon=True).start()
+        threads.start(self._work)
 
     def _work(self) -> None:
         while True:
@@ -304,13 +305,14 @@ class TaskRunner:
     def __init__(self, session: Session, task: Task[Any, Any]) -> None:
         """Prepare for the jobs of a task."""
         self._session, self._task = session, task
-        name = f"paminsa-{task.place.path}"
-        self.thread = Thread(name, task.find, self._deliver, self._report, lambda: session.closed)
+        self.background = Background(
+            task.place.path, task.find, self._deliver, self._report, lambda: session.closed
+        )
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Run what was started, and cancel what was stopped."""
         own = self._task.place.read(frame.state)
-        self.thread.request(None if own.running is None else Run(own.ticket, own.running))
+        self.background.request(None if own.running is None else Run(own.ticket, own.running))
 
     def _deliver(self, run: Run, outcome: Outcome) -> None:
         action = partial(self._task.deliver, ticket=run.ticket, outcome=outcome)
@@ -321,7 +323,8 @@ class TaskRunner:
         if not own.runs(run.ticket):
             return True
         action = partial(self._task.report, ticket=run.ticket, done=done, **known)
-        self._session.dispatch(f"{self._task.place.path}.progress", action, step=False)
+        source = f"{self._task.place.path}.progress"
+        self._session.dispatch(source, action, step=False, overtakes=True)
         return own.stopping
 
 
@@ -334,9 +337,8 @@ class FollowerRunner:
         self._ticket = 0
         self._seen: Any = None
         self._since = 0.0
-        name = f"paminsa-{follower.place.path}"
-        self.thread = Thread(
-            name, follower.find, self._deliver, lambda run, done, **known: False,
+        self.background = Background(
+            follower.place.path, follower.find, self._deliver, lambda run, done, **known: False,
             lambda: session.closed,
         )  # fmt: skip
 
@@ -346,15 +348,15 @@ class FollowerRunner:
         job, known, now = follower.wanted(frame), follower.place.read(state), time.monotonic()
         if job != self._seen:
             self._seen, self._since = job, now
-        last = self.thread.wanted
+        last = self.background.wanted
         requested = last is not None and last.job == job
         changing = dragging and not requested and now - self._since < IDLE_DELAY
         waits = changing and given(follower.idle, state)
         if job is None or waits or (known is not None and known.job == job):
-            self.thread.request(None)
+            self.background.request(None)
         elif not requested:
             self._ticket += 1
-            self.thread.request(Run(self._ticket, job))
+            self.background.request(Run(self._ticket, job))
 
     def _deliver(self, run: Run, outcome: Outcome) -> None:
         action = partial(self._follower.deliver, outcome=outcome)

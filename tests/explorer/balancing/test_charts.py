@@ -123,7 +123,9 @@ def test_without_a_motion_the_sensitivity_is_static() -> None:
 def test_front_and_sensitivity_say_what_has_changed_since() -> None:
     """Both claim to be of this plane and of these bounds."""
     job = balancing.make_job(START, BalanceKind.FRONT)
-    front: Any = MassFront(SimpleNamespace(), (actions.vary(START, {"links.b4": 0.9}).document.design,))
+    point = actions.vary(START, {"links.b4": 0.9}).document.design
+    points: Any = SimpleNamespace(points=())
+    front = MassFront(points, (point,))
     tornado: Any = SimpleNamespace(bars=(SimpleNamespace(lost=0),), ranked=lambda output: ())
     made = balancing.make_job(START, BalanceKind.SENSITIVITY)
     state = START.updated(

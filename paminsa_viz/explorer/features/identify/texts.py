@@ -28,7 +28,7 @@ def status_html(frame: Frame) -> str:
     state, found = frame.state, IDENTIFY.result(frame.state)
     if found is None or IDENTIFY.runs(state):
         return IDENTIFY.text(state, "identify-status", "Identifying …", "Not identified") or ""
-    lines = [f"{cause.label}: {_size(cause)}" for cause in found.causes.named]
+    lines = [f"{cause.text}: {_size(cause)}" for cause in found.causes.named]
     if found.identification.identity.holds is False:
         lines.append("the masses' identity fails: a spring, or another law")
     good = not lines
