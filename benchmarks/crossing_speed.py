@@ -12,9 +12,9 @@ from paminsa_viz.trajectory import (
     MotionLimits,
     crossing_condition,
     crossings,
-    plan_crossing,
     spline_path,
     straight_path,
+    time_optimal,
 )
 
 BALANCED = balance(APPENDIX_4).after
@@ -39,7 +39,7 @@ def main() -> None:
         times = (
             best(lambda path=path: crossings(geometry, path)),
             best(lambda path=path, at=at: crossing_condition(BALANCED, path, at)),
-            best(lambda path=path: plan_crossing(BALANCED, path, LIMITS), least=10),
+            best(lambda path=path: time_optimal(BALANCED, path, LIMITS), least=10),
         )
         rows.append([name, *(number(1e3 * time) for time in times)])
     heading("Motions of the balanced robot through singularities")

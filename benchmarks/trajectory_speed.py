@@ -23,7 +23,7 @@ from paminsa_viz.trajectory import (
     analyze,
     check_path,
     load_kernel,
-    minimum_time,
+    shortest_stretch,
     simulate,
 )
 
@@ -88,8 +88,8 @@ def durations() -> None:
     for key in ("quintic", "s-curve", "waypoints", "arch"):
         plan = PRESET[key].build(DESIGN.geometry)
         for name, limit in limits.items():
-            found = minimum_time(plan, limit, DESIGN)
-            run: Callable[[], object] = lambda p=plan, l=limit: minimum_time(p, l, DESIGN)  # noqa: E731, E741
+            found = shortest_stretch(plan, limit, DESIGN)
+            run: Callable[[], object] = lambda p=plan, l=limit: shortest_stretch(p, l, DESIGN)  # noqa: E731, E741
             rows.append([plan.name, name, f"{found.plan.duration:.4f}", milliseconds(run)])
     heading("Shortest durations within limits, the check of the path included")
     table(["motion", "limits", "duration [s]", "ms"], rows)

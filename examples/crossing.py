@@ -14,8 +14,8 @@ from paminsa_viz.trajectory import (
     MotionLimits,
     analyze,
     payload_drift,
-    plan_crossing,
     straight_path,
+    time_optimal,
     unplanned_torque,
 )
 
@@ -27,7 +27,7 @@ paths = {
 for name, path in paths.items():
     for robot, design in designs.items():
         try:
-            found = plan_crossing(design, path, MotionLimits(torque=10.0))
+            found = time_optimal(design, path, MotionLimits(torque=10.0))
         except CrossingRefused as refusal:
             print(f"{name}, {robot}: {refusal}")
             continue

@@ -12,6 +12,7 @@ from typing import Any
 import tyro
 
 from paminsa_viz.errors import PaminsaError, name_hint
+from paminsa_viz.old_names import flags_of_today
 
 command_line: ContextVar[str] = ContextVar("command_line")
 """The command that runs, as it was typed: provenance of what it writes."""
@@ -41,7 +42,7 @@ def parse(kind: Any, words: Sequence[str], program: str, description: str) -> An
         with redirect_stderr(message):
             return tyro.cli(
                 kind,
-                args=list(words),
+                args=flags_of_today(list(words)),
                 prog=program,
                 description=" ",
                 config=(tyro.conf.OmitArgPrefixes, tyro.conf.UseAppendAction),

@@ -63,9 +63,9 @@ class DesignFlags:
 
     design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Design file (TOML), instead of the paper's Appendix 4."""
-    assembly: Literal["printed", "mirror"] | None = None
-    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
-    design's own."""
+    knee: Literal["lower", "upper"] | None = None
+    """Branch of the knee 9: lower as Appendix 1 prints it, or upper, its mirror image; by default
+    the design's own."""
     load: Annotated[Wrench | None, tyro.conf.arg(metavar="FX FY FZ MX MY MZ")] = None
     """External force [N] and moment [N m] on the platform, instead of the design's own. The
     actuators do not see MX and MY: the bearings carry them."""
@@ -89,7 +89,7 @@ class DesignFlags:
             changes["frame"] = LoadFrame(self.load_frame)
         if changes:
             design = replace(design, load=replace(design.load, **changes))
-        return design if self.assembly is None else design.with_knee(KneeBranch(self.assembly))
+        return design if self.knee is None else design.with_knee(KneeBranch(self.knee))
 
 
 @dataclass(frozen=True, kw_only=True)

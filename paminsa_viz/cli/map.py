@@ -192,7 +192,7 @@ def _report(flags: Map, data: MapData) -> dict[str, Any]:
     return {
         "design": data.design.name,
         "reference": data.reference and data.reference.name,
-        "assembly": data.design.geometry.knee.value,
+        "knee": data.design.geometry.knee.value,
         "theta_rad": data.theta,
         "z_m": data.z,
         "cells": [data.x.size, data.y.size],

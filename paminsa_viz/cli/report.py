@@ -15,7 +15,7 @@ from paminsa_viz.cli.output import print_written, write_report
 from paminsa_viz.files.design_file import load_content
 from paminsa_viz.files.example_logs import given_log
 from paminsa_viz.model.reach import home_pose
-from paminsa_viz.trajectory import MotionLimits, plan_crossing, spline_path
+from paminsa_viz.trajectory import MotionLimits, spline_path, time_optimal
 
 DESCRIPTION = """\
 Write a design report: one HTML file with everything inside, to attach to a design review.
@@ -62,7 +62,7 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
         if self.cross:
             limits = MotionLimits(torque=self.max_torque)
             path = spline_path(trajectory.pose)
-            trajectory = plan_crossing(design, path, limits, name=trajectory.name).plan.sample()
+            trajectory = time_optimal(design, path, limits, name=trajectory.name).plan.sample()
 
         from paminsa_viz.report.blocks import ReportRequest
 

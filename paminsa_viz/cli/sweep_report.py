@@ -51,7 +51,7 @@ def report(path: Path, summary: StudySummary, seconds: float) -> dict[str, Any]:
     return {
         "file": str(path),
         "design": study.design.name,
-        "assembly": study.design.geometry.knee.value,
+        "knee": study.design.geometry.knee.value,
         "rows": summary.rows,
         "found": summary.found,
         "seconds": round(seconds, 3),

@@ -30,18 +30,18 @@ from paminsa_viz.trajectory import (
     ControlMode,
     ImpossibleTrajectory,
     InfeasibleMotion,
-    MinimumTime,
     MotionLimits,
+    ShortestStretch,
     SimulationFailed,
     Trajectory,
     analyze,
-    minimum_time,
+    shortest_stretch,
     simulate,
     via_points,
 )
-from paminsa_viz.trajectory.crossing_plan import CrossingRefused, plan_crossing
 from paminsa_viz.trajectory.paths import spline_path
 from paminsa_viz.trajectory.sampled import RATE
+from paminsa_viz.trajectory.time_optimal import CrossingRefused, time_optimal
 
 DESCRIPTION = """\
 Required torques, speeds, power and energy of every actuator on a motion.
@@ -268,7 +268,7 @@ def _worked_out(flags: TrajectoryFlags, design: Design, reference: Design | None
     return replace(results, simulation=simulation, problems=stopped)
 
 
-def _motion(flags: TrajectoryFlags, design: Design) -> tuple[Trajectory, MinimumTime | None]:
+def _motion(flags: TrajectoryFlags, design: Design) -> tuple[Trajectory, ShortestStretch | None]:
     """Return the motion as samples, and what its duration follows from if it is the shortest."""
     if flags.file is None:
         plan = PRESET[flags.preset or "paper-like"].build(design.geometry)
@@ -277,7 +277,7 @@ def _motion(flags: TrajectoryFlags, design: Design) -> tuple[Trajectory, Minimum
         if not flags.waypoints:
             return (read if flags.rate is None else read.resampled(flags.rate)), None
         if flags.cross:
-            found = plan_crossing(
+            found = time_optimal(
                 design, spline_path(read.pose), flags.limits, flags.duration, name=read.name
             )
             return found.plan.sample(RATE if flags.rate is None else flags.rate), None
@@ -287,6 +287,6 @@ def _motion(flags: TrajectoryFlags, design: Design) -> tuple[Trajectory, Minimum
     if flags.duration is not None:
         plan = plan.lasting(flags.duration)
     elif flags.shortest:
-        quickest = minimum_time(plan, flags.limits, design)
+        quickest = shortest_stretch(plan, flags.limits, design)
         plan = quickest.plan
     return plan.sample(RATE if flags.rate is None else flags.rate), quickest

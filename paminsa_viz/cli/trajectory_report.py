@@ -23,8 +23,8 @@ from paminsa_viz.plots.series import FigureKind
 from paminsa_viz.report.trajectory_section import LOADS, trajectory_blocks
 from paminsa_viz.trajectory import (
     ImpossibleTrajectory,
-    MinimumTime,
     PathEvent,
+    ShortestStretch,
     Simulation,
     TrajectoryAnalysis,
 )
@@ -48,7 +48,7 @@ class Results:
     """
 
     analysis: TrajectoryAnalysis
-    quickest: MinimumTime | None = None
+    quickest: ShortestStretch | None = None
     reference: TrajectoryAnalysis | None = None
     printed: TrajectoryAnalysis | None = None
     simulation: Simulation | None = None
@@ -74,7 +74,7 @@ def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
     quickest = results.quickest
     return {
         "design": analysis.design.name,
-        "assembly": analysis.solved.geometry.knee.value,
+        "knee": analysis.solved.geometry.knee.value,
         "trajectory": {
             "name": t.name,
             "kind": t.kind,

@@ -124,7 +124,7 @@ class Verification:
             "tolerance": self.tolerance,
             "worst_relative": self.worst,
             "design": self.design.name,
-            "assembly": self.design.geometry.knee.value,
+            "knee": self.design.geometry.knee.value,
             "trajectory": self.trajectory.name,
             "duration_s": self.trajectory.duration,
             "static_poses": len(self.poses),

@@ -21,6 +21,7 @@ from paminsa_viz.explorer.motion.description import motion_data, motion_from_dat
 from paminsa_viz.explorer.requirements.saved import requirements_data, requirements_from_data
 from paminsa_viz.explorer.settings import changed_data
 from paminsa_viz.explorer.state import Document
+from paminsa_viz.files.design_schema import knee_of
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.errors import printable, shown
 from paminsa_viz.model import (
@@ -28,7 +29,6 @@ from paminsa_viz.model import (
     PARAMETER,
     Design,
     InvalidInput,
-    KneeBranch,
     LoadFrame,
     PaminsaError,
 )
@@ -78,7 +78,7 @@ def dump(document: Document) -> str:
     reference = document.reference
     described = _described(document.design) | {
         "version": VERSION,
-        "assembly": document.design.geometry.knee.value,
+        "knee": document.design.geometry.knee.value,
         "pose": document.pose,
         "reference": None if reference is None else _described(reference),
     }
@@ -102,7 +102,9 @@ def load(text: str) -> Document:
         x, y, theta, z = (_number(value) for value in data["pose"])
         if not all(abs(value) <= FARTHEST for value in (x, y, theta, z)):
             raise InvalidInput("saved state", "the pose is not possible")
-        reference, knee = data["reference"], KneeBranch(data["assembly"])
+        reference = data["reference"]
+        # Tabs and codes of before have the key "assembly".
+        knee = knee_of(data["knee"] if "knee" in data else data["assembly"])
         return Document(
             design=_design(data).with_knee(knee),
             pose=(x, y, theta, z),

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 from pydantic_core import ErrorDetails
 
+from paminsa_viz import old_names
 from paminsa_viz.errors import name_hint
 from paminsa_viz.files.design_schema import (
     CHOICES,
@@ -17,6 +18,7 @@ from paminsa_viz.files.design_schema import (
     COUNTERWEIGHTS,
     DRIVE_KEYS,
     DRIVES,
+    KNEE,
     REQUIREMENTS,
     SCHEMA_VERSION,
     TABLES,
@@ -80,11 +82,16 @@ def _words(name: str) -> tuple[str, ...]:
     return tuple(word.value for (_, key), kind in CHOICES.items() if key == name for word in kind)
 
 
+def _old_words(name: str) -> tuple[str, ...]:
+    return tuple(old_names.KNEES) if name == KNEE else ()
+
+
 def _values(table: str) -> dict[str, Any]:
     values: dict[str, Any] = dict.fromkeys(TABLES[table], (_Number, None))
-    return values | {
-        name: (Literal[_words(name)], None) for place, name in CHOICES if place == table
-    }
+    for place, name in CHOICES:
+        if place == table:
+            values[name] = (Literal[_words(name) + _old_words(name)], None)
+    return values
 
 
 _FIELDS: dict[str, Any] = {

@@ -36,8 +36,10 @@ from paminsa_viz.files.design_schema import (
     DRIVES,
     KEY_OF,
     KEYS,
+    KNEE,
     REQUIREMENTS,
     WORKSPACE,
+    knee_of,
 )
 from paminsa_viz.files.design_writer import name_problem, write_design
 from paminsa_viz.files.errors import DesignFileError, printable
@@ -235,7 +237,7 @@ def content_of(document: dict[str, Any], text: str, source: str) -> DesignConten
     }
     entries = content.get(COUNTERWEIGHTS, [])
     chosen = {
-        (table, name): kind(content[table][name])
+        (table, name): (knee_of if name == KNEE else kind)(content[table][name])
         for (table, name), kind in CHOICES.items()
         if name in content.get(table, {})
     }

@@ -11,6 +11,7 @@ import re
 from dataclasses import dataclass, fields
 from enum import Enum
 
+from paminsa_viz import old_names
 from paminsa_viz.model.design import OPTIONAL_GROUPS, PARAMETER, Design, KneeBranch
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadFrame
@@ -57,9 +58,18 @@ CHOICES: dict[tuple[str, str], type[Enum]] = {
 """Keys whose values are words, by table and name."""
 
 CHOICE_MEANINGS = {
-    KNEE: "branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image",
+    KNEE: "branch of the knee 9: lower as Appendix 1 prints it, or upper, its mirror image",
     FRAME: "what the load's direction is fixed in: the world, or the platform",
 }
+
+
+def knee_of(word: str) -> KneeBranch:
+    """Return the branch of the knee that a file names, by its word of today or an old one.
+
+    Raises:
+        ValueError: If the word is none of them.
+    """
+    return KneeBranch(old_names.KNEES.get(word, word))
 
 
 def choice(design: Design, table: str, name: str) -> Enum:

@@ -104,7 +104,7 @@ def _named(names: tuple[str, ...], values: NDArray[np.float64]) -> dict[str, NDA
 
 def robot_facts(design: Design) -> dict[str, str]:
     """Return what names a robot in the header of a table."""
-    return {"design": design.name, "assembly": design.geometry.knee.value}
+    return {"design": design.name, "knee": design.geometry.knee.value}
 
 
 def parameter_facts(design: Design, what: str = "design") -> dict[str, str]:

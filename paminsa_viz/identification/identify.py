@@ -213,7 +213,7 @@ def _identity(
     # A poor motion leaves tens of newtons open, and an interval of few blocks is not that exact.
     told = told and all(item.known for item in estimates[1:5])
     return Identity(
-        value if told else 0.0,
+        value if told else np.nan,
         solution.quantile * error if told else np.inf,
         value / error if told else np.nan,
     )

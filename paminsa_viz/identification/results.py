@@ -66,9 +66,10 @@ class Identity:
     """What is left of the identity of the masses, M_p2 - 2 g (b_3 - (k-1)/2 b_4 + k/2 b_5) = 0.
 
     Attributes:
-        value: What is left [N]; a constant upward force at every joint 9 makes it negative.
-        half_width: Half of its 95 % interval [N].
-        z: Value over standard error; NaN if one of its base parameters is unknown, or it was held.
+        value: What is left [N]; a constant upward force at every joint 9 makes it negative. NaN if
+            one of its base parameters is unknown, or it was held.
+        half_width: Half of its 95 % interval [N]; infinite there.
+        z: Value over standard error; NaN there.
     """
 
     value: float

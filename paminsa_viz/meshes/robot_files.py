@@ -75,7 +75,7 @@ def assemble_glb(design: Design, configuration: Configuration, *, ground: bool =
     scene = trimesh.Scene()
     scene.metadata.update(
         design=design.name,
-        assembly=geometry.knee.value,
+        knee=geometry.knee.value,
         pose={
             n: float(v) for n, v in zip(("x", "y", "theta", "z"), configuration.pose, strict=True)
         },

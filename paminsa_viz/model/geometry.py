@@ -16,10 +16,11 @@ class KneeBranch(Enum):
     ``LOWER`` is the root that Appendix 1 prints for F; the platform then hangs below the guides,
     z < 0. ``UPPER`` is the other one, its mirror image. A robot changes its branch only by being
     put together again: on the way the pantographs would pass through the stretched configuration.
+    The field calls such a branch of the inverse kinematics a working mode.
     """
 
-    LOWER = "printed"
-    UPPER = "mirror"
+    LOWER = "lower"
+    UPPER = "upper"
 
     @property
     def sign(self) -> float:
@@ -29,7 +30,7 @@ class KneeBranch(Enum):
     @property
     def label(self) -> str:
         """ "lower knee" or "upper knee", for captions."""
-        return f"{self.name.lower()} knee"
+        return f"{self.value} knee"
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.singularity import twist_field
 from paminsa_viz.palette import BAD, INK, LEG_COLORS, MUTED, PLATFORM
 from paminsa_viz.plots.formats import Credits, drawing, figure_file
-from paminsa_viz.trajectory import CrossingPlan
+from paminsa_viz.trajectory import TimeOptimalPlan
 from paminsa_viz.trajectory.crossing import path_coefficients
 from paminsa_viz.trajectory.crossing_measures import UNPLANNED_LAW
 
@@ -26,7 +26,7 @@ OFF = 1e-4
 
 
 def residual_along(
-    design: Design, found: CrossingPlan, s: Array, rate: Array, growth: Array
+    design: Design, found: TimeOptimalPlan, s: Array, rate: Array, growth: Array
 ) -> Array:
     """Return t_s^T F along the path of a motion, with the formula of t_s off the loci, (n,) [N m].
 
@@ -42,14 +42,14 @@ def residual_along(
     return np.einsum("ni,ni->n", twist_field(design.geometry, found.path(s)), force)
 
 
-def crossing_svg(design: Design, found: CrossingPlan) -> bytes:
+def crossing_svg(design: Design, found: TimeOptimalPlan) -> bytes:
     """Return `draw_crossing` as SVG."""
     with drawing():
         title = "Motion through singularities over its path"
         return figure_file(draw_crossing(design, found), "svg", 72.0, Credits(title, title))
 
 
-def draw_crossing(design: Design, found: CrossingPlan) -> Figure:
+def draw_crossing(design: Design, found: TimeOptimalPlan) -> Figure:
     """Return speeds, residual and torques of M1 to M3 over s, inside `formats.drawing`."""
     page = Figure(figsize=SIZE, layout="constrained")
     speed, residual, torque = page.subplots(3, 1, sharex=True)
@@ -89,7 +89,7 @@ def draw_crossing(design: Design, found: CrossingPlan) -> Figure:
     return page
 
 
-def _draw_torques(axes: Axes, design: Design, found: CrossingPlan, s: Array) -> None:
+def _draw_torques(axes: Axes, design: Design, found: TimeOptimalPlan, s: Array) -> None:
     """Draw torques, friction left out, and those in the limit at the crossings."""
     for item in found.crossings:
         s = s[np.abs(s - item.crossing.s) > OFF]

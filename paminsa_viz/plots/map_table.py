@@ -61,7 +61,7 @@ def _facts(data: MapData) -> dict[str, str]:
         "title": data.title,
         "unit": si_unit(data.unit),
         "design": data.design.name,
-        "assembly": data.design.geometry.knee.value,
+        "knee": data.design.geometry.knee.value,
     }
     names = ("pose x [m]", "pose y [m]", "pose theta [rad]", "pose z [m]")
     facts |= dict(zip(names, map(repr, data.pose.tolist()), strict=True))

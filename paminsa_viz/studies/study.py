@@ -18,7 +18,6 @@ from paminsa_viz.model.design import (
     APPENDIX_4,
     OPTIONAL_GROUPS,
     PARAMETER,
-    PARAMETERS,
     Design,
 )
 from paminsa_viz.model.resizing import BarLaw, resized
@@ -34,7 +33,7 @@ from paminsa_viz.studies.metrics import (
 )
 from paminsa_viz.studies.variations import DesignGrid, RandomDesigns
 from paminsa_viz.trajectory import Trajectory
-from paminsa_viz.version import MADE_BY, __version__
+from paminsa_viz.version import MADE_BY
 
 FORMAT = "paminsa_viz sweep 1"
 """Name and version of the table's layout."""
@@ -146,17 +145,17 @@ class Study:
         """Hash of all that the rows follow from."""
         facts = {
             "format": FORMAT,
-            "version": __version__,
+            # Numbers that are Appendix 4's are left out: a later version may have more of them.
             "design": {
-                p.path: self.design.value(p.path)
-                for p in PARAMETERS
-                if p.group != "load" or self._loaded  # tables of before there was one go on
+                path: value
+                for path in PARAMETER
+                if (value := self.design.value(path)) != APPENDIX_4.value(path)
             },
             "counterweights": [asdict(weight) for weight in self.design.counterweights],
             "kind": type(self.variation).__name__,
             "variation": asdict(self.variation),
             "region": asdict(self.region),
-            "assembly": self.design.geometry.knee.value,
+            "knee": self.design.geometry.knee.value,
             "scale_bars": self.scale_bars,
             "columns": self.columns,
             "motion": None if self.trajectory is None else samples_hash(self.trajectory),
@@ -188,7 +187,7 @@ class Study:
             "made by": MADE_BY,
             "rows": str(self.size),
             "designs": designs,
-            "assembly": self.design.geometry.knee.value,
+            "knee": self.design.geometry.knee.value,
             "scale bars": "yes" if self.scale_bars else "no",
             "region radius [m]": repr(region.radius),
             "region theta [rad]": " ".join(map(repr, region.theta)),

@@ -1,6 +1,6 @@
 """Trajectories: planned, timed within limits, checked, analyzed, and simulated with a controller.
 
-A planner (or a preset) makes a `Plan`; `minimum_time` may give it its shortest duration within
+A planner (or a preset) makes a `Plan`; `shortest_stretch` may give it its shortest duration within
 limits; `Plan.sample` makes a `Trajectory`, as `from_samples` does of a file's rows;
 `analyze` returns the required torques, and where it fails; `simulate` drives it by a controller.
 """
@@ -40,7 +40,6 @@ from paminsa_viz.trajectory.crossing_measures import (
     payload_drift,
     unplanned_torque,
 )
-from paminsa_viz.trajectory.crossing_plan import CrossingPlan, PlannedCrossing, plan_crossing
 from paminsa_viz.trajectory.equations import load_kernel
 from paminsa_viz.trajectory.imported import from_samples
 from paminsa_viz.trajectory.limits import MotionLimits
@@ -60,7 +59,8 @@ from paminsa_viz.trajectory.sampled import Locus, Passage, States, Trajectory
 from paminsa_viz.trajectory.simulation import Simulation, SimulationFailed, simulate
 from paminsa_viz.trajectory.solved import SolvedTrajectory, solve_trajectory
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw, fit_law
-from paminsa_viz.trajectory.timing import InfeasibleMotion, MinimumTime, minimum_time
+from paminsa_viz.trajectory.time_optimal import PlannedCrossing, TimeOptimalPlan, time_optimal
+from paminsa_viz.trajectory.timing import InfeasibleMotion, ShortestStretch, shortest_stretch
 
 __all__ = [
     "PRESET",
@@ -75,13 +75,11 @@ __all__ = [
     "CrossingDrift",
     "CrossingKind",
     "CrossingLoad",
-    "CrossingPlan",
     "CrossingRefused",
     "DeformedPlan",
     "ImpossibleTrajectory",
     "InfeasibleMotion",
     "Locus",
-    "MinimumTime",
     "MotionLimits",
     "Passage",
     "Path",
@@ -92,11 +90,13 @@ __all__ = [
     "PlannedCrossing",
     "Preset",
     "Profile",
+    "ShortestStretch",
     "Simulation",
     "SimulationFailed",
     "SolvedTrajectory",
     "States",
     "TimeLaw",
+    "TimeOptimalPlan",
     "Trajectory",
     "TrajectoryAnalysis",
     "actuator_inertia",
@@ -115,17 +115,17 @@ __all__ = [
     "home",
     "line",
     "load_kernel",
-    "minimum_time",
     "paper_like",
     "payload_drift",
-    "plan_crossing",
     "plan_deformed",
     "point_to_point",
     "round_trip",
+    "shortest_stretch",
     "simulate",
     "solve_trajectory",
     "spline_path",
     "straight_path",
+    "time_optimal",
     "unplanned_torque",
     "via_points",
 ]

@@ -17,9 +17,9 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.singularity import escape_twist
 from paminsa_viz.trajectory.crossing import Crossing, CrossingRefused, crossings
-from paminsa_viz.trajectory.crossing_plan import CrossingPlan, plan_crossing
 from paminsa_viz.trajectory.limits import MotionLimits
 from paminsa_viz.trajectory.paths import Path
+from paminsa_viz.trajectory.time_optimal import TimeOptimalPlan, time_optimal
 
 WIDEST = 0.25
 """Half of the widest window, in s."""
@@ -74,7 +74,7 @@ class DeformedPlan:
             path [m]; zero if nothing had to be changed.
     """
 
-    found: CrossingPlan
+    found: TimeOptimalPlan
     deviation: float
 
 
@@ -87,7 +87,7 @@ def plan_deformed(
     most: float = 0.02,
     name: str = "crossing",
 ) -> DeformedPlan:
-    """Return a motion as `plan_crossing` does, on a path changed along t_s if it has to be.
+    """Return a motion as `time_optimal` does, on a path changed along t_s if it has to be.
 
     Windows of both shapes and signs are tried, the same at every crossing, and the first deviation
     of a rising series at which one of them can be run is taken.
@@ -95,19 +95,19 @@ def plan_deformed(
     Args:
         design: The robot.
         path: The path.
-        limits: See `plan_crossing`.
+        limits: See `time_optimal`.
         duration: [s]; the shortest by default.
         most: Largest deviation [m].
         name: What a person calls it.
 
     Raises:
-        InvalidInput: As `plan_crossing`, or if the largest deviation is not above zero.
+        InvalidInput: As `time_optimal`, or if the largest deviation is not above zero.
         CrossingRefused: If no such path can be run either: the cause on the given path.
     """
     if not (np.isfinite(most) and most > 0):
         raise InvalidInput("most", f"a length above 0 m is needed, not {most!r}")
     try:
-        return DeformedPlan(plan_crossing(design, path, limits, duration, name=name), 0.0)
+        return DeformedPlan(time_optimal(design, path, limits, duration, name=name), 0.0)
     except CrossingRefused as refusal:
         if refusal.cause not in ("weak", "infeasible"):
             raise
@@ -118,7 +118,7 @@ def plan_deformed(
             for sign in (1.0, -1.0):
                 changed = _deformed(design, path, met, shape, sign * float(deviation))
                 try:
-                    found = plan_crossing(design, changed, limits, duration, name=name)
+                    found = time_optimal(design, changed, limits, duration, name=name)
                 except CrossingRefused:
                     continue
                 if len(found.crossings) == len(met):

@@ -18,9 +18,9 @@ from paminsa_viz.model.jacobians import inverse_jacobian, inverse_jacobian_rate
 from paminsa_viz.model.singularity import escape_twist
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE
 from paminsa_viz.trajectory.crossing import limit_torques, locus_distances, torque_growth
-from paminsa_viz.trajectory.crossing_plan import CrossingPlan, PlannedCrossing
 from paminsa_viz.trajectory.sampled import RATE, Locus, Trajectory
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw
+from paminsa_viz.trajectory.time_optimal import PlannedCrossing, TimeOptimalPlan
 
 UNPLANNED_LAW = TimeLaw(Profile.QUINTIC)
 """What a motion is compared with that does not meet the condition."""
@@ -53,7 +53,7 @@ class CrossingDrift:
 
 
 def payload_drift(
-    design: Design, found: CrossingPlan, error: float, clearance: float = SINGULAR_CLEARANCE
+    design: Design, found: TimeOptimalPlan, error: float, clearance: float = SINGULAR_CLEARANCE
 ) -> tuple[CrossingDrift, ...]:
     """Return how far an unknown payload takes the platform off at each crossing of a motion.
 

@@ -1,6 +1,6 @@
 """Planners: motions of the platform that start and end at rest.
 
-Each takes a duration; `timing.minimum_time` finds the shortest one within limits. Poses are
+Each takes a duration; `timing.shortest_stretch` finds the shortest one within limits. Poses are
 (x, y, theta, z) [m, m, rad, m] in the base frame.
 """
 

@@ -106,7 +106,7 @@ class Trajectory:
         load: (n, 6) wrench on the platform that varies with time, on top of the design's load, at
             its point and in its directions, see `LoadCase`; linear between samples [N, N m]. None
             for none.
-        passages: Planned crossings of type-2 singularities, see `crossing_plan`.
+        passages: Planned crossings of type-2 singularities, see `time_optimal`.
         name: What a person calls it.
         kind: How it was made, for example ``"arch, s-curve"``.
         notes: What a person should know about it, a sentence each.

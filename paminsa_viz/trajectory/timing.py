@@ -37,7 +37,7 @@ _ROUNDING = 1e-12  # share by which a duration is longer than required, against 
 
 
 @dataclass(frozen=True)
-class MinimumTime:
+class ShortestStretch:
     """A motion in its shortest duration.
 
     Attributes:
@@ -92,7 +92,7 @@ class InfeasibleMotion(PaminsaError):
         )
 
 
-def minimum_time(
+def shortest_stretch(
     plan: Plan,
     limits: MotionLimits,
     design: Design | None = None,
@@ -101,7 +101,7 @@ def minimum_time(
     drives: bool = True,
     misprints: Misprint = Misprint.NONE,
     clearance: float = SINGULAR_CLEARANCE,
-) -> MinimumTime:
+) -> ShortestStretch:
     """Return a motion in the shortest duration that keeps all limits; every longer one does too.
 
     One of the limits is reached, to rounding, and none exceeded, at any instant. Coulomb friction
@@ -159,7 +159,7 @@ def minimum_time(
         raise InvalidInput("limits", "nothing that moves is limited")
     duration = needed.value * (1.0 + _ROUNDING)
     limit = [*rates.ravel(), *limits.actuators, *[1.0] * 4, *_motor_speeds(design)][needed.column]
-    return MinimumTime(
+    return ShortestStretch(
         plan.lasting(duration), LIMITED[needed.column], float(limit), UNITS[needed.column],
         needed.u * duration,
     )  # fmt: skip

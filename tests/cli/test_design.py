@@ -78,13 +78,13 @@ def test_show_prints_every_number(capsys) -> None:
     values = {key.path: OTHER.value(key.parameter.path) for key in KEYS}
     texts = {key: f"{v:.10g}" if v < math.inf else "rigid" for key, v in values.items()}
     wanted = [f"{key.table} {key.name} {texts[key.path]} ".lstrip() for key in KEYS]
-    for words in (*wanted, "geometry knee printed ", "load frame world "):
+    for words in (*wanted, "geometry knee lower ", "load frame world "):
         assert sum(line.startswith(words) for line in lines) == 1, words
     shown = run_json(capsys, "show", "d.toml")
     assert shown["values"] == {
         key: value if value < math.inf else None for key, value in values.items()
     }
-    assert (shown["name"], shown["knee"], shown["load_frame"]) == ("Appendix 4", "printed", "world")
+    assert (shown["name"], shown["knee"], shown["load_frame"]) == ("Appendix 4", "lower", "world")
     assert list(run_json(capsys, "show")["values"].values()) == [
         p.default if p.default < math.inf else None for p in PARAMETER.values()
     ]
@@ -110,7 +110,7 @@ def test_stiffness_that_was_rigid_has_no_change_in_percent(capsys) -> None:
          {"links.b3_kg": (0.406, 0.203), "payload.mass_kg": (0.0, 2.0)}),
         ("d.toml a.toml", ["links b3_kg 0.203 0.406 +100 %", "payload mass_kg 2 0 -100 %"],
          {"links.b3_kg": (0.203, 0.406), "payload.mass_kg": (2.0, 0.0)}),
-        ("u.toml", ["geometry knee printed mirror "], {"geometry.knee": ("printed", "mirror")}),
+        ("u.toml", ["geometry knee lower upper "], {"geometry.knee": ("lower", "upper")}),
         ("w.toml", ["counterweights - 1.5 kg on B3, 200 mm"], {}),
     ],
     ids=["appendix 4", "another file", "knee", "counterweight"],

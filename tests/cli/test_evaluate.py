@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from paminsa_viz.cli.arguments import UsageError, parse
 from paminsa_viz.cli.evaluate import evaluate_table
+from paminsa_viz.cli.flags import DesignFlags
 from paminsa_viz.files import table_reader
 from paminsa_viz.files.columns import ACCELERATION, ACTUATORS, POSE, TORQUES, VELOCITY
 from paminsa_viz.files.design_file import save_design
@@ -56,7 +58,7 @@ def test_numbers_are_those_of_first_principles(capsys, knee) -> None:
     rows = np.concatenate([pose, velocity, acceleration], axis=-1)[:, order]
     write(columns, rows)
     save_design(design, "d.toml")
-    evaluate(capsys, "--design", "d.toml", "--assembly", knee.value)
+    evaluate(capsys, "--design", "d.toml", "--knee", knee.value)
 
     got = read()
     assert list(got[0]) == [*columns, *RESULTS, "status"]
@@ -181,3 +183,13 @@ def test_columns_of_a_load_come_on_top_of_the_designs(tmp_path: Path) -> None:
     for torque, force, moment in zip(found, (15.0, 5.0), (1.0, 0.0), strict=True):
         loaded = APPENDIX_4.vary({"load.force_x": force, "load.moment_z": moment})
         np.testing.assert_allclose(torque, static_torques(loaded, pose), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "words", ["--knee upper", "--knee=upper", "--assembly mirror", "--assembly=mirror"]
+)
+def test_the_knee_by_its_old_flag_and_word(words: str) -> None:
+    given = parse(DesignFlags, words.split(), "paminsa-viz", "").given_design()
+    assert given == APPENDIX_4.with_knee(KneeBranch.UPPER)
+    with pytest.raises(UsageError, match=r"--knee: invalid choice 'left'"):
+        parse(DesignFlags, ["--assembly", "left"], "paminsa-viz", "")

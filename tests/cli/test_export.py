@@ -56,7 +56,7 @@ def test_everything_at_once_at_one_pose(capsys) -> None:
 def test_another_design_and_branch_as_zip_with_motors(capsys) -> None:
     design = APPENDIX_4.vary({"payload.mass": 3.25, "geometry.crank_length": 0.44})
     save_design(design, "d.toml")
-    words = "--meshes big.zip --design d.toml --assembly mirror --motors"
+    words = "--meshes big.zip --design d.toml --knee upper --motors"
     assert run("export", capsys, *words.split())[0] == 0
     with zipfile.ZipFile("big.zip") as archive:
         text = archive.read("big/robot.xml")

@@ -71,7 +71,7 @@ def test_a_difference_is_that_of_the_explorer(capsys, folder) -> None:
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_numbers_are_static_torques(capsys, folder, knee) -> None:
     z = -0.5 if knee is KneeBranch.LOWER else 0.5
-    found = run_json(capsys, "--theta", "20", "--z", str(1e3 * z), "--cells", "40", "--assembly",
+    found = run_json(capsys, "--theta", "20", "--z", str(1e3 * z), "--cells", "40", "--knee",
                  knee.value, "--out", "a.npz")  # fmt: skip
     with np.load(folder / "a.npz") as arrays:
         x, y = np.meshgrid(arrays["x_m"], arrays["y_m"])

@@ -22,7 +22,7 @@ evaluat                                             | 'evaluat'; did you mean ev
 xyz                                                 | 'xyz'; there are start, evaluate, design
 evaluate                                            | Missing from paminsa-viz evaluate
 evaluate a.csv                                      | --out
-evaluate a.csv --out b.csv --assembly other         | invalid choice 'other'
+evaluate a.csv --out b.csv --knee other             | invalid choice 'other'
 evaluate a.csv --out b.csv --load 1 2 3             | 6 numbers are needed, not '1', '2', '3'
 trajectory --preset Circle                          | 'Circle'; did you mean circle?
 trajectory --preset spiral                          | there are arch, circle, line,

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.mark.usefixtures("without_pictures")
 def test_one_command_makes_it(folder, capsys) -> None:
-    words = "--out r.html --no-verify --preset arch --assembly mirror --pose 30 0 10 520 --seed 4"
+    words = "--out r.html --no-verify --preset arch --knee upper --pose 30 0 10 520 --seed 4"
     assert main(["report", *words.split()]) == 0
     printed = capsys.readouterr()
     assert printed.out == "r.html: written\n"

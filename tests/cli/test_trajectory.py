@@ -59,7 +59,7 @@ def test_numbers_are_those_of_the_model(capsys, knee) -> None:
     )  # fmt: skip
     save_design(design, "robot.toml")
     found = run_json(capsys, "--design", "robot.toml", "--preset", "arch", "--rate", "300",
-                 "--assembly", knee.value, "--printed")  # fmt: skip
+                 "--knee", knee.value, "--printed")  # fmt: skip
     motion = preset("arch", knee, 300.0)
     for data, misprints in ((found, Misprint.NONE), (found["printed"], Misprint.ALL)):
         expected = analyze(with_knee(design, knee), motion, misprints=misprints).summary

@@ -144,7 +144,7 @@ def test_mujoco_model_is_the_commands(mirrored: State, tmp_path: Path) -> None:
     save_design(mirrored.document.design, tmp_path / "d.toml")
     x, y, theta, z = mirrored.last_reachable.pose
     pose = (1e3 * x, 1e3 * y, np.degrees(theta), 1e3 * z)
-    arguments = ["--design", str(tmp_path / "d.toml"), "--assembly", "mirror"]
+    arguments = ["--design", str(tmp_path / "d.toml"), "--knee", "upper"]
     arguments += ["--mjcf", str(tmp_path / "r.xml"), "--pose", *map(repr, map(float, pose))]
     assert main(["export", *arguments]) == 0
     file = exports.mujoco_model(mirrored, meshes=False)

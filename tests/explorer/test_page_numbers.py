@@ -100,22 +100,6 @@ def test_every_kind_of_box_takes_decimals_and_pasted_text(tab: Tab) -> None:
     until(lambda: tab.state.map_view.low == -12.75, "the low end of the colors")
 
 
-def test_whole_number_after_a_pause_and_none_of_its_beginnings(tab: Tab) -> None:
-    poses: list[float] = []
-    field = tab.number_box(X)
-    field.click()
-    for key in "-33.25":
-        field.press(key)
-        tab.page.wait_for_timeout(80)
-        poses.append(tab.state.document.pose[0])
-    assert set(poses) == {0.0}
-    tab.wait_pose(0, -0.03325)
-    assert field.input_value() == "-33.25"
-    field.press("Escape")
-    tab.wait_pose(0, 0.0)
-    until(lambda: field.input_value() == "0", "the number from before")
-
-
 def test_box_steps_with_arrow_keys(tab: Tab) -> None:
     field = tab.number_box(THETA)
     typed(tab, field, "7.25", "ArrowUp")
@@ -167,14 +151,3 @@ def test_stroke_typed_as_it_is_and_no_singular_rotation(tab: Tab) -> None:
     tab.open_tab("Pose")
     until(lambda: "none" in tab.text("quality"), "no rotation is singular")
     assert "inf" not in tab.text("quality") + tab.text("status")
-
-
-def test_number_taken_after_a_pause_stays_in_the_box_with_enter(tab: Tab) -> None:
-    field = tab.number_box(X)
-    for text, ends in (("33.5", "Enter"), ("-7.25", "Tab")):
-        field.click()
-        field.press_sequentially(text)
-        until(lambda w=1e-3 * float(text): abs(tab.state.document.pose[0] - w) < 1e-12, text)
-        field.press(ends)
-        tab.wait_frames(200)
-        assert field.input_value() == text

@@ -182,7 +182,7 @@ def test_any_text_is_read_or_refused(text: str, data: bytes, value: Any) -> None
 @given(
     document=documents(),
     key=st.sampled_from(
-        ["version", "name", "design", "assembly", "pose", "reference", "counterweights", "motion"]
+        ["version", "name", "design", "knee", "pose", "reference", "counterweights", "motion"]
     ),
     value=JSON,
 )
@@ -250,3 +250,11 @@ def test_name_from_elsewhere_is_made_printable() -> None:
     design = persistence.load(text).design
     assert design.name.startswith("a?bxxx")
     write_design(design)
+
+
+def test_old_words_for_the_knee_are_read() -> None:
+    for old, new in (("printed", "lower"), ("mirror", "upper")):
+        document = Document(design=APPENDIX_4.with_knee(KneeBranch(new)))
+        data = json.loads(persistence.dump(document))
+        assert data.pop("knee") == new
+        assert persistence.load(json.dumps(data | {"assembly": old})) == document

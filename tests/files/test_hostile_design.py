@@ -61,8 +61,8 @@ def refusal(content: str | bytes, source: str = "up.toml") -> DesignFileError:
         (VERSION + "[geometry]\nbase_radius_m = 1e300", 3, "geometry.base_radius_m", "to 100"),
         (VERSION + 13 * WEIGHT, 2, "counterweights", "at most 12 a leg"),
         (VERSION + "[geometry]\nmagnification = 1", 3, "geometry.magnification", "greater than 1"),
-        (VERSION + '[geometry]\nknee = "upper"', 3, "geometry.knee", '"printed" or "mirror" is'),
-        (VERSION + "[geometry]\nknee = 1", 3, "geometry.knee", '"printed" or "mirror" is needed'),
+        (VERSION + '[geometry]\nknee = "left"', 3, "geometry.knee", '"lower" or "upper" is needed'),
+        (VERSION + "[geometry]\nknee = 1", 3, "geometry.knee", '"lower" or "upper" is needed'),
         (VERSION + '[load]\nframe = "tool"', 3, "load.frame", '"world" or "platform" is needed'),
         (VERSION + "links = 4", 2, "links", "a table [links]"),
         (VERSION + "[[links]]\nb3_kg = 1", 2, "links", "in single brackets"),
@@ -143,8 +143,10 @@ def test_impossible_drives_are_refused_with_their_key(table: str, key: str, word
 def test_the_knee_stands_in_a_file_only_where_it_is_not_the_printed_one() -> None:
     upper = APPENDIX_4.with_knee(KneeBranch.UPPER)
     assert "\nknee" not in write_design(APPENDIX_4)
-    assert '\nknee = "mirror"' in write_design(upper)
-    assert read_design(f'{VERSION}[geometry]\nknee = "mirror"', "d").geometry == upper.geometry
+    assert '\nknee = "upper"' in write_design(upper)
+    for word in ("upper", "mirror"):  # the second one in files of before
+        read = read_design(f'{VERSION}[geometry]\nknee = "{word}"', "d")
+        assert read.geometry == upper.geometry
     assert read_design(f'{VERSION}[geometry]\nknee = "printed"', "d") == APPENDIX_4
 
 

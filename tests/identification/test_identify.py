@@ -145,7 +145,8 @@ def test_opt_in_numbers_are_found() -> None:
     assert found.estimate("delay").value == pytest.approx(5e-3, abs=1e-3)
     assert found.estimate("delay").half_width < 1e-3
     held = identify(log, APPENDIX_4, replace(QUICK, constrain=True))
-    assert np.isnan(held.identity.z)
+    assert np.isnan([held.identity.z, held.identity.value]).all()
+    assert held.identity.half_width == np.inf
     assert (
         held.estimate("b_3").half_width
         < identify(log, APPENDIX_4, QUICK).estimate("b_3").half_width

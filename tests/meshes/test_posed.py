@@ -65,7 +65,7 @@ def test_bodies_stand_where_the_mechanism_is_with_y_up(posed: bytes) -> None:
 def test_the_file_carries_pose_and_design(posed: bytes) -> None:
     extras = tree(posed)["scenes"][0]["extras"]
     assert extras["design"] == "Appendix 4"
-    assert extras["assembly"] == "printed"
+    assert extras["knee"] == "lower"
     assert extras["pose"] == dict(zip(("x", "y", "theta", "z"), POSE, strict=True))
 
 
@@ -97,7 +97,7 @@ def test_the_upper_knee_carries_its_payload_on_top() -> None:
     matrix, geometry = scene.graph.get("payload.load")
     mesh = scene.geometry[geometry].copy().apply_transform(matrix)
     assert mesh.bounds[0, 1] > 0.4
-    assert scene.metadata["assembly"] == "mirror"
+    assert scene.metadata["knee"] == "upper"
 
 
 @pytest.mark.parametrize(

@@ -9,23 +9,23 @@ from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.palette import INK, LEG_COLORS
 from paminsa_viz.plots.crossing_figure import crossing_svg, draw_crossing, residual_along
 from paminsa_viz.plots.formats import drawing
-from paminsa_viz.trajectory import CrossingPlan, MotionLimits, plan_crossing, straight_path
+from paminsa_viz.trajectory import MotionLimits, TimeOptimalPlan, straight_path, time_optimal
 
 
 @pytest.fixture(scope="module")
-def found() -> CrossingPlan:
+def found() -> TimeOptimalPlan:
     turn = straight_path([0.03, 0.02, 0.8, -0.5], [0.03, 0.02, 1.75, -0.5])
-    return plan_crossing(APPENDIX_4, turn, MotionLimits(torque=10.0), 0.6)
+    return time_optimal(APPENDIX_4, turn, MotionLimits(torque=10.0), 0.6)
 
 
-def test_residual_is_that_of_the_condition_at_the_crossing(found: CrossingPlan) -> None:
+def test_residual_is_that_of_the_condition_at_the_crossing(found: TimeOptimalPlan) -> None:
     (item,) = found.crossings
     s, rate, growth = (np.array([value]) for value in (item.crossing.s, 2.0, 3.0))
     residual = residual_along(APPENDIX_4, found, s, rate, growth)
     assert residual[0] == pytest.approx(item.condition.residual(2.0, 3.0), rel=1e-12)
 
 
-def test_figure_shows_what_is_possible_and_the_limit_torques(found: CrossingPlan) -> None:
+def test_figure_shows_what_is_possible_and_the_limit_torques(found: TimeOptimalPlan) -> None:
     (item,) = found.crossings
     with drawing():
         page = draw_crossing(APPENDIX_4, found)
@@ -46,7 +46,7 @@ def test_figure_shows_what_is_possible_and_the_limit_torques(found: CrossingPlan
     assert INK in {line.get_color() for line in speed.lines}
 
 
-def test_svg_can_be_shown_on_a_page(found: CrossingPlan) -> None:
+def test_svg_can_be_shown_on_a_page(found: TimeOptimalPlan) -> None:
     text = crossing_svg(APPENDIX_4, found).decode()
     assert "<svg" in text
     assert len(text) < 200_000

@@ -32,8 +32,8 @@ from paminsa_viz.trajectory import (
     analyze,
     home,
     paper_like,
-    plan_crossing,
     straight_path,
+    time_optimal,
 )
 from paminsa_viz.units import format_value
 from tests.support.samples import random_design
@@ -274,7 +274,7 @@ def test_forces_are_those_of_the_load_and_the_limits() -> None:
 def test_planned_crossings_are_listed_and_those_of_another_robot_are_warned_of() -> None:
     path = straight_path([0.1, 0.0, 0.2, -0.5], [0.36, 0.02, 0.5, -0.5])
     lighter = balance(APPENDIX_4).after
-    found = plan_crossing(lighter, path, MotionLimits(torque=10.0))
+    found = time_optimal(lighter, path, MotionLimits(torque=10.0))
     samples = found.plan.sample(1000.0)
 
     def blocks(design: Design) -> tuple[list[Table], list[Note]]:

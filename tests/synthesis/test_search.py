@@ -26,13 +26,18 @@ from paminsa_viz.synthesis import (
     SearchRange,
     SynthesisCase,
     SynthesisResult,
+    relaxations,
     synthesize,
 )
 from paminsa_viz.synthesis.proof.evidence import Verdict
 from paminsa_viz.synthesis.search.checkpoint import load_checkpoint, save_checkpoint
 from paminsa_viz.synthesis.search.evaluation import REFUSED
-from tests.synthesis.search_cases import CELL, CYLINDER, TURN
+from paminsa_viz.synthesis.search.solve import sides
+from tests.synthesis.search_cases import CELL, CONDITION, CYLINDER, TURN, arch_case
 from tests.synthesis.test_trials import poses_of
+
+ARCH = np.array([[0.31, 0.0801, 3.34, 0.37, 0.29, -0.235]])
+"""Lengths and a height that do for the arch, once M4 has some more force."""
 
 SHORT = replace(CYLINDER, effort=Effort(40, 4), seed=3)
 
@@ -279,3 +284,29 @@ def test_a_limit_that_decides_holds_on_the_finer_poses_and_is_proven() -> None:
     assert result.proof is not None
     assert result.proof.verdict is Verdict.PROVEN
     assert result.proof.evidence[-1].requirement == case.requirements.bounds[0]
+
+
+def test_a_range_is_relaxed_on_the_side_that_is_broken() -> None:
+    """The payload of 3 kg takes some hundred newtons of M4, whatever the lengths are."""
+    force = Requirement("f_4", low=2000.0, high=4000.0)
+    requirements = replace(CELL.requirements, bounds=(CONDITION, force))
+    case = replace(CELL, requirements=requirements, effort=Effort(20, 4))
+    found = {item.bound: item.nearest for item in relaxations(case, (Regime.SMALLER,))}
+    assert 100.0 < found[replace(force, high=None)] < 2000.0
+    assert np.isnan(found[replace(force, low=None)])  # more than 4000 N does not help
+
+
+def test_a_range_is_relaxed_by_the_masses_on_the_side_that_is_broken() -> None:
+    case = arch_case()
+    case = replace(case, inner=replace(case.inner, motion_force=None))
+    robot = Evaluator(case, Regime.SMALLER).evaluate(ARCH)[0]
+    assert robot.feasible
+    for low, high, side in ((600.0, 800.0, "low"), (1.0, 2.0, "high")):
+        force = Requirement("f_4", low=low, high=high)
+        requirements = replace(case.requirements, bounds=(force,))
+        for index, bound in enumerate(sides(force)):
+            moved = replace(case, requirements=replace(requirements, bounds=sides(force)))
+            found = Evaluator(moved, Regime.SMALLER, relaxed=index).evaluate(ARCH)[0]
+            assert found.feasible == (getattr(bound, side) is not None)
+            if found.feasible:
+                assert low - found.objective > 100.0 if side == "low" else found.objective > 50.0

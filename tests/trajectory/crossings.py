@@ -7,8 +7,8 @@ from functools import cache
 from paminsa_viz.balancing import balance
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.trajectory import MotionLimits
-from paminsa_viz.trajectory.crossing_plan import plan_crossing
 from paminsa_viz.trajectory.paths import straight_path
+from paminsa_viz.trajectory.time_optimal import time_optimal
 
 BALANCED = balance(APPENDIX_4).after
 TURN = straight_path([0.03, 0.02, 0.8, -0.5], [0.03, 0.02, 1.75, -0.5])
@@ -17,5 +17,5 @@ LINE = straight_path([0.1, 0.0, 0.2, -0.5], [0.36, 0.02, 0.5, -0.5])
 """A line through the singular circle."""
 TEN = MotionLimits(torque=10.0)
 
-shortest = cache(plan_crossing)
+shortest = cache(time_optimal)
 """Plans that several tests look at, worked out once."""

@@ -35,8 +35,8 @@ from paminsa_viz.trajectory.crossing import (
     crossing_condition,
     crossings,
 )
-from paminsa_viz.trajectory.crossing_plan import CrossingPlan, CrossingRefused, plan_crossing
 from paminsa_viz.trajectory.paths import spline_path, straight_path
+from paminsa_viz.trajectory.time_optimal import CrossingRefused, TimeOptimalPlan, time_optimal
 from tests.support.samples import random_design, random_states
 from tests.trajectory.crossings import BALANCED, LINE, TEN, TURN, shortest
 
@@ -115,11 +115,11 @@ def test_weights_do_no_work_on_the_twist_of_a_balanced_robot(path: object) -> No
     assert abs(crossing_condition(BALANCED, path, crossing.s).c) < 1e-12
 
 
-def _torque(design: Design, found: CrossingPlan, t: np.ndarray) -> np.ndarray:
+def _torque(design: Design, found: TimeOptimalPlan, t: np.ndarray) -> np.ndarray:
     return inverse_dynamics(design, *found.plan.at(t)).torque
 
 
-def assert_torques_keep(design: Design, found: CrossingPlan, limit: float, near: float) -> None:
+def assert_torques_keep(design: Design, found: TimeOptimalPlan, limit: float, near: float) -> None:
     """Next to its crossings they are those in the limit, and the limit is kept everywhere else."""
     t = np.linspace(0.0, found.plan.duration, 20 * program.INTERVALS * program.POINTS)
     for crossing in found.crossings:
@@ -134,12 +134,12 @@ def assert_torques_keep(design: Design, found: CrossingPlan, limit: float, near:
     params=[(APPENDIX_4, TURN), (BALANCED, TURN), (BALANCED, LINE)],
     ids=["turn", "balanced turn", "balanced line"],
 )
-def planned(request: pytest.FixtureRequest) -> tuple[Design, CrossingPlan]:
+def planned(request: pytest.FixtureRequest) -> tuple[Design, TimeOptimalPlan]:
     design, path = request.param
     return design, shortest(design, path, TEN)
 
 
-def test_torques_go_to_their_limit_and_keep_theirs(planned: tuple[Design, CrossingPlan]) -> None:
+def test_torques_go_to_their_limit_and_keep_theirs(planned: tuple[Design, TimeOptimalPlan]) -> None:
     design, found = planned
     (crossing,) = found.crossings
     assert abs(crossing.residual) < 1e-9
@@ -163,7 +163,7 @@ def test_a_finer_spline_hardly_changes_the_shortest_time(monkeypatch: pytest.Mon
     times = []
     for count in (program.INTERVALS, 2 * program.INTERVALS):
         monkeypatch.setattr(program, "INTERVALS", count)
-        times.append(plan_crossing(APPENDIX_4, TURN, TEN).plan.duration)
+        times.append(time_optimal(APPENDIX_4, TURN, TEN).plan.duration)
     assert times[1] == pytest.approx(times[0], rel=5e-3)
 
 
@@ -179,11 +179,11 @@ def test_a_balanced_motion_may_be_stretched() -> None:
 def test_a_given_duration_is_kept(design: Design) -> None:
     low, high = shortest(design, TURN, TEN).durations
     wanted = min(2.0 * low, 0.5 * (low + high))
-    found = plan_crossing(design, TURN, TEN, wanted)
+    found = time_optimal(design, TURN, TEN, wanted)
     assert found.plan.duration == pytest.approx(wanted, rel=1e-6)
     assert np.abs(_torque(design, found, np.array([found.crossings[0].t + 1e-6]))).max() < 400
     with pytest.raises(InvalidInput, match="duration"):
-        plan_crossing(design, TURN, TEN, 0.5 * low)
+        time_optimal(design, TURN, TEN, 0.5 * low)
 
 
 def test_the_time_law_is_the_derivative_of_itself() -> None:
@@ -199,7 +199,7 @@ def test_the_time_law_is_the_derivative_of_itself() -> None:
 
 def test_speeds_are_kept() -> None:
     limits = MotionLimits(torque=10.0, turn_speed=3.0)
-    plan = plan_crossing(APPENDIX_4, TURN, limits).plan
+    plan = time_optimal(APPENDIX_4, TURN, limits).plan
     turn = plan.at(np.linspace(0.0, plan.duration, 2000)).velocity[:, 2]
     assert 2.97 < turn.max() < 3.01
 
@@ -227,12 +227,12 @@ def test_refusals_name_their_cause() -> None:
     }
     for cause, path in cases.items():
         with pytest.raises(CrossingRefused) as refusal:
-            plan_crossing(APPENDIX_4, path, MotionLimits(torque=5.0))
+            time_optimal(APPENDIX_4, path, MotionLimits(torque=5.0))
         assert refusal.value.cause == cause
     with pytest.raises(CrossingRefused, match=r"times as large") as refusal:
-        plan_crossing(APPENDIX_4, TURN, MotionLimits(torque=6.0))
+        time_optimal(APPENDIX_4, TURN, MotionLimits(torque=6.0))
     factor = float(str(refusal.value).split("at least ")[1].split(" times")[0])
-    assert plan_crossing(APPENDIX_4, TURN, MotionLimits(torque=6.0 * factor * 1.01)).crossings
+    assert time_optimal(APPENDIX_4, TURN, MotionLimits(torque=6.0 * factor * 1.01)).crossings
 
 
 def test_a_path_along_a_locus_is_refused() -> None:
@@ -247,7 +247,7 @@ def test_several_crossings_in_one_motion() -> None:
         [[0.03, 0.02, 0.9, -0.5], [0.03, 0.02, 1.5, -0.5], [0.05, 0.0, 1.5, -0.45],
          [0.05, 0.0, 0.9, -0.45]]
     )  # fmt: skip
-    found = plan_crossing(BALANCED, path, MotionLimits(torque=20.0))
+    found = time_optimal(BALANCED, path, MotionLimits(torque=20.0))
     assert len(found.crossings) == 2
     assert_torques_keep(BALANCED, found, 20.1, 2e-2)
 
@@ -272,7 +272,7 @@ def test_a_is_the_mass_between_twist_and_path() -> None:
     ids=["crossing next to the start", "little influence"],
 )  # fmt: skip
 def test_the_spline_is_refined_where_it_would_have_to_stop(poses: list[list[float]]) -> None:
-    found = plan_crossing(BALANCED, spline_path(poses), TEN)
+    found = time_optimal(BALANCED, spline_path(poses), TEN)
     assert_torques_keep(BALANCED, found, 10.1, 2e-2)
 
 
@@ -285,7 +285,7 @@ def test_limits_are_kept_on_paths_at_random(seed: int) -> None:
         design, limit = ((BALANCED, 10.0), (APPENDIX_4, 100.0))[int(rng.integers(2))]
         poses = rng.uniform([-0.2, -0.2, -1.9, -0.58], [0.2, 0.2, 1.9, -0.42], (2, 4))
         try:
-            found = plan_crossing(design, spline_path(poses), MotionLimits(torque=limit))
+            found = time_optimal(design, spline_path(poses), MotionLimits(torque=limit))
         except CrossingRefused:
             continue
         tried += 1
@@ -293,7 +293,7 @@ def test_limits_are_kept_on_paths_at_random(seed: int) -> None:
 
 
 def test_a_planned_crossing_passes_the_check_and_another_one_does_not(
-    planned: tuple[Design, CrossingPlan],
+    planned: tuple[Design, TimeOptimalPlan],
 ) -> None:
     design, found = planned
     samples = found.plan.sample(1000.0)

@@ -12,9 +12,9 @@ from paminsa_viz.trajectory import (
     CrossingRefused,
     MotionLimits,
     analyze,
-    plan_crossing,
     plan_deformed,
     straight_path,
+    time_optimal,
 )
 from paminsa_viz.trajectory.crossing_deform import DeformedPlan
 from paminsa_viz.trajectory.paths import StraightPath
@@ -39,7 +39,7 @@ def _weak_path() -> StraightPath:
 @pytest.fixture(scope="module")
 def deformed() -> DeformedPlan:
     with pytest.raises(CrossingRefused) as refusal:
-        plan_crossing(BALANCED, _weak_path(), TEN)
+        time_optimal(BALANCED, _weak_path(), TEN)
     assert refusal.value.cause == "weak"
     return plan_deformed(BALANCED, _weak_path(), TEN)
 

@@ -18,7 +18,7 @@ from paminsa_viz.trajectory import (
     Plan,
     analyze,
     from_samples,
-    minimum_time,
+    shortest_stretch,
     simulate,
 )
 from tests.trajectory.plans import FRICTION, preset_plan
@@ -82,7 +82,7 @@ def test_a_simulated_robot_holds_against_the_load(frame: LoadFrame) -> None:
 def test_shortest_duration_counts_the_load(frame: LoadFrame) -> None:
     limits = MotionLimits(torque=30.0, force=800.0)
     for design in (loaded(frame), replace(loaded(frame), load=NO_LOAD)):
-        quick = minimum_time(PLAN, limits, design)
+        quick = shortest_stretch(PLAN, limits, design)
         torque = np.abs(analyze(design, quick.plan.sample(4000)).torque) / limits.actuators
         assert 0.99 < torque.max() < 1.0 + 1e-6
 

@@ -17,13 +17,13 @@ from paminsa_viz.trajectory import (
     PRESET,
     ImpossibleTrajectory,
     InfeasibleMotion,
-    MinimumTime,
     MotionLimits,
     Plan,
     Profile,
+    ShortestStretch,
     TimeLaw,
-    minimum_time,
     point_to_point,
+    shortest_stretch,
 )
 from paminsa_viz.trajectory.limits import LIMITED
 from tests.support.cases import Case, cases
@@ -52,7 +52,7 @@ def turn(rows):
     return np.abs(rows[:, 2])
 
 
-def assert_at_its_limit(found: MinimumTime, limits: MotionLimits, *robot) -> None:
+def assert_at_its_limit(found: ShortestStretch, limits: MotionLimits, *robot) -> None:
     plan = found.plan
     all_over = used(plan, dense(plan), limits, *robot)
     assert all_over.max() <= 1 + ROUNDING
@@ -74,19 +74,19 @@ KINEMATIC = [
 def test_limits_of_the_platform(plan: Plan, limits: MotionLimits) -> None:
     if not used(plan, dense(plan), limits).max() > 0:
         with pytest.raises(InvalidInput, match="nothing that moves"):
-            minimum_time(plan, limits)
+            shortest_stretch(plan, limits)
         return
-    assert_at_its_limit(minimum_time(plan, limits), limits)
+    assert_at_its_limit(shortest_stretch(plan, limits), limits)
 
 
 @PLANS
 def test_limits_of_jerk(plan: Plan) -> None:
     limits = MotionLimits(speed=1.0, acceleration=3.0, jerk=20.0, turn_jerk=90.0)
     if plan.curve.bounded_jerk:
-        assert_at_its_limit(minimum_time(plan, limits), limits)
+        assert_at_its_limit(shortest_stretch(plan, limits), limits)
     else:
         with pytest.raises(InvalidInput, match="jumps"):
-            minimum_time(plan, limits)
+            shortest_stretch(plan, limits)
 
 
 @PLANS
@@ -99,7 +99,7 @@ def test_limits_of_torque(plan: Plan, robot: str, knee: KneeBranch) -> None:
     )
     top = np.abs(still.torque).max(axis=0)
     limits = MotionLimits(torque=1.5 * top[:3].max(), force=1.1 * top[3])
-    found = minimum_time(plan, limits, with_knee(design, knee))
+    found = shortest_stretch(plan, limits, with_knee(design, knee))
     assert found.quantity.split()[0] in ("torque", "force")
     assert_at_its_limit(found, limits, with_knee(design, knee))
     for factor in (1.001, 1.3, 4.0, 50.0):  # every longer duration keeps them too
@@ -113,7 +113,7 @@ def test_limits_of_torque(plan: Plan, robot: str, knee: KneeBranch) -> None:
 def test_coulomb_friction_is_never_underestimated(plan: Plan) -> None:
     design = APPENDIX_4.vary(FRICTION)
     limits = MotionLimits(torque=8.0, force=400.0)
-    found = minimum_time(plan, limits, design)
+    found = shortest_stretch(plan, limits, design)
     top = used(found.plan, dense(found.plan), limits, design).max()
     assert 0.995 < top <= 1 + ROUNDING
 
@@ -130,7 +130,7 @@ def test_random_robots(case: Case, law: TimeLaw, spare: float) -> None:
     still = inverse_dynamics(design, plan.curve(np.linspace(0, 1, 50)), [0] * 4, [0] * 4)
     top = spare * np.abs(still.torque).max(axis=0)
     limits = MotionLimits(torque=top[:3].max(), force=top[3])
-    found = minimum_time(plan, limits, design, clearance=0.0)
+    found = shortest_stretch(plan, limits, design, clearance=0.0)
     assert_at_its_limit(found, limits, design)
 
 
@@ -140,18 +140,18 @@ def test_a_straight_move_uses_all_its_limits(profile: Profile) -> None:
     if profile is Profile.TRAPEZOID:
         limits = MotionLimits(speed=0.1, acceleration=0.5)
     plan = point_to_point(A, B, law=TimeLaw(profile))
-    found = minimum_time(plan, limits)
+    found = shortest_stretch(plan, limits)
     top = used(found.plan, dense(found.plan), limits).max(axis=0)
     reached = [0, 2] if profile is Profile.TRAPEZOID else [0, 2, 4]
     np.testing.assert_allclose(top[reached], 1.0, rtol=1e-9)
-    kept = minimum_time(plan, limits, reshape=False)
+    kept = shortest_stretch(plan, limits, reshape=False)
     assert kept.plan.curve is plan.curve
     assert kept.plan.duration > found.plan.duration
 
 
 def test_actuator_too_weak_for_gravity_is_reported() -> None:
     with pytest.raises(InfeasibleMotion) as caught:
-        minimum_time(point_to_point(A, B), MotionLimits(force=200.0), APPENDIX_4)
+        shortest_stretch(point_to_point(A, B), MotionLimits(force=200.0), APPENDIX_4)
     error = caught.value
     assert error.actuator == 3
     assert error.limit == 200.0
@@ -160,31 +160,31 @@ def test_actuator_too_weak_for_gravity_is_reported() -> None:
     assert "gravity" in str(error)
     assert "force of M4" in str(error)
     with pytest.raises(InfeasibleMotion) as caught:
-        minimum_time(point_to_point(A, B), MotionLimits(torque=0.5), APPENDIX_4)
+        shortest_stretch(point_to_point(A, B), MotionLimits(torque=0.5), APPENDIX_4)
     assert caught.value.actuator in (0, 1, 2)
     # held at rest, but not against Coulomb friction as well
     sticky = APPENDIX_4.vary({"friction.coulomb_linear": 50.0})
-    minimum_time(point_to_point(A, B), MotionLimits(force=260.0), APPENDIX_4)
+    shortest_stretch(point_to_point(A, B), MotionLimits(force=260.0), APPENDIX_4)
     with pytest.raises(InfeasibleMotion, match="Coulomb"):
-        minimum_time(point_to_point(A, B), MotionLimits(force=260.0), sticky)
+        shortest_stretch(point_to_point(A, B), MotionLimits(force=260.0), sticky)
 
 
 def test_impossible_limits_are_rejected() -> None:
     with pytest.raises(InvalidInput, match="design"):
-        minimum_time(point_to_point(A, B), MotionLimits(torque=5.0))
+        shortest_stretch(point_to_point(A, B), MotionLimits(torque=5.0))
     with pytest.raises(InvalidInput, match="nothing that moves"):
-        minimum_time(point_to_point(A, B), MotionLimits())
+        shortest_stretch(point_to_point(A, B), MotionLimits())
     with pytest.raises(InvalidInput, match="nothing that moves"):
-        minimum_time(point_to_point(A, [*A[:2], 1.0, A[3]]), MotionLimits(speed=1.0))
+        shortest_stretch(point_to_point(A, [*A[:2], 1.0, A[3]]), MotionLimits(speed=1.0))
     with pytest.raises(ImpossibleTrajectory):
-        minimum_time(point_to_point(A, [0.4, 0, 0, -0.5]), MotionLimits(speed=1.0), APPENDIX_4)
+        shortest_stretch(point_to_point(A, [0.4, 0, 0, -0.5]), MotionLimits(speed=1.0), APPENDIX_4)
     for value in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(InvalidInput, match="speed"):
             MotionLimits(speed=value)
 
 
 def test_the_explanation_names_limit_and_instant() -> None:
-    found = minimum_time(point_to_point(A, B), MotionLimits(speed=0.2))
+    found = shortest_stretch(point_to_point(A, B), MotionLimits(speed=0.2))
     assert found.t == pytest.approx(found.plan.duration / 2)
     assert (
         found.explanation
@@ -224,7 +224,9 @@ def shares(design: Design, motion) -> np.ndarray:  # type: ignore[no-untyped-def
 )
 def test_drives_reach_a_limit_and_keep_all(key: str, drive: Drive) -> None:
     design = driven(drive)
-    quickest = minimum_time(PRESET[key].build(design.geometry), MotionLimits(speed=50.0), design)
+    quickest = shortest_stretch(
+        PRESET[key].build(design.geometry), MotionLimits(speed=50.0), design
+    )
     assert quickest.quantity.startswith(("torque-speed envelope of M", "motor speed of M"))
     used = shares(design, quickest.plan.sample(4000))
     assert used.max() <= 1 + 1e-6
@@ -236,17 +238,19 @@ def test_drives_reach_a_limit_and_keep_all(key: str, drive: Drive) -> None:
 
 def test_drives_are_left_out_where_there_are_none_or_on_request() -> None:
     plan, limits = PRESET["arch"].build(APPENDIX_4.geometry), MotionLimits(speed=1.0, torque=5.0)
-    bare = minimum_time(plan, limits, APPENDIX_4)
-    assert minimum_time(plan, limits, driven(Drive(), AXIS), drives=False).plan.duration > 0
+    bare = shortest_stretch(plan, limits, APPENDIX_4)
+    assert shortest_stretch(plan, limits, driven(Drive(), AXIS), drives=False).plan.duration > 0
     unlimited = replace(APPENDIX_4, drives=(Drive(), None, None, None))
-    assert minimum_time(plan, limits, unlimited).plan.duration == bare.plan.duration
-    alone = minimum_time(plan, MotionLimits(), driven(SERVO))
+    assert shortest_stretch(plan, limits, unlimited).plan.duration == bare.plan.duration
+    alone = shortest_stretch(plan, MotionLimits(), driven(SERVO))
     assert "is reached at" in alone.explanation or "rad/s" in alone.explanation
 
 
 def test_a_drive_too_weak_for_gravity_is_named() -> None:
     weak = replace(AXIS, peak_torque=0.1)
     with pytest.raises(InfeasibleMotion) as caught:
-        minimum_time(PRESET["arch"].build(APPENDIX_4.geometry), MotionLimits(), driven(SERVO, weak))
+        shortest_stretch(
+            PRESET["arch"].build(APPENDIX_4.geometry), MotionLimits(), driven(SERVO, weak)
+        )
     assert caught.value.actuator == 3
     assert caught.value.limit == pytest.approx(weak.output_limits.peak)

@@ -101,7 +101,6 @@ class Bridge:
         self.on("hello", lambda _: timer.cancel())
         timer.start()
         self._run(asset("backdrop.js"))
-        self._run(asset("number_fields.js"))
         self._run(asset("tooltips.js"))
         self._run(asset("names.js"))
         self._run(asset("tour.js"))

@@ -1,20 +1,24 @@
 /**
- * Number boxes take a number as a whole: what is typed or pasted stays as it is, and is one number
- * after a pause, or with Enter, Tab or a click elsewhere. What is none is refused with a hint, and
- * the number from before comes back, as it does with Escape.
+ * Number boxes take a number as a whole: what is typed or pasted stays as it is until Enter, Tab, an
+ * arrow key or leaving the box, and then is one number. What is none is refused with a hint, and the
+ * number from before comes back, as it does with Escape.
  *
  * Left alone, viser's boxes send every keystroke and are written again with the number so far, so
  * that a decimal point or an exponent gets lost and the digits after it make another number. Here
- * their keystrokes never reach them; `holder` finds what would have received the number.
+ * their keystrokes never reach them. It runs in the head of the page, before there is any box.
+ *
+ * A number is given to the input and not to the box: viser may replace the box while it is edited,
+ * or all of the page when it connects again. What is typed goes on in the new box, or waits for it.
  */
 (() => {
   "use strict";
-  window.paminsaNumberFields?.stop();
   const BOX = "input.mantine-NumberInput-input";
+  const ROOT = ".mantine-NumberInput-root";
   const CONTROL = ".mantine-NumberInput-control";
   const HINT_TIME = 6000;
-  const PAUSE = 1000;
-  const stopped = new AbortController();
+  const RETRY_TIME = 50;
+  const MISSING_TIME = 10000; // how long an input may be missing from a page that is connected
+  const EMPTY_TIME = 2000; // how long keys wait for a box that nothing was typed into
 
   // --- text to number -----------------------------------------------------------------------
   const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
@@ -29,24 +33,51 @@
     return { problem: `“${text.trim()}” is not a number: write 33.5, 33,5 or 3.35e1` };
   };
 
-  // --- the component behind a box -----------------------------------------------------------
-  // React keeps two versions of each; the one that is shown is found from the root down.
-  const current = (fiber) => {
-    if (!fiber.return) return fiber.stateNode?.current;
-    let child = current(fiber.return)?.child;
-    while (child && child !== fiber && child !== fiber.alternate) child = child.sibling;
-    return child;
-  };
-  const holder = (field) => {
-    const key = Object.keys(field ?? {}).find((name) => name.startsWith("__reactFiber$"));
-    for (let fiber = key && field[key]; fiber; fiber = fiber.return) {
-      const props = fiber.memoizedProps;
-      const found = props && "decimalScale" in props && !("onValueChange" in props);
-      if (found && typeof props.onChange === "function") {
-        return current(fiber)?.memoizedProps ?? props;
-      }
+  // --- inputs, as viser holds them ----------------------------------------------------------
+  let viewer = null; // viser's own context: inputs by their uuid, and the connection
+  const find = (element, get) => {
+    const key = Object.keys(element ?? {}).find((name) => name.startsWith("__reactFiber$"));
+    for (let fiber = key && element[key]; fiber; fiber = fiber.return) {
+      const found = get(fiber.memoizedProps ?? {});
+      if (found) return found;
     }
     return undefined;
+  };
+  const inputOf = (uuid) => viewer?.useGuiConfig.get(uuid);
+  const alike = (type, label) => Object.entries(viewer.useGuiConfig.getAll())
+    .filter(([, input]) => input?.type === type && input.props.label === label)
+    .map(([uuid]) => uuid);
+  const boxesOf = (uuid) => {
+    const element = document.getElementById(uuid);
+    const part = element?.matches(BOX) ? element.closest(ROOT) : element;
+    return [...(part?.parentElement.querySelectorAll(BOX) ?? [])];
+  };
+  /** Which input a box belongs to, in words that hold when all inputs are made again. */
+  const placeOf = (field) => {
+    viewer ??= find(field, ({ value }) => value?.useGuiConfig && value) ?? null;
+    const uuid = find(field, (props) => inputOf(props.uuid) && props.uuid);
+    if (!uuid) return undefined;
+    const { type, props: { label } } = inputOf(uuid);
+    const known = alike(type, label);
+    const index = Math.max(boxesOf(uuid).indexOf(field), 0);
+    return { uuid, index, type, label, known, number: known.indexOf(uuid) };
+  };
+  /** The uuid that the input at a place has now; an input made again comes behind the others. */
+  const current = ({ uuid, type, label, known, number }) => {
+    if (inputOf(uuid)) return uuid;
+    const fresh = alike(type, label).filter((each) => !known.includes(each));
+    return fresh[Math.min(number, fresh.length - 1)];
+  };
+  const part = (value, { index }) => (Array.isArray(value) ? value[index] : value);
+  const give = (place, number) => {
+    const uuid = current(place);
+    if (!uuid || viewer.useGui.get().websocketState !== "connected") return false;
+    const before = inputOf(uuid).value;
+    const value = Array.isArray(before) ? before.with(place.index, number) : number;
+    viewer.guiActions.updateGuiProps(uuid, { value });
+    // Not by viser's own sender: of two inputs set within 50 ms it would send one.
+    viewer.mutable.current.sendMessage({ type: "GuiUpdateMessage", uuid, updates: { value } });
+    return true;
   };
 
   // --- hint ---------------------------------------------------------------------------------
@@ -57,128 +88,200 @@
     bubble?.remove();
     bubble = null;
   };
-  const showHint = (field, text) => {
+  const showHint = (place, text) => {
     hideHint();
+    const box = boxesOf(current(place))[place.index]?.getBoundingClientRect();
     bubble = document.createElement("div");
     bubble.className = "pv-field-hint";
     bubble.setAttribute("role", "alert");
     bubble.textContent = text;
-    const box = field.getBoundingClientRect();
-    bubble.style.top = `${box.bottom + 4}px`;
-    bubble.style.right = `${Math.max(4, window.innerWidth - box.right)}px`;
+    bubble.style.top = `${(box?.bottom ?? 0) + 4}px`;
+    bubble.style.right = `${box ? Math.max(4, window.innerWidth - box.right) : 4}px`;
     document.body.appendChild(bubble);
     fading = setTimeout(hideHint, HINT_TIME);
   };
 
+  // --- numbers that wait for their input ----------------------------------------------------
+  let waiting = []; // {place, number, left: how long the input may still be missing [ms]}
+  let retrying = 0;
+  const retry = () => {
+    retrying = 0;
+    waiting = waiting.filter((one) => {
+      if (give(one.place, one.number)) return false;
+      const connected = viewer.useGui.get().websocketState === "connected";
+      one.left = connected ? one.left - RETRY_TIME : MISSING_TIME;
+      if (one.left <= 0)
+        showHint(one.place, `${one.place.label}: ${one.number} was not taken, its box has gone`);
+      return one.left > 0;
+    });
+    if (waiting.length) retrying = setTimeout(retry, RETRY_TIME);
+  };
+  const take = (place, number) => {
+    const same = (one) => one.place.index === place.index && current(one.place) === current(place);
+    waiting = waiting.filter((one) => !same(one)); // only the last number counts
+    if (give(place, number)) return;
+    waiting.push({ place, number, left: MISSING_TIME });
+    retrying ||= setTimeout(retry, RETRY_TIME);
+  };
+
   // --- editing ------------------------------------------------------------------------------
   let edit = null;
+  let orphan = null; // what was typed into a box that is not there any more: {place, text, caret}
   const isEdited = ({ field, dirty }) =>
     dirty || field.selectionStart !== 0 || field.selectionEnd !== field.value.length;
 
   const begin = (field) => {
+    const place = placeOf(field);
+    if (field.readOnly || !place) return false;
     const own = Object.getOwnPropertyDescriptor(field, "value");
     const shown = own ?? Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value");
-    edit = { field, own, shown, held: field.value, dirty: false, fresh: true, previewed: false };
-    const { field: mine } = edit;
+    const mine = { field, place, own, shown, held: field.value, dirty: false, fresh: true };
+    edit = mine;
     // The page writes the value that holds, and again with every frame of a motion that plays.
     Object.defineProperty(field, "value", {
       configurable: true,
       enumerable: true,
-      get: () => shown.get.call(mine),
+      get: () => shown.get.call(field),
       set: (text) => {
-        edit.held = text;
-        if (isEdited(edit)) return;
-        shown.set.call(mine, text);
-        mine.select();
+        mine.held = text;
+        if (isEdited(mine)) return;
+        shown.set.call(field, text);
+        if (document.activeElement === field) field.select(); // it would take the focus
       },
     });
-    field.select();
-  };
-  let pause = 0;
-  const take = (number) => holder(edit.field)?.onChange(number);
-  const preview = () => {
-    const { number } = parse(edit?.dirty ? edit.field.value : "");
-    if (number === undefined) return;
-    const { value } = holder(edit.field) ?? {};
-    if (!edit.previewed) edit.before = value;
-    edit.previewed = true;
-    // The page does not write a box that shows the number as it would itself.
-    if (number !== value) edit.held = edit.field.value;
-    take(number);
+    replaced.observe(document.body, { childList: true, subtree: true });
+    return true;
   };
   const close = () => {
-    clearTimeout(pause);
-    Object.assign(edit, { dirty: false, previewed: false, fresh: true });
+    Object.assign(edit, { dirty: false, fresh: true });
     edit.shown.set.call(edit.field, edit.held);
     if (document.activeElement === edit.field) edit.field.select();
   };
-  const cancel = () => {
-    const { previewed, before } = edit;
-    close();
-    if (previewed) take(before);
+  const takeText = (place, text) => {
+    const { number, problem } = parse(text);
+    if (number !== undefined) take(place, number);
+    else if (text.trim() !== "") showHint(place, problem);
   };
   const commit = () => {
     hideHint();
     if (!edit.dirty) return;
     const text = edit.field.value;
-    const { number, problem } = parse(text);
-    if (problem) {
-      cancel();
-      if (text.trim() !== "") showHint(edit.field, problem);
-    } else {
-      close();
-      take(number);
-    }
+    close();
+    takeText(edit.place, text);
+  };
+  const release = () => {
+    const { field, own } = edit;
+    edit = null;
+    replaced.disconnect();
+    if (own) Object.defineProperty(field, "value", own);
+    else delete field.value;
   };
   const end = () => {
     if (!edit) return;
     commit();
-    const { field, own, held } = edit;
-    edit = null;
-    if (own) Object.defineProperty(field, "value", own);
-    else delete field.value;
+    const { field, held } = edit;
+    release();
     if (field.value !== held) field.value = held;
   };
   const step = (direction) => {
-    const { value, step: size, min = -Infinity, max = Infinity } = holder(edit.field);
+    const { props, value } = inputOf(current(edit.place)) ?? {};
+    if (!props) return;
+    const [min, max] = [part(props.min, edit.place), part(props.max, edit.place)];
     const typed = edit.dirty ? parse(edit.field.value).number : undefined;
-    const from = typed ?? value;
+    const from = typed ?? part(value, edit.place);
+    const to = Number((from + direction * (props.step ?? 1)).toFixed(9));
     close();
     edit.field.select();
-    take(Math.min(Math.max(Number((from + direction * (size ?? 1)).toFixed(9)), min), max));
+    take(edit.place, Math.min(Math.max(to, min ?? -Infinity), max ?? Infinity));
+  };
+
+  // --- boxes that are replaced while they are edited ----------------------------------------
+  const lose = () => {
+    const { place, dirty, field } = edit;
+    const caret = field.selectionStart ?? field.value.length;
+    const mine = { place, text: dirty ? field.value : null, caret };
+    orphan = mine;
+    setTimeout(() => orphan === mine && mine.text === null && leaveOrphan(), EMPTY_TIME);
+    release();
+    replaced.observe(document.body, { childList: true, subtree: true });
+    adopt();
+  };
+  const adopt = () => {
+    const { place, text, caret } = orphan;
+    const field = boxesOf(current(place))[place.index];
+    if (!field || field.readOnly || field.disabled) return;
+    orphan = null;
+    field.focus({ preventScroll: true }); // which begins to edit it, if the window has the focus
+    if (edit?.field !== field && !begin(field)) return;
+    if (text === null) return field.select();
+    edit.dirty = true;
+    edit.shown.set.call(field, text);
+    field.setSelectionRange(caret, caret);
+  };
+  const leaveOrphan = () => {
+    const { place, text } = orphan;
+    orphan = null;
+    if (!edit) replaced.disconnect();
+    if (text !== null) takeText(place, text);
+  };
+  const replaced = new MutationObserver(() => {
+    if (orphan) adopt();
+    else if (edit && !edit.field.isConnected) lose();
+  });
+  // Keys that are typed while there is no box.
+  const typeOrphan = (event) => {
+    const { key } = event;
+    if (event.isComposing || event.ctrlKey || event.metaKey) return;
+    if (key === "Enter" || key === "Tab") leaveOrphan();
+    else if (key === "Escape") orphan.text = null;
+    else if (key.length === 1 || key === "Backspace") {
+      const { text, caret } = orphan;
+      const [kept, added] = key === "Backspace" ? [Math.max(caret - 1, 0), ""] : [caret, key];
+      orphan.text = text === null ? added : text.slice(0, kept) + added + text.slice(caret);
+      orphan.caret = text === null ? added.length : kept + added.length;
+    } else return;
+    event.stopPropagation();
+    event.preventDefault();
   };
 
   const KEYS = {
     Enter: () => { commit(); edit.field.select(); },
-    Escape: () => { cancel(); edit.field.select(); },
+    Escape: () => { close(); edit.field.select(); },
     ArrowUp: () => step(1),
     ArrowDown: () => step(-1),
   };
   const HANDLERS = {
     focusin: (event) => {
-      if (edit?.field === event.target || !event.target.matches?.(BOX)) return;
+      if (orphan) leaveOrphan();
+      if (edit?.field === event.target) return;
       end();
-      if (event.target.readOnly || !holder(event.target)) return;
-      begin(event.target);
+      if (!event.target.matches?.(BOX) || !begin(event.target)) return;
+      event.target.select();
       event.stopPropagation(); // a box that knows of it puts the caret somewhere with every number
     },
     focusout: (event) => {
-      if (edit?.field !== event.target) return;
-      end();
+      const field = event.target;
+      if (edit?.field !== field) return;
       event.stopPropagation(); // the box would limit its number to the range, without a word
+      // Not at once: a box that is taken off the page loses the focus, but nobody has left it.
+      queueMicrotask(() => edit?.field === field && (field.isConnected ? end() : lose()));
     },
     input: (event) => {
-      if (edit?.field !== event.target) return;
+      const field = event.target;
+      if (edit?.field !== field) {
+        if (field !== document.activeElement || !field.matches?.(BOX)) return;
+        end();
+        if (!begin(field)) return;
+      }
       edit.dirty = true;
       hideHint();
-      clearTimeout(pause);
-      pause = setTimeout(preview, PAUSE);
       event.stopPropagation();
     },
     change: (event) => {
       if (edit?.field === event.target) event.stopPropagation();
     },
     keydown: (event) => {
+      if (orphan) return typeOrphan(event);
       if (edit?.field !== event.target || event.isComposing || event.key === "Tab") return;
       const erases = event.key === "Backspace" || event.key === "Delete";
       if ((event.ctrlKey || event.metaKey) && !erases) return;
@@ -188,8 +291,9 @@
       KEYS[event.key]();
     },
     pointerdown: (event) => {
+      if (orphan) leaveOrphan();
       const control = event.target.closest?.(CONTROL);
-      if (!edit || !control?.closest(".mantine-NumberInput-root")?.contains(edit.field)) return;
+      if (!edit || !control?.closest(ROOT)?.contains(edit.field)) return;
       commit();
       edit.field.select();
     },
@@ -204,13 +308,8 @@
     },
   };
   for (const [kind, handle] of Object.entries(HANDLERS))
-    document.addEventListener(kind, handle, { capture: true, signal: stopped.signal });
+    document.addEventListener(kind, handle, { capture: true });
 
-  const stop = () => {
-    end();
-    hideHint();
-    stopped.abort();
-  };
-  const works = () => Boolean(holder(document.querySelector(BOX)));
-  window.paminsaNumberFields = { stop, works, parse };
+  const works = () => Boolean(placeOf(document.querySelector(BOX)));
+  window.paminsaNumberFields = { works, parse };
 })();

@@ -271,7 +271,7 @@
     "rendering on demand (requestRender, __r3f)": () => viewer().requestRender && invalidator(),
     "layout of inputs (mantine-Flex-root)": () =>
       onceThere("[role=slider]", () => document.querySelector(".mantine-Flex-root")),
-    "numbers typed as a whole (mantine-NumberInput-input, __reactFiber)": () =>
+    "numbers typed as a whole (mantine-NumberInput-input, __reactFiber, useGuiConfig)": () =>
       onceThere("[role=slider]", () => window.paminsaNumberFields?.works()),
     "clicks on figures (_fullLayout)": () =>
       onceThere(".plot-container.plotly", () =>

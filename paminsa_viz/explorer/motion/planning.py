@@ -15,24 +15,24 @@ from paminsa_viz.explorer.motion.description import MOST_SAMPLES, Kind, Motion, 
 from paminsa_viz.model import Design, Geometry, InvalidInput, PaminsaError, check_reach
 from paminsa_viz.trajectory import (
     PRESET,
-    CrossingPlan,
     DeformedPlan,
     ImpossibleTrajectory,
     PathCheck,
     Plan,
     TimeLaw,
+    TimeOptimalPlan,
     Trajectory,
     arch,
     check_path,
     circle,
     line,
-    minimum_time,
-    plan_crossing,
     plan_deformed,
     point_to_point,
     round_trip,
+    shortest_stretch,
     spline_path,
     straight_path,
+    time_optimal,
     via_points,
 )
 from paminsa_viz.trajectory.presets import PresetFrame
@@ -60,7 +60,7 @@ class Planned:
     trajectory: Trajectory | None
     problem: str = ""
     bound: str = ""
-    crossing: CrossingPlan | None = None
+    crossing: TimeOptimalPlan | None = None
     deviation: float = 0.0
 
 
@@ -92,7 +92,7 @@ def _planned(motion: Motion, geometry: Geometry, design: Design | None) -> Plann
             problem = str(error)
     elif motion.timing is Timing.SHORTEST:
         try:
-            found = minimum_time(plan, motion.limits, design)
+            found = shortest_stretch(plan, motion.limits, design)
             plan, bound = found.plan, found.explanation
         except ImpossibleTrajectory:
             bound = "no shortest duration, since the robot cannot run the path"
@@ -160,7 +160,7 @@ def plan_through(motion: Motion, design: Design) -> DeformedPlan:
         return plan_deformed(
             design, path, limits, duration, most=motion.deviation, name=motion.kind.value
         )
-    return DeformedPlan(plan_crossing(design, path, limits, duration, name=motion.kind.value), 0.0)
+    return DeformedPlan(time_optimal(design, path, limits, duration, name=motion.kind.value), 0.0)
 
 
 def ends(motion: Motion, geometry: Geometry) -> tuple[Pose, Pose]:

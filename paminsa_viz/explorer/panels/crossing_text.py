@@ -11,7 +11,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.model import Design
-from paminsa_viz.trajectory import CrossingDrift, CrossingPlan, payload_drift, unplanned_torque
+from paminsa_viz.trajectory import CrossingDrift, TimeOptimalPlan, payload_drift, unplanned_torque
 from paminsa_viz.units import number
 
 PAYLOAD_ERROR = 0.1
@@ -27,7 +27,7 @@ def chart_html(frame: Frame) -> str:
 
 
 @lru_cache(maxsize=4)
-def _chart(design: Design, found: CrossingPlan) -> str:
+def _chart(design: Design, found: TimeOptimalPlan) -> str:
     from paminsa_viz.plots.crossing_figure import crossing_svg  # matplotlib is slow to load
 
     svg = crossing_svg(design, found).decode()
@@ -51,7 +51,7 @@ def crossing_html(frame: Frame) -> str:
 
 
 @lru_cache(maxsize=4)
-def crossing_lines(design: Design, found: CrossingPlan) -> tuple[str, ...]:
+def crossing_lines(design: Design, found: TimeOptimalPlan) -> tuple[str, ...]:
     """Return what each crossing of a plan needs, and what cannot be certified there."""
     low, high = (number(value, 3) for value in found.durations)
     lines = [f"possible within the limits: {low} s to {high} s"]

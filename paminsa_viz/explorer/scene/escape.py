@@ -14,7 +14,7 @@ from paminsa_viz.explorer.scene.nodes import Node, arrows, label
 from paminsa_viz.model import Geometry, inverse_kinematics
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.palette import BAD
-from paminsa_viz.trajectory import CrossingPlan
+from paminsa_viz.trajectory import TimeOptimalPlan
 
 LONGEST: Final = 0.2
 """Longest arrow [m]."""
@@ -23,7 +23,7 @@ BELOW: Final = 0.12
 """Distance of a label below the platform [m]."""
 
 
-def twist_arrows(geometry: Geometry, found: CrossingPlan) -> Array:
+def twist_arrows(geometry: Geometry, found: TimeOptimalPlan) -> Array:
     """Return the motions of the platform's center and joints 5 along t_s, (4 k, 2, 3) [m].
 
     The crossings are after each other, the longest arrow of each is `LONGEST`.

@@ -15,6 +15,8 @@ from urllib.parse import parse_qsl, urlencode
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
+from .limits import logger
+
 TOKEN_BYTES = 32
 
 REFUSAL = (
@@ -32,6 +34,7 @@ class AccessToken:
 
     def __init__(self) -> None:
         self.value = secrets.token_urlsafe(TOKEN_BYTES)
+        self._reported = False
         # All servers of a machine share its cookies, whatever their ports are.
         self._cookie = f"paminsa-viz-{secrets.token_hex(4)}"
 
@@ -54,6 +57,9 @@ class AccessToken:
             return text_response(303, "See Other", "", Location=place, Set_Cookie=cookie)
         if any(map(self._matches, self._cookies(request.headers))):
             return None
+        if not self._reported and any(name == "token" for name, _ in fields):
+            self._reported = True  # once: whoever guesses fills no log
+            logger.warning("a request with a wrong access token was refused, as all others will be")
         return text_response(401, "Unauthorized", REFUSAL, WWW_Authenticate="Token")
 
     def _cookies(self, headers: Headers) -> list[str]:

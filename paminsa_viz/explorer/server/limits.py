@@ -18,12 +18,13 @@ class Limits:
     Attributes:
         sessions: Open pages at a time.
         first_message: A WebSocket on which nothing was said for this long is closed [s]; a page
-            says where its camera is as soon as it is drawn.
+            says where its camera is as soon as it is drawn, which a slow one may take long for.
         silent: When all places are taken, one that has said nothing for this long gives way [s].
         answer: A page that does not answer a ping for this long has gone [s]; compiling the
             formulas for the first time can keep a slow machine busy for half a minute.
         sessions_per_second: New pages, in the long run [1/s]; as many as ``sessions`` at once.
-        waiting: Connections at a time that have not become a session yet.
+        waiting: Connections at a time that have not become a session yet; hundreds may come in the
+            moment before the first of them is answered.
         message_bytes: Largest message [bytes]; a picture for ``get_render`` is one message.
         upload_bytes: Largest file that is taken [bytes], enough for the table of a motion of 10 s
             at 1 kHz. A larger one arrives empty.
@@ -37,11 +38,11 @@ class Limits:
     """
 
     sessions: int = 24
-    first_message: float = 30.0
+    first_message: float = 120.0
     silent: float = 5.0
     answer: float = 90.0
     sessions_per_second: float = 4.0
-    waiting: int = 64
+    waiting: int = 512
     message_bytes: int = 16 * 2**20
     upload_bytes: int = 10 * 2**20
     render_pixels: int = 4096 * 4096

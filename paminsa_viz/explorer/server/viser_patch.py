@@ -9,6 +9,8 @@ keeps its bookkeeping in private attributes. What is used of it:
 * ``ViserServer._websock_server`` (``infra.WebsockServer``): its ``_incoming_handlers``, to take off
   the handlers that are shared by all pages, and ``_live_connections``, to find the connection of a
   session.
+* ``AsyncMessageBuffer.message_event`` of every page, which viser sets from any thread, although an
+  ``asyncio.Event`` is for its loop alone: a waiter that comes or goes meanwhile breaks the sender.
 * ``GuiApi._gui_input_handle_from_uuid``: the inputs of a session.
 * ``viser._messages``: the messages of a page, from which ``message_filter`` makes stricter types.
 
@@ -156,6 +158,8 @@ def _separate_pages(server: viser.ViserServer) -> None:
         for message_type in list(shared._incoming_handlers):
             shared.unregister_handler(message_type)
         _inputs(server.gui)  # every session's GUI is built like the server's
+        loop = server.get_event_loop()
+        _wake_on_loop(shared.get_message_buffer(), loop)
     except AttributeError as error:
         raise ViserChanged(str(error)) from error
 
@@ -165,10 +169,27 @@ def _separate_pages(server: viser.ViserServer) -> None:
         connection = connections.get(client.client_id)
         if isinstance(connection, GuardedConnection):
             connection.filter.inputs = _inputs(client.gui)
+        _wake_on_loop(client._websock_connection.get_message_buffer(), loop)
 
 
 def _inputs(gui: viser.GuiApi) -> Mapping[str, Any]:
     return gui._gui_input_handle_from_uuid
+
+
+def _wake_on_loop(buffer: Any, loop: asyncio.AbstractEventLoop) -> None:
+    """Let what is sent from another thread wake the page's sender through its loop alone.
+
+    viser asks the loop for it anyway, at once or at the end of an atomic block; what is left out is
+    the call before that, in the thread that sends.
+    """
+    event: asyncio.Event = buffer.message_event
+    set_event = event.set
+
+    def set_on_loop() -> None:
+        if asyncio._get_running_loop() is loop:
+            set_event()
+
+    event.set = set_on_loop  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def log_failures(loop: asyncio.AbstractEventLoop) -> None:

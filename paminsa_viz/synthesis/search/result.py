@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from paminsa_viz.model.design import Design
@@ -38,7 +39,7 @@ class RelaxedBound:
     """What a bound or a limit would have to be for the others to be met.
 
     Attributes:
-        bound: What is bounded.
+        bound: What is bounded; of a range the one side that would be relaxed.
         nearest: The nearest value that was found [SI]; NaN if the others contradict as well.
         change: By how much that is farther, as a share of the bound.
     """
@@ -92,13 +93,12 @@ class SynthesisResult:
         return sum(state.trials for state in self.states)
 
 
-def limit_of(bound: Requirement | ObjectiveLimit) -> float:
-    """Return the bound that counts: the largest value, else the least one [SI]."""
+def limit_of(bound: Requirement | ObjectiveLimit, value: float = math.nan) -> float:
+    """Return the bound that counts: that nearer to a value, the largest if there is none [SI]."""
     if isinstance(bound, ObjectiveLimit):
         return bound.most
-    limit = bound.low if bound.high is None else bound.high
-    assert limit is not None  # a requirement has one of them
-    return limit
+    sides = [side for side in (bound.high, bound.low) if side is not None]
+    return sides[0] if math.isnan(value) else min(sides, key=lambda side: abs(value - side))
 
 
 def outcomes_of(case: SynthesisCase, found: TrialEvaluation) -> tuple[BoundOutcome, ...]:
@@ -108,6 +108,6 @@ def outcomes_of(case: SynthesisCase, found: TrialEvaluation) -> tuple[BoundOutco
     for bound, value in zip(bounds, found.values.tolist(), strict=True):
         margin = float(bound.margin(value))
         rows.append(
-            BoundOutcome(bound, value, margin, abs(margin) <= ACTIVE * abs(limit_of(bound)))
+            BoundOutcome(bound, value, margin, abs(margin) <= ACTIVE * abs(limit_of(bound, value)))
         )
     return tuple(rows)

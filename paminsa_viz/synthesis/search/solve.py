@@ -202,9 +202,12 @@ def relaxations(
 ) -> tuple[RelaxedBound, ...]:
     """Return for each bound and limit the nearest value at which the others can be met.
 
+    Of a range, each side by itself, while the other one is kept; a bound on a magnitude has one.
     The one that changes least comes first. A single search each, so that a still nearer value may
     exist.
     """
+    split = tuple(side for bound in case.requirements.bounds for side in sides(bound))
+    case = replace(case, requirements=replace(case.requirements, bounds=split))
     found = []
     for index, bound in enumerate((*case.requirements.bounds, *case.limits)):
         run = _Run(case, workers, progress, relaxed=index)
@@ -223,6 +226,13 @@ def relaxations(
         nearest = nearest if np.isfinite(nearest) else float("nan")
         found.append(RelaxedBound(bound, float(nearest), float(least / (abs(limit) or 1.0))))
     return tuple(sorted(found, key=lambda item: item.change))
+
+
+def sides(bound: Requirement) -> tuple[Requirement, ...]:
+    """Return the sides of a range as bounds; what has one side, or is on a magnitude, is one."""
+    if bound.low is None or bound.high is None or bound.low == -bound.high:
+        return (bound,)
+    return replace(bound, high=None), replace(bound, low=None)
 
 
 def _result(

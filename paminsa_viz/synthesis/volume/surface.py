@@ -220,7 +220,7 @@ def _facts(volume: Volume) -> dict[str, str]:
     theta = volume.requirements.theta
     facts = {
         "design": volume.design.name,
-        "assembly": volume.design.geometry.knee.value,
+        "knee": volume.design.geometry.knee.value,
         "headings [deg]": f"{math.degrees(theta[0]):.10g} to {math.degrees(theta[1]):.10g}",
         "headings sampled": str(volume.headings),
     }

@@ -10,6 +10,7 @@ import ssl
 import subprocess
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 
@@ -93,6 +94,21 @@ def test_the_token_is_not_logged(closed: GuardedServer, caplog: pytest.LogCaptur
         _get(closed, f"/?token={TOKEN.value}")
         _get(closed, cookie=_cookie(closed))
     assert TOKEN.value not in caplog.text
+
+
+def test_crowd_of_wrong_tokens_is_answered_and_logged_once(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    server = GuardedServer(token=AccessToken())
+    try:
+        with ThreadPoolExecutor(150) as crowd:
+            found = list(crowd.map(lambda n: _get(server, f"/?token=guess{n}").status, range(300)))
+    finally:
+        server.close()
+    assert set(found) == {401}
+    (record,) = caplog.records
+    assert "access token" in record.getMessage()
+    assert "guess" not in record.getMessage()
 
 
 def _needed(program: str) -> str:

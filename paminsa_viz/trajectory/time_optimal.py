@@ -77,7 +77,7 @@ class PlannedCrossing:
 
 
 @dataclass(frozen=True, eq=False)
-class CrossingPlan:
+class TimeOptimalPlan:
     """A motion through singularities.
 
     Attributes:
@@ -102,14 +102,14 @@ class CrossingPlan:
         return self.curve.path
 
 
-def plan_crossing(
+def time_optimal(
     design: Design,
     path: Path,
     limits: MotionLimits,
     duration: float | None = None,
     *,
     name: str = "crossing",
-) -> CrossingPlan:
+) -> TimeOptimalPlan:
     """Return the shortest motion on a path, from rest to rest, or one of a given duration.
 
     Args:
@@ -152,7 +152,7 @@ def plan_crossing(
     kind = "through singularities" if passages else "minimum time"
     notes = tuple(item.explanation for item in planned)
     plan = Plan(curve, curve.duration, name, kind, notes, passages)
-    return CrossingPlan(
+    return TimeOptimalPlan(
         plan, curve, planned, (shortest, longest), program.spline(slow), program.spline(fast)
     )
 

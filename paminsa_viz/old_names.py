@@ -1,0 +1,23 @@
+"""Words that have got another name, and may still stand in files, kept tabs and command lines."""
+
+from __future__ import annotations
+
+KNEES = {"printed": "lower", "mirror": "upper"}
+"""Branches of the knee."""
+
+FLAGS = {"--assembly": "--knee"}
+"""Flags of the command line."""
+
+
+def flags_of_today(words: list[str]) -> list[str]:
+    """Return the words of a command line with flags, and values of the knee, as of today."""
+    out: list[str] = []
+    for word in words:
+        flag, equals, value = word.partition("=")
+        if flag in FLAGS:
+            out.append(FLAGS[flag] + (equals and f"={KNEES.get(value, value)}"))
+        elif out[-1:] == ["--knee"]:
+            out.append(KNEES.get(word, word))
+        else:
+            out.append(word)
+    return out
