@@ -79,9 +79,7 @@ def needed_shaft(design: Design, zeta: Array, magnification: Array) -> Array:
     return zeta * (1 - 1 / magnification) + top + below + SPARE
 
 
-def bar_distance(
-    crank: Array, coupler: Array, magnification: Array, diagonal: Array
-) -> Array:
+def bar_distance(crank: Array, coupler: Array, magnification: Array, diagonal: Array) -> Array:
     """Return the distance of B4's middle line from B7's, which is parallel to it (...) [m].
 
     Both lie in one layer, B7 from joint 8, B4 from joint 9.
@@ -116,6 +114,7 @@ def missing_room(
         diagonal: Least and largest distance of joints 8 and 5 (n, 2) [m].
         clearance: Least distance of two bodies that is required [m].
     """
+
     def of(name: str) -> Array:
         return np.array([getattr(g, name) for g in geometries])
 

@@ -99,9 +99,7 @@ def bar_masses(
     """
     if not law.follow:
         return {}
-    ratio = {
-        bar: np.array([_ratio(g, design.geometry, bar) for g in geometries]) for bar in TUBES
-    }
+    ratio = {bar: np.array([_ratio(g, design.geometry, bar) for g in geometries]) for bar in TUBES}
     if not law.tubes:
         found = {
             f"links.{bar}": design.value(f"links.{bar}") * ratio[bar] ** law.power("mass")

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import (
     APPENDIX_4,
-    BarLaw,
     COEFFICIENTS,
     PARAMETER,
     PARAMETERS,
+    BarLaw,
     Design,
     KneeBranch,
     Misprint,

@@ -22,6 +22,9 @@ from paminsa_viz.synthesis.search.objectives import legs_and_platform
 from paminsa_viz.synthesis.search.region import SPARSE, reach_margins, spans
 from paminsa_viz.units import NONE, format_value
 
+OVERLAP_ALLOWED = "Overlap was allowed: the robot need not be one that can be built as it is drawn."
+"""What marks an answer for which it was not required that the bodies do not overlap."""
+
 RANDOM = 1000
 """Poses of which the share that overlaps is counted."""
 

@@ -247,6 +247,11 @@ class SynthesisCase:
         )
 
     @property
+    def title(self) -> str:
+        """What designs of its answer are called; it says where bodies may overlap."""
+        return self.name if self.clear else f"{self.name}, overlap allowed"
+
+    @property
     def workspace(self) -> Workspace:
         """The required workspace."""
         assert self.requirements.workspace is not None  # see __post_init__

@@ -128,9 +128,7 @@ def load_case(path: str | os.PathLike[str], *, allow_overlap: bool = False) -> S
     return read_case(read_bytes(path), os.fspath(path), allow_overlap=allow_overlap)
 
 
-def read_case(
-    content: str | bytes, source: str, *, allow_overlap: bool = False
-) -> SynthesisCase:
+def read_case(content: str | bytes, source: str, *, allow_overlap: bool = False) -> SynthesisCase:
     """Return the case that a file's content describes.
 
     Args:

@@ -41,8 +41,8 @@ OVER_POSES: dict[str, OverPoses] = {
 }
 """Quantities of the registry whose least value is looked for by samples and a pattern search."""
 
-STEPS = 12
-"""Times that the steps of the pattern search are halved."""
+ROUNDS = 24
+"""Rounds of the pattern search; the step of a start is halved where none of its poses is worse."""
 
 STARTS = 6
 """Worst samples that it goes on from."""
@@ -150,17 +150,16 @@ def least_over(
     turned /= np.linalg.norm(turned, axis=1, keepdims=True)
     directions = np.concatenate([np.eye(4), -np.eye(4), turned, -turned])
     # first as far as to the next sample
-    step = extent.scale / np.array([2.0, 2.0, density.theta - 1.0, density.z - 1.0]).clip(1.0)
-    rows = np.arange(len(pose))
-    for _ in range(STEPS):
-        near = extent.clipped(pose[:, None, :] + directions * step)
+    scale = extent.scale / np.array([2.0, 2.0, density.theta - 1.0, density.z - 1.0]).clip(1.0)
+    step, rows = np.ones((len(pose), 1, 1)), np.arange(len(pose))
+    for _ in range(ROUNDS):
+        near = extent.clipped(pose[:, None, :] + step * directions * scale)
         tried = values(near.reshape(-1, 4)).reshape(len(pose), -1)
         best = np.argmin(tried, axis=1)
         better = tried[rows, best] < found
         pose = np.where(better[:, None], near[rows, best], pose)
         found = np.where(better, tried[rows, best], found)
-        if not better.any():
-            step = step / 2
+        step = np.where(better[:, None, None], step, 0.5 * step)
         if not np.isfinite(found).all():
             break
     index = int(np.argmin(found))

@@ -174,8 +174,9 @@ def _plate() -> Any:
             for j in range(len(turns)):
                 c, s = turns[j, 0], turns[j, 1]
                 for k in range(3):
-                    bx, by = m.base_radius * axes[k][0] - xy[i, 0], (
-                        m.base_radius * axes[k][1] - xy[i, 1]
+                    bx, by = (
+                        m.base_radius * axes[k][0] - xy[i, 0],
+                        (m.base_radius * axes[k][1] - xy[i, 1]),
                     )
                     for n in range(len(z)):
                         g = leg.leg_position(
