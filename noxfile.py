@@ -28,10 +28,11 @@ def versions(session: nox.Session, resolution: str) -> None:
 
 @nox.session
 def lint(session: nox.Session) -> None:
-    """Run every pre-commit hook on every file, and check the layers of imports."""
+    """Run every pre-commit hook on every file, and check the layers and circles of imports."""
     session.install("pre-commit", "import-linter", "-e", ".")
     session.run("pre-commit", "run", "--all-files", *session.posargs)
     session.run("lint-imports")
+    session.run("python", ".ci/circles")
 
 
 @nox.session

@@ -16,9 +16,10 @@ import numpy as np
 from playwright.sync_api import sync_playwright
 
 from paminsa_viz.app import App, AppOptions
-from paminsa_viz.explorer import actions, identify_actions
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.features.identify import actions as identify_actions
+from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.example_logs import example_log
 from paminsa_viz.model import APPENDIX_4, Design, backend
 from tests.support.chromium import FLAGS, Tab, browser_path, until

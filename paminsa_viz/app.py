@@ -24,7 +24,7 @@ from paminsa_viz.version import COMMAND
 if TYPE_CHECKING:  # loaded when the server starts, and in the background
     import viser
 
-    from paminsa_viz.explorer.session import Session
+    from paminsa_viz.explorer.core.session import Session
     from paminsa_viz.model import Design
     from paminsa_viz.quantities.requirements import Requirements
     from paminsa_viz.trajectory import Trajectory
@@ -198,7 +198,7 @@ def motion_page(design: Design, trajectory: Trajectory) -> bytes:
         design: The robot.
         trajectory: The motion.
     """
-    from paminsa_viz.explorer.html_pages import motion_html
+    from paminsa_viz.explorer.scene.html_pages import motion_html
 
     return motion_html(design, trajectory)
 
@@ -221,12 +221,13 @@ def _warm_up(design: Design, first_tab: threading.Event) -> None:
     first_tab.wait(FIRST_TAB_TIMEOUT)
     importlib.import_module("paminsa_viz.explorer.scene.bodies")
     from paminsa_viz.clearance import compile_in_background as compile_clearance
+    from paminsa_viz.explorer import tabs
     from paminsa_viz.meshes import prepare
     from paminsa_viz.model.backend import compile_in_background
     from paminsa_viz.quantities import formulas
 
     prepare(design.geometry)
-    importlib.import_module("paminsa_viz.explorer.deferred_tabs")
+    tabs.load()
     compile_in_background(*formulas())
     compile_clearance()
     importlib.import_module("scipy.optimize")  # or the first balance would wait for it

@@ -101,7 +101,7 @@ def robot_view(
     Raises:
         UnreachablePose: If the robot cannot take the pose.
     """
-    from paminsa_viz.explorer.html_pages import robot_html  # late: the page's libraries
+    from paminsa_viz.explorer.scene.html_pages import robot_html  # late: the page's libraries
 
     return InlinePage(robot_html(design, _pose(design, pose)), height)
 
@@ -122,7 +122,7 @@ def motion_view(
     Raises:
         ImpossibleTrajectory: If the motion fails at its very start.
     """
-    from paminsa_viz.explorer.html_pages import motion_html  # late: the page's libraries
+    from paminsa_viz.explorer.scene.html_pages import motion_html  # late: the page's libraries
 
     return InlinePage(motion_html(design, trajectory), height)
 

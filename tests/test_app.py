@@ -12,8 +12,8 @@ from paminsa_viz import app as program
 from paminsa_viz.app import App, AppOptions
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.explorer import page
+from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.page import build
-from paminsa_viz.explorer.session import Session
 from paminsa_viz.model import APPENDIX_4
 from tests.support.raw_page import RawPage, eventually
 

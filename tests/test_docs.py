@@ -17,7 +17,7 @@ import pytest
 import paminsa_viz
 from paminsa_viz.cli import COMMANDS, command_module
 from paminsa_viz.cli.arguments import parse
-from paminsa_viz.explorer.page import LATER_TABS
+from paminsa_viz.explorer.tabs import TABS
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -147,7 +147,7 @@ def test_files_that_pages_name_exist() -> None:
 
 def test_tabs_that_texts_name_exist() -> None:
     """Of the page's two docks; in pages, hints and templates."""
-    tabs = {"Pose", "Export", *LATER_TABS}
+    tabs = {"Export", *(tab.name for tab in TABS)}
     sources = [
         path for kind in ("py", "j2", "js") for path in (ROOT / "paminsa_viz").rglob(f"*.{kind}")
     ]

@@ -16,12 +16,12 @@ import pytest
 
 import paminsa_viz
 from paminsa_viz.cli import map as map_command
-from paminsa_viz.explorer import exports
-from paminsa_viz.explorer.entries import ButtonGroup, given
-from paminsa_viz.explorer.maps import MapStore
-from paminsa_viz.explorer.panels.export_panel import export_entries
-from paminsa_viz.explorer.panels.maps_panel import MapsPanel
-from paminsa_viz.explorer.state import initial_state
+from paminsa_viz.explorer.core.maps import MapStore
+from paminsa_viz.explorer.dock import MapsPanel
+from paminsa_viz.explorer.features.export import exports
+from paminsa_viz.explorer.features.export.tab import export_entries
+from paminsa_viz.explorer.kit.entries import ButtonGroup, given
+from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.files.tables import TABLE_FORMATS, table_csv
 from paminsa_viz.model import APPENDIX_4, Grid, backend, solve_field
 from paminsa_viz.notebook import map_view
@@ -131,7 +131,7 @@ CHECK = """
 import numpy as np
 from paminsa_viz.cli import main
 from paminsa_viz.engines.verification import verify
-from paminsa_viz.explorer.panels.design_layout import GROUPS
+from paminsa_viz.explorer.kit.design_numbers import GROUPS
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, mass_matrix
 from paminsa_viz.trajectory import PRESET

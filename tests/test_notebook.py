@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer.html_pages import motion_html, robot_html
+from paminsa_viz.explorer.scene.html_pages import motion_html, robot_html
 from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch, UnreachablePose, static_torques
 from paminsa_viz.notebook import InlinePage, curve_view, map_view, motion_view, robot_view
 from paminsa_viz.plots.series_figure import figure_bytes

@@ -11,18 +11,21 @@ from dataclasses import replace
 import numpy as np
 import viser
 
-from paminsa_viz.explorer import actions, tab_store
-from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import finite
 from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, style_html
 from paminsa_viz.explorer.browser.tour import offer_tour
-from paminsa_viz.explorer.docks import keep_docks, restore_right
-from paminsa_viz.explorer.frame import Health, compute
-from paminsa_viz.explorer.panels.pose_panel import POSE, STRIP
-from paminsa_viz.explorer.scene.layers import SceneContext, build_views
-from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.theme import ThemeView
+from paminsa_viz.explorer.core import actions, tab_store
+from paminsa_viz.explorer.core.docks import keep_docks, restore_right
+from paminsa_viz.explorer.core.frame import Health, compute
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.synthesis.actions import previewed
+from paminsa_viz.explorer.features.view.theme import ThemeView
+from paminsa_viz.explorer.kit.bindings import Panel
+from paminsa_viz.explorer.scene.build import build_views
+from paminsa_viz.explorer.scene.context import SceneContext
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.strip import STRIP
+from paminsa_viz.explorer.tabs import TABS, build_rest, fill
 from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.quantities.requirements import Requirements
 
@@ -30,23 +33,6 @@ log = logging.getLogger(__name__)
 
 SOFTWARE_RENDERERS = ("swiftshader", "llvmpipe", "softpipe", "software", "basic render")
 """Parts of the names of what draws in the absence of a graphics card."""
-
-LATER_TABS = (
-    "Design",
-    "Balance",
-    "Motion",
-    "Drives",
-    "Loads",
-    "Accuracy",
-    "Stiffness",
-    "Identify",
-    "Requirements",
-    "Synthesize",
-    "Compare",
-    "View",
-    "File",
-)
-"""Tabs after the first one; they are filled when the page is there."""
 
 
 def has_graphics_card(renderer: object) -> bool:
@@ -87,7 +73,7 @@ def build(
     The first tab comes first, then the robot; the rest follows when the browser shows them, so that
     nobody waits for it. Whoever adds views dispatches a new state, so that they are drawn.
     """
-    session = Session(client, opening_state(design, requirements))
+    session = Session(client, opening_state(design, requirements), shown=previewed)
     bridge, gui = session.bridge, client.gui
     theme = ThemeView(session)
     gui.set_panel_label("PAMINSA")
@@ -97,10 +83,10 @@ def build(
     gui.add_html(style_html())
     strip = Panel(session, STRIP)
     tabs = gui.add_tab_group()
-    with tabs.add_tab("Pose"):
-        pose = Panel(session, POSE, "Pose")
-    places = {name: tabs.add_tab(name) for name in LATER_TABS}
-    session.fast += [theme, strip, pose]
+    places = {tab.name: tabs.add_tab(tab.name) for tab in TABS}
+    with places[TABS[0].name]:
+        first = fill(session, TABS[0])
+    session.fast += [theme, strip, first]
     context = SceneContext(
         client.scene, session.dispatch, client.camera, lambda: session.pixel_ratio
     )
@@ -115,12 +101,10 @@ def build(
         session.immediate += build_views(context, animated=True)
         session.dispatch("robot", replace)
 
-    def build_rest() -> None:
+    def complete() -> None:
         if session.built.is_set():
             return
-        from paminsa_viz.explorer.deferred_tabs import build_tabs
-
-        build_tabs(session, places, context)
+        build_rest(session, places, context)
         session.built.set()
         offer_tour(bridge)
         session.dispatch("page", replace)
@@ -153,7 +137,7 @@ def build(
     bridge.on("hello", lambda _: session.submit(lambda: restore_right(session)))
     bridge.on("hello", lambda _: session.submit(build_robot))
     bridge.on("graphics", choose_detail)
-    bridge.on("shown", lambda _: session.submit(build_rest))
+    bridge.on("shown", lambda _: session.submit(complete))
     bridge.open()
     session.start()
     return session

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from paminsa_viz.cli.map import Map, maps_of, scales_of
-from paminsa_viz.explorer.exports import figure, table
-from paminsa_viz.explorer.maps import MapStore
-from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
+from paminsa_viz.explorer.core.maps import MapStore
+from paminsa_viz.explorer.features.export.exports import figure, table
+from paminsa_viz.explorer.state.maps import MapView, RangeMode
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import (
     APPENDIX_4,

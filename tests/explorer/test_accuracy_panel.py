@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import actions, persistence
-from paminsa_viz.explorer.entries import ButtonGroup, Folder, given
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.inputs import Slider
-from paminsa_viz.explorer.panels import accuracy_panel as panel
-from paminsa_viz.explorer.panels.manufacture_panel import MANUFACTURE
-from paminsa_viz.explorer.scene.drive_errors import shown_errors
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.core import actions, persistence
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.features.accuracy import tab as panel
+from paminsa_viz.explorer.features.accuracy.layers import shown_errors
+from paminsa_viz.explorer.features.accuracy.manufacture import MANUFACTURE
+from paminsa_viz.explorer.kit.entries import ButtonGroup, Folder, given
+from paminsa_viz.explorer.kit.inputs import Slider
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, Drive, DriveAccuracy, InvalidInput, singular_rotation
 from paminsa_viz.units import ARCSEC, number
 

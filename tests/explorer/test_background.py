@@ -8,10 +8,11 @@ from typing import Any
 
 import pytest
 
-from paminsa_viz.explorer import tasks
-from paminsa_viz.explorer.background import JobRunner, task_entries
-from paminsa_viz.explorer.entries import BackgroundJob, Button
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.core import tasks
+from paminsa_viz.explorer.kit.entries import BackgroundJob, Button
+from paminsa_viz.explorer.kit.task import JobRunner, task_entries
+from paminsa_viz.explorer.state.outcome import Outcome
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import PaminsaError
 from tests.support.raw_page import TIMEOUT
 
@@ -116,5 +117,5 @@ def test_a_task_is_started_or_stopped_and_outcomes_of_others_are_dropped() -> No
     assert [entry.visible(running) for entry in entries] == [False, True, True]
     assert entries[1].read(tasks.progress(running, PATH, 1.0, 0.5)) == 0.5
     assert tasks.progress(running, PATH, 2.0, 0.5) is running
-    assert tasks.receive(running, PATH, tasks.Outcome(2.0)) is running
+    assert tasks.receive(running, PATH, Outcome(2.0)) is running
     assert entries[2].effect(running) == idle

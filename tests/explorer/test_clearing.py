@@ -9,20 +9,22 @@ import pytest
 import viser
 
 from paminsa_viz.clearance import ALL_PAIRS, PairGroup, clearance, nearest_points
-from paminsa_viz.explorer import actions, clearing, tab_store
-from paminsa_viz.explorer.clearing import find_along, find_nearest, motion_job, pose_job
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.panels.clearance_panel import CLEARANCE, clearance_html
-from paminsa_viz.explorer.panels.motion_panel import status_html as motion_status
-from paminsa_viz.explorer.panels.motion_plots import drawn_charts
-from paminsa_viz.explorer.panels.pose_panel import status_html
-from paminsa_viz.explorer.scene.contacts import nearest_bodies
-from paminsa_viz.explorer.scene.layers import LAYERS, SceneContext
+from paminsa_viz.explorer.core import actions, tab_store
+from paminsa_viz.explorer.core import clearance as clearing
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.clearance import find_along, find_nearest, motion_job, pose_job
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.motion_results import MotionStore
+from paminsa_viz.explorer.features.clearance.layers import nearest_bodies
+from paminsa_viz.explorer.features.clearance.tab import CLEARANCE, clearance_html
+from paminsa_viz.explorer.features.motion.plots import drawn_charts
+from paminsa_viz.explorer.features.motion.tab import status_html as motion_status
+from paminsa_viz.explorer.features.pose.tab import status_html
+from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.nodes import LayerView
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.tasks import solve
+from paminsa_viz.explorer.state.layers import LAYERS
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.files.example_designs import ExampleDesign, example_design
 from paminsa_viz.plots.clearance_series import motion_clearance
 from tests.support.desk import Desk

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.panels.compare_panel import (
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.features.compare.tab import (
     COMPARE,
     PIN,
     PINNED,
@@ -19,7 +19,7 @@ from paminsa_viz.explorer.panels.compare_panel import (
     names_html,
     torques_html,
 )
-from paminsa_viz.explorer.panels.design_layout import is_changed
+from paminsa_viz.explorer.kit.design_numbers import is_changed
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETER,

@@ -9,22 +9,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import actions, bindings, history
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.panels.design_layout import (
+from paminsa_viz.explorer.core import actions, history
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.features.design.tab import DESIGN, WHOLE_GROUP, balance_hint
+from paminsa_viz.explorer.kit import bindings
+from paminsa_viz.explorer.kit.design_numbers import (
     GROUPS,
     base_range,
     fitted_range,
     round_up,
     slider,
 )
-from paminsa_viz.explorer.panels.design_panel import (
-    DESIGN,
-    WHOLE_GROUP,
-    balance_hint,
-    gauge_html,
-)
-from paminsa_viz.explorer.state import initial_state
+from paminsa_viz.explorer.kit.robot_texts import gauge_html
+from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETER,

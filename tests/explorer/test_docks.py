@@ -7,9 +7,10 @@ from typing import Any
 
 import pytest
 
-from paminsa_viz.explorer import docks, tab_store
 from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, dock_width
-from paminsa_viz.explorer.state import Dock, Docks, initial_state
+from paminsa_viz.explorer.core import docks, tab_store
+from paminsa_viz.explorer.state.state import initial_state
+from paminsa_viz.explorer.state.view import Dock, Docks
 
 STATE = initial_state()
 WINDOW = (1400.0, 900.0)

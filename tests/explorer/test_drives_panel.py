@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from paminsa_viz.actuation.catalog import read_catalog
-from paminsa_viz.explorer import actions, persistence
-from paminsa_viz.explorer.drives import LISTED, find_drives
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.motion.planning import planned
-from paminsa_viz.explorer.panels import drives_panel as panel
-from paminsa_viz.explorer.panels.compare_panel import differences_html
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.tasks import solve
+from paminsa_viz.explorer.core import actions, persistence
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.planning import planned
+from paminsa_viz.explorer.features.compare.tab import differences_html
+from paminsa_viz.explorer.features.drives import tab as panel
+from paminsa_viz.explorer.features.drives.solving import LISTED, find_drives
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import InvalidInput
 
 WEAK = """kind,name,source,rotor_inertia_kg_cm2,rated_torque_Nm,peak_torque_Nm,rated_speed_rpm,\
@@ -106,7 +106,7 @@ def test_a_catalog_without_a_feasible_drive_shows_the_nearest_and_advice() -> No
 
 
 def test_the_shortest_motion_keeps_the_chosen_drives(found: State) -> None:
-    from paminsa_viz.explorer.motion.description import Timing
+    from paminsa_viz.explorer.state.motion import Timing
 
     chosen = panel.choose(found, None)
     motion = replace(chosen.document.motion, timing=Timing.SHORTEST)

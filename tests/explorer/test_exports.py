@@ -16,10 +16,13 @@ import viser
 from PIL import Image
 
 from paminsa_viz.cli import main
-from paminsa_viz.explorer import actions, exports, pictures
-from paminsa_viz.explorer.maps import FULL, MapStore
-from paminsa_viz.explorer.panels.export_panel import export_entries
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.maps import FULL, MapStore
+from paminsa_viz.explorer.features.export import exports, pictures
+from paminsa_viz.explorer.features.export.tab import export_entries
+from paminsa_viz.explorer.kit import downloads
+from paminsa_viz.explorer.kit.downloads import LONGEST_NAME, File, file_name
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.tables import TABLE_FORMATS, table_csv, table_text
 from paminsa_viz.model import InvalidInput, KneeBranch, inverse_kinematics, static_torques
@@ -33,7 +36,7 @@ def state_at(**pose: float) -> State:
     return actions.move(initial_state(), **pose)
 
 
-def arrays_of(file: exports.File) -> Any:
+def arrays_of(file: File) -> Any:
     return np.load(io.BytesIO(file.content))
 
 
@@ -48,7 +51,7 @@ def test_file_name_has_design_content_and_last_reachable_pose(
     content: str, at_pose: bool, name: str
 ) -> None:
     state = actions.move(state_at(x=0.03, theta=np.pi / 3, z=-0.5), x=9.0 if at_pose else 0.03)
-    assert exports.file_name(state, content, "png", at_pose=at_pose) == name
+    assert file_name(state, content, "png", at_pose=at_pose) == name
 
 
 @pytest.mark.parametrize(
@@ -59,12 +62,12 @@ def test_file_name_has_design_content_and_last_reachable_pose(
         ("Große Türme №5", "groe-turme-no5"),
         ("机器人", ""),
         ("", ""),
-        ("x" * 300, "x" * exports.LONGEST_NAME),
+        ("x" * 300, "x" * LONGEST_NAME),
     ],
     ids=len,
 )
 def test_any_design_name_becomes_a_plain_one(name: str, plain: str) -> None:
-    assert exports.plain(name) == plain
+    assert downloads.plain(name) == plain
 
 
 @pytest.mark.parametrize(
@@ -268,10 +271,10 @@ def test_refused_size_stops_no_later_export(desk: Desk) -> None:
 def test_one_export_runs_at_a_time(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     waiting: list[bool] = []
 
-    def slow(state: State) -> exports.File:
+    def slow(state: State) -> File:
         waiting.append(True)
         desk.noticed("One at a time")
-        return exports.File("slow.glb", b"x")
+        return File("slow.glb", b"x")
 
     monkeypatch.setattr(exports, "robot", slow)
     desk.set("export.scene", "Robot as GLB")
@@ -284,7 +287,7 @@ def test_one_export_runs_at_a_time(desk: Desk, monkeypatch: pytest.MonkeyPatch) 
 def test_unexpected_error_is_notified_and_logged(
     desk: Desk, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    def broken(state: State) -> exports.File:
+    def broken(state: State) -> File:
         raise ZeroDivisionError
 
     monkeypatch.setattr(exports, "robot", broken)

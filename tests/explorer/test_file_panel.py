@@ -11,14 +11,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import actions, bindings, persistence
-from paminsa_viz.explorer.panels.file_panel import (
+from paminsa_viz.explorer.core import actions, persistence
+from paminsa_viz.explorer.features.files.tab import (
     FILE,
     file_name,
     receive_example,
     uploaded_content,
 )
-from paminsa_viz.explorer.state import Document
+from paminsa_viz.explorer.kit import bindings
+from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model import APPENDIX_4, Design

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer.html_pages import MOST_FRAMES, PAUSE, frame_times, motion_html
 from paminsa_viz.explorer.scene.bodies import node_name
+from paminsa_viz.explorer.scene.html_pages import MOST_FRAMES, PAUSE, frame_times, motion_html
 from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.trajectory import (

@@ -10,20 +10,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import exports, persistence, tab_store
-from paminsa_viz.explorer import identify_actions as actions
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.identifying import (
-    ExcitationJob,
-    IdentifySettings,
-    identify_logs,
-    parse_gains,
-    search_excitation,
-)
-from paminsa_viz.explorer.motion.planning import planned
-from paminsa_viz.explorer.panels import identify_panel, identify_text
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.tasks import Outcome, receive, solve
+from paminsa_viz.explorer.core import persistence, tab_store
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.planning import planned
+from paminsa_viz.explorer.core.tasks import receive
+from paminsa_viz.explorer.features.identify import actions
+from paminsa_viz.explorer.features.identify import files as exports
+from paminsa_viz.explorer.features.identify import tab as identify_panel
+from paminsa_viz.explorer.features.identify import texts as identify_text
+from paminsa_viz.explorer.features.identify.solving import identify_logs, search_excitation
+from paminsa_viz.explorer.state.identify import ExcitationJob, IdentifySettings, parse_gains
+from paminsa_viz.explorer.state.outcome import Outcome, solve
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.files.example_logs import ExampleLog, example_log
 from paminsa_viz.identification import make_log
 from paminsa_viz.model import InvalidInput, PaminsaError, static_imbalance

@@ -12,11 +12,18 @@ from typing import Any
 import pytest
 import viser
 
-from paminsa_viz.explorer import actions, bindings
-from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.bindings import Binding, same
-from paminsa_viz.explorer.entries import BackgroundJob, Entry, given
-from paminsa_viz.explorer.inputs import (
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.maps import MapStore
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.features.export.tab import export_entries
+from paminsa_viz.explorer.features.maps.tab import single_entries, torque_entries
+from paminsa_viz.explorer.features.motion.plots import INPUTS as PLOT_INPUTS
+from paminsa_viz.explorer.kit import bindings
+from paminsa_viz.explorer.kit.bindings import Binding, same
+from paminsa_viz.explorer.kit.entries import BackgroundJob, Entry, given
+from paminsa_viz.explorer.kit.inputs import (
     Checkbox,
     Dropdown,
     Input,
@@ -26,24 +33,9 @@ from paminsa_viz.explorer.inputs import (
     TextBox,
     in_unit,
 )
-from paminsa_viz.explorer.maps import MapStore
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import Kind
-from paminsa_viz.explorer.panels.accuracy_panel import ACCURACY
-from paminsa_viz.explorer.panels.balance_panel import BALANCE
-from paminsa_viz.explorer.panels.design_panel import DESIGN
-from paminsa_viz.explorer.panels.drives_panel import DRIVES
-from paminsa_viz.explorer.panels.export_panel import export_entries
-from paminsa_viz.explorer.panels.file_panel import FILE
-from paminsa_viz.explorer.panels.loads_panel import LOADS
-from paminsa_viz.explorer.panels.maps_panel import single_entries, torque_entries
-from paminsa_viz.explorer.panels.motion_panel import MOTION
-from paminsa_viz.explorer.panels.motion_plots import INPUTS as PLOT_INPUTS
-from paminsa_viz.explorer.panels.pose_panel import POSE
-from paminsa_viz.explorer.panels.stiffness_panel import STIFFNESS
-from paminsa_viz.explorer.panels.view_panel import view_entries
-from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.state.motion import Kind
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.tabs import TABS
 from paminsa_viz.model import InvalidInput
 from tests.support.desk import SilentPage, desk_with, stop
 from tests.support.raw_page import eventually
@@ -63,20 +55,21 @@ def name(entry: Input, state: State) -> str:
     return given(entry.label, state) or entry.key
 
 
+TAB = {tab.name: tuple(tab.entries()) for tab in TABS}
 NO_PICTURE: Any = SimpleNamespace(scales=())
 PANELS: dict[str, tuple[Entry, ...]] = {
-    "pose": POSE,
-    "design": DESIGN,
-    "balance": BALANCE,
-    "motion": MOTION,
+    "pose": TAB["Pose"],
+    "design": TAB["Design"],
+    "balance": TAB["Balance"],
+    "motion": TAB["Motion"],
     "plots": PLOT_INPUTS,
-    "drives": DRIVES,
-    "loads": LOADS,
-    "accuracy": ACCURACY,
-    "stiffness": STIFFNESS,
-    "view": view_entries(),
+    "drives": TAB["Drives"],
+    "loads": TAB["Loads"],
+    "accuracy": TAB["Accuracy"],
+    "stiffness": TAB["Stiffness"],
+    "view": TAB["View"],
     "export": tuple(export_entries(MapStore())),
-    "file": FILE,
+    "file": TAB["File"],
     "torque maps": torque_entries("torque maps", NO_PICTURE),
     "single map": single_entries("single map", NO_PICTURE),
 }

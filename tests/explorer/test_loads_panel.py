@@ -9,15 +9,16 @@ import pytest
 
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
 from paminsa_viz.elastostatics.sideways import sideways_forces
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.loads import find_loads, instant
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import Kind
-from paminsa_viz.explorer.panels import loads_chart as chart
-from paminsa_viz.explorer.panels import loads_panel as tab
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.tasks import keep, solve
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.tasks import keep
+from paminsa_viz.explorer.features.loads import charts as chart
+from paminsa_viz.explorer.features.loads import tab
+from paminsa_viz.explorer.features.loads.solving import find_loads, instant
+from paminsa_viz.explorer.state.motion import Kind
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.singularity import singular_rotation
 from paminsa_viz.units import number

@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 import viser
 
-from paminsa_viz.explorer import actions, persistence
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.inputs import Number
-from paminsa_viz.explorer.manufacture import draw_robots
-from paminsa_viz.explorer.panels import manufacture_panel as panel
-from paminsa_viz.explorer.panels import monte_carlo_panel as robots
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.tasks import receive, solve
+from paminsa_viz.explorer.core import actions, persistence
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.tasks import receive
+from paminsa_viz.explorer.features.accuracy import manufacture as panel
+from paminsa_viz.explorer.features.accuracy import monte_carlo as robots
+from paminsa_viz.explorer.features.accuracy.monte_carlo import draw_robots
+from paminsa_viz.explorer.kit.inputs import Number
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, singular_rotation
 from paminsa_viz.model.accuracy import NO_DEVIATIONS, NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.manufacture import manufactured_pose, monte_carlo, tolerance_errors

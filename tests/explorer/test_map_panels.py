@@ -10,19 +10,16 @@ from typing import Any
 
 import pytest
 
-from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.browser.bridge import NARROWEST, WIDEST, Slots
 from paminsa_viz.explorer.browser.style import dock_width, view_width
-from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
-from paminsa_viz.explorer.panels.map_picture import COLUMNS, caption
-from paminsa_viz.explorer.panels.maps_panel import (
-    MapsPanel,
-    choose_quantity,
-    clicked_place,
-    show_figure_3,
-)
-from paminsa_viz.explorer.setting_inputs import quantity_inputs
-from paminsa_viz.explorer.state import RangeMode, initial_state
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore, choose_quantity
+from paminsa_viz.explorer.dock import MapsPanel, clicked_place
+from paminsa_viz.explorer.features.maps.pictures import COLUMNS, caption
+from paminsa_viz.explorer.features.maps.tab import show_figure_3
+from paminsa_viz.explorer.kit.setting_inputs import quantity_inputs
+from paminsa_viz.explorer.state.maps import RangeMode
+from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.plots.map_figure import PAGE_EM
 from paminsa_viz.plots.map_layout import map_layout
 from paminsa_viz.plots.ranges import choose_scales
@@ -85,11 +82,8 @@ def slots() -> Any:
     """Sizes of two pictures, what takes the page's reports, and how often it was redrawn."""
     dispatched: list[Any] = []
     listeners: dict[str, Any] = {}
-    session: Any = SimpleNamespace(
-        dispatch=lambda source, action: dispatched.append(action),
-        bridge=SimpleNamespace(on=listeners.__setitem__),
-    )
-    made = Slots(session, {"a": 500, "b": 0})
+    bridge: Any = SimpleNamespace(on=listeners.__setitem__)
+    made = Slots(bridge, lambda source, action: dispatched.append(action), {"a": 500, "b": 0})
     return SimpleNamespace(slots=made, report=listeners["slots"], dispatched=dispatched)
 
 

@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.maps import MapStore, select_scales
-from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.maps import MapStore, select_scales
+from paminsa_viz.explorer.state.maps import MapView, RangeMode
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import Design, Limit
 from paminsa_viz.plots.map_data import COARSE, FULL, MapData
 from paminsa_viz.plots.scale import Scale

@@ -13,9 +13,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.maps import DRAG_BUDGET, MapStore, go_to
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.maps import DRAG_BUDGET, MapStore, go_to
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import (
     APPENDIX_4,
     KneeBranch,

@@ -7,11 +7,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.maps import MapStore
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import Timing
-from paminsa_viz.explorer.state import RangeMode, State
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.maps import MapStore
+from paminsa_viz.explorer.state.maps import RangeMode
+from paminsa_viz.explorer.state.motion import Timing
+from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.example_logs import example_log
 from paminsa_viz.model import APPENDIX_4, static_imbalance, static_torques
 from tests.support.chromium import Tab, until

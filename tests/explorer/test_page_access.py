@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, dock_width
-from paminsa_viz.explorer.docks import EDGE
-from paminsa_viz.explorer.page import LATER_TABS
-from paminsa_viz.explorer.state import Appearance
+from paminsa_viz.explorer.core.docks import EDGE
+from paminsa_viz.explorer.state.view import Appearance
+from paminsa_viz.explorer.tabs import TABS
 from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
@@ -115,7 +115,7 @@ def test_contrast_names_and_roles(open_tab: Callable[..., Tab]) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
     tab = open_tab()
     page = tab.page
-    last_tabs = {"Export", LATER_TABS[-1]}  # a busy browser shows them late
+    last_tabs = {"Export", TABS[-1].name}  # a busy browser shows them late
     for name in until(lambda: last_tabs <= set(found := tabs(tab)) and found, "all tabs"):
         tab.open_tab(name)  # what it holds is made when it is first opened
     page.add_style_tag(content=ALL_TABS)

@@ -10,11 +10,11 @@ import pytest
 
 import paminsa_viz.files
 from paminsa_viz.elastostatics.joint_forces import joint_forces
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.requirements import actions as requirements
-from paminsa_viz.explorer.scene.elasticity import MODE_NODE
-from paminsa_viz.explorer.synthesis import cases
-from paminsa_viz.explorer.synthesis.jobs import EffortChoice
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.features.requirements import actions as requirements
+from paminsa_viz.explorer.features.stiffness.layers import MODE_NODE
+from paminsa_viz.explorer.features.synthesis import cases
+from paminsa_viz.explorer.state.synthesis import EffortChoice
 from paminsa_viz.files.example_logs import ExampleLog
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape

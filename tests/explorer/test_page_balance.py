@@ -7,10 +7,10 @@ import re
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.balancing.jobs import CounterweightSlot
-from paminsa_viz.explorer.maps import MapStore
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.maps import MapStore
+from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.state.balance import CounterweightSlot
 from paminsa_viz.model import APPENDIX_4, static_imbalance
 from tests.support.chromium import Tab, until
 

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from paminsa_viz.explorer import actions, exports
-from paminsa_viz.explorer.examples import EXAMPLES
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import Timing
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.features.export import exports
+from paminsa_viz.explorer.features.files.examples import EXAMPLES
+from paminsa_viz.explorer.state.motion import Timing
 from paminsa_viz.files.design_file import read_design
 from paminsa_viz.files.tables import table_text
 from paminsa_viz.model import APPENDIX_4

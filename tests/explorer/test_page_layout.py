@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 from paminsa_viz.dimensions.layout import layout
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.page import LATER_TABS
-from paminsa_viz.explorer.panels.design_layout import GROUPS
-from paminsa_viz.explorer.panels.design_layout import label as label_of
+from paminsa_viz.explorer import tabs
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.kit.design_numbers import GROUPS
+from paminsa_viz.explorer.kit.design_numbers import label as label_of
 from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 
-TABS = ["Pose", *LATER_TABS]
+TABS = [tab.name for tab in tabs.TABS]
 STRIP = """tabs => tabs.map(tab => {
   const text = tab.querySelector("span");
   return {name: tab.title, top: tab.offsetTop, cut: text.scrollWidth > text.clientWidth};

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import Kind, Timing
-from paminsa_viz.explorer.panels.motion_panel import TIME
-from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.features.motion.tab import TIME
+from paminsa_viz.explorer.state.motion import Kind, Timing
+from paminsa_viz.explorer.state.state import State
 from paminsa_viz.plots.series_uplot import MOST_POINTS
 from paminsa_viz.trajectory import Trajectory, analyze
 from tests.support.chromium import Tab, until

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import Kind, Timing
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.state.motion import Kind, Timing
 from paminsa_viz.model import APPENDIX_4
 from tests.support.chromium import Tab, until
 

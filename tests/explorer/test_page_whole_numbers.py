@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import viser
 
-from paminsa_viz.explorer.page import LATER_TABS
-from paminsa_viz.explorer.panels.design_layout import GROUPS
+from paminsa_viz.explorer.kit.design_numbers import GROUPS
+from paminsa_viz.explorer.tabs import TABS
 from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
@@ -115,7 +115,7 @@ TYPE_ALL = """async (pause) => {
   document.activeElement.blur();
   return typed;
 }"""
-PLACES = ("Pose", *LATER_TABS, "Torque maps", "Single map", "Motion plots", "Export")
+PLACES = (*(tab.name for tab in TABS), "Torque maps", "Single map", "Motion plots", "Export")
 
 
 def test_every_box_gives_its_number_once_and_whole(open_tab: Callable[..., Tab]) -> None:

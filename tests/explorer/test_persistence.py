@@ -15,9 +15,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import persistence
-from paminsa_viz.explorer.motion.description import MOST_WAYPOINTS, Kind, Motion, Timing
-from paminsa_viz.explorer.state import Document
+from paminsa_viz.explorer.core import persistence
+from paminsa_viz.explorer.state.document import Document
+from paminsa_viz.explorer.state.motion import MOST_WAYPOINTS, Kind, Motion, Timing
 from paminsa_viz.files.design_file import read_design, write_design
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, PaminsaError
 from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, Counterweight

@@ -11,13 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.dimensions.layout import layout
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.entries import BackgroundJob
-from paminsa_viz.explorer.frame import Frame, compute
-from paminsa_viz.explorer.panels.pose_panel import GRAIN, POSE, heights, holding, pose_limits
-from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import initial_state
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import Frame, compute
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.pose.tab import GRAIN, POSE, heights, holding, pose_limits
+from paminsa_viz.explorer.kit.bindings import Panel
+from paminsa_viz.explorer.kit.entries import BackgroundJob
+from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model import APPENDIX_4, KneeBranch, check_reach
 from paminsa_viz.model.reach import home_pose
 from tests.support.desk import Desk

@@ -12,12 +12,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from paminsa_viz.explorer.entries import ButtonGroup, given
-from paminsa_viz.explorer.maps import MapStore
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import Kind, Timing
-from paminsa_viz.explorer.panels.export_panel import export_entries
-from paminsa_viz.explorer.recording import (
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.maps import MapStore
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.export.recording import (
     LARGEST,
     LONGEST,
     MOST_FRAMES,
@@ -27,8 +25,10 @@ from paminsa_viz.explorer.recording import (
     instants,
     size_of,
 )
-from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.features.export.tab import export_entries
+from paminsa_viz.explorer.kit.entries import ButtonGroup, given
+from paminsa_viz.explorer.state.motion import Kind, Timing
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.plots import animations
 from paminsa_viz.plots.animations import ANIMATION_FORMATS

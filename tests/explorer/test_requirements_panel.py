@@ -7,24 +7,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import actions as designs
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.maps import MapStore
-from paminsa_viz.explorer.panels import requirements_text as text
-from paminsa_viz.explorer.panels.pose_panel import strip_html
-from paminsa_viz.explorer.panels.requirements_panel import REQUIREMENTS, go_to_worst
-from paminsa_viz.explorer.requirements import actions
-from paminsa_viz.explorer.requirements.causes import surface_parts
-from paminsa_viz.explorer.requirements.checking import (
+from paminsa_viz.explorer.core import actions as designs
+from paminsa_viz.explorer.core.causes import surface_parts
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.maps import MapStore
+from paminsa_viz.explorer.core.requirements import (
     current_check,
     find_volume,
     is_quick,
     placed_workspace,
     receive,
 )
-from paminsa_viz.explorer.requirements.jobs import VolumeJob
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.tasks import solve
+from paminsa_viz.explorer.features.requirements import actions
+from paminsa_viz.explorer.features.requirements import texts as text
+from paminsa_viz.explorer.features.requirements.tab import REQUIREMENTS, go_to_worst
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.requirements import VolumeJob
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.strip import strip_html
 from paminsa_viz.quantities.requirements import Requirement
 from tests.support.desk import Desk
 

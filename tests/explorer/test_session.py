@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import actions, history, session
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import Timing
-from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.core import actions, history, session
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.state.motion import Timing
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import InvalidInput
 from tests.support.desk import SilentPage, stop
 from tests.support.raw_page import TIMEOUT, eventually

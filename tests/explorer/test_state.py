@@ -10,12 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.frame import Health, compute
-from paminsa_viz.explorer.history import DEPTH, PAUSE, History, Snapshot
-from paminsa_viz.explorer.panels.design_layout import GROUPS, slider
-from paminsa_viz.explorer.panels.file_panel import uploaded_content
-from paminsa_viz.explorer.state import Document, initial_state
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import Health, compute
+from paminsa_viz.explorer.core.history import DEPTH, PAUSE, History, Snapshot
+from paminsa_viz.explorer.features.files.tab import uploaded_content
+from paminsa_viz.explorer.kit.design_numbers import GROUPS, slider
+from paminsa_viz.explorer.state.document import Document
+from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.files.design_file import write_design
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.model import (

@@ -10,14 +10,16 @@ import pytest
 
 from paminsa_viz.elastostatics.stiffness import compensate, platform_stiffness
 from paminsa_viz.elastostatics.vibration import first_frequencies
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.background import JobRunner
-from paminsa_viz.explorer.elasticity import CASES, ElasticJob, ElasticResult, analyze_elasticity
-from paminsa_viz.explorer.entries import BackgroundJob
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.panels import stiffness_panel as panel
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.tasks import Outcome, keep, solve
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.tasks import keep
+from paminsa_viz.explorer.features.stiffness import tab as panel
+from paminsa_viz.explorer.features.stiffness.solving import analyze_elasticity
+from paminsa_viz.explorer.kit.entries import BackgroundJob
+from paminsa_viz.explorer.kit.task import JobRunner
+from paminsa_viz.explorer.state.outcome import Outcome, solve
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.state.stiffness import CASES, ElasticJob, ElasticResult
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.elastic import BARS
 from tests.support.scene import POSE, frame_at

@@ -8,23 +8,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import actions as designs
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.panels import synthesize_text as text
-from paminsa_viz.explorer.panels.design_front import clicked_point, front_figure, shown_front
-from paminsa_viz.explorer.panels.synthesize_panel import SYNTHESIZE
-from paminsa_viz.explorer.requirements import actions as requirements
-from paminsa_viz.explorer.requirements.checking import current_check
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.synthesis import actions, cases, solving
-from paminsa_viz.explorer.synthesis.jobs import (
-    BestSoFar,
-    EffortChoice,
-    SearchResult,
-    Shown,
-)
-from paminsa_viz.explorer.synthesis.solving import search
-from paminsa_viz.explorer.tasks import Outcome, progress, receive, solve, stop
+from paminsa_viz.explorer.core import actions as designs
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.requirements import current_check
+from paminsa_viz.explorer.core.tasks import progress, receive, stop
+from paminsa_viz.explorer.features.requirements import actions as requirements
+from paminsa_viz.explorer.features.synthesis import actions, cases, solving
+from paminsa_viz.explorer.features.synthesis import texts as text
+from paminsa_viz.explorer.features.synthesis.charts import clicked_point, front_figure, shown_front
+from paminsa_viz.explorer.features.synthesis.solving import search
+from paminsa_viz.explorer.features.synthesis.tab import SYNTHESIZE
+from paminsa_viz.explorer.state.outcome import Outcome, solve
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.state.synthesis import BestSoFar, EffortChoice, SearchResult, Shown
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
 from paminsa_viz.synthesis.answer.prices import RequirementPrice

@@ -13,12 +13,14 @@ import pytest
 from paminsa_viz.actuation.catalog import generic_catalog
 from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.errors import PaminsaError
-from paminsa_viz.explorer import actions, tab_store
-from paminsa_viz.explorer.balancing.jobs import CounterweightSlot, Goal
-from paminsa_viz.explorer.balancing.springs import SpringsFrom
-from paminsa_viz.explorer.drives import DriveSettings
-from paminsa_viz.explorer.settings import Settings
-from paminsa_viz.explorer.state import MapView, RangeMode, initial_state
+from paminsa_viz.explorer.core import actions, tab_store
+from paminsa_viz.explorer.state.balance import CounterweightSlot, Goal
+from paminsa_viz.explorer.state.drives import DriveSettings
+from paminsa_viz.explorer.state.maps import MapView, RangeMode
+from paminsa_viz.explorer.state.settings import Settings
+from paminsa_viz.explorer.state.springs import SpringsFrom
+from paminsa_viz.explorer.state.state import initial_state
+from paminsa_viz.explorer.state.view import Dock, Docks
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.trajectory import PRESET, ControlMode
 
@@ -48,7 +50,8 @@ def test_every_setting_is_changed_here() -> None:
     start = initial_state()
     places = [name for name in tab_store.VIEW if isinstance(attrgetter(name)(start), Settings)]
     assert len(places) >= 8
-    changed = CHANGED.updated("clearance_view", required=0.01)
+    docks = Docks(Dock(500), Dock(folded=True))
+    changed = CHANGED.updated("clearance_view", required=0.01).updated("", docks=docks)
     for name in places:
         assert attrgetter(name)(changed) != attrgetter(name)(start), name
     assert tab_store.restore(start, tab_store.dump(changed)) == changed

@@ -11,13 +11,18 @@ import numpy as np
 import pytest
 import viser
 
-from paminsa_viz.explorer import actions, exports, tab_store, theme
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.maps import COARSE, MapStore
-from paminsa_viz.explorer.panels import css_color, export_panel
-from paminsa_viz.explorer.panels.plotly_chart import themed
+from paminsa_viz.explorer.core import actions, tab_store
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.maps import COARSE, MapStore
+from paminsa_viz.explorer.features.export import exports
+from paminsa_viz.explorer.features.export import tab as export_panel
+from paminsa_viz.explorer.features.view import theme
+from paminsa_viz.explorer.kit.chart import themed
+from paminsa_viz.explorer.kit.downloads import File
+from paminsa_viz.explorer.kit.text import css_color
 from paminsa_viz.explorer.scene.legend import NO_LEGEND
-from paminsa_viz.explorer.state import Appearance, initial_state
+from paminsa_viz.explorer.state.state import initial_state
+from paminsa_viz.explorer.state.view import Appearance
 from paminsa_viz.meshes.bodies import ground_glb
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.palette import ACTUATOR_COLORS, DARK, LIGHT, Theme, rgb
@@ -113,9 +118,9 @@ def test_picture_of_the_view_is_taken_of_the_light_scene(
         def draw(self, frame: Frame, dragging: bool) -> None:
             drawn.append(frame.state.theme)
 
-    def view(*_: Any) -> exports.File:
+    def view(*_: Any) -> File:
         taken.append(drawn[-1])
-        return exports.File("view.png", b"")
+        return File("view.png", b"")
 
     monkeypatch.setattr(export_panel.pictures, "view", view)
     with desk_with(server, lambda _: Remembers()) as desk:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 
-from paminsa_viz.explorer.panels import motion_description
+from paminsa_viz.explorer.features.motion import description as motion_description
 from tests.support.desk import Desk
 from tests.support.raw_page import RawPage, upload_messages
 

@@ -13,8 +13,8 @@ import pytest
 
 from paminsa_viz.cli.verify import _mechanics
 from paminsa_viz.errors import PaminsaError
-from paminsa_viz.explorer.panels.file_panel import uploaded_content
-from paminsa_viz.explorer.persistence import load, open_share_code
+from paminsa_viz.explorer.core.persistence import load, open_share_code
+from paminsa_viz.explorer.features.files.tab import uploaded_content
 from paminsa_viz.files.columns import POSES, TRAJECTORY, TableKind
 from paminsa_viz.files.design_file import LARGEST_FILE, LONGEST_LINE, find_line, read_design
 from paminsa_viz.files.resumable_csv import ResumableCsv

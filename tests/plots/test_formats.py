@@ -10,11 +10,11 @@ from PIL import Image
 
 from paminsa_viz.cli import main
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.explorer import exports
-from paminsa_viz.explorer.entries import ButtonGroup, given
-from paminsa_viz.explorer.maps import MapStore
-from paminsa_viz.explorer.panels.export_panel import export_entries
-from paminsa_viz.explorer.state import initial_state
+from paminsa_viz.explorer.core.maps import MapStore
+from paminsa_viz.explorer.features.export import exports
+from paminsa_viz.explorer.features.export.tab import export_entries
+from paminsa_viz.explorer.kit.entries import ButtonGroup, given
+from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.plots.formats import FIGURE_FORMATS, FigureFormat, check_size, figure_format
 from paminsa_viz.plots.map_figure import render
 from paminsa_viz.plots.scale import Scale

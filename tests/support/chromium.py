@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import tab_store
 from paminsa_viz.explorer.browser.bridge import STORE_KEY
+from paminsa_viz.explorer.core import tab_store
 from tests.support.desk import input_labeled
 
 FLAGS = [

@@ -9,10 +9,10 @@ from typing import Any
 
 import viser
 
-from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.entries import Entry
-from paminsa_viz.explorer.session import Session, View
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.core.session import Session, View
+from paminsa_viz.explorer.kit.bindings import Panel
+from paminsa_viz.explorer.kit.entries import Entry
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import Design
 from tests.support.raw_page import TIMEOUT, RawPage, eventually, update
 

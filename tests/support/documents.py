@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.motion.description import Kind, Motion, Timing
-from paminsa_viz.explorer.state import Document, State, initial_state
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.state.document import Document
+from paminsa_viz.explorer.state.motion import Kind, Motion, Timing
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, PARAMETER, Design, KneeBranch
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadCase, LoadFrame

@@ -12,7 +12,7 @@ import pytest
 if TYPE_CHECKING:
     import viser
 
-    from paminsa_viz.explorer.state import State
+    from paminsa_viz.explorer.state.state import State
     from tests.support.chromium import Tab
     from tests.support.desk import Desk
     from tests.support.scene import Scene
@@ -40,7 +40,8 @@ def desk(server: viser.ViserServer, request: pytest.FixtureRequest) -> Iterator[
 @pytest.fixture
 def scene(server: viser.ViserServer) -> Iterator[Scene]:
     """All animated layers in the scene of a tab; nothing is drawn yet."""
-    from paminsa_viz.explorer.scene.layers import SceneContext, build_views
+    from paminsa_viz.explorer.scene.build import build_views
+    from paminsa_viz.explorer.scene.context import SceneContext
     from tests.support.raw_page import RawPage
     from tests.support.scene import Scene
 
@@ -121,7 +122,7 @@ def one_tab(browser: Any, app: Any) -> Iterator[Tab]:
 @pytest.fixture
 def tab(one_tab: Tab) -> Tab:
     """The shared tab, as it was at the start."""
-    from paminsa_viz.explorer.state import initial_state
+    from paminsa_viz.explorer.state.state import initial_state
     from tests.support.chromium import until
 
     def at_start(state: State) -> bool:

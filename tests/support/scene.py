@@ -11,9 +11,10 @@ import numpy as np
 import viser
 from trimesh.transformations import quaternion_matrix
 
-from paminsa_viz.explorer.frame import Frame, compute
-from paminsa_viz.explorer.scene.layers import default_layers
-from paminsa_viz.explorer.state import LastReachable, State, initial_state
+from paminsa_viz.explorer.core.frame import Frame, compute
+from paminsa_viz.explorer.state.document import LastReachable
+from paminsa_viz.explorer.state.layers import default_layers
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
 

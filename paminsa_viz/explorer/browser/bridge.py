@@ -16,14 +16,11 @@ import weakref
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import viser
 
 from paminsa_viz.explorer.browser import STORE_KEY, asset
-
-if TYPE_CHECKING:
-    from paminsa_viz.explorer.session import Session
 
 log = logging.getLogger(__name__)
 
@@ -199,12 +196,23 @@ class Slots:
         ratio: Device pixels for one page pixel.
     """
 
-    def __init__(self, session: Session, widths: dict[str, int]) -> None:
-        """Start with assumed widths [page pixels], 0 for a place that is not seen."""
-        self._session = session
+    def __init__(
+        self,
+        bridge: Bridge,
+        dispatch: Callable[[str, Callable[[Any], Any]], None],
+        widths: dict[str, int],
+    ) -> None:
+        """Start with assumed widths.
+
+        Args:
+            bridge: What tells of others.
+            dispatch: `Session.dispatch`, for a new drawing.
+            widths: By name [page pixels]; 0 for a place that is not seen.
+        """
+        self._dispatch = dispatch
         self._widths = dict(widths)
         self.ratio = 1.0
-        session.bridge.on("slots", self._hear)
+        bridge.on("slots", self._hear)
 
     def width(self, name: str) -> int:
         """Return how wide a place is [page pixels], 0 if it is not seen."""
@@ -219,7 +227,7 @@ class Slots:
             return
         self._widths, self.ratio = widths, fine
         # A new object, so that what has become visible is drawn.
-        self._session.dispatch("slots", lambda state: replace(state))
+        self._dispatch("slots", replace)
 
 
 def _width(value: Any) -> int:

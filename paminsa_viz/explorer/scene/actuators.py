@@ -14,9 +14,9 @@ from paminsa_viz import palette
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.layout import lift_motor_height
 from paminsa_viz.dimensions.placement import about_z
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.scene.layers import LegendRow
+from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.nodes import Node, label, mesh
+from paminsa_viz.explorer.state.layers import LegendRow
 from paminsa_viz.model import lift_constant, lumped_coefficients
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry

@@ -17,8 +17,8 @@ from viser import FrameHandle, GlbHandle, SceneApi
 from paminsa_viz.dimensions import attached
 from paminsa_viz.dimensions.layout import polar
 from paminsa_viz.dimensions.placement import about_z, elevated
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.meshes import bodies as shapes
 from paminsa_viz.meshes import loads
 from paminsa_viz.meshes.loads import counterweight_glb

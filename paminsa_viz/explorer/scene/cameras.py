@@ -9,7 +9,7 @@ import numpy as np
 
 from paminsa_viz.dimensions.layout import layout, lift_motor_height, plinth_outline
 from paminsa_viz.explorer.browser.style import view_width
-from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics

@@ -15,11 +15,11 @@ import numpy as np
 from paminsa_viz import palette
 from paminsa_viz.actuation.polytope import WrenchPolytope, wrench_polytope
 from paminsa_viz.errors import PaminsaError
-from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.actuators import FACES, arc_arrow
 from paminsa_viz.explorer.scene.curves import linear_colors
-from paminsa_viz.explorer.scene.layers import LegendRow
 from paminsa_viz.explorer.scene.nodes import Node, arrows, label, lines, mesh
+from paminsa_viz.explorer.state.layers import LegendRow
 from paminsa_viz.model import center_wrench
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design

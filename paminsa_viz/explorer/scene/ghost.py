@@ -10,10 +10,10 @@ from typing import ClassVar, Final
 
 import numpy as np
 
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion.simulated import wanted_pose
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.simulated import wanted_pose
 from paminsa_viz.explorer.scene.bodies import Robot
-from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.model import Design
 from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
 

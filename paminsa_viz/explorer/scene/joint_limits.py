@@ -9,10 +9,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.maps import half_width
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.maps import half_width
+from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.curves import linear_colors
-from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.scene.nodes import Node, Nodes, lines, mesh
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels import render
-from paminsa_viz.explorer.scene.layers import LAYERS, found_at
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.scene.places import found_at
+from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.palette import LIGHT, rgb
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.scale import OVER, UNDER, Scale, color_table
@@ -57,7 +58,7 @@ class Legend(NamedTuple):
     @property
     def html(self) -> str:
         """The legend for the page; empty where there is nothing to say."""
-        return render("scene_legend.j2", rows=self.rows, bar=self.bar) if any(self) else ""
+        return render("scene/legend.j2", rows=self.rows, bar=self.bar) if any(self) else ""
 
 
 NO_LEGEND = Legend((), None)

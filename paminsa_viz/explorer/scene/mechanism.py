@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from paminsa_viz import palette
 from paminsa_viz.dimensions.attached import payload_center
-from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.curves import linear_colors
-from paminsa_viz.explorer.scene.layers import LegendRow
 from paminsa_viz.explorer.scene.nodes import Node, arrows, ball, copies, label, lines
-from paminsa_viz.explorer.synthesis.jobs import Shown
+from paminsa_viz.explorer.state.layers import LegendRow
+from paminsa_viz.explorer.state.synthesis import Shown
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Configuration, inverse_kinematics

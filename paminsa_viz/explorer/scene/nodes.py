@@ -17,13 +17,14 @@ from trimesh import Trimesh
 from trimesh.creation import icosphere
 from viser import SceneApi
 
-from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.curves import dashes, linear_colors, segments
 from paminsa_viz.explorer.scene.label_places import apart
 from paminsa_viz.palette import INK, rgb
 
 if TYPE_CHECKING:
-    from paminsa_viz.explorer.scene.layers import Layer, SceneContext
+    from paminsa_viz.explorer.scene.context import SceneContext
+    from paminsa_viz.explorer.state.layers import Layer
 
 NO_SHADOWS = {"cast_shadow": False, "receive_shadow": False}
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.dimensions.layout import layout
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion.results import split_path
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.motion_results import split_path
 from paminsa_viz.explorer.scene.curves import linear_colors, segments
 from paminsa_viz.explorer.scene.nodes import Node, curves, lines
 from paminsa_viz.model.arrays import Array

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
 import viser
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion import points
-from paminsa_viz.explorer.motion.description import Pose
-from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.explorer.scene.nodes import Node, Nodes, label
-from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.scene.context import SceneContext
+from paminsa_viz.explorer.state.motion import Pose
+from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput
-from paminsa_viz.palette import INK, REFERENCE, rgb
 
 
 class PoseHandle(ABC):
@@ -98,62 +94,3 @@ class Gizmo(PoseHandle):
 
     def angle(self, state: State) -> float:
         return state.document.pose[2]
-
-
-class PointHandle(PoseHandle):
-    """Drags the pose of the motion that is edited; hidden while the motion is played."""
-
-    name = "point_handle"
-    scale = 0.14
-
-    def pose(self, frame: Frame) -> Pose | None:
-        state = frame.state
-        shown = "points" in state.layers and not state.playback.playing
-        return points.selected_pose(state) if shown else None
-
-    def put(self, state: State, pose: Pose) -> State:
-        x, y, theta, z = (round(value, 6) + 0.0 for value in pose)
-        return points.put(state, (x, y, theta, z))
-
-    def angle(self, state: State) -> float:
-        pose = points.selected_pose(state)
-        return 0.0 if pose is None else pose[2]
-
-
-class MotionPoints:
-    """The layer ``points``: the poses that a motion is built from, as balls with their names.
-
-    A click on one lets it be edited, and its handle appears.
-    """
-
-    RADIUS = 0.011
-    """Of a ball [m]."""
-
-    def __init__(self, context: SceneContext) -> None:
-        self._dispatch = context.dispatch
-        self._handle = PointHandle(context)
-        self._nodes = Nodes(context.scene)
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the motion's description."""
-        state = frame.state
-        self._handle.draw(frame, dragging)
-        found = points.listed(state) if "points" in state.layers else ()
-        self._nodes.show(self._marks(found, points.selected(state)))
-
-    def _marks(self, found: Sequence[points.Point], chosen: int | None) -> Iterator[Node]:
-        names: dict[tuple[float, ...], list[str]] = {}
-        for index, point in enumerate(found):
-            x, y, _, z = point.pose
-            names.setdefault((round(x, 3), round(y, 3), round(z, 3)), []).append(point.name)
-            color = rgb(REFERENCE if index == chosen else INK)
-            live = {"position": (x, y, z), "color": color}
-            fixed = {"radius": self.RADIUS, "subdivisions": 2, "cast_shadow": False}
-            click = partial(self._select, index)
-            yield Node(f"/points/{index}", "icosphere", live, fixed, click=click)
-        for index, ((x, y, z), same) in enumerate(names.items()):  # poses may differ in theta only
-            place = (x, y, z + 2 * self.RADIUS)
-            yield label(f"/point_names/{index}", ", ".join(same), place, "bottom-center", 1.0)
-
-    def _select(self, index: int, _event: Any) -> None:
-        self._dispatch("motion.point", partial(points.select, index=index))

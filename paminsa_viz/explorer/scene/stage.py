@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from viser import GlbHandle
 
 from paminsa_viz.dimensions.layout import layout
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.meshes.bodies import ground_glb, lengths_of
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import Configuration

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.balancing.jobs import BalanceJob, Task
-from paminsa_viz.explorer.balancing.solving import run
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.panels.balance_text import status_html
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.tasks import solve
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.features.balance.solving import run
+from paminsa_viz.explorer.features.balance.texts import status_html
+from paminsa_viz.explorer.state.balance import BalanceJob, Task
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model.parameters import Counterweight
 
 ATTACHED = Counterweight("b8", 8, 0.1, 1.0)

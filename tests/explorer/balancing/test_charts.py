@@ -8,22 +8,22 @@ import numpy as np
 import pytest
 
 from paminsa_viz.balancing import OUTPUTS
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.balancing.jobs import Task
-from paminsa_viz.explorer.balancing.solving import middle, run, static_torque
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.panels.balance_charts import (
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.features.balance.charts import (
     clicked_point,
     front_figure,
     shown_front,
     shown_tornado,
     tornado_figure,
 )
-from paminsa_viz.explorer.panels.balance_text import sensitivity_html
-from paminsa_viz.explorer.state import State
-from paminsa_viz.explorer.tasks import solve
+from paminsa_viz.explorer.features.balance.solving import middle, run, static_torque
+from paminsa_viz.explorer.features.balance.texts import sensitivity_html
+from paminsa_viz.explorer.state.balance import Task
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import (
     APPENDIX_4,
     InvalidInput,

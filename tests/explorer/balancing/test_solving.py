@@ -11,17 +11,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.balancing import InfeasibleBounds
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.balancing.jobs import CounterweightSlot, FreeMasses, Goal, Task
-from paminsa_viz.explorer.balancing.solving import run, static_torque, tidied
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.maps import COARSE, MapStore, hold_range, toggle_difference
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.panels.balance_text import details_html
-from paminsa_viz.explorer.panels.compare_panel import differences_html
-from paminsa_viz.explorer.state import RangeMode, State
-from paminsa_viz.explorer.tasks import solve, stop
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.maps import COARSE, MapStore, hold_range, toggle_difference
+from paminsa_viz.explorer.core.tasks import stop
+from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.features.balance.solving import run, static_torque, tidied
+from paminsa_viz.explorer.features.balance.texts import details_html
+from paminsa_viz.explorer.features.compare.tab import differences_html
+from paminsa_viz.explorer.state.balance import CounterweightSlot, FreeMasses, Goal, Task
+from paminsa_viz.explorer.state.maps import RangeMode
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import (
     APPENDIX_4,
     InvalidDesign,

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 from paminsa_viz.balancing import spring_torques
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.balancing import springs
-from paminsa_viz.explorer.balancing.springs import SpringsFrom
-from paminsa_viz.explorer.examples import EXAMPLES, open_example
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.panels.springs_panel import SPRINGS, springs_html
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.tasks import receive, solve
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.tasks import receive
+from paminsa_viz.explorer.features.files.examples import EXAMPLES, open_example
+from paminsa_viz.explorer.features.springs import actions as springs
+from paminsa_viz.explorer.features.springs.tab import SPRINGS, springs_html
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.springs import SpringsFrom
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, InvalidInput, static_imbalance, static_torques
 from tests.support.desk import Desk
 

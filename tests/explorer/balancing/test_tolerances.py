@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from paminsa_viz.balancing.tolerance import mass_tolerance
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.balancing.tolerances import draw_robots
-from paminsa_viz.explorer.examples import open_example
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.panels import tolerance_panel as panel
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.tasks import receive, solve
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.tasks import receive
+from paminsa_viz.explorer.features.files.examples import open_example
+from paminsa_viz.explorer.features.tolerances import tab as panel
+from paminsa_viz.explorer.features.tolerances.actions import draw_robots
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.state import State, initial_state
 from tests.support.desk import Desk
 
 PANEL = panel.TOLERANCES

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from paminsa_viz.clearance import PairGroup, clearance
-from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.balancing.jobs import CounterweightSlot, Task
-from paminsa_viz.explorer.balancing.solving import run, weight_clearance
-from paminsa_viz.explorer.panels.balance_text import details_html
-from paminsa_viz.explorer.state import initial_state
-from paminsa_viz.explorer.tasks import solve
+from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.features.balance.solving import run, weight_clearance
+from paminsa_viz.explorer.features.balance.texts import details_html
+from paminsa_viz.explorer.state.balance import CounterweightSlot, Task
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.parameters import Counterweight
 

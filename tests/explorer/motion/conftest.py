@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.state.state import State, initial_state
 
 
 @pytest.fixture

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from paminsa_viz.explorer.motion.jobs import EngineRequest, ask_engine
-from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
-from paminsa_viz.explorer.panels.motion_plots import (
-    caption_html,
-    drawn_charts,
-)
-from paminsa_viz.explorer.state import State
-from paminsa_viz.explorer.tasks import solve
+from paminsa_viz.explorer.core.motion_results import MotionResults, MotionStore
+from paminsa_viz.explorer.features.motion.plots import caption_html, drawn_charts
+from paminsa_viz.explorer.features.motion.solving import ask_engine
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.simulation import EngineRequest
+from paminsa_viz.explorer.state.state import State
 
 
 def analyzed(state: State) -> MotionResults:

@@ -7,15 +7,13 @@ import pytest
 
 from paminsa_viz.engines import verification
 from paminsa_viz.engines.verification import TOLERANCE, verify
-from paminsa_viz.explorer import actions, exports
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import Kind
-from paminsa_viz.explorer.motion.jobs import MOST_SAMPLES
-from paminsa_viz.explorer.panels.motion_plots import (
-    difference_html,
-    drawn_charts,
-)
-from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.features.export import exports
+from paminsa_viz.explorer.features.motion.plots import difference_html, drawn_charts
+from paminsa_viz.explorer.features.motion.solving import MOST_SAMPLES
+from paminsa_viz.explorer.state.motion import Kind
+from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import KneeBranch, Misprint
 from paminsa_viz.plots.series_uplot import chart_shape, uplot_data
 from paminsa_viz.units import power_of_ten

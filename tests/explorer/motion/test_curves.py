@@ -7,15 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.clearing import find_along, motion_job
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import PLOTS, SIMULATED, Kind, PlotView
-from paminsa_viz.explorer.motion.jobs import SimulationSettings, make_job, run
-from paminsa_viz.explorer.motion.results import MotionResults, MotionStore, split_path
-from paminsa_viz.explorer.panels.motion_plots import drawn_charts
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.tasks import solve
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.clearance import find_along, motion_job
+from paminsa_viz.explorer.core.motion_results import MotionResults, MotionStore, split_path
+from paminsa_viz.explorer.features.motion.plots import drawn_charts
+from paminsa_viz.explorer.features.motion.solving import run
+from paminsa_viz.explorer.state.motion import PLOTS, SIMULATED, Kind, PlotView
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.simulation import SimulationSettings, make_job
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import Misprint
 from paminsa_viz.plots import series_uplot
 from paminsa_viz.plots.series import SeriesKind, Trace, runs, statistics

@@ -12,19 +12,17 @@ from typing import Any
 import pytest
 
 from paminsa_viz.engines import EngineMissing, why_missing
-from paminsa_viz.explorer import actions, background, exports
-from paminsa_viz.explorer.background import JobRunner
-from paminsa_viz.explorer.entries import BackgroundJob, given
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.inputs import Checkbox
-from paminsa_viz.explorer.motion.jobs import EngineRequest
-from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.panels.motion_plots import (
-    INPUTS,
-    difference_html,
-    drawn_charts,
-)
-from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.motion_results import MotionStore
+from paminsa_viz.explorer.features.export import exports
+from paminsa_viz.explorer.features.motion.plots import INPUTS, difference_html, drawn_charts
+from paminsa_viz.explorer.kit import task as background
+from paminsa_viz.explorer.kit.entries import BackgroundJob, given
+from paminsa_viz.explorer.kit.inputs import Checkbox
+from paminsa_viz.explorer.kit.task import JobRunner
+from paminsa_viz.explorer.state.simulation import EngineRequest
+from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput, PaminsaError
 from tests.explorer.motion.engine_motions import analyzed, answered, caption, engine_torques
 from tests.support.raw_page import TIMEOUT

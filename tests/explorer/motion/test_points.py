@@ -11,15 +11,15 @@ import viser
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion import points
-from paminsa_viz.explorer.motion.description import Kind, Pose
-from paminsa_viz.explorer.panels.motion_points import POINTS, points_html
-from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.explorer.scene.pose_handles import MotionPoints
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.features.motion import points
+from paminsa_viz.explorer.features.motion.handles import MotionPoints
+from paminsa_viz.explorer.features.motion.point_entries import POINTS, points_html
+from paminsa_viz.explorer.scene.context import SceneContext
+from paminsa_viz.explorer.state.motion import Kind, Pose
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import InvalidInput
 from tests.support.desk import Desk
 from tests.support.raw_page import RawPage, eventually

@@ -10,11 +10,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion import points
-from paminsa_viz.explorer.motion.description import (
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.planning import checked
+from paminsa_viz.explorer.features.motion import points
+from paminsa_viz.explorer.features.motion.crossing import crossing_html
+from paminsa_viz.explorer.features.motion.tab import MOTION, status_line
+from paminsa_viz.explorer.features.pose.tab import status_html
+from paminsa_viz.explorer.state.motion import (
     MOST_SAMPLES,
     MOST_WAYPOINTS,
     SPEEDS,
@@ -26,11 +30,7 @@ from paminsa_viz.explorer.motion.description import (
     motion_from_data,
     started,
 )
-from paminsa_viz.explorer.motion.planning import checked
-from paminsa_viz.explorer.panels.crossing_text import crossing_html
-from paminsa_viz.explorer.panels.motion_panel import MOTION, status_line
-from paminsa_viz.explorer.panels.pose_panel import status_html
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch
 from paminsa_viz.trajectory import PRESETS, Locus, Profile, Trajectory, analyze, from_samples
 

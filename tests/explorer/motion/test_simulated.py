@@ -9,16 +9,17 @@ import pytest
 import trimesh
 import viser
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.jobs import SimulationSettings, run
-from paminsa_viz.explorer.motion.simulated import wanted_pose
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.simulated import wanted_pose
+from paminsa_viz.explorer.features.motion.solving import run
 from paminsa_viz.explorer.scene.bodies import node_name
+from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.ghost import OPACITY, WantedPose, translucent
-from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.tasks import solve
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.simulation import SimulationSettings
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.meshes.bodies import body_glb
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.trajectory import Simulation

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from paminsa_viz.explorer.requirements import actions, suggestions
-from paminsa_viz.explorer.requirements.actions import Side, selected, side_of
-from paminsa_viz.explorer.requirements.saved import MOST_REQUIREMENTS
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS
+from paminsa_viz.explorer.features.requirements import actions, suggestions
+from paminsa_viz.explorer.features.requirements.actions import Side, selected, side_of
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.quantities import QUANTITIES, families
 from paminsa_viz.quantities.requirements import WorkspaceShape

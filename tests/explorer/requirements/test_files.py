@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 import trimesh
 
-from paminsa_viz.explorer.exports import VOLUME_KINDS, volume_file
+from paminsa_viz.explorer.core.requirements import find_volume
+from paminsa_viz.explorer.features.export.exports import VOLUME_KINDS, volume_file
+from paminsa_viz.explorer.features.files.tab import open_content, uploaded_content
+from paminsa_viz.explorer.features.requirements import actions
 from paminsa_viz.explorer.page import opening_state
-from paminsa_viz.explorer.panels.file_panel import open_content, uploaded_content
-from paminsa_viz.explorer.requirements import actions
-from paminsa_viz.explorer.requirements.checking import find_volume
-from paminsa_viz.explorer.requirements.jobs import VolumeJob
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.tasks import solve
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.requirements import VolumeJob
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.files.design_file import write_design
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.quantities.requirements import Requirement

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from paminsa_viz.explorer import persistence
-from paminsa_viz.explorer.requirements.saved import MOST_REQUIREMENTS, requirements_data
-from paminsa_viz.explorer.state import Document
+from paminsa_viz.explorer.core import persistence
+from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS, requirements_data
+from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.quantities.requirements import (
     Requirement,

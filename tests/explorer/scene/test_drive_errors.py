@@ -8,12 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from paminsa_viz.explorer.scene.drive_errors import (
-    FARTHEST,
-    outline,
-    prism,
-    rms_rings,
-)
+from paminsa_viz.explorer.features.accuracy.layers import FARTHEST, outline, prism, rms_rings
 from paminsa_viz.explorer.scene.forces import BAR
 from paminsa_viz.model import APPENDIX_4, DriveAccuracy, jacobian, singular_rotation
 from paminsa_viz.precision.drive_errors import drive_errors

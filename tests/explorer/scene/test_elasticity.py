@@ -12,17 +12,19 @@ import pytest
 import trimesh
 
 from paminsa_viz.elastostatics.stiffness import platform_stiffness
-from paminsa_viz.explorer.elasticity import ElasticJob, ElasticOutcome, analyze_elasticity
-from paminsa_viz.explorer.scene import drive_errors, elasticity
-from paminsa_viz.explorer.scene.elasticity import (
+from paminsa_viz.explorer.features.accuracy import layers as drive_errors
+from paminsa_viz.explorer.features.stiffness import layers as elasticity
+from paminsa_viz.explorer.features.stiffness.layers import (
     LARGEST,
     LONGEST_AXIS,
     LONGEST_SWING,
     MODE_NODE,
 )
+from paminsa_viz.explorer.features.stiffness.solving import analyze_elasticity
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import ball
-from paminsa_viz.explorer.tasks import solve
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.stiffness import ElasticJob, ElasticOutcome
 from paminsa_viz.meshes.vibrating import KEYS, SIDES, vibrating_glb
 from paminsa_viz.model import APPENDIX_4
 from tests.support.scene import POSE, Scene, frame_at

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import Kind, Timing
-from paminsa_viz.explorer.scene.escape import LONGEST
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.features.motion.escape import LONGEST
+from paminsa_viz.explorer.state.motion import Kind, Timing
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import inverse_jacobian
 from tests.support.scene import Scene
 

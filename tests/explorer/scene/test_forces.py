@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.actuation.polytope import wrench_polytope
 from paminsa_viz.actuation.wrench_capability import capability
+from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.forces import (
     BAR,
     FARTHEST,
@@ -23,8 +24,8 @@ from paminsa_viz.explorer.scene.forces import (
     round_scale,
     scale_text,
 )
-from paminsa_viz.explorer.scene.layers import LAYERS, SceneContext
 from paminsa_viz.explorer.scene.nodes import LayerView
+from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.model import APPENDIX_4, LoadCase, LoadFrame
 from paminsa_viz.trajectory import PRESET, analyze
 from tests.support.scene import POSE, Scene, frame_at

@@ -6,13 +6,13 @@ import numpy as np
 
 from paminsa_viz.elastostatics.bar_loads import utilization
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
-from paminsa_viz.explorer.scene.forces import BAR, scale_text
-from paminsa_viz.explorer.scene.joint_forces import (
+from paminsa_viz.explorer.features.loads.layers import (
     LONGEST,
     bar_lines,
     force_arrows,
     sleeve_places,
 )
+from paminsa_viz.explorer.scene.forces import BAR, scale_text
 from paminsa_viz.model import APPENDIX_4
 from tests.support.scene import POSE, Scene, solved
 

@@ -11,8 +11,9 @@ import viser
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.frame import compute
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.ghost import PinnedDesign, translucent
 from paminsa_viz.explorer.scene.joint_limits import (
     INNER,
@@ -23,8 +24,7 @@ from paminsa_viz.explorer.scene.joint_limits import (
     sector,
     turning_ranges,
 )
-from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.explorer.state import initial_state
+from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.meshes.bodies import body_glb
 from paminsa_viz.model import APPENDIX_4, KneeBranch, inverse_kinematics, measure_singularity
 from paminsa_viz.model.kinematics import AXIS_ANGLES

@@ -15,10 +15,11 @@ from hypothesis import strategies as st
 
 from paminsa_viz.explorer.scene.actuators import NAME_SIZE, label_places
 from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
+from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.label_places import Projection, apart, lifts
-from paminsa_viz.explorer.scene.layers import LAYERS, SceneContext
 from paminsa_viz.explorer.scene.mechanism import JOINTS, NUMBER_SIZE, skeleton
 from paminsa_viz.explorer.scene.nodes import LayerView
+from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.model import APPENDIX_4, Geometry, KneeBranch
 from tests.support.scene import frame_at
 

@@ -8,14 +8,17 @@ import numpy as np
 import pytest
 import viser
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.bindings import perform
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels.view_panel import commands, view_entries
-from paminsa_viz.explorer.scene.layers import LAYERS, Layer, SceneContext, build_views, register
+from paminsa_viz.explorer.commands import commands
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.features.view.tab import view_entries
+from paminsa_viz.explorer.kit.bindings import perform
+from paminsa_viz.explorer.scene.build import build_views
+from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.mechanism import sticks
 from paminsa_viz.explorer.scene.nodes import Node
-from paminsa_viz.explorer.state import initial_state
+from paminsa_viz.explorer.state.layers import LAYERS, Layer, register
+from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model.design import APPENDIX_4
 from tests.support.desk import desk_with
 from tests.support.scene import Scene, solved

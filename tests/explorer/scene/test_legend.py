@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from paminsa_viz.dimensions.layout import MAST_ANGLE, layout, plinth_outline
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.maps import COARSE, MapStore
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.maps import COARSE, MapStore
 from paminsa_viz.explorer.scene.actuators import FULL_LENGTH, arrow_scales, force_arrow
-from paminsa_viz.explorer.scene.layers import LAYERS
 from paminsa_viz.explorer.scene.legend import (
     NO_LEGEND,
     Legend,
@@ -24,7 +23,9 @@ from paminsa_viz.explorer.scene.legend import (
     with_legend,
 )
 from paminsa_viz.explorer.scene.mechanism import gravity_arrows, mass_centers, newtons_per_bar
-from paminsa_viz.explorer.state import RangeMode, State, initial_state
+from paminsa_viz.explorer.state.layers import LAYERS
+from paminsa_viz.explorer.state.maps import RangeMode
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.model.reach import workspace_radius
 from paminsa_viz.plots.scale import color_table

@@ -11,19 +11,22 @@ import numpy as np
 import pytest
 import viser
 
-from paminsa_viz.explorer import actions as designs
-from paminsa_viz.explorer.requirements import actions
-from paminsa_viz.explorer.requirements.causes import surface_parts
-from paminsa_viz.explorer.requirements.checking import find_volume
-from paminsa_viz.explorer.requirements.jobs import LargestJob, VolumeJob
-from paminsa_viz.explorer.scene.layers import LAYERS, SceneContext, found_at
+from paminsa_viz.explorer.core import actions as designs
+from paminsa_viz.explorer.core.causes import surface_parts
+from paminsa_viz.explorer.core.requirements import find_volume
+from paminsa_viz.explorer.core.tasks import progress, stop
+from paminsa_viz.explorer.features.requirements import actions
+from paminsa_viz.explorer.features.requirements.layers import outline
+from paminsa_viz.explorer.features.synthesis import actions as synthesis
+from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.mechanism import BEST_NODE
 from paminsa_viz.explorer.scene.nodes import LayerView
-from paminsa_viz.explorer.scene.workspaces import outline
-from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.synthesis import actions as synthesis
-from paminsa_viz.explorer.synthesis.jobs import BestSoFar, Shown
-from paminsa_viz.explorer.tasks import Outcome, progress, solve, stop
+from paminsa_viz.explorer.scene.places import found_at
+from paminsa_viz.explorer.state.layers import LAYERS
+from paminsa_viz.explorer.state.outcome import Outcome, solve
+from paminsa_viz.explorer.state.requirements import LargestJob, VolumeJob
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.state.synthesis import BestSoFar, Shown
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
 from tests.support.raw_page import RawPage

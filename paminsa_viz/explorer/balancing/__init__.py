@@ -1,1 +1,0 @@
-"""Balancing on the page: settings, tasks, their solution and their outcome."""

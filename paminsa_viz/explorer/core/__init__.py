@@ -1,0 +1,1 @@
+"""What every feature stands on: the loop of a session, its frames, and actions on its document."""

@@ -1,0 +1,66 @@
+"""Clearance on the page: of the pose and along the motion, found in the background when idle."""
+
+from __future__ import annotations
+
+from paminsa_viz.clearance import (
+    NearestPoints,
+    PairGroup,
+    clearance_reason,
+    nearest_points,
+)
+from paminsa_viz.explorer.state.clearance import MotionJob, PoseJob
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.plots.clearance_series import MotionClearance, motion_clearance
+from paminsa_viz.trajectory import TrajectoryAnalysis
+
+
+def pose_job(state: State) -> PoseJob:
+    """Return what is wanted at the last reachable pose, with the current masses."""
+    return PoseJob(state.shown_design, state.last_reachable.pose, state.clearance_view.pairs)
+
+
+def motion_job(state: State, analysis: TrajectoryAnalysis) -> MotionJob:
+    """Return what is wanted along the motion."""
+    pairs = state.clearance_view.pairs
+    return MotionJob(analysis.design, analysis.trajectory, pairs, analysis)
+
+
+def nearest(state: State) -> NearestPoints | None:
+    """Return the nearest bodies of the last reachable pose, None if they are not known."""
+    outcome = state.clearing.pose
+    if outcome is None or outcome.job.pose != state.last_reachable.pose:
+        return None
+    return outcome.result if outcome.job == pose_job(state) else None
+
+
+def along(state: State, analysis: TrajectoryAnalysis) -> MotionClearance | None:
+    """Return the clearance along the motion, None if it is not known."""
+    outcome = state.clearing.motion
+    known = outcome is not None and outcome.job == motion_job(state, analysis)
+    return outcome.result if outcome is not None and known else None
+
+
+def reason(state: State) -> tuple[float, str]:
+    """Return the least clearance of the pose [m], NaN if unknown, and why it is too little."""
+    found = nearest(state)
+    if found is None:
+        return float("nan"), ""
+    required = state.clearance_view.required
+    return found.distance, clearance_reason(found.distance, found.names, required)
+
+
+def set_pairs(state: State, group: PairGroup, checked: bool) -> State:
+    """Check a group of pairs, or no longer."""
+    before = state.clearance_view.pairs
+    pairs = before | {group} if checked else before - {group}
+    return state.updated("clearance_view", pairs=frozenset(pairs))
+
+
+def find_nearest(job: PoseJob, _: object) -> NearestPoints | None:
+    """Find the nearest bodies."""
+    return nearest_points(job.design, job.pose, job.pairs)
+
+
+def find_along(job: MotionJob, _: object) -> MotionClearance:
+    """Find the clearance along a motion."""
+    return motion_clearance(job.analysis, job.pairs)

@@ -1,0 +1,85 @@
+"""The page's docks: how wide a person has left them, and whether folded, for the next reload."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from paminsa_viz.explorer.browser.bridge import finite
+from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, VIEW_WIDTH, dock_width, is_folded
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.explorer.state.view import LARGEST_DOCK, Dock, Docks
+
+EDGE: Final = 4
+"""Width of the edge that a dock is dragged by; it counts to what the dock covers [px]."""
+
+FOLDED: Final = 60
+"""A dock that covers less of the window than this is folded [px]."""
+
+ROUNDING: Final = 2
+
+
+def left_dock(state: State, window: tuple[float, float]) -> tuple[int, bool]:
+    """Return width [px] and fold of the maps' dock for a window: as left, or as fits."""
+    dock, width = state.docks.left, dock_width(*window)
+    if dock.width is not None and dock.width + CONTROLS_WIDTH + VIEW_WIDTH / 2 <= window[0]:
+        width = dock.width
+    return width, is_folded(window[0]) if dock.folded is None else dock.folded
+
+
+def right_dock(state: State, window: tuple[float, float]) -> tuple[int, bool]:
+    """Return width [px] and fold of the tabs' dock for a window: as left, or the page's own."""
+    dock, width = state.docks.right, CONTROLS_WIDTH
+    if dock.width is not None and dock.width + VIEW_WIDTH / 2 <= window[0]:
+        width = dock.width
+    return width, bool(dock.folded)
+
+
+def covered(dock: Dock, pixels: Any, own_width: float, own_fold: bool) -> Dock:
+    """Return a dock that covers so many pixels of the window, as the page says.
+
+    What the page itself has chosen is no choice of a person and stays None.
+    """
+    width = finite(pixels)
+    if width is None or not 1 < width <= LARGEST_DOCK:  # there is none yet
+        return dock
+    folded = width < FOLDED
+    if folded:
+        return Dock(dock.width, None if own_fold else True)
+    chosen = round(width - EDGE)
+    kept = None if abs(chosen - own_width) <= ROUNDING else chosen
+    return Dock(kept, False if own_fold else None)
+
+
+def as_reported(state: State, data: Any, window: tuple[float, float]) -> State:
+    """Return the state with what the page says of its docks."""
+    if not isinstance(data, dict):
+        return state
+    left = covered(
+        state.docks.left, data.get("left"), dock_width(*window), is_folded(window[0])
+    )  # fmt: skip
+    right = covered(state.docks.right, data.get("right"), CONTROLS_WIDTH, False)
+    docks = Docks(left, right)
+    return state if docks == state.docks else state.updated("", docks=docks)
+
+
+def keep_docks(session: Session) -> None:
+    """Keep in the state what a person does with the docks, once all of the page is there."""
+
+    def listen(data: Any) -> None:
+        if session.built.is_set():
+            session.dispatch(
+                "docks", lambda state: as_reported(state, data, session.window), step=False
+            )
+
+    session.bridge.on("docks", listen)
+
+
+def restore_right(session: Session) -> None:
+    """Give the tabs' dock the width it had, and fold it if it was folded."""
+    width, folded = right_dock(session.state, session.window)
+    panel = session.client.gui.main_panel
+    if width != CONTROLS_WIDTH:
+        panel.set_width(width)
+    if folded:
+        panel.minimize()

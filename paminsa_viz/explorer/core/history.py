@@ -1,0 +1,58 @@
+"""Undo and redo: the steps of one session."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from paminsa_viz.explorer.state.document import Document
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model.singular_limit import CONDITION_LIMIT
+
+PAUSE = 0.8
+"""Changes by one control that follow each other faster than this are one step [s]."""
+
+DEPTH = 200
+"""Steps that are kept."""
+
+
+class Snapshot(NamedTuple):
+    """What undo brings back: the document, and which poses count, which everything is judged by."""
+
+    document: Document
+    condition_limit: float = CONDITION_LIMIT
+
+    @classmethod
+    def of(cls, state: State) -> Snapshot:
+        """Return that of a state."""
+        return cls(state.document, state.condition_limit)
+
+
+@dataclass
+class History:
+    """Past and undone snapshots of one session."""
+
+    past: list[Snapshot] = field(default_factory=list)
+    future: list[Snapshot] = field(default_factory=list)
+    _source: str = ""
+    _time: float = -1e9
+
+    def record(self, before: Snapshot, after: Snapshot, source: str, now: float) -> None:
+        """Remember a change from ``before`` to ``after``, made by ``source`` at ``now`` [s]."""
+        if before == after and before.document.design.name == after.document.design.name:
+            return
+        same_drag = source == self._source and now - self._time < PAUSE and bool(self.past)
+        self._source, self._time = source, now
+        self.future.clear()
+        if not same_drag:
+            self.past.append(before)
+            del self.past[:-DEPTH]
+
+    def travel(self, current: Snapshot, *, back: bool) -> Snapshot | None:
+        """Return the snapshot before the last step, or the one that the last undo left, or None."""
+        self._source = ""
+        source, target = (self.past, self.future) if back else (self.future, self.past)
+        if not source:
+            return None
+        target.append(current)
+        return source.pop()

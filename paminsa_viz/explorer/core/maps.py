@@ -1,0 +1,208 @@
+"""From a state to the maps it shows: what is solved again, what is kept, and what colors mean.
+
+A field holds all that the geometry decides on a grid at one theta and z. It is kept, so that a
+mass, a position, a reference or a choice of colors only rescales what is there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.state.maps import MapView, RangeMode
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model import APPENDIX_4, Design
+from paminsa_viz.plots.map_data import (
+    COARSE,
+    FULL,
+    MapData,
+    difference,
+    half_width,
+    map_data,
+    workspace_field,
+)
+from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
+from paminsa_viz.plots.scale import Scale
+from paminsa_viz.quantities import MAP_BUDGET, QUANTITIES, TORQUES, affordable_cells
+
+DRAG_BUDGET = 0.1
+"""Time that a coarse map may take while something is dragged [s]."""
+
+KEPT = 8
+"""Fields that are kept: coarse and full, of the design and of the reference, twice."""
+
+
+class MapStore:
+    """Makes the maps of one session and keeps the fields behind them. Safe to use from threads.
+
+    Args:
+        kept: Fields that are kept.
+    """
+
+    def __init__(self, kept: int = KEPT) -> None:
+        self._field = lru_cache(kept)(workspace_field)
+        self._held: dict[tuple[tuple[str, ...], MapView], tuple[Scale, ...]] = {}
+
+    def data(self, state: State, cells: int = FULL, quantities: Sequence[str] = TORQUES) -> MapData:
+        """Return the maps of a state, at the requested theta and z.
+
+        With ``map_view.difference`` and a pinned reference, they show the design minus the
+        reference, each with its own geometry, masked where either is out of reach.
+
+        Args:
+            state: What to show.
+            cells: Cells along each side.
+            quantities: Keys of what to show, one a panel, all in one unit.
+        """
+        shown = self.current(state, cells, quantities)
+        reference = state.document.reference
+        if not shows_difference(state) or reference is None:
+            return shown
+        return difference(shown, self._of(state, reference, cells, quantities))
+
+    def current(
+        self, state: State, cells: int = FULL, quantities: Sequence[str] = TORQUES
+    ) -> MapData:
+        """Return the maps of the current design, whether or not the difference is shown."""
+        return self._of(state, state.document.design, cells, quantities)
+
+    def _of(self, state: State, design: Design, cells: int, quantities: Sequence[str]) -> MapData:
+        document = state.document
+        theta, z = document.pose[2:]
+        budget = DRAG_BUDGET if cells <= COARSE else MAP_BUDGET
+        field = self._field(
+            design.geometry,
+            theta,
+            z,
+            affordable_cells(quantities, cells, budget),
+            half_width(document.design.geometry),
+        )
+        data = map_data(field, design, document.pose, quantities)
+        if design is not document.design or not hatches(state, budget / field.status.size):
+            return data
+        from paminsa_viz.explorer.core.causes import outside_of  # loads SciPy
+
+        return replace(data, outside=outside_of(field, design, document.requirements))
+
+    def scales(
+        self,
+        state: State,
+        data: MapData,
+        quantities: Sequence[str] = TORQUES,
+        *,
+        dragging: bool = False,
+    ) -> tuple[Scale, ...]:
+        """Return the color scales for maps of a state, one a panel.
+
+        A range that is found from the values is held while a slider is dragged, so that maps are
+        seen to grow or fade. Where a reference is pinned, it is the wider one of both designs.
+
+        Args:
+            state: The state that ``data`` was made from.
+            data: The maps, of any resolution.
+            quantities: What they show.
+            dragging: Whether a slider is being dragged.
+        """
+        view, reference = state.map_view, state.document.reference
+        key = (tuple(quantities), view)
+        if dragging and view.range_mode is RangeMode.AUTO and key in self._held:
+            return self._held[key]
+        sample = data if data.x.size == COARSE else self.data(state, COARSE, quantities)
+        found = select_scales(data, sample, view)
+        if view.range_mode is RangeMode.AUTO and reference is not None and not view.difference:
+            other = self._of(state, reference, COARSE, quantities)
+            pairs = zip(found, select_scales(other, other, view), strict=True)
+            found = tuple(max(pair, key=_reach) for pair in pairs)
+        self._held = {k: v for k, v in self._held.items() if k[0] != key[0]} | {key: found}
+        return found
+
+
+def hatches(state: State, cost: float) -> bool:
+    """Whether cells are hatched that break a requirement, if that takes less time a cell [s]."""
+    bounds = state.document.requirements.bounds
+    each = {bound.entry.formula: bound.entry.cost for bound in bounds}
+    return state.map_view.hatched and bool(bounds) and sum(each.values()) <= cost
+
+
+def _reach(scale: Scale) -> float:
+    return max(abs(scale.low), abs(scale.high))
+
+
+def shows_difference(state: State) -> bool:
+    """Return whether maps show the difference from the reference."""
+    return state.map_view.difference and state.document.reference is not None
+
+
+def hold_range(state: State) -> State:
+    """Hold the color range of torques that suits the design and the reference alike.
+
+    So maps of both, and of their difference, compare by their colors. Appendix 4 takes the place
+    of a reference where there is none.
+    """
+    document, store = state.document, MapStore()
+    largest = 0.0
+    for design in (document.design, document.reference or APPENDIX_4):
+        shown = replace(state, document=replace(document, design=design))
+        data = store.current(shown, COARSE, TORQUES)
+        scale = select_scales(data, data, MapView())[0]
+        if np.nanmax(np.abs(data.values), initial=0.0) > 0:
+            largest = max(largest, -scale.low, scale.high)
+    if largest == 0:
+        return state
+    return state.updated(
+        "map_view", range_mode=RangeMode.MANUAL, low=-largest, high=largest, shared=True
+    )
+
+
+def toggle_difference(state: State) -> State:
+    """Show the difference from the reference, or no longer."""
+    return state.updated("map_view", difference=not shows_difference(state))
+
+
+def on_map(state: State, x: float, y: float) -> tuple[float, float]:
+    """Return a position [m] at most as far out as maps show, rounded to 0.1 mm."""
+    half = half_width(state.document.design.geometry)
+    x, y = (round(min(max(value, -half), half), 4) + 0.0 for value in (x, y))
+    return x, y
+
+
+def go_to(state: State, x: float, y: float) -> State:
+    """Ask for another position [m], at most as far out as maps show, rounded to 0.1 mm."""
+    x, y = on_map(state, x, y)
+    return actions.move(state, x=x, y=y)
+
+
+def select_scales(data: MapData, sample: MapData, view: MapView) -> tuple[Scale, ...]:
+    """Return the color scales that a person chose, one a panel.
+
+    A manual range counts for maps in the unit of ``view.quantity`` only; others get the robust
+    range. Its ends may be given in either order.
+
+    Args:
+        data: The maps; their extremes decide on the full range.
+        sample: The same maps, coarse; they decide on the robust range.
+        view: What was chosen.
+    """
+    choice = ScaleChoice(
+        shared=view.shared,
+        kind="symlog" if view.logarithmic else "linear",
+        full=view.range_mode is RangeMode.FULL,
+    )
+    ends = usable_range(view.low, view.high)
+    manual = view.range_mode is RangeMode.MANUAL and QUANTITIES[view.quantity].unit == data.unit
+    if manual and ends is not None:
+        choice = replace(choice, low=ends[0], high=ends[1])
+    return choose_scales(data, choice, sample)
+
+
+def choose_quantity(state: State, quantity: str) -> State:
+    """Show another quantity; a manual range in another unit is given up."""
+    view = state.map_view
+    mode = view.range_mode
+    if mode is RangeMode.MANUAL and QUANTITIES[quantity].unit != QUANTITIES[view.quantity].unit:
+        mode = RangeMode.AUTO
+    return state.updated("map_view", quantity=quantity, range_mode=mode)

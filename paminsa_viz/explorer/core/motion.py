@@ -1,0 +1,221 @@
+"""What a person can ask of a motion, each as a pure function from state to state."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+from paminsa_viz.explorer.core import planning, tasks
+from paminsa_viz.explorer.core.actions import change_document, with_document
+from paminsa_viz.explorer.core.planning import Planned
+from paminsa_viz.explorer.core.simulated import shown_simulation
+from paminsa_viz.explorer.state.motion import (
+    SIMULATED,
+    Kind,
+    Pose,
+    Timing,
+    advanced,
+    require_possible,
+    started,
+)
+from paminsa_viz.explorer.state.outcome import Outcome
+from paminsa_viz.explorer.state.simulation import SimulationJob, make_job
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model import InvalidInput
+from paminsa_viz.trajectory import PRESET, Simulation, Trajectory
+
+
+def planned(state: State) -> Planned:
+    """Return the trajectory of a state."""
+    document = state.document
+    return planning.planned(document.motion, document.design)
+
+
+def duration(state: State) -> float:
+    """Return how long the motion lasts [s], 0 if there is none."""
+    trajectory = planned(state).trajectory
+    return 0.0 if trajectory is None else trajectory.duration
+
+
+def change(state: State, **changes: Any) -> State:
+    """Change the description of the motion; the path is shown from then on.
+
+    Raises:
+        InvalidInput: If a number is out of its range.
+    """
+    motion = replace(state.document.motion, **changes)
+    require_possible(motion)
+    changed = change_document(state, motion=motion)
+    if motion != state.document.motion:
+        changed = _with_path(changed)
+    end = duration(changed)
+    if changed.playback.time > end:
+        changed = show_time(changed, end)
+    return changed
+
+
+def choose_preset(state: State, key: str) -> State:
+    """Choose a preset, in its own duration unless the shortest one is chosen."""
+    if key not in PRESET:
+        raise InvalidInput("motion", f"one of {', '.join(PRESET)} is needed")
+    motion = state.document.motion
+    timing = Timing.SHORTEST if motion.timing is Timing.SHORTEST else Timing.OWN
+    return from_start(change(state, kind=Kind.PRESET, preset=key, timing=timing, back=False))
+
+
+def choose_kind(state: State, kind: Kind) -> State:
+    """Choose to build a motion; the poses it is built from are shown."""
+    timing = state.document.motion.timing
+    timing = Timing.GIVEN if timing is Timing.OWN else timing
+    state = replace(state, layers=state.layers | {"points"})
+    return from_start(change(state, kind=kind, timing=timing))
+
+
+def from_start(state: State) -> State:
+    """Show the start of the motion, if the robot is on it."""
+    return show_time(state, 0.0)
+
+
+def limit(state: State, name: str, value: float) -> State:
+    """Set a limit of the shortest duration, 0 for none."""
+    limits = replace(state.document.motion.limits, **{name: value or None})
+    return change(state, limits=limits)
+
+
+def current_pose(state: State) -> Pose:
+    """Return the pose of the robot, to the micrometer; theta as it is."""
+    x, y, theta, z = state.last_reachable.pose
+    return (round(x, 6) + 0.0, round(y, 6) + 0.0, theta, round(z, 6) + 0.0)
+
+
+def start_here(state: State) -> State:
+    """Let the motion from pose to pose begin at the robot's pose."""
+    _, goal = _ends(state)
+    return change(state, start=current_pose(state), goal=goal)
+
+
+def goal_here(state: State) -> State:
+    """Let the motion from pose to pose end at the robot's pose."""
+    start, _ = _ends(state)
+    return change(state, start=start, goal=current_pose(state))
+
+
+def _ends(state: State) -> tuple[Pose, Pose]:
+    document = state.document
+    return planning.ends(document.motion, document.design.geometry)
+
+
+def swap_ends(state: State) -> State:
+    """Let the motion from pose to pose run in the other direction."""
+    start, goal = _ends(state)
+    return change(state, start=goal, goal=start)
+
+
+def center_here(state: State) -> State:
+    """Put the circle's center at the robot's pose."""
+    return change(state, center=current_pose(state))
+
+
+def use_table(state: State, table: Trajectory) -> State:
+    """Run the samples of a file."""
+    return from_start(change(state, kind=Kind.TABLE, table=table))
+
+
+def show_time(state: State, time: float) -> State:
+    """Show another instant; the robot goes there if it follows the motion."""
+    moved = state.updated("playback", time=time)
+    return with_document(moved, moved.document)
+
+
+def scrub(state: State, time: float) -> State:
+    """Go to an instant of the motion [s], and let the robot go there; playing stops."""
+    if not math.isfinite(time):
+        raise InvalidInput("time", "a finite time is needed")
+    time = min(max(time, 0.0), duration(state))
+    stopped = state.updated("playback", playing=False, following=True)
+    return show_time(_with_path(stopped), time)
+
+
+def play(state: State) -> State:
+    """Play the motion on, from its start if it is at its end.
+
+    Raises:
+        InvalidInput: If there is no motion.
+    """
+    found = planned(state)
+    if found.trajectory is None:
+        raise InvalidInput("motion", found.problem)
+    playback = started(state.playback, found.trajectory.duration)
+    return show_time(_with_path(replace(state, playback=playback)), playback.time)
+
+
+def _with_path(state: State) -> State:
+    return replace(state, layers=state.layers | {"path"})
+
+
+def pause(state: State) -> State:
+    """Stop playing where the motion is."""
+    return state.updated("playback", playing=False)
+
+
+def play_or_pause(state: State) -> State:
+    """Play, or stop playing."""
+    return pause(state) if state.playback.playing else play(state)
+
+
+def advance_time(state: State, passed: float) -> State:
+    """Let true time pass [s]."""
+    if not state.playback.playing:
+        return state
+    playback = advanced(state.playback, passed, duration(state))
+    return show_time(replace(state, playback=playback), playback.time)
+
+
+def wanted_job(state: State) -> SimulationJob:
+    """Return the simulation of the current state.
+
+    Raises:
+        InvalidInput: If there is no motion, or it is too long.
+    """
+    document = state.document
+    settings = state.simulating.settings
+    return make_job(document.design, planned(state).trajectory, settings)
+
+
+def simulate(state: State) -> State:
+    """Start a simulation of the current state, and for its curves.
+
+    Raises:
+        InvalidInput: If there is nothing to simulate, or one runs already.
+    """
+    if state.simulating.running is not None:
+        raise InvalidInput("simulation", "the last one still runs")
+    if state.plots.plot not in SIMULATED:
+        state = state.updated("plots", plot="errors")
+    return tasks.start(state, "simulating", wanted_job(state))
+
+
+def simulation_is_current(state: State) -> bool:
+    """Whether the last simulation is one of the current design, motion and settings."""
+    outcome = state.simulating.outcome
+    try:
+        return outcome is not None and outcome.job == wanted_job(state)
+    except InvalidInput:
+        return False
+
+
+def receive_simulation(state: State, outcome: Outcome[SimulationJob, Simulation]) -> State:
+    """Take over the outcome of the job that runs, and play it; that of an older one is dropped."""
+    received = tasks.receive(state, "simulating", outcome)
+    if received is state:
+        return state
+    if shown_simulation(received.document, received.simulating) is None:
+        return with_document(received, received.document)
+    return play(received.updated("playback", time=0.0))
+
+
+def show_simulation(state: State, shown: bool) -> State:
+    """Let the robot in the scene move as simulated, or as planned."""
+    changed = state.updated("simulating", shown=shown)
+    return with_document(changed, changed.document)

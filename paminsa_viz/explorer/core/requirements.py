@@ -1,0 +1,110 @@
+"""Requirements of a session: which hold, and the volume with its surface."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from paminsa_viz.explorer.core.causes import conflict_text, surface_parts
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.saved_requirements import asked
+from paminsa_viz.explorer.state.outcome import Report
+from paminsa_viz.explorer.state.requirements import Placed, VolumeJob, VolumeOutcome, VolumeResult
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model import Design, PaminsaError
+from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.synthesis.volume.check import RequirementsCheck, check_requirements
+from paminsa_viz.synthesis.volume.grid import COARSE, FINE
+from paminsa_viz.synthesis.volume.margins import Canceled
+from paminsa_viz.synthesis.volume.solve import solve_volume
+
+CHEAP = 3e-6
+"""Cost of all quantities [s a pose] up to which a given workspace is checked at once: some 5 ms."""
+
+VOLUME_SHARE = 0.6
+"""Part of a fine job that the volume takes; the check and the surface take the rest."""
+
+
+@lru_cache(maxsize=4)
+def _at_once(design: Design, requirements: Requirements) -> RequirementsCheck:
+    return check_requirements(design, requirements)
+
+
+def is_quick(requirements: Requirements) -> bool:
+    """Whether requirements are checked so fast that nothing has to wait."""
+    workspace = requirements.workspace
+    cost = sum({bound.entry.formula: bound.entry.cost for bound in requirements.bounds}.values())
+    return workspace is not None and None not in workspace.center and cost <= CHEAP
+
+
+def current_check(state: State) -> RequirementsCheck | None:
+    """Return which requirements hold, as finely as is known; None if nothing is known yet."""
+    document = state.document
+    if not asked(document.requirements):
+        return None
+    for outcome in (state.requiring.fine, state.requiring.quick):
+        if outcome is not None and outcome.result is not None and outcome.job.serves(document):
+            return outcome.result.check
+    if is_quick(document.requirements):
+        return _at_once(document.design, document.requirements)
+    return None
+
+
+def current_volume(state: State) -> VolumeOutcome | None:
+    """Return the volume of the current design, the fine one if it is there."""
+    for outcome in (state.requiring.fine, state.requiring.quick):
+        if outcome is not None and outcome.job.serves(state.document):
+            return outcome
+    return None
+
+
+def placed_workspace(state: State) -> Placed | None:
+    """Return the required workspace where it is or, if it is free, where it fits best."""
+    workspace = state.document.requirements.workspace
+    if workspace is None:
+        return None
+    x, y, z = workspace.center
+    if x is None or y is None or z is None:
+        check = current_check(state)
+        if check is None or check.center is None:
+            return None
+        x, y, z = check.center
+    return workspace.shape, workspace.size, (x, y, z)
+
+
+def find_volume(job: VolumeJob, report: Report) -> VolumeResult:
+    """Find the volume and what holds.
+
+    Raises:
+        PaminsaError: If the requirements cannot be checked, or the work was stopped.
+    """
+    try:
+        volume = solve_volume(
+            job.design, job.requirements, resolution=FINE if job.fine else COARSE,
+            progress=lambda done: report(VOLUME_SHARE * done),
+        )  # fmt: skip
+        check = check_requirements(
+            job.design, job.requirements, fine=job.fine, volume=volume,
+            progress=lambda done: report(VOLUME_SHARE + (1 - VOLUME_SHARE) * done),
+        )  # fmt: skip
+    except Canceled:
+        raise PaminsaError("canceled") from None
+    surface = surface_parts(volume) if job.fine else ()
+    workspace = None if volume.empty else job.requirements.workspace
+    conflict = "" if check.holds else conflict_text(volume, workspace)
+    return VolumeResult(volume, check, surface, conflict)
+
+
+def receive(state: State, outcome: VolumeOutcome) -> State:
+    """Take over a result, unless something else is required by now."""
+    if not outcome.job.serves(state.document) or not asked(state.document.requirements):
+        return state
+    name = "fine" if outcome.job.fine else "quick"
+    return state.updated("requiring", **{name: outcome})
+
+
+def wanted_volume(frame: Frame, *, fine: bool) -> VolumeJob | None:
+    """Return the job of what is shown; none while a search needs all cores, and shows others."""
+    document, searching = frame.state.document, frame.state.synthesizing.running is not None
+    if searching or not asked(document.requirements):
+        return None
+    return VolumeJob(document.design, document.requirements, fine)

@@ -1,0 +1,63 @@
+"""Requirements as plain data, for the tab's own store and share codes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+from paminsa_viz.explorer.state.settings import changed_data
+from paminsa_viz.model import InvalidInput
+from paminsa_viz.quantities.requirements import Requirements
+
+MOST_REQUIREMENTS = 24
+"""Most bounds on quantities of a document."""
+
+FARTHEST = 1e3
+"""Largest size and coordinate of a workspace, and largest angle [m, rad]."""
+
+
+def asked(requirements: Requirements) -> bool:
+    """Whether anything is required."""
+    return bool(requirements.bounds) or requirements.workspace is not None
+
+
+def require_possible(requirements: Requirements) -> None:
+    """Check what a page may ask for.
+
+    Raises:
+        InvalidInput: If there are too many requirements, or a number of a workspace is too large.
+    """
+    if len(requirements.bounds) > MOST_REQUIREMENTS:
+        raise InvalidInput("requirements", f"at most {MOST_REQUIREMENTS} are possible here")
+    workspace = requirements.workspace
+    numbers = [*requirements.theta]
+    for bound in requirements.bounds:
+        numbers += [*(bound.theta or ()), *(bound.z or ())]
+    if workspace is not None:
+        numbers += [*workspace.size, *(place for place in workspace.center if place is not None)]
+    if any(abs(value) > FARTHEST for value in numbers):
+        raise InvalidInput(
+            "requirements", f"sizes, heights and angles up to {FARTHEST:g} are possible"
+        )
+
+
+def requirements_data(requirements: Requirements) -> dict[str, Any]:
+    """Return what differs from no requirements at all; nothing if there are none."""
+    data = changed_data(requirements, Requirements())
+    for bound in data.get("bounds", ()):
+        for name in [name for name, value in bound.items() if value is None]:
+            del bound[name]
+    return data
+
+
+def requirements_from_data(data: dict[str, Any]) -> Requirements:
+    """Read what `requirements_data` returned.
+
+    Raises:
+        PaminsaError: If a value is not possible.
+        msgspec.ValidationError: If it is something else.
+    """
+    requirements = msgspec.convert(data, Requirements)
+    require_possible(requirements)
+    return requirements

@@ -1,0 +1,298 @@
+"""One browser tab: its state, its undo, its worker, its views.
+
+Callbacks of the page only dispatch actions. One worker a session applies them and draws the newest
+state: a value that was overtaken is never drawn, and the last one always is.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property, partial
+from typing import Protocol
+
+import viser
+
+from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.actions import Action
+from paminsa_viz.explorer.core.frame import Frame, compute
+from paminsa_viz.explorer.core.history import History, Snapshot
+from paminsa_viz.explorer.core.motion import advance_time
+from paminsa_viz.explorer.core.motion_results import MotionStore
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model import PaminsaError
+
+log = logging.getLogger(__name__)
+
+IDLE_DELAY = 0.4
+"""Time without a change after which the page is idle [s]."""
+
+FRAME_PERIOD = 1 / 30
+"""Shortest time between two instants of a motion that is played [s]."""
+
+FLUSH_DELAY = 0.01
+"""Pause between the immediate views and the others [s]: what comes together the browser draws
+together, so the robot would wait for the numbers; nor can one tab take a core for itself."""
+
+DEFERRED_TIMEOUT = 0.02
+"""How long a newer state waits for the deferred views of an older one while dragging [s]."""
+
+LONGEST_CLOSING = 5.0
+"""How long a session that is closed is waited for [s]."""
+
+SCENE_TIMEOUT = 10.0
+"""How long another scene is waited for [s]."""
+
+
+class View(Protocol):
+    """Something on the page that shows a frame.
+
+    ``draw`` is called on the session's worker, with ``dragging`` True for every new state and once
+    more with False when the page is idle. It draws what has changed since, and nothing else.
+    """
+
+    def draw(self, frame: Frame, dragging: bool, /) -> None: ...
+
+
+class Session:
+    """The state of a tab and the worker that draws it.
+
+    Attributes:
+        client: The tab.
+        immediate: Views drawn at once, before anything slower: what moves in the scene.
+        fast: Views drawn a moment after that: numbers and inputs.
+        deferred: Views drawn last, in turns if new states come faster: maps and other figures.
+        built: Set when all of the page is there.
+        window: Width and height of the browser's window at the start [px].
+        camera: The camera preset chosen last, and its position [m].
+        motions: What is known along the motion; for the worker alone.
+        exporting: Held while a file is made for the tab.
+        open_tabs: Names of the tabs that are open, None until the page has said so.
+    """
+
+    def __init__(
+        self, client: viser.ClientHandle, state: State, shown: Action = lambda state: state
+    ) -> None:
+        """Begin with a state.
+
+        Args:
+            client: The tab.
+            state: The first state.
+            shown: What is drawn of a state, if that is not the state itself.
+        """
+        self.client = client
+        self._shown = shown
+        self.immediate: list[View] = []
+        self.fast: list[View] = []
+        self.deferred: list[View] = []
+        self.built = threading.Event()
+        # Asked now: later the panels take their part of it.
+        self.window = (float(client.camera.image_width), float(client.camera.image_height))
+        self._page_height: float | None = None
+        self._state = state
+        self._history = History()
+        self._actions: dict[str, tuple[Action, bool]] = {}
+        self._jobs: list[Callable[[], None]] = []
+        self._lock = threading.Lock()
+        self._wake = threading.Event()
+        self._closed = False
+        self.camera: tuple[str, tuple[float, float, float]] = ("", (0.0, 0.0, 0.0))
+        self.motions = MotionStore()
+        self.exporting = threading.Lock()
+        self.open_tabs: frozenset[str] | None = None
+        self._turn = 0
+        self._frame_due: float | None = None
+        self._thread = threading.Thread(target=self._run, name="paminsa-session", daemon=True)
+
+    @cached_property
+    def bridge(self) -> Bridge:
+        """Scripts to the tab and messages from it."""
+        return Bridge(self.client, lambda: self.closed)
+
+    @property
+    def state(self) -> State:
+        """The newest state."""
+        return self._state
+
+    @property
+    def closed(self) -> bool:
+        """Whether the tab has gone."""
+        return self._closed
+
+    def start(self) -> None:
+        """Draw the first frame and start to respond."""
+        self._thread.start()
+        self._wake.set()
+
+    def close(self) -> None:
+        """Stop the worker, as the tab has gone, and wait until it has ended what it was doing."""
+        self._closed = True
+        self._wake.set()
+        if self._thread.is_alive():
+            self._thread.join(LONGEST_CLOSING)
+
+    @property
+    def pixel_ratio(self) -> float:
+        """Pixels of the 3D view, which the camera counts and viser may make fewer, for one of the
+        page's; the view is as high as the window."""
+        height = float(self.client.camera.image_height)
+        return height / self._page_height if self._page_height and height else 1.0
+
+    def set_window(self, width: float, height: float) -> None:
+        """Take the size of the window from the page, which knows its own pixels."""
+        if self._page_height is None:
+            self.window = (width, height)
+        self._page_height = height
+
+    def shows(self, tab: str) -> bool:
+        """Whether what is in a tab may be seen; without a name, it is in none."""
+        return not tab or self.open_tabs is None or tab in self.open_tabs
+
+    def dispatch(self, source: str, action: Action, *, step: bool = True) -> None:
+        """Change the state; a newer action of the same source replaces one that waits.
+
+        Args:
+            source: Which input or job it comes from.
+            action: Pure function from state to state. It may raise `PaminsaError`, which is
+                notified and changes nothing.
+            step: Whether it can be undone if it changes the document; the playing of a motion,
+                which moves the robot, is no step.
+        """
+        with self._lock:
+            self._actions.pop(source, None)
+            self._actions[source] = (action, step)
+        self._wake.set()
+
+    def submit(self, job: Callable[[], None]) -> None:
+        """Run something on the worker that is no change of state, such as an export."""
+        with self._lock:
+            self._jobs.append(job)
+        self._wake.set()
+
+    def show_scene(self, state: State) -> None:
+        """Draw the scene as of another state, until the next change, and wait for it."""
+        done = threading.Event()
+
+        def draw() -> None:
+            self._draw_together(self.immediate, compute(state, self.motions), False)
+            done.set()
+
+        self.submit(draw)
+        done.wait(SCENE_TIMEOUT)
+
+    def undo(self) -> None:
+        """Undo the last step."""
+        self.submit(partial(self._travel, back=True))
+
+    def redo(self) -> None:
+        """Redo the step undone last."""
+        self.submit(partial(self._travel, back=False))
+
+    def notify(self, title: str, body: str, *, bad: bool = False) -> None:
+        """Show a notice on the page, if it is still there."""
+        if not self._closed:
+            self.client.add_notification(
+                title, body, color="red" if bad else "teal", auto_close_seconds=12 if bad else 5
+            )
+
+    def _travel(self, *, back: bool) -> None:
+        found = self._history.travel(Snapshot.of(self._state), back=back)
+        if found is not None:
+            restored = actions.restore(self._state, found.document)
+            self._state = replace(restored, condition_limit=found.condition_limit)
+
+    def _run(self) -> None:
+        idle_due: float | None = None
+        drawn: State | None = None
+        while not self._closed:
+            due = idle_due if self._frame_due is None else self._frame_due
+            self._wake.wait(None if due is None else max(0.0, due - time.monotonic()))
+            self._wake.clear()
+            if self._closed:
+                return
+            try:
+                self._apply_actions()
+                self._play_on()
+                if self._state is not drawn:
+                    drawn = self._state
+                    self._draw(drawn, dragging=True)
+                    idle_due = time.monotonic() + IDLE_DELAY
+                elif idle_due is not None and time.monotonic() >= idle_due:
+                    idle_due = None
+                    self._draw(self._state, dragging=False)
+            except Exception:
+                if self._closed:
+                    return
+                log.exception("a session could not draw")
+                self.notify("Something went wrong", "Details are in the program's log.", bad=True)
+                idle_due = None
+
+    def _apply_actions(self) -> None:
+        with self._lock:
+            pending, self._actions = self._actions, {}
+            jobs, self._jobs = self._jobs, []
+        for source, (action, step) in pending.items():
+            self.guard(partial(self._apply, source, action, step))
+        for job in jobs:
+            self.guard(job)
+
+    def _apply(self, source: str, action: Action, step: bool) -> None:
+        before = self._state
+        # If the action fails: a new object, so that the inputs are set back to the state.
+        self._state = replace(before)
+        self._state = action(before)
+        if step:
+            after = Snapshot.of(self._state)
+            self._history.record(Snapshot.of(before), after, source, time.monotonic())
+
+    def _play_on(self) -> None:
+        """Let a motion that is played move on by the time that has passed.
+
+        So a slow page shows fewer instants and not a slower motion.
+        """
+        now = time.monotonic()
+        if self._frame_due is not None and now >= self._frame_due:
+            self._state = advance_time(self._state, now - self._frame_due + FRAME_PERIOD)
+            self._frame_due = None
+        if not self._state.playback.playing:
+            self._frame_due = None
+        elif self._frame_due is None:
+            self._frame_due = now + FRAME_PERIOD
+
+    def guard(self, job: Callable[[], None]) -> None:
+        """Run a request on this thread; its failure is notified and stops no other request."""
+        try:
+            job()
+        except PaminsaError as error:
+            self.notify("Not possible", str(error), bad=True)
+        except Exception:
+            if self._closed:
+                return
+            log.exception("a request failed")
+            self.notify("Something went wrong", "Details are in the program's log.", bad=True)
+
+    def _draw(self, state: State, *, dragging: bool) -> None:
+        frame = compute(self._shown(state), self.motions)
+        self._draw_together(self.immediate, frame, dragging)
+        time.sleep(FLUSH_DELAY)
+        self._draw_together(self.fast, frame, dragging)
+        due = time.monotonic() + DEFERRED_TIMEOUT
+        for _ in range(len(self.deferred)):
+            view = self.deferred[self._turn % len(self.deferred)]
+            self._turn += 1
+            view.draw(frame, dragging)
+            self.client.flush()
+            now = time.monotonic()
+            newer = self._actions or (self._frame_due is not None and now >= self._frame_due)
+            if dragging and newer and now > due:
+                break  # the robot first, then the views that are still due
+
+    def _draw_together(self, views: list[View], frame: Frame, dragging: bool) -> None:
+        with self.client.atomic():
+            for view in views:
+                view.draw(frame, dragging)
+        self.client.flush()

@@ -1,0 +1,94 @@
+"""What a tab keeps across a reload: its document, and how it is shown.
+
+The document is written as for a share code; how it is shown, part by part, as plain data. A part
+that cannot be read, or is not possible any more, keeps its default.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass, replace
+from operator import attrgetter
+from typing import Annotated, Any
+
+import msgspec
+
+from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.core import actions, persistence
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.state.layers import LAYERS
+from paminsa_viz.explorer.state.settings import Settings
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.state.view import Appearance
+
+
+def _settings(part: Any, path: str = "") -> Iterator[tuple[str, type[Settings]]]:
+    """Yield the places and types of all settings in a part of the state."""
+    for item in fields(part):
+        value, place = getattr(part, item.name), f"{path}{item.name}"
+        if isinstance(value, Settings):
+            yield place, type(value)
+        elif is_dataclass(value):
+            yield from _settings(value, f"{place}.")
+
+
+VIEW: dict[str, Any] = {
+    "layers": frozenset[str],
+    "floor_opacity": Annotated[float, msgspec.Meta(ge=0, le=1)],
+    "condition_limit": Annotated[float, msgspec.Meta(ge=1, le=sys.float_info.max)],
+    "table_at_rest": bool,
+    "appearance": Appearance,
+    **dict(_settings(initial_state())),
+}
+"""Parts of the state that say how it is shown or what is set, and their types."""
+
+
+def dump(state: State) -> str:
+    """Write what a tab keeps of a state."""
+    view = {}
+    for name in VIEW:
+        part = attrgetter(name)(state)
+        view[name] = msgspec.to_builtins(part.saved if isinstance(part, Settings) else part)
+    return json.dumps(json.loads(persistence.dump(state.document)) | {"view": view})
+
+
+def restore(state: State, text: str) -> State:
+    """Return a state with what a tab has kept.
+
+    Raises:
+        PaminsaError: If the document cannot be read.
+    """
+    state = actions.restore(state, persistence.load(text))
+    view = json.loads(text).get("view", {})
+    for name, kind in VIEW.items():
+        try:
+            value = msgspec.convert(view[name], kind)
+        except (msgspec.ValidationError, LookupError, TypeError):
+            continue
+        if not isinstance(value, Settings) or value.possible:
+            part, _, attribute = name.rpartition(".")
+            state = state.updated(part, **{attribute: value})
+    known = replace(state, layers=state.layers & frozenset(LAYERS))
+    if known.document.reference is None and known.map_view.difference:
+        return known.updated("map_view", difference=False)
+    return known
+
+
+class TabStore:
+    """Keeps a tab's state in its own store, whenever the page is idle."""
+
+    def __init__(self, bridge: Bridge) -> None:
+        self._bridge = bridge
+        self._kept = ""
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Save what has changed."""
+        # A search may show a robot that is not the document's.
+        if dragging or frame.state.synthesizing.running is not None:
+            return
+        text = dump(frame.state)
+        if text != self._kept:
+            self._kept = text
+            self._bridge.save(text)

@@ -1,0 +1,89 @@
+"""The dock next to the 3D view: torque maps, the map of one quantity, curves, the export."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import viser
+
+from paminsa_viz.explorer.browser.bridge import Slots, finite
+from paminsa_viz.explorer.core.docks import left_dock
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.maps import MapStore
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.export.tab import export_entries
+from paminsa_viz.explorer.features.maps.pictures import MapPicture
+from paminsa_viz.explorer.features.maps.tab import single_entries, torque_entries
+from paminsa_viz.explorer.features.motion import point_entries as motion_points
+from paminsa_viz.explorer.features.motion.plots import MotionPlots
+from paminsa_viz.explorer.features.motion.points import click_map
+from paminsa_viz.explorer.kit.bindings import Panel
+from paminsa_viz.explorer.kit.curves import PLACE as MOTION_SLOT
+from paminsa_viz.explorer.scene.legend import SceneLegend
+from paminsa_viz.quantities import TORQUES
+
+TORQUE_SLOT, SINGLE_SLOT = "torques", "single"
+
+
+class MapsPanel:
+    """Four tabs next to the 3D view: torque maps, single map, motion plots, export.
+
+    Attributes:
+        store: Where the maps come from; the floor map can share it.
+        legend: Legend of the 3D view, which pictures of it have too.
+    """
+
+    def __init__(self, session: Session) -> None:
+        client = session.client
+        self._session = session
+        self.store, self.legend = MapStore(), SceneLegend(session.bridge)
+        width, folded = left_dock(session.state, session.window)
+        slots = Slots(
+            session.bridge, session.dispatch, {TORQUE_SLOT: width, SINGLE_SLOT: 0, MOTION_SLOT: 0}
+        )
+        panel = client.gui.add_panel()
+        with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):
+            self._torques = MapPicture(
+                session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES, "inside"
+            )
+            self._torque_inputs = Panel(session, torque_entries("torque maps", self._torques))
+        with panel.add_tab("Single map", viser.Icon.SQUARE_ROUNDED):
+            self._single = MapPicture(
+                session, self.store, slots, SINGLE_SLOT, lambda s: (s.map_view.quantity,),
+                "below",
+            )  # fmt: skip
+            self._single_inputs = Panel(session, single_entries("single map", self._single))
+        motion_tab = panel.add_tab("Motion plots", viser.Icon.CHART_LINE)
+        with motion_tab:
+            self.motion = MotionPlots(session, slots, motion_tab)
+        with panel.add_tab("Export", viser.Icon.DOWNLOAD):
+            self.export = Panel(session, export_entries(self.store, lambda: self.legend.shown))
+        panel.dock_left()
+        panel.set_width(width)
+        if folded:
+            panel.minimize()
+        session.bridge.on("click", self._click)
+        session.bridge.on(motion_points.DRAW, partial(motion_points.receive_switch, session))
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Draw the maps that are seen, and what the inputs show: the ranges of the pictures."""
+        for view in (
+            self._torques, self._torque_inputs, self._single, self._single_inputs, self.motion,
+            self.export,
+        ):  # fmt: skip
+            view.draw(frame, dragging)
+
+    def _click(self, data: Any) -> None:
+        """Move the robot to where a map was clicked, or draw; ``data`` comes from the page."""
+        place = clicked_place(data)
+        if place is not None:
+            self._session.dispatch("map click", lambda state: click_map(state, *place))
+
+
+def clicked_place(data: Any) -> tuple[float, float] | None:
+    """Read a click on one of the maps, sent in mm; return (x, y) [m], or None if it is not one."""
+    if not isinstance(data, dict) or data.get("title") not in (TORQUE_SLOT, SINGLE_SLOT):
+        return None
+    x, y = finite(data.get("x")), finite(data.get("y"))
+    return None if x is None or y is None else (x / 1e3, y / 1e3)

@@ -1,0 +1,1 @@
+"""Errors of the platform, of drives and of manufacture."""

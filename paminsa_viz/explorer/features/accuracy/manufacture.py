@@ -1,0 +1,183 @@
+"""Errors by manufacture: tolerances, which length counts most, random robots, unequal legs."""
+
+from __future__ import annotations
+
+from functools import lru_cache, partial
+
+import numpy as np
+
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.features.accuracy.monte_carlo import (
+    MONTE_CARLO,
+    NAMES,
+    SHOWN,
+    UNITS,
+    error_row,
+    shown_lengths,
+)
+from paminsa_viz.explorer.kit.design_numbers import set_value
+from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Folder, Html
+from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
+from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.state.motion import Pose
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model import PARAMETER, Design
+from paminsa_viz.model.accuracy import LEG_NAMES, NO_DEVIATIONS, NO_TOLERANCES, Tolerances
+from paminsa_viz.precision.leg_lengths import LENGTHS
+from paminsa_viz.precision.manufacture import ToleranceErrors, manufactured_pose, tolerance_errors
+from paminsa_viz.precision.unequal_legs import Closure
+from paminsa_viz.units import display_unit, symbol_text
+
+LEAST_SHARE = 0.005
+"""Smallest share that has a bar."""
+
+
+@lru_cache(maxsize=4)
+def _tolerance_errors(design: Design, pose: Pose) -> ToleranceErrors:
+    return tolerance_errors(design, pose)
+
+
+def tolerances_html(frame: Frame) -> str:
+    """Return the errors by tolerances and clearances at the pose."""
+    found = _tolerance_errors(*shown_lengths(frame))
+    columns = (found.worst, found.clearance, found.rms)
+    rows = [error_row(NAMES[i], UNITS[i], *(part[i] for part in columns)) for i in SHOWN]
+    rows.insert(
+        2, error_row("in the plane", "m:um", found.horizontal, np.nan, found.rms_horizontal)
+    )
+    rows.append(error_row("tilt", "rad:arcsec", found.tilt, np.nan, found.rms_tilt))
+    return render("accuracy/errors.j2", rows=rows, known=bool(np.isfinite(found.worst).all()))
+
+
+def shares_html(frame: Frame) -> str:
+    """Return the share of each length in the variance of a coordinate, as bars."""
+    index = frame.state.manufacture.coordinate
+    share = _tolerance_errors(*shown_lengths(frame)).shares[index]
+    order = [i for i in np.argsort(-share) if share[i] >= LEAST_SHARE]
+    bars = [(LENGTHS[i].symbol, LENGTHS[i].label, 100 * float(share[i])) for i in order]
+    return render("accuracy/shares.j2", name=NAMES[index], bars=bars)
+
+
+def legs_html(frame: Frame) -> str:
+    """Return where the design's own legs put the platform, if they are not alike."""
+    design, pose = shown_lengths(frame)
+    if design.deviations == NO_DEVIATIONS:
+        return render("accuracy/legs.j2", rows=[], reason="")
+    found = manufactured_pose(design, pose)
+    if not found.ok:
+        return render("accuracy/legs.j2", rows=[], reason=Closure(int(found.closure)).reason)
+    off = [*(found.pose - np.array(pose)), *found.tilt]
+    rows = [error_row(NAMES[i], UNITS[i], off[i]) for i in SHOWN]
+    return render("accuracy/legs.j2", rows=rows, reason="")
+
+
+def _tolerance_choices(state: State) -> dict[str, Effect]:
+    now = state.document.design.tolerances
+    all_of = {"Default": Tolerances(), "None": NO_TOLERANCES}
+    return {
+        name: partial(actions.change_design, tolerances=value)
+        for name, value in all_of.items()
+        if value != now
+    }
+
+
+def _leg_choices(state: State) -> dict[str, Effect]:
+    if state.document.design.deviations == NO_DEVIATIONS:
+        return {}
+    legs = dict(zip(LEG_NAMES, NO_DEVIATIONS, strict=True))
+    return {"All legs alike": partial(actions.change_design, **legs)}
+
+
+def _deviation(state: State) -> tuple[str, float]:
+    """Return the path of the deviation that is shown, and millimeters or degrees of its unit."""
+    shown = state.manufacture
+    length = LENGTHS[shown.length]
+    return f"{LEG_NAMES[shown.leg]}.{length.name}", display_unit(length.unit).factor
+
+
+def _deviation_label(state: State) -> str:
+    return f"off by [{display_unit(LENGTHS[state.manufacture.length].unit).text}]"
+
+
+def _read_deviation(state: State) -> float:
+    path, factor = _deviation(state)
+    return round(state.document.design.value(path) * factor, 9)
+
+
+def _set_deviation(state: State, value: float) -> State:
+    path, factor = _deviation(state)
+    return actions.vary(state, {path: round(value / factor, 12)})
+
+
+def grown(ends: tuple[float, float], value: float) -> tuple[float, float]:
+    """Return the ends of a slider, grown to hold a value."""
+    return min(ends[0], value), max(ends[1], value)
+
+
+_LABELS = {
+    "bar": "bars", "shaft": "shaft B2", "joint_height": "joint 5 up", "guide_height": "guide up",
+    "axis_radius": "leg axes R_b", "axis_angle": "leg axes at", "joint_radius": "joints 5 R_pl",
+    "joint_angle": "joints 5 at", "actuator_zero": "zeros M", "pin_clearance": "pin play",
+    "guide_clearance": "guide play",
+}  # fmt: skip
+
+
+def error_slider(path: str, label: str, high: float, step: float, hint: str = "") -> Slider:
+    """Return the slider of an error of the design, in micrometers or degrees."""
+    parameter = PARAMETER[path]
+    unit = display_unit("m:um" if parameter.unit == "m" else "rad")
+    return Slider(
+        path, f"{label} [{unit.text}]", range=(0.0, high), step=step, unit=unit, fit=grown,
+        hint=f"{parameter.label[0].upper()}{parameter.label[1:]}{hint}",
+        read=lambda state: state.document.design.value(path),
+        apply=partial(set_value, path=path, name=label, unit=unit),
+    )  # fmt: skip
+
+
+def _slider(name: str) -> Slider:
+    path = f"tolerances.{name}"
+    high, step = (500.0, 1.0) if PARAMETER[path].unit == "m" else (0.2, 0.001)
+    return error_slider(path, _LABELS[name], high, step)
+
+
+MANUFACTURE = (
+    Html("manufacture.errors", content=tolerances_html, idle=True),
+    Dropdown(
+        "manufacture.coordinate", "Shares in", options={NAMES[i]: i for i in SHOWN},
+        hint="Which lengths the error of a coordinate comes from",
+        **attribute("manufacture.coordinate"),
+    ),
+    Html("manufacture.shares", content=shares_html, idle=True),
+    Folder(
+        "manufacture.tolerances", "Tolerances, ±", open=False,
+        entries=(
+            *(_slider(name) for name in _LABELS),
+            ButtonGroup("manufacture.reset", "Set to", choices=_tolerance_choices),
+        ),
+    ),
+    Folder(
+        "manufacture.random", "Random robots (Monte Carlo)", entries=MONTE_CARLO,
+    ),
+    Folder(
+        "manufacture.legs", "Deviations of each leg", open=False,
+        entries=(
+            Dropdown(
+                "manufacture.leg", "Leg", options={f"leg {i + 1}": i for i in range(3)},
+                **attribute("manufacture.leg"),
+            ),
+            Dropdown(
+                "manufacture.length", "Length",
+                options={f"{symbol_text(a.symbol)} {a.label}": i for i, a in enumerate(LENGTHS)},
+                **attribute("manufacture.length"),
+            ),
+            Number(
+                "manufacture.deviation", _deviation_label, range=(-100.0, 100.0), step=0.01,
+                hint="Actual minus nominal",
+                read=_read_deviation, apply=_set_deviation,
+            ),
+            ButtonGroup("manufacture.alike", "Set to", choices=_leg_choices),
+            Html("manufacture.own", content=legs_html, idle=True),
+        ),
+    ),
+)  # fmt: skip

@@ -1,0 +1,110 @@
+"""Random robots within the tolerances: their settings, the job, the errors found."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from viser import Icon
+
+from paminsa_viz.explorer.core import tasks
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.kit.entries import BackgroundJob, Button, Entry, Html
+from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
+from paminsa_viz.explorer.kit.task import task_entries
+from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.state.monte_carlo import Manufacture, MonteCarloJob
+from paminsa_viz.explorer.state.motion import Pose
+from paminsa_viz.explorer.state.outcome import Report
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model import Design
+from paminsa_viz.model.accuracy import LEG_NAMES
+from paminsa_viz.precision.manufacture import MonteCarlo, monte_carlo
+from paminsa_viz.units import display_unit, fixed, number
+
+NAMES = ("x", "y", "θ", "z", "tilt about x", "tilt about y")
+UNITS = ("m:um", "m:um", "rad:arcsec", "m:um", "rad:arcsec", "rad:arcsec")
+"""Names and units of `unequal_legs.COORDINATES`."""
+
+SHOWN = (0, 1, 3, 2, 4, 5)
+"""The order that they are shown in."""
+
+
+def shown_lengths(frame: Frame) -> tuple[Design, Pose]:
+    """Return what errors by manufacture depend on: lengths and tolerances, and the pose."""
+    x, y, theta, z = frame.configuration.pose.tolist()
+    shown = frame.shown_design
+    legs: Any = dict(zip(LEG_NAMES, shown.deviations, strict=True))
+    design = Design(geometry=shown.geometry, tolerances=shown.tolerances, **legs)
+    return design, (x, y, theta, z)
+
+
+def error_row(name: str, unit: str, *values: Any) -> tuple[str, str, list[str]]:
+    """Return a row of a table: name, unit, and numbers of three figures, or whole ones."""
+    shown = display_unit(unit)
+    numbers = [float(value) * shown.factor for value in values]
+    return (
+        name,
+        shown.text,
+        [
+            fixed(one, 0) if 1000 <= abs(one) < 1e6 else number(one, 3, padded=True)
+            for one in numbers
+        ],
+    )
+
+
+def start(state: State) -> State:
+    """Draw robots at random, for the pose where the robot is."""
+    own, pose = state.manufacture, state.last_reachable.pose
+    return tasks.start(
+        state, "manufacture", MonteCarloJob(state.shown_design, pose, own.robots, own.seed)
+    )  # fmt: skip
+
+
+def monte_carlo_html(frame: Frame) -> str:
+    """Return what was found of random robots."""
+    outcome = frame.state.manufacture.outcome
+    if outcome is None:
+        return ""
+    rows, result, solved = [], outcome.result, 1.0
+    if result is not None:
+        half, most, nearly_all = (result.quantile(share) for share in (0.5, 0.95, 0.997))
+        solved = float(result.solved)
+        rows = [
+            error_row(NAMES[i], UNITS[i], half[i], most[i], nearly_all[i], result.rms[i])
+            for i in SHOWN
+        ]
+    design, pose = shown_lengths(frame)
+    return render(
+        "accuracy/robots.j2", rows=rows, problem=outcome.problem, job=outcome.job,
+        robots=0 if result is None else len(result.errors), solved=100 * solved,
+        stale=not outcome.job.serves(design, pose),
+    )  # fmt: skip
+
+
+def draw_robots(job: MonteCarloJob, report: Report) -> MonteCarlo:
+    """Draw the robots.
+
+    Raises:
+        PaminsaError: If they are too many, or the pose has none.
+    """
+    return monte_carlo(
+        job.design, job.pose, robots=job.robots, seed=job.seed, block=512,
+        progress=lambda done, every: report(done / every),
+    )  # fmt: skip
+
+
+_setting = SettingInputs("manufacture", "manufacture", Manufacture)
+
+MONTE_CARLO: tuple[Entry, ...] = (
+    _setting("robots", undo=False),
+    _setting("seed", undo=False),
+    *task_entries(
+        "manufacture",
+        Button(
+            "manufacture.start", "Run Monte Carlo", icon=Icon.DICE, effect=start, undo=False,
+            hint="Draws lengths within the tolerances and solves each robot, at this pose",
+        ),
+    ),
+    BackgroundJob("manufacture", find=draw_robots),
+    Html("manufacture.found", content=monte_carlo_html, idle=True),
+)  # fmt: skip

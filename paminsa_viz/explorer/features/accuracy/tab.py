@@ -1,0 +1,86 @@
+"""Accuracy: errors that the drives leave at the pose, on maps and in the scene."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.maps import choose_quantity
+from paminsa_viz.explorer.features.accuracy.layers import no_bound, shown_errors
+from paminsa_viz.explorer.features.accuracy.manufacture import MANUFACTURE, error_slider
+from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Folder, Html, Tabs
+from paminsa_viz.explorer.kit.inputs import Slider
+from paminsa_viz.explorer.kit.setting_inputs import layer_switch
+from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model import DriveAccuracy
+from paminsa_viz.studies.drive_accuracy import error_rows
+from paminsa_viz.units import display_unit
+
+MAPS = {
+    "in the plane": "error_horizontal",
+    "θ": "error_theta",
+    "linear, plane": "linear_error_horizontal",
+}
+"""What the buttons show on the single map."""
+
+
+def pose_html(frame: Frame) -> str:
+    """Return the errors at the pose: worst, linear and RMS, or why there is no bound."""
+    found = shown_errors(frame)
+    rotary, _, _, linear = found.accuracy.half_widths
+    rows = []
+    for row in error_rows(found):
+        unit = display_unit(row.unit)
+        values = (float(part[0]) * unit.factor for part in (row.worst, row.linear, row.rms))
+        rows.append((row.name, unit.text, list(values)))
+    return render(
+        "accuracy/pose.j2", rows=rows, reason=no_bound(found), rotary=np.degrees(rotary),
+        linear=1e6 * linear,
+    )  # fmt: skip
+
+
+def _choices(state: State) -> dict[str, Effect]:
+    design = state.document.design
+    found: dict[str, Effect] = {}
+    if design.accuracy != DriveAccuracy():
+        found["Default"] = partial(actions.change_design, accuracy=DriveAccuracy())
+    measured = design.accuracy.with_encoders(design.drives)
+    if measured != design.accuracy:
+        found["Drives' encoders"] = partial(actions.change_design, accuracy=measured)
+    return found
+
+
+def _slider(name: str, label: str, high: float, step: float) -> Slider:
+    return error_slider(f"accuracy.{name}", label, high, step, ", at the actuator")
+
+
+DRIVES_ACCURACY = (
+    Html("accuracy.pose", content=pose_html),
+    layer_switch(
+        "accuracy.layer", "drive_errors", "Show in scene",
+        "Where the platform's center may be, to a stated scale", undo=False,
+    ),
+    ButtonGroup(
+        "accuracy.map", "Single map",
+        choices={label: partial(choose_quantity, quantity=key) for label, key in MAPS.items()},
+        hint="What the single map and the floor show; the family “accuracy” has more",
+    ),
+    Folder(
+        "accuracy.drives", "Errors of the drives",
+        entries=(
+            _slider("resolution_rotary", "count M1–M3", 0.1, 0.001),
+            _slider("resolution_linear", "count M4", 100.0, 0.5),
+            _slider("backlash_rotary", "backlash M1–M3", 0.1, 0.001),
+            _slider("backlash_linear", "backlash M4", 100.0, 0.5),
+            _slider("control_rotary", "control M1–M3", 0.1, 0.001),
+            _slider("control_linear", "control M4", 100.0, 0.5),
+            ButtonGroup("accuracy.reset", "Set to", choices=_choices),
+        ),
+    ),
+)  # fmt: skip
+
+ACCURACY = (Tabs("accuracy.tabs", tabs={"Drives": DRIVES_ACCURACY, "Manufacture": MANUFACTURE}),)

@@ -1,0 +1,1 @@
+"""The static balance, masses and counterweights."""

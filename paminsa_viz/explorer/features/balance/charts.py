@@ -1,0 +1,92 @@
+"""The charts of the balance: the Pareto front and the tornado, as Plotly's JSON."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from paminsa_viz.balancing import OUTPUTS, ParetoFront, Tornado
+from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.features.balance.texts import variable_html
+from paminsa_viz.explorer.kit.chart import AXIS, LAYOUT, Tree, figure, front_trace, nearest_point
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.palette import INK, MUTED, REFERENCE
+from paminsa_viz.units import number, symbols_html, unit_text
+
+FRONT = "front"
+"""Name of the front's chart in clicks."""
+
+MAX_BARS = 14
+
+OUTPUT_LABELS = ("M_p2", "peak, static", "RMS, static", "peak, dynamic", "RMS, dynamic")
+"""The outputs of the sensitivity on the page, in the order of `OUTPUTS`."""
+
+
+def shown_front(state: State) -> tuple[ParetoFront, int | None] | None:
+    """Return what the front's chart shows, or None."""
+    outcome = state.balancing.front
+    if outcome is None or outcome.result is None or not outcome.result.designs:
+        return None
+    return outcome.result.front, balancing.chosen_point(state)
+
+
+def front_figure(front: ParetoFront, chosen: int | None) -> Tree:
+    """Return the figure of a Pareto front with the point that is worked on marked."""
+    x, y = ([getattr(p, name) for p in front.points] for name in ("first", "second"))
+    hover = "dynamic %{x:.4~g} N·m<br>static %{y:.4~g} N·m<extra></extra>"
+    before = {
+        "type": "scatter", "mode": "markers", "x": [front.before[0]], "y": [front.before[1]],
+        "name": "design before", "marker": {"size": 11, "color": REFERENCE, "symbol": "x"},
+        "hovertemplate": f"before: {hover}",
+    }  # fmt: skip
+    optimal = front_trace(x, y, chosen, name="optimal masses", hovertemplate=hover)
+    shown = figure(
+        [optimal, before], "peak dynamic torque [N·m]", "peak static torque [N·m]", meta=FRONT
+    )
+    shown["layout"]["yaxis"]["rangemode"] = "tozero"
+    return shown
+
+
+def clicked_point(data: Any, state: State) -> int | None:
+    """Return the point of the front that a click means, or None; ``data`` comes from the page."""
+    shown = shown_front(state)
+    if shown is None:
+        return None
+    front, _ = shown
+    points = np.array([(point.first, point.second) for point in front.points])
+    return nearest_point(data, points, front.before)
+
+
+def shown_tornado(state: State) -> tuple[Tornado, int] | None:
+    """Return what the tornado chart shows, or None."""
+    outcome = state.balancing.tornado
+    found = None if outcome is None else outcome.result
+    return None if found is None else (found, state.balancing.output)
+
+
+def tornado_figure(tornado: Tornado, output: int) -> Tree:
+    """Return the figure of one of `OUTPUTS`, the longest bar on top."""
+    bars = tornado.ranked(output)[:MAX_BARS]
+    unit = unit_text(OUTPUTS[output][1])
+    names = [variable_html(bar.path) for bar in bars]
+    percent = number(100 * tornado.change)
+    bases = [float(bar.base[output]) for bar in bars]
+    traces = []
+    for sign, color in (("+", INK), ("−", MUTED)):
+        ends = [float((bar.plus if sign == "+" else bar.minus)[output]) for bar in bars]
+        traces.append(
+            {
+                "type": "bar", "orientation": "h", "name": f"{sign}{percent} %",
+                "x": [end - base for end, base in zip(ends, bases, strict=True)],
+                "y": names, "base": bases, "marker": {"color": color}, "customdata": ends,
+                "hovertemplate": f"%{{y}} {sign}{percent} %: %{{customdata:.5~g}} {unit}"
+                "<extra></extra>",
+            }
+        )  # fmt: skip
+    title = f"{symbols_html(OUTPUT_LABELS[output])} [{unit}]"
+    shown = figure(
+        traces, title, "", barmode="overlay", bargap=0.3, legend=LAYOUT["legend"] | {"y": 0}
+    )
+    shown["layout"]["yaxis"] = AXIS | {"autorange": "reversed", "ticks": ""}
+    return shown

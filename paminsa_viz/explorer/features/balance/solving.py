@@ -1,0 +1,267 @@
+"""Solves the tasks of the balance; pure functions, run on any thread."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from paminsa_viz.balancing import (
+    MOTION_GOALS,
+    AddedMass,
+    Imbalance,
+    MassChange,
+    Optimum,
+    StaticPeak,
+    Term,
+    Tornado,
+    TrajectoryPeak,
+    balance,
+    optimize,
+    pareto_front,
+    tornado,
+    whole_mass,
+)
+from paminsa_viz.clearance import PairGroup, clearance
+from paminsa_viz.explorer.core.maps import COARSE
+from paminsa_viz.explorer.state.balance import (
+    Balanced,
+    BalanceJob,
+    BalanceSettings,
+    Effect,
+    Goal,
+    MassFront,
+    Task,
+    WeightClearance,
+    changes_of,
+)
+from paminsa_viz.explorer.state.outcome import Report
+from paminsa_viz.model import (
+    Design,
+    Geometry,
+    Grid,
+    InvalidInput,
+    Limit,
+    PaminsaError,
+    static_imbalance,
+    xy_grid,
+)
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.drive import TORQUE_UNITS
+from paminsa_viz.model.parameters import Counterweight
+from paminsa_viz.plots.map_data import half_width
+from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, analyze, solve_trajectory
+from paminsa_viz.trajectory.integrals import time_weights
+
+FRONT_POINTS = 12
+MIDDLE, MIDDLE_CELLS = 0.75, 21
+"""What part of the clear square around the robot's axis is looked at where lengths change, and with
+how many poses along its sides."""
+
+MOST_POSES = 240
+"""About how many poses of the motion are checked for counterweights that hit."""
+
+SAME_PLACE = 1e-9
+"""Counterweights on one bar nearer to each other than this are one [m]."""
+
+
+def run(job: BalanceJob, report: Report) -> Balanced | MassFront | Tornado:
+    """Solve a task.
+
+    Raises:
+        PaminsaError: If it has no solution.
+    """
+    if job.task is Task.FRONT:
+        return _front(job, report)
+    if job.task is Task.SENSITIVITY:
+        return _tornado(job)
+    found = balance(job.design) if job.task is Task.PAPER else _best(job)
+    after = tidied(found.after)
+    return Balanced(after, found, effects(job, after), weights_of(job, after))
+
+
+def _best(job: BalanceJob) -> Optimum:
+    settings = job.settings
+    changes = changes_of(settings, job.design)
+    if settings.goal.static:
+        criterion = AddedMass() if settings.goal is Goal.ADDED else MassChange()
+        return balance(job.design, changes, criterion, exact=settings.exact)
+    limits = _limits(settings)
+    if settings.exact:
+        limits.append((Imbalance(), 0.0))
+    if settings.goal is not Goal.BOTH:
+        term = MOTION_GOALS[settings.goal.name.lower()](motion(job))
+        return optimize(job.design, changes, term, limits=limits)
+    peak = TrajectoryPeak(motion(job))
+    static = StaticPeak(job.plane(COARSE))
+    # Each counts by what it is now, so that the share is one of like with like.
+    parts = (
+        (settings.motion_weight, peak, dynamic_torque(job, job.design)[0]),
+        (1 - settings.motion_weight, static, static_torque(job, job.design)[0]),
+    )
+    goals = [(share / (now or 1.0), term) for share, term, now in parts]
+    return optimize(job.design, changes, goals, limits=limits)
+
+
+def _limits(settings: BalanceSettings) -> list[tuple[Term, float]]:
+    return [(AddedMass(), settings.max_added)] if settings.max_added > 0 else []
+
+
+def _front(job: BalanceJob, report: Report) -> MassFront:
+    found = pareto_front(
+        job.design, changes_of(job.settings, job.design), TrajectoryPeak(motion(job)),
+        StaticPeak(job.plane(COARSE)), points=FRONT_POINTS, limits=_limits(job.settings),
+        progress=lambda done, of: report(done / of),
+    )  # fmt: skip
+    return MassFront(found, tuple(tidied(p.design) for p in found.points))
+
+
+def _tornado(job: BalanceJob) -> Tornado:
+    settings, design = job.settings, job.design
+    try:
+        trajectory = motion(job).trajectory
+    except PaminsaError:  # what it matters to the motion then has no value
+        trajectory = None
+    return tornado(design, middle(job), trajectory, change=settings.variation)
+
+
+def middle(job: BalanceJob) -> Grid:
+    """Return poses around the robot's axis that stay clear of limits when lengths change a little.
+
+    Raises:
+        InvalidInput: If there is no room around the axis at this theta and z.
+    """
+    clear = job.plane(COARSE).status == Limit.OK
+    half = COARSE // 2
+    sizes = range(half, 0, -1)
+    most = next((n for n in sizes if clear[half - n : half + n, half - n : half + n].all()), 0)
+    if most == 0:
+        raise InvalidInput("pose", "at this theta and z no pose around the middle is clear")
+    reach = MIDDLE * most / half * half_width(job.design.geometry)
+    centers = np.linspace(-reach, reach, MIDDLE_CELLS)
+    return xy_grid(centers, centers, job.theta, job.z)
+
+
+def tidied(design: Design) -> Design:
+    """Return the design without counterweights that weigh nothing, those at one place as one."""
+    kept: list[Counterweight] = []
+    for weight in design.counterweights:
+        if weight.mass == 0:
+            continue
+        for number, other in enumerate(kept):
+            near = abs(other.beyond - weight.beyond) < SAME_PLACE
+            if near and (other.bar, other.joint) == (weight.bar, weight.joint):
+                kept[number] = replace(other, mass=other.mass + weight.mass)
+                break
+        else:
+            kept.append(weight)
+    return replace(design, counterweights=tuple(kept))
+
+
+def effects(job: BalanceJob, after: Design) -> tuple[Effect, ...]:
+    """Return what the step from the job's design to another one does."""
+    ends = (job.design, after)
+    found = [
+        Effect("M_p2", "N", static_imbalance(job.design), static_imbalance(after)),
+        Effect("mass of the robot", "kg", whole_mass(job.design), whole_mass(after)),
+    ]
+    sizes = zip(*(actuator_sizes(job, design) for design in ends), strict=True)
+    for (group, units), before, now in zip(SIZES.items(), *zip(*sizes, strict=True), strict=True):
+        found += [
+            Effect(f"M{number}", unit, float(old), float(new), group)
+            for number, (unit, old, new) in enumerate(zip(units, before, now, strict=True), start=1)
+        ]
+    return tuple(found)
+
+
+def weights_of(job: BalanceJob, design: Design) -> WeightClearance | None:
+    """Return whether counterweights hit anything, in the plane of the maps and on the motion."""
+    if not design.counterweights:
+        return None
+    field = job.plane(COARSE)
+    poses = [field.grid.poses()[field.status == Limit.OK]]
+    if job.trajectory is not None:
+        every = max(job.trajectory.size // MOST_POSES, 1)
+        poses.append(job.trajectory.pose[::every])
+    return weight_clearance(design, np.concatenate(poses))
+
+
+def weight_clearance(design: Design, poses: Array) -> WeightClearance | None:
+    """Return the least clearance of counterweights over poses (n, 4); None if there are none."""
+    if not any(weight.mass > 0 for weight in design.counterweights) or not len(poses):
+        return None
+    found = clearance(design, poses, (PairGroup.COUNTERWEIGHTS,))
+    known = np.isfinite(found.least)
+    if not known.any():
+        return None
+    low = int(np.nanargmin(found.least))
+    x, y, theta, z = (float(value) for value in poses[low])
+    return WeightClearance(
+        float(found.least[low]), found.pairs[found.pair[low]], (x, y, theta, z),
+        float((found.least[known] < 0).mean()), int(known.sum()),
+    )  # fmt: skip
+
+
+SIZES = {
+    "largest at rest": TORQUE_UNITS,
+    "largest in motion": TORQUE_UNITS,
+    "RMS in motion": TORQUE_UNITS,
+    "largest power": ("W",) * 4,
+}
+"""What is compared of each actuator, and the units of M1 to M4."""
+
+
+def actuator_sizes(job: BalanceJob, design: Design) -> Array:
+    """Return `SIZES` of M1..M4, (4, 4); NaN where no pose counts or no motion runs."""
+    sizes = np.full((len(SIZES), 4), np.nan)
+    field = job.plane(COARSE)
+    if (used := field.status == Limit.OK).any():
+        sizes[0] = np.abs(field.torques(design)[:, used]).max(axis=1)
+    try:
+        solved = motion(job)
+    except PaminsaError:
+        return sizes
+    summary = analyze(design, solved.trajectory, keep=solved).summary
+    sizes[1:] = np.abs([[load.peak, load.rms, load.top_power] for load in summary]).T
+    return sizes
+
+
+def static_torque(job: BalanceJob, design: Design) -> tuple[float, float]:
+    """Return peak and RMS of the static torques of M1..M3 over the plane [N m]; NaN without one."""
+    field = job.plane(COARSE)
+    torque = field.torques(design)[:3, field.status == Limit.OK]
+    if torque.size == 0:
+        return np.nan, np.nan
+    return float(np.abs(torque).max()), float(np.sqrt(np.mean(torque**2)))
+
+
+def dynamic_torque(job: BalanceJob, design: Design) -> tuple[float, float]:
+    """Return peak and RMS of the torques of M1..M3 in the motion [N m]; NaN if it cannot run."""
+    try:
+        solved = motion(job)
+    except PaminsaError:
+        return np.nan, np.nan
+    t, torque = solved.trajectory.t, solved.torques(design)[:, :3]
+    square = time_weights(t) @ torque**2 / (t[-1] - t[0])
+    return float(np.abs(torque).max()), float(np.sqrt(square.mean()))
+
+
+def motion(job: BalanceJob) -> SolvedTrajectory:
+    """Return the current motion, solved.
+
+    Raises:
+        ImpossibleTrajectory: If the robot cannot run it.
+        InvalidInput: If there is none.
+    """
+    if job.trajectory is None:
+        raise InvalidInput("motion", job.problem or "there is none yet")
+    design = job.design
+    solved = _solved(design.geometry, job.trajectory, design.gravity)
+    solved.check.require()
+    return solved
+
+
+@lru_cache(maxsize=2)
+def _solved(geometry: Geometry, trajectory: Trajectory, gravity: float) -> SolvedTrajectory:
+    return solve_trajectory(geometry, trajectory, gravity=gravity)

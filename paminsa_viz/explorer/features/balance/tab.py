@@ -1,0 +1,210 @@
+"""The balance: the paper's, the settings of others, counterweights, the front, the sensitivity."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+from viser import Icon
+
+from paminsa_viz.explorer.core import actions, tasks
+from paminsa_viz.explorer.core.maps import hold_range, toggle_difference
+from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.features.balance import charts
+from paminsa_viz.explorer.features.balance import texts as text
+from paminsa_viz.explorer.features.balance.counterweights import COUNTERWEIGHTS
+from paminsa_viz.explorer.features.balance.solving import run
+from paminsa_viz.explorer.kit.chart import chart, chart_clicks
+from paminsa_viz.explorer.kit.entries import (
+    BackgroundJob,
+    Button,
+    ButtonGroup,
+    Condition,
+    Entry,
+    Folder,
+    Html,
+)
+from paminsa_viz.explorer.kit.inputs import Dropdown, Pair, Slider, attribute
+from paminsa_viz.explorer.kit.robot_texts import gauge_html
+from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
+from paminsa_viz.explorer.kit.task import is_running, task_entries
+from paminsa_viz.explorer.kit.text import note
+from paminsa_viz.explorer.state.balance import (
+    SLOTS,
+    BalanceSettings,
+    CounterweightSlot,
+    FreeMasses,
+    Goal,
+    Task,
+)
+from paminsa_viz.explorer.state.settings import MILLIMETERS, PERCENT, PLAIN
+from paminsa_viz.explorer.state.state import State
+
+_setting = SettingInputs(
+    "balance", "balancing.settings", BalanceSettings, balancing.change_settings
+)
+_busy = is_running("balancing")
+
+
+def _idle(state: State) -> bool:
+    return not _busy(state)
+
+
+def _running(task: Task) -> Condition:
+    return lambda state: (
+        state.balancing.running is not None and (state.balancing.running.task is task)
+    )
+
+
+def _slot(name: str, bar: str, joint: int) -> Pair:
+    """Return the input of a counterweight slot: longest lever and largest mass."""
+
+    def read(state: State) -> tuple[float, float]:
+        slot = getattr(state.balancing.settings, name)
+        return slot.max_lever, slot.max_mass
+
+    def apply(state: State, value: tuple[float, float]) -> State:
+        return balancing.change_settings(state, **{name: CounterweightSlot(*value)})
+
+    return Pair(
+        f"balance.{name}", f"{bar.upper()} past {joint}", read=read, apply=apply,
+        range=((0.0, 1.0), (0.0, 100.0)), units=(MILLIMETERS, PLAIN),
+        hint=f"Counterweight on each leg, on {bar.upper()} beyond joint {joint}: longest lever, "
+        "largest mass (0 for none)",
+    )  # fmt: skip
+
+
+def _frees_masses(state: State) -> bool:
+    return state.balancing.settings.movable is not FreeMasses.NONE
+
+
+SETTINGS = (
+    _setting("goal", apply=balancing.choose_goal),
+    Slider(
+        "balance.motion_weight", "Weight of motion [%]", range=(0.0, 100.0), step=1.0, unit=PERCENT,
+        hint="Against the static torques; each peak relative to its current value",
+        visible=lambda state: state.balancing.settings.goal is Goal.BOTH,
+        **attribute("balancing.settings.motion_weight", balancing.change_settings),
+    ),
+    _setting("exact"),
+    Html(
+        "balance.slots",
+        content=note(
+            "", "Counterweights past a joint: longest lever [mm], largest mass on each leg [kg]. "
+            "Whether they hit another body is checked with the result.", muted=True,
+        ),
+    ),
+    *(_slot(*slot) for slot in SLOTS),
+    _setting("movable"),
+    _setting("max_increase", visible=_frees_masses),
+    _setting("max_decrease", visible=_frees_masses),
+    _setting(
+        "max_added", visible=lambda state: not state.balancing.settings.goal.static
+    ),
+    Button(
+        "balance.optimize", "Optimize", visible=_idle,
+        effect=partial(balancing.start, task=Task.OPTIMUM),
+    ),
+    Button(
+        "balance.stop", "Stop", color="gray", visible=_busy,
+        effect=partial(tasks.stop, path="balancing"),
+    ),
+)  # fmt: skip
+
+
+def _has_front(state: State) -> bool:
+    return charts.shown_front(state) is not None
+
+
+def _points(state: State) -> tuple[float, float]:
+    return 1.0, float(max(len(state.balancing.points), 2))
+
+
+def _click(state: State, data: Any) -> State:
+    index = charts.clicked_point(data, state)
+    return state if index is None else balancing.choose_point(state, index)
+
+
+FRONT = (
+    chart_clicks(charts.FRONT, "balance.point", _click),
+    Html("front.text", content=text.front_html),
+    *task_entries(
+        "balancing",
+        Button(
+            "front.compute", "Compute the front",
+            effect=partial(balancing.start, task=Task.FRONT),
+        ),
+        _running(Task.FRONT),
+    ),
+    Folder(
+        "front.place", visible=_has_front,
+        entries=(
+            chart("front.chart", charts.shown_front, charts.front_figure, 0.82),
+            Slider(
+                "balance.point", "Point", range=_points, step=1.0,
+                hint="Works on a point of the front; undo goes back",
+                read=lambda state: 1.0 + (balancing.chosen_point(state) or 0),
+                apply=lambda state, value: balancing.choose_point(state, round(value) - 1),
+            ),
+        ),
+    ),
+)  # fmt: skip
+
+SENSITIVITY = (
+    Html("tornado.text", content=text.sensitivity_html),
+    _setting("variation"),
+    Button(
+        "tornado.compute", "Compute", visible=_idle,
+        effect=partial(balancing.start, task=Task.SENSITIVITY),
+    ),
+    Folder(
+        "tornado.place", visible=lambda state: charts.shown_tornado(state) is not None,
+        entries=(
+            Dropdown(
+                "balance.output", "Output",
+                options={label: index for index, label in enumerate(charts.OUTPUT_LABELS)},
+                **attribute("balancing.output"),
+            ),
+            chart("tornado.chart", charts.shown_tornado, charts.tornado_figure, 1.15),
+        ),
+    ),
+)  # fmt: skip
+
+BALANCE: tuple[Entry, ...] = (
+    BackgroundJob("balancing", find=run, receive=balancing.receive_result, undo=True),
+    Html("balance.gauge", content=gauge_html),
+    Button(
+        "balance", "Balance as in the paper", icon=Icon.SCALE, effect=balancing.balance_now,
+        disabled=_busy,
+        hint="M_p2 = 0 (Eqs. 7–8) by masses of joints and links, with the least added mass",
+    ),
+    Html("balance.status", content=text.status_html),
+    ButtonGroup(
+        "balance.maps", "Maps",
+        choices={
+            "Common range": hold_range,
+            "Difference": toggle_difference,
+            "Swap": actions.swap_reference,
+        },
+        visible=lambda state: state.document.reference is not None,
+        hint="Common color range of design and reference; their difference; swap with reference",
+    ),
+    Folder("balance.settings", "Optimization settings", entries=SETTINGS, open=False),
+    Html(
+        "balance.details",
+        content=lambda frame: text.details_html(frame.state.balancing.outcome),
+    ),
+    Folder("balance.weights", "Counterweights of each leg", entries=COUNTERWEIGHTS),
+)  # fmt: skip
+
+FOLDERS: tuple[Entry, ...] = (
+    Folder(
+        "balance.front", "Pareto front: dynamic vs. static torque", entries=FRONT, open=False
+    ),
+    Folder("balance.tornado", "Sensitivity (tornado)", entries=SENSITIVITY, open=False),
+)  # fmt: skip
+
+
+def balance_entries(*folders: Folder) -> tuple[Entry, ...]:
+    """Return the entries of the tab, with folders of other features among them."""
+    return (*BALANCE, *folders, *FOLDERS)

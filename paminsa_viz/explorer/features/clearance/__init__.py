@@ -1,0 +1,1 @@
+"""Clearance of the bodies."""

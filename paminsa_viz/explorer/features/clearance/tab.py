@@ -1,0 +1,67 @@
+"""Clearance in the tab View: the nearest bodies, which pairs are checked, and what is enough."""
+
+from __future__ import annotations
+
+from paminsa_viz.clearance import PairGroup
+from paminsa_viz.explorer.core import clearance as clearing
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.kit.entries import BackgroundJob, Entry, Folder, Html
+from paminsa_viz.explorer.kit.inputs import Checkbox
+from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
+from paminsa_viz.explorer.kit.text import note, status
+from paminsa_viz.explorer.state.clearance import ClearanceSettings, MotionJob
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.units import format_value
+
+
+def clearance_html(frame: Frame) -> str:
+    """Return the nearest bodies of the pose."""
+    state = frame.state
+    found = clearing.nearest(state)
+    if found is None:
+        known = state.clearing.pose is not None and state.clearing.pose.result is None
+        text = "No pair of bodies is checked." if known else "Computing …"
+        return note("clearance", text, muted=True)
+    distance, why = clearing.reason(state)
+    level, title = "ok", f"{format_value(distance, 'm', 3)} apart"
+    if why:
+        level, title = ("bad", "Bodies overlap") if distance < 0 else ("warn", "Bodies are close")
+    line = why or f"{found.names[0]} and {found.names[1]} are nearest"
+    return status("clearance", level, title, line)
+
+
+def _switch(group: PairGroup) -> Checkbox:
+    def read(state: State) -> bool:
+        return group in state.clearance_view.pairs
+
+    def apply(state: State, checked: bool) -> State:
+        return clearing.set_pairs(state, group, checked)
+
+    label = group.value[0].upper() + group.value[1:]
+    return Checkbox(
+        f"clearance.{group.name.lower()}", label, read=read, apply=apply,
+        hint=f"Check the pairs of bodies of this group: {group.value}",
+    )  # fmt: skip
+
+
+def _motion_job(frame: Frame) -> MotionJob | None:
+    return None if frame.analysis is None else clearing.motion_job(frame.state, frame.analysis)
+
+
+CLEARANCE: tuple[Entry, ...] = (
+    BackgroundJob(
+        "clearing.pose", find=clearing.find_nearest, idle=True,
+        wanted=lambda frame: clearing.pose_job(frame.state),
+    ),
+    BackgroundJob(
+        "clearing.motion", find=clearing.find_along, wanted=_motion_job, idle=True
+    ),
+    Folder(
+        "clearance", "Clearance between bodies", open=False,
+        entries=(
+            Html("clearance.text", content=clearance_html),
+            SettingInputs("clearance", "clearance_view", ClearanceSettings)("required"),
+            *map(_switch, PairGroup),
+        ),
+    ),
+)  # fmt: skip

@@ -1,0 +1,1 @@
+"""The design next to the reference."""

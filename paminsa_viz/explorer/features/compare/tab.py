@@ -1,0 +1,120 @@
+"""The current design next to a pinned reference, or to Appendix 4 as long as none is pinned."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from markupsafe import Markup
+
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.kit.design_numbers import DIGITS, STROKE, is_changed
+from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Html
+from paminsa_viz.explorer.kit.robot_texts import of_pose, weights_by_place
+from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model import (
+    APPENDIX_4,
+    PARAMETER,
+    Design,
+    Parameter,
+    static_imbalance,
+    static_torques,
+)
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.drive import ACTUATORS
+
+PIN: Mapping[str, Effect] = {"Pin current design": actions.pin_reference}
+
+PINNED: Mapping[str, Effect] = {
+    "Pin current": actions.pin_reference,
+    "Swap": actions.swap_reference,
+    "Unpin": actions.unpin_reference,
+}
+
+
+def names_html(design: Design, reference: Design | None) -> str:
+    """Return what is compared with what."""
+    return render("compare/compared.j2", design=design, reference=reference)
+
+
+def torques_html(torques: Array, held: Array, design: Design, reference: Design, title: str) -> str:
+    """Return a table of the static torques of both designs at the shown pose, and of M_p2.
+
+    Args:
+        torques, held: Of the current and the reference design, (4,) [N m, N]; NaN where the
+            reference cannot take the pose.
+        design, reference: The designs.
+        title: Heading of the reference's column.
+    """
+    rows = [
+        (f"m{j + 1}", symbol, unit, float(torques[j]), float(held[j]), digits)
+        for j, (symbol, unit, digits) in enumerate(
+            [("τ_1", "N·m", 3), ("τ_2", "N·m", 3), ("τ_3", "N·m", 3), ("F_4", "N", 2)]
+        )
+    ]
+    rows.append(("", "M_p2", "N", static_imbalance(design), static_imbalance(reference), 4))
+    return render(
+        "compare/compared_torques.j2", rows=rows, title=title, reachable=np.isfinite(held).all()
+    )  # fmt: skip
+
+
+def differences_html(design: Design, reference: Design, title: str) -> str:
+    """Return a table of the numbers in which two designs differ; arguments as `torques_html`."""
+    weights = weights_by_place(reference, design).items()
+    return render(
+        "compare/differences.j2", design=design, reference=reference, title=title, value=_value,
+        parameters=[p for p in PARAMETER.values() if is_changed(design, p.path, reference)],
+        weights=[(place, masses) for place, masses in weights if masses[0] != masses[1]],
+        drives=[
+            (name, *("no drive" if drive is None else f"{drive.gear_ratio:g}:1" for drive in pair))
+            for name, *pair in zip(ACTUATORS, reference.drives, design.drives, strict=True)
+            if pair[0] != pair[1]
+        ],
+    )  # fmt: skip
+
+
+def _value(design: Design, parameter: Parameter) -> Markup:
+    if math.isinf(design.value(parameter.path)):
+        return Markup("rigid")
+    text = parameter.display.format(design.value(parameter.path), DIGITS).replace(" ", "\u202f")
+    follows = parameter.path == STROKE and design.geometry.guide_stroke is None
+    return Markup("{} (l<sub>B10</sub>)" if follows else "{}").format(text)
+
+
+def _names(frame: Frame) -> str:
+    document = frame.state.document
+    return names_html(document.design, document.reference)
+
+
+def _compared_with(state: State) -> tuple[Design, str]:
+    reference = state.document.reference
+    if reference is not None:
+        return reference, "reference"
+    return APPENDIX_4.with_knee(state.document.design.geometry.knee), "App. 4"
+
+
+def _torques(frame: Frame) -> str:
+    reference, title = _compared_with(frame.state)
+    last_reachable = frame.state.last_reachable
+    # The frame's own torques are None both without a reference and where it cannot be.
+    held = static_torques(reference, last_reachable.pose)
+    text = torques_html(frame.torques, held, frame.state.document.design, reference, title)
+    return of_pose(frame, text)
+
+
+def _differences(frame: Frame) -> str:
+    return differences_html(frame.state.document.design, *_compared_with(frame.state))
+
+
+COMPARE = (
+    ButtonGroup(
+        "reference", "Reference",
+        choices=lambda state: PIN if state.document.reference is None else PINNED,
+    ),
+    Html("compare.names", content=_names),
+    Html("compare.torques", content=_torques),
+    Html("compare.differences", content=_differences),
+)  # fmt: skip

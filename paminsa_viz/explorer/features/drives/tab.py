@@ -1,0 +1,274 @@
+"""Drives: motors and gears that fit the motion, in their torque-speed envelopes, and the choice."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import partial
+from operator import methodcaller
+from typing import Any
+
+from viser import Icon
+
+from paminsa_viz.actuation.catalog import CatalogError, read_catalog
+from paminsa_viz.actuation.duty import Duty
+from paminsa_viz.actuation.selection import DriveFigures, size_design
+from paminsa_viz.explorer.core import actions, tasks
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.drives.charts import RPM, chart_figure, shown_drive
+from paminsa_viz.explorer.features.drives.solving import find_drives
+from paminsa_viz.explorer.kit.chart import chart
+from paminsa_viz.explorer.kit.entries import (
+    BackgroundJob,
+    Button,
+    ButtonGroup,
+    Effect,
+    Folder,
+    Html,
+    Upload,
+)
+from paminsa_viz.explorer.kit.inputs import Dropdown, attribute
+from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
+from paminsa_viz.explorer.kit.task import is_running
+from paminsa_viz.explorer.kit.text import note, render
+from paminsa_viz.explorer.state.drives import MOST_MOTIONS, DriveJob, DriveLists, DriveSettings
+from paminsa_viz.explorer.state.outcome import Outcome
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model import NO_DRIVES, Drive, InvalidInput
+from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.units import NONE, number
+
+
+def find(state: State) -> State:
+    """Start a search on the current motion.
+
+    Raises:
+        InvalidInput: If there is no motion.
+    """
+    settings = state.driving.settings
+    duties = settings.cycle or (_current(state)._replace(repeats=1.0),)
+    bare = replace(state.document.design, drives=NO_DRIVES)
+    return tasks.start(state, "driving", DriveJob(bare, duties, settings))
+
+
+def _current(state: State) -> Duty:
+    """Return the current motion as it would be added to the cycle."""
+    found, settings = motions.planned(state), state.driving.settings
+    if found.trajectory is None:
+        raise InvalidInput("motion", found.problem or "there is none yet; see the tab “Motion”")
+    return Duty(found.trajectory, settings.count, settings.dwell)
+
+
+def add_motion(state: State) -> State:
+    """Add the current motion to the cycle.
+
+    Raises:
+        InvalidInput: If there is no motion, or the cycle is full.
+    """
+    cycle = state.driving.settings.cycle
+    if len(cycle) == MOST_MOTIONS:
+        raise InvalidInput("cycle", f"at most {MOST_MOTIONS} motions are possible here")
+    return state.updated("driving.settings", cycle=(*cycle, _current(state)))
+
+
+def receive(state: State, outcome: Outcome[DriveJob, DriveLists]) -> State:
+    """Take over a result; the first of its drives is shown."""
+    return tasks.receive(state, "driving", outcome).updated("driving", row=0)
+
+
+def choose(state: State, row: int | None) -> State:
+    """Make drives of the lists the design's: the first of each, or one of the listed actuator's.
+
+    Raises:
+        InvalidInput: If there is none.
+    """
+    driving, design = state.driving, state.document.design
+    if driving.result is None:
+        raise InvalidInput("drives", "none have been found yet")
+    if row is None:
+        return actions.with_design(state, driving.result.selection.design(design))
+    drives: Any = list(design.drives)
+    for j in driving.shared(driving.actuator):
+        drives[j] = driving.listed[row].drive
+    return actions.change_design(state, drives=tuple(drives))
+
+
+def _open(session: Session, name: str, content: bytes) -> None:
+    if not content:
+        raise CatalogError(name, "is empty or too large")
+    catalog = read_catalog(content, name)
+    action = methodcaller("updated", "driving.settings", catalog=catalog)
+    session.dispatch("drives.catalog", action)
+    parts = len(catalog.motors), len(catalog.gears), len(catalog.transmissions)
+    session.notify(
+        "Catalog opened", "{}: {} motors, {} gears, {} screws and belts".format(name, *parts)
+    )
+
+
+def intro_html(frame: Frame) -> str:
+    """Return what is searched: the motion and the catalog."""
+    settings = frame.state.driving.settings
+    found = motions.planned(frame.state)
+    return render(
+        "drives/intro.j2", motion=found.trajectory, catalog=settings.catalog, cycle=settings.cycle
+    )
+
+
+def list_html(frame: Frame) -> str:
+    """Return the list of an actuator's drives, or why there is none."""
+    driving = frame.state.driving
+    outcome, found = driving.outcome, driving.result
+    if outcome is None or found is None:
+        return ""
+    trajectory = motions.planned(frame.state).trajectory
+    return render(
+        "drives/list.j2", rows=driving.listed, chosen=driving.row,
+        name=_name(frame.state, driving.actuator), advice=found.advice[driving.actuator],
+        count=len(found.selection.rows[driving.actuator]),
+        stale=outcome.job.settings != driving.settings
+        or not outcome.job.serves(frame.state.document.design, trajectory),
+    )  # fmt: skip
+
+
+def _name(state: State, actuator: int) -> str:
+    return "M1 to M3" if len(state.driving.shared(actuator)) > 1 else ACTUATORS[actuator]
+
+
+def facts_html(frame: Frame) -> str:
+    """Return the figures of the drive in its envelope."""
+    shown = frame.state.driving.shown
+    if shown is None:
+        return ""
+    return render("drives/facts.j2", rows=fact_rows(shown))
+
+
+def fact_rows(one: DriveFigures) -> list[tuple[str, str, str]]:
+    """Return what a drive gives, its limit, and the share, as texts."""
+    drive = one.drive
+
+    def row(label: str, value: float, limit: float | None, unit: str) -> tuple[str, str, str]:
+        if limit is None or not math.isfinite(limit):
+            return label, f"{number(value, 3)} {unit}", ""
+        share = f"{100 * value / limit:.0f} % of {number(limit, 4)}"
+        return label, f"{number(value, 4 if unit == 'rpm' else 3)} {unit}", share
+
+    return [
+        row("RMS torque", one.rms, drive.rated_torque, "N·m"),
+        row("peak torque", one.peak, drive.corners[0][1], "N·m"),
+        ("envelope", f"{100 * one.envelope:.0f} %", ""),
+        row("top speed", one.top_speed * RPM, drive.corners[-1][0] * RPM, "rpm"),
+        ("peak power", f"{number(one.top_power, 3)} W", ""),
+        ("inertia ratio", number(one.inertia_ratio, 3), "robot over motor"),
+        ("winding", f"{100 * one.thermal:.0f} %" if math.isfinite(one.thermal) else "–",
+         "temperature rise"),
+        ("gear ratio", f"{drive.gear_ratio:g}", _ratios(one)),
+        ("one count", NONE if drive.resolution is None else _count(drive), "of the encoder"),
+    ]  # fmt: skip
+
+
+def _ratios(one: DriveFigures) -> str:
+    """Return with which gear ratios the motor could drive the load."""
+    low, high = one.ratios
+    if math.isnan(low):
+        return "no ratio fits"
+    return f"{number(low, 3)} to {number(high, 3)} fit"
+
+
+def _count(drive: Drive) -> str:
+    """Return the motion of the actuator for one count of the encoder."""
+    resolution = drive.resolution or 0.0
+    return f"{number(1e6 * resolution, 2)} {'µrad' if drive.lead is None else 'µm'}"
+
+
+def own_html(frame: Frame) -> str:
+    """Return the drives of the design and, on the motion of the search, their margins."""
+    design, outcome = frame.state.document.design, frame.state.driving.outcome
+    sized: tuple[DriveFigures | None, ...] = (None,) * 4
+    trajectory = motions.planned(frame.state).trajectory
+    if outcome is not None and outcome.result and outcome.job.serves(design, trajectory):
+        sized = size_design(outcome.result.selection.cycle, design)
+    rows = [
+        (f"m{j + 1}", name, drive, one)
+        for j, (name, drive, one) in enumerate(zip(ACTUATORS, design.drives, sized, strict=True))
+    ]
+    return render("drives/own.j2", rows=rows, any=any(design.drives))
+
+
+def _found(state: State) -> bool:
+    return state.driving.result is not None
+
+
+def _options(state: State) -> dict[str, int]:
+    names = [
+        f"{i + 1}: {one.drive.name or one.drive.summary}"
+        for i, one in enumerate(state.driving.listed)
+    ]
+    return {name: row for row, name in enumerate(names)} or {"–": 0}
+
+
+def _choices(state: State) -> dict[str, Effect]:
+    found: dict[str, Effect] = {}
+    if state.driving.shown is not None:
+        name = _name(state, state.driving.actuator)
+        found[f"Use for {name}"] = partial(choose, row=state.driving.row)
+    if _found(state):
+        found["First of each list"] = partial(choose, row=None)
+    if any(state.document.design.drives):
+        found["Remove"] = partial(actions.change_design, drives=NO_DRIVES)
+    return found
+
+
+def _cycle_choices(state: State) -> dict[str, Effect]:
+    found: dict[str, Effect] = {"Add this motion": add_motion}
+    if state.driving.settings.cycle:
+        found["Clear"] = methodcaller("updated", "driving.settings", cycle=())
+    return found
+
+
+def problem_html(frame: Frame) -> str:
+    """Return why there are no drives."""
+    outcome = frame.state.driving.outcome
+    problem = "" if outcome is None else outcome.problem
+    return note("drives-problem", problem) if problem else ""
+
+
+_setting = SettingInputs("drives", "driving.settings", DriveSettings)
+
+DRIVES = (
+    Html("drives.intro", content=intro_html, idle=True),
+    *map(_setting, ("order", "same", "inertia_ratio", "dwell", "count")),
+    ButtonGroup("drives.cycle", "Cycle", choices=_cycle_choices),
+    Upload(
+        "drives.upload", "Open a catalog…", receive=_open, icon=Icon.UPLOAD, mime_type=".csv",
+        color="gray", hint="A CSV file of motors, gears, screws and belts; see docs/drives.md",
+    ),
+    Button(
+        "drives.find", "Find drives", icon=Icon.ENGINE, effect=find, undo=False,
+        disabled=is_running("driving"),
+        hint="Measures every pair of the catalog on the current motion",
+    ),
+    BackgroundJob("driving", find=find_drives, receive=receive),
+    Folder(
+        "drives.found", visible=_found,
+        entries=(
+            Dropdown(
+                "drives.actuator", "Actuator",
+                options={name: j for j, name in enumerate(ACTUATORS)},
+                read=lambda state: state.driving.actuator,
+                apply=lambda state, j: state.updated("driving", actuator=j, row=0),
+            ),
+            Html("drives.list", content=list_html, idle=True),
+            Dropdown(
+                "drives.row", "Drive", options=_options, hint="Shown in its envelope",
+                **attribute("driving.row"),
+            ),
+            chart("drives.chart", shown_drive, chart_figure, 1.0),
+            Html("drives.facts", content=facts_html, idle=True),
+        ),
+    ),
+    Html("drives.problem", content=problem_html),
+    ButtonGroup("drives.choice", "Design", choices=_choices),
+    Html("drives.own", content=own_html, idle=True),
+)  # fmt: skip

@@ -1,0 +1,216 @@
+"""Buttons that export what the page shows: figures, data, the robot and the 3D view."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.maps import FULL, MapStore, shows_difference
+from paminsa_viz.explorer.core.saved_requirements import asked
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.export import exports, pictures
+from paminsa_viz.explorer.features.export.copying import COPIED, copy_run
+from paminsa_viz.explorer.features.export.recording import Recorder
+from paminsa_viz.explorer.kit.downloads import File, export, session_export
+from paminsa_viz.explorer.kit.entries import Button, ButtonGroup, Entry, Html, Progress, Run
+from paminsa_viz.explorer.kit.inputs import Dropdown, Number, attribute
+from paminsa_viz.explorer.kit.task import is_running
+from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
+from paminsa_viz.explorer.state.view import Appearance
+from paminsa_viz.files.tables import TABLE_FORMATS
+from paminsa_viz.plots.animations import ANIMATION_FORMATS
+from paminsa_viz.plots.formats import FIGURE_FORMATS
+from paminsa_viz.quantities import QUANTITIES
+
+log = logging.getLogger(__name__)
+
+_recording = is_running("recording")
+
+VIEW_SIZES: dict[str, tuple[int, int] | None] = {
+    "as on the page": None,
+    "1920 × 1080": (1920, 1080),
+    "2560 × 1440": (2560, 1440),
+    "3840 × 2160": (3840, 2160),
+}
+
+
+def light_view(session: Session, legend: Legend) -> File:
+    """Return a picture of the 3D view with the colors of the light theme."""
+    state = session.state
+    if not state.theme.dark:
+        return pictures.view(state, session.client, legend)
+    session.show_scene(replace(state, appearance=Appearance.LIGHT))
+    try:
+        return pictures.view(state, session.client, legend)
+    finally:
+        session.dispatch("view", replace)  # draws the scene as the page is
+
+
+def export_entries(
+    store: MapStore, legend: Callable[[], Legend] = lambda: NO_LEGEND
+) -> Sequence[Entry]:
+    """Return the entries of the tab; maps come from the store, and pictures have the legend.
+
+    Everything is made of the newest state, at full resolution, and says design and pose inside.
+    """
+    recorder = Recorder()
+
+    def choices(what: str, labels: Mapping[str, str], make: Callable[..., File]) -> dict[str, Run]:
+        return {
+            label: export(f"{what} as {label}", partial(make, kind=kind))
+            for kind, label in labels.items()
+        }
+
+    figures = {name: each.label for name, each in FIGURE_FORMATS.items()}
+    tables = {name: name.upper() for name in TABLE_FORMATS}
+    return (
+        COPIED,
+        Html("export.maps_heading", content=_maps_heading),
+        Dropdown(
+            "export.single", "maps",
+            options={"torque maps τ₁ τ₂ τ₃": False, "single map": True},
+            hint="What to export, as its tab shows it",
+            **attribute("export.single"),
+        ),
+        Number(
+            "export.width", "width [mm]", range=(80.0, 400.0), step=1.0,
+            hint="Width of the figure on paper: 85 mm is a column, 170 mm a page",
+            **attribute("export.width"),
+        ),
+        Number(
+            "export.dpi", "dpi", range=(50.0, 600.0), step=10.0,
+            hint="Pixels per inch of a PNG, and of the colored cells in SVG and PDF",
+            **attribute("export.dpi"),
+        ),
+        ButtonGroup(
+            "export.figure", "figure",
+            choices=choices("a figure", figures, partial(exports.figure, store=store)),
+            hint="Title, units, design and pose are in it",
+        ),
+        ButtonGroup(
+            "export.table", "data",
+            choices=choices("data", tables, partial(exports.table, store=store))
+            | {"Copy": copy_run("Maps", partial(exports.maps_table, store=store))},
+            hint="SI units, with every number of the design; Copy: for a spreadsheet",
+        ),
+        Html(
+            "export.robot_heading",
+            content=render(
+                "export/heading.j2", kind="", title="Robot",
+                text="in its current pose; in MuJoCo’s viewer, sliders move it",
+            ),
+        ),
+        Dropdown(
+            "export.view_size", "view size", options=VIEW_SIZES,
+            hint="Size of the picture of the 3D view [pixels]",
+            **attribute("export.view_size"),
+        ),
+        ButtonGroup(
+            "export.scene", "export",
+            choices={
+                "View as PNG": session_export(
+                    "the 3D view as PNG",
+                    lambda session: light_view(session, legend()),
+                ),
+                "Robot as GLB": export("the robot as GLB", lambda state: exports.robot(state)),
+            },
+            hint="The 3D view as it is, or the posed robot",
+        ),
+        ButtonGroup(
+            "export.mujoco", "MuJoCo",
+            choices={
+                "MJCF": export(
+                    "the MuJoCo model", partial(exports.mujoco_model, meshes=False)
+                ),
+                "MJCF with meshes": export(
+                    "the MuJoCo model", partial(exports.mujoco_model, meshes=True)
+                ),
+            },
+            hint="All masses, loops and actuators for MuJoCo: one XML file, or a ZIP with the "
+            "real shapes",
+        ),
+        Html("export.volume_heading", content=_volume_heading),
+        ButtonGroup(
+            "export.volume", "volume",
+            choices=lambda state: (
+                {
+                    kind.upper(): export(
+                        f"the volume as {kind.upper()}", partial(exports.volume_file, kind=kind)
+                    )
+                    for kind in exports.VOLUME_KINDS
+                }
+                if asked(state.document.requirements)
+                else {}
+            ),
+            hint="Its surface in mm (STL) or in m with colors (GLB), or all nodes with their "
+            "causes and margins",
+        ),
+        Html("export.motion_heading", content=_motion_heading),
+        ButtonGroup(
+            "export.curves", "figure", choices=choices("a figure", figures, exports.motion_figure),
+            hint="The curves of “Motion plots”, width as above",
+        ),
+        ButtonGroup(
+            "export.series", "data",
+            choices=choices("data", tables, exports.motion_table)
+            | {"Copy": copy_run("Motion", lambda state: exports.motion_series(state)[1])}
+            | {"HTML page": export("a page that plays the motion", exports.motion_page)},
+            hint="All numbers over time in SI units, or a page that plays the motion by itself",
+        ),
+        ButtonGroup(
+            "export.record", "picture",
+            choices={
+                each.label: session_export(
+                    f"the motion as {each.label}",
+                    lambda session, kind=kind: recorder.record(session, kind, legend()),
+                )
+                for kind, each in ANIMATION_FORMATS.items()
+                if not each.missing
+            },
+            visible=lambda state: not _recording(state),
+            hint="The motion in the 3D view as an animated picture or a video, in true time; this "
+            "tab of the browser has to stay in front",
+        ),
+        *(
+            Button(
+                f"export.{kind}", f"{each.label}: needs {each.package}", color="gray",
+                effect=Run(lambda session: None), hint=each.missing, disabled=lambda state: True,
+                visible=lambda state: not _recording(state),
+            )
+            for kind, each in ANIMATION_FORMATS.items()
+            if each.missing
+        ),
+        Progress(
+            "export.recorded", read=lambda state: state.recording.done,
+            visible=_recording,
+        ),
+        Button(
+            "export.cancel", "Cancel", color="gray", effect=Run(recorder.cancel),
+            visible=_recording,
+        ),
+    )  # fmt: skip
+
+
+def _maps_heading(frame: Frame) -> str:
+    state = frame.state
+    quantity = QUANTITIES[state.map_view.quantity].label
+    minus = ", minus the reference" if shows_difference(state) else ""
+    text = f"{FULL} × {FULL} cells, colors as shown{minus}; the single map is: {quantity}"
+    return render("export/heading.j2", kind="pv-export", title="Maps", text=text)
+
+
+def _volume_heading(frame: Frame) -> str:
+    if not asked(frame.state.document.requirements):
+        return ""
+    text = "where all requirements hold; the surface, or a table"
+    return render("export/heading.j2", kind="", title="Volume", text=text)
+
+
+def _motion_heading(frame: Frame) -> str:
+    kind = exports.motion_figure_kind(frame.state)
+    text = f"as chosen in “Motion”; the figure is: {kind}, as in “Motion plots”"
+    return render("export/heading.j2", kind="", title="Motion", text=text)

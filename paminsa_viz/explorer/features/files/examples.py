@@ -1,0 +1,82 @@
+"""The example gallery: what is opened with a click."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.features.springs import actions as springs
+from paminsa_viz.explorer.state.springs import SpringSettings
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.files.example_designs import ExampleDesign, example_design
+from paminsa_viz.model import InvalidInput
+
+
+@dataclass(frozen=True)
+class Example:
+    """An example of the gallery.
+
+    Attributes:
+        key: Its name in messages of the page.
+        label: What a person reads.
+        note: What can be seen on it.
+        design: The robot.
+        prepare: What else of the state it changes, once the design is open.
+    """
+
+    key: str
+    label: str
+    note: str
+    design: ExampleDesign
+    prepare: Callable[[State], State] = lambda state: state
+
+
+def _with_springs(state: State) -> State:
+    return springs.start(state.updated("springing", settings=SpringSettings()))
+
+
+EXAMPLES: tuple[Example, ...] = (
+    Example(
+        "appendix-4", "Appendix 4", "The paper's prototype: gravity loads M1 to M3.",
+        ExampleDesign.APPENDIX_4,
+    ),
+    Example(
+        "masses", "Balanced by masses",
+        "The least added mass for M_p2 = 0: no torque of M1 to M3 at rest, anywhere.",
+        ExampleDesign.BALANCED,
+    ),
+    Example(
+        "springs", "Balanced by springs",
+        "Appendix 4, and a spring of free length zero on each leg, fitted in the tab Balance, "
+        "folder Springs.",
+        ExampleDesign.APPENDIX_4, _with_springs,
+    ),
+    Example(
+        "payload", "Heavy payload",
+        "10 kg on the balanced robot: only M4 holds it at rest. Drives are chosen for the preset "
+        "motion, see the tabs Motion and Drives.",
+        ExampleDesign.PAYLOAD, lambda state: motions.choose_preset(state, "paper-like"),
+    ),
+    Example(
+        "compact", "Compact robot",
+        "Lengths by global search for a cylinder of r 100 mm and 200 mm height with θ ± 30°: "
+        "0.48 m of footprint radius, Appendix 4 has 0.73 m.",
+        ExampleDesign.COMPACT,
+    ),
+)  # fmt: skip
+"""The gallery, in the order of the page."""
+
+
+def open_example(state: State, key: str) -> State:
+    """Work on an example, at the current pose if it can be taken; springs of before are removed.
+
+    Raises:
+        InvalidInput: If there is no such example.
+    """
+    found = next((example for example in EXAMPLES if example.key == key), None)
+    if found is None:
+        raise InvalidInput("example", f"one of {', '.join(e.key for e in EXAMPLES)} is needed")
+    opened = actions.load_design(springs.clear(state), example_design(found.design))
+    return found.prepare(opened)

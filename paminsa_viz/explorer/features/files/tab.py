@@ -1,0 +1,127 @@
+"""The design's name, design files, and share codes."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from viser import Icon
+
+from paminsa_viz.explorer.browser.tour import START
+from paminsa_viz.explorer.core import actions, persistence
+from paminsa_viz.explorer.core.saved_requirements import asked, require_possible
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.files.examples import EXAMPLES, open_example
+from paminsa_viz.explorer.kit.entries import Button, Folder, Html, Message, Run, Upload
+from paminsa_viz.explorer.kit.inputs import TextBox
+from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.files.design_file import (
+    LARGEST_FILE,
+    DesignContent,
+    read_content,
+    write_design,
+)
+from paminsa_viz.files.errors import DesignFileError
+from paminsa_viz.model import Design
+from paminsa_viz.version import MADE_BY
+
+
+def file_name(design: Design) -> str:
+    """Return a name for a design's file that every system takes."""
+    stem = re.sub(r"[^\w.-]+", "-", design.name, flags=re.ASCII).strip("-.")[:60]
+    return f"{stem or 'design'}.toml"
+
+
+def uploaded_content(name: str, content: bytes) -> DesignContent:
+    """Return the design in an uploaded file, and its requirements.
+
+    Raises:
+        DesignFileError: If there is none in it. The server hands on a file that is too large as
+            an empty one.
+    """
+    if not content:
+        raise DesignFileError(name, f"is empty, or larger than {LARGEST_FILE // 1000} kB")
+    return read_content(content, name)
+
+
+def open_content(state: State, content: DesignContent) -> State:
+    """Work on a design of a file, and on its requirements if it has any."""
+    opened = actions.load_design(state, content.design)
+    if content.requirements is None:
+        return opened
+    require_possible(content.requirements)
+    return actions.change_document(opened, requirements=content.requirements)
+
+
+def _download(session: Session) -> None:
+    document = session.state.document
+    design, requirements = document.design, document.requirements
+    comment = f"Written by {MADE_BY}."
+    text = write_design(
+        design, comment=comment, requirements=requirements if asked(requirements) else None
+    )
+    session.client.send_file_download(file_name(design), text.encode(), save_immediately=True)
+
+
+def _open(session: Session, name: str, content: bytes) -> None:
+    found = uploaded_content(name, content)
+    session.dispatch("file.open", lambda state: open_content(state, found))
+    session.notify("Design opened", found.design.name or name)
+
+
+EXAMPLE = "open-example"
+"""Message of the page: an example was pressed."""
+
+
+def gallery_html() -> str:
+    """Return the examples, each a button."""
+    return render("files/gallery.j2", examples=EXAMPLES, message=EXAMPLE, tour=START)
+
+
+def receive_example(session: Session, data: Any) -> None:
+    """Open the example that was pressed; ``data`` comes from the page."""
+    session.dispatch("file.open", lambda state: open_example(state, str(data)[:40]))
+
+
+FILE = (
+    TextBox(
+        "file.name", "Design name", hint="Is part of files, figures and tables",
+        read=lambda state: state.document.design.name, apply=actions.rename,
+    ),
+    Message(EXAMPLE, receive=receive_example),
+    Folder("file.examples", "Examples", entries=(Html("file.gallery", content=gallery_html()),)),
+    Folder(
+        "file.design", "Design file",
+        entries=(
+            Button(
+                "file.download", "Download as TOML", icon=Icon.DOWNLOAD,
+                hint="A readable text file, in SI units",
+                effect=Run(lambda session: session.submit(lambda: _download(session))),
+            ),
+            Upload(
+                "file.upload", "Open a file…", receive=_open, icon=Icon.UPLOAD,
+                mime_type=".toml,.txt", color="gray",
+                hint="A design file in TOML; without the key knee, the lower knee",
+            ),
+        ),
+    ),
+    Folder(
+        "file.share", "Share code",
+        entries=(
+            Html(
+                "file.about_code",
+                content=render(
+                    "note.j2", testid="", muted=True,
+                    text="Design, pose, motion and reference in one line. Copy it to hand it on; "
+                    "paste another one over it to open that.",
+                ),
+            ),
+            TextBox(
+                "file.code", "Code", idle=True,
+                read=lambda state: persistence.share_code(state.document),
+                apply=lambda state, code: actions.restore(state, persistence.open_share_code(code)),
+            ),
+        ),
+    ),
+)  # fmt: skip

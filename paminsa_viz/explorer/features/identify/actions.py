@@ -1,0 +1,99 @@
+"""What a person can ask of the identification, each as a pure function from state to state."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core import tasks
+from paminsa_viz.explorer.core.actions import with_design
+from paminsa_viz.explorer.state.identify import EXPORT_RATE, ExcitationJob, IdentifyJob
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.files.example_logs import ExampleLog, example_log
+from paminsa_viz.identification import Log
+from paminsa_viz.identification.findings import Findings
+from paminsa_viz.model import InvalidInput
+
+PLACES = ("log", "other", "loaded")
+"""The logs: to identify, to validate with, with a payload."""
+
+
+def use_log(state: State, place: str, log: Log) -> State:
+    """Take a log; the first one is identified at once."""
+    state = state.updated("identifying", **{place: log})
+    return identify(state) if state.identifying.log is not None else state
+
+
+def use_examples(state: State) -> State:
+    """Take the logs that come with the program."""
+    logs = [example_log(kind) for kind in ExampleLog]
+    state = state.updated("identifying", **dict(zip(PLACES, logs, strict=True)))
+    return identify(state.updated("identifying.settings", payload=2.0))
+
+
+def close_logs(state: State) -> State:
+    """Close the logs and what came of them."""
+    closed = state.updated("identifying", **dict.fromkeys(PLACES))
+    return closed.updated("identifying", running=None, outcome=None)
+
+
+def identify(state: State) -> State:
+    """Start an identification.
+
+    Raises:
+        InvalidInput: If there is no log.
+    """
+    own = state.identifying
+    if own.log is None:
+        raise InvalidInput("log", "open one first")
+    job = IdentifyJob(state.document.design, own.log, own.other, own.loaded, own.settings)
+    return tasks.start(state, "identifying", job)
+
+
+def search(state: State) -> State:
+    """Start a search for a motion."""
+    job = ExcitationJob(state.document.design, state.identifying.settings)
+    return tasks.start(state, "identifying.excitation", job)
+
+
+def findings(state: State) -> Findings:
+    """Return what the last identification found.
+
+    Raises:
+        InvalidInput: If there is nothing.
+    """
+    found = state.identifying.result
+    if found is None:
+        raise InvalidInput("log", "nothing has been identified yet")
+    return found
+
+
+def use_design(state: State) -> State:
+    """Make the nearest masses and the friction the design's.
+
+    Raises:
+        InvalidInput: If there are none.
+    """
+    design = findings(state).nearest.design
+    return with_design(state, replace(design, name=state.document.design.name))
+
+
+def use_log_motion(state: State) -> State:
+    """Let the robot run the motion of the log.
+
+    Raises:
+        InvalidInput: If there is none.
+    """
+    return motions.play(motions.use_table(state, findings(state).motion))
+
+
+def use_excitation(state: State) -> State:
+    """Make the motion that was found the current one.
+
+    Raises:
+        InvalidInput: If there is none.
+    """
+    found = state.identifying.excitation.result
+    if found is None:
+        raise InvalidInput("motion", "none has been found yet")
+    return motions.use_table(state, found.plan.sample(EXPORT_RATE))

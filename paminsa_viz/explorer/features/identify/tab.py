@@ -1,0 +1,186 @@
+"""Identify: logs of the built robot, what they say, and the motion to record one with."""
+
+from __future__ import annotations
+
+import io
+from functools import partial
+
+from viser import Icon
+
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.identify import actions
+from paminsa_viz.explorer.features.identify import texts as text
+from paminsa_viz.explorer.features.identify.files import excitation_csv, identification_table
+from paminsa_viz.explorer.features.identify.solving import identify_logs, search_excitation
+from paminsa_viz.explorer.kit.curves import LOWEST, MotionChart
+from paminsa_viz.explorer.kit.downloads import export
+from paminsa_viz.explorer.kit.entries import (
+    BackgroundJob,
+    Button,
+    ButtonGroup,
+    Custom,
+    Effect,
+    Entry,
+    Folder,
+    Html,
+    Upload,
+)
+from paminsa_viz.explorer.kit.inputs import Dropdown, attribute
+from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
+from paminsa_viz.explorer.kit.task import is_running, task_entries
+from paminsa_viz.explorer.state.identify import IdentifySettings, parse_gains
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.files.errors import TableFileError
+from paminsa_viz.files.log_table import parse_log
+from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.plots.identification_series import log_charts
+
+UPLOAD_TIMEOUT = 10.0
+"""How long an uploaded log may take to read [s]."""
+
+
+def _open(place: str, session: Session, name: str, content: bytes) -> None:
+    """Read an uploaded log, on the thread of the upload.
+
+    Raises:
+        TableFileError: If it is refused; row and column say where.
+        InvalidInput: If the gains are not four numbers.
+    """
+    if not content:
+        raise TableFileError(name, "is empty, or larger than 10 MB")
+    settings = session.state.identifying.settings
+    lines = io.StringIO(content.decode("utf-8-sig", errors="surrogateescape"), newline="")
+    log = parse_log(
+        lines, name, gains=parse_gains(settings.gains), split=settings.split, timeout=UPLOAD_TIMEOUT
+    )
+    session.dispatch(f"identify.{place}", lambda state: actions.use_log(state, place, log))
+    session.notify("Log opened", f"{log.name}, {len(log.t)} rows")
+
+
+class _Charts:
+    """Measured and predicted torque of an actuator, and the residual."""
+
+    def __init__(self, session: Session) -> None:
+        gui = session.client.gui
+        place = gui.add_folder(None)
+        self._charts = tuple(MotionChart(gui, place, order, LOWEST) for order in (0.0, 1.0))
+        self._drawn: tuple[object, int] | None = None
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Draw what has changed."""
+        own = frame.state.identifying
+        found = own.result
+        key = (found, own.actuator)
+        if dragging or key == self._drawn:
+            return
+        self._drawn = key
+        charts = (None, None) if found is None else log_charts(found.identification, own.actuator)
+        for chart, data in zip(self._charts, charts, strict=True):
+            chart.draw(data)
+
+
+def _found(state: State) -> bool:
+    return state.identifying.result is not None
+
+
+def _has_motion(state: State) -> bool:
+    return state.identifying.excitation.result is not None
+
+
+def _log_choices(state: State) -> dict[str, Effect]:
+    found: dict[str, Effect] = {"Example": actions.use_examples}
+    if state.identifying.log is not None:
+        found["Close logs"] = actions.close_logs
+    return found
+
+
+_setting = SettingInputs("identify", "identifying.settings", IdentifySettings)
+
+
+def _upload(place: str, label: str, hint: str) -> Upload:
+    return Upload(
+        f"identify.{place}.upload", label, receive=partial(_open, place), icon=Icon.UPLOAD,
+        mime_type=".csv,.txt", color=None if place == "log" else "gray", hint=hint,
+    )  # fmt: skip
+
+
+IDENTIFY: tuple[Entry, ...] = (
+    Html("identify.logs", content=text.logs_html, idle=True),
+    _upload("log", "Open a log…", "Positions and torques of the built robot over time"),
+    ButtonGroup("identify.examples", "Logs", choices=_log_choices),
+    Folder(
+        "identify.more", "More logs and settings", open=False,
+        entries=(
+            _upload("other", "Second log…", "On another motion: validates the first"),
+            _upload("loaded", "Log with payload…", "Gives the payload, or a common gain"),
+            *map(_setting, ("payload", "cut_off", "gains", "split")),
+            *map(_setting, ("delay", "legs", "rotors", "constrain")),
+        ),
+    ),
+    Button(
+        "identify.run", "Identify", icon=Icon.ZOOM_CHECK, effect=actions.identify, undo=False,
+        visible=lambda state: state.identifying.log is not None,
+        disabled=is_running("identifying"),
+        hint="Fit the log again, with these settings and this design’s lengths",
+    ),
+    BackgroundJob("identifying", find=identify_logs),
+    Html("identify.status", content=text.status_html),
+    Folder(
+        "identify.found", visible=_found,
+        entries=(
+            Dropdown(
+                "identify.actuator", "Actuator",
+                options={name: j for j, name in enumerate(ACTUATORS)},
+                **attribute("identifying.actuator"),
+            ),
+            Custom("identify.charts", make=_Charts),
+            Html("identify.numbers", content=text.numbers_html, idle=True),
+            Html("identify.checks", content=text.checks_html, idle=True),
+            Html("identify.causes", content=text.causes_html, idle=True),
+            ButtonGroup(
+                "identify.use", "Use",
+                choices={
+                    "Use as design": actions.use_design,
+                    "Play the log": actions.use_log_motion,
+                },
+                hint="The nearest masses and the friction; or the log’s motion in the scene",
+            ),
+            ButtonGroup(
+                "identify.export", "Export",
+                choices={
+                    label: export(f"the {label.lower()}", partial(identification_table, kind=kind))
+                    for label, kind in (("Numbers", "parameters"), ("Residuals", "residuals"))
+                },
+                hint="CSV files",
+            ),
+            Folder(
+                "identify.masses", "Nearest masses", open=False,
+                entries=(Html("identify.masses.list", content=text.masses_html, idle=True),),
+            ),
+        ),
+    ),
+    Folder(
+        "identify.excitation", "Motion for a log",
+        entries=(
+            *map(_setting, ("period", "harmonics", "seconds")),
+            *task_entries(
+                "identifying.excitation",
+                Button(
+                    "identify.search", "Find the best motion", icon=Icon.WAVE_SINE,
+                    effect=actions.search, undo=False,
+                    hint="A D-optimal multi-sine within the drives’ limits and κ ≤ 5",
+                ),
+            ),
+            BackgroundJob("identifying.excitation", find=search_excitation),
+            Html("identify.excited", content=text.excitation_html, idle=True),
+            ButtonGroup(
+                "identify.motion", "Motion", visible=_has_motion,
+                choices={
+                    "Use as motion": actions.use_excitation,
+                    "Export CSV": export("the motion", excitation_csv),
+                },
+            ),
+        ),
+    ),
+)  # fmt: skip

@@ -1,0 +1,1 @@
+"""Joint forces and bar loads."""

@@ -1,0 +1,199 @@
+"""Loads: forces at the joints and in the bars, at the pose shown and along the motion."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from paminsa_viz.elastostatics.bar_loads import BAR_NAMES
+from paminsa_viz.elastostatics.joint_forces import JOINTS
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.features.loads.charts import (
+    curves_figure,
+    section_figure,
+    shown_curves,
+    shown_section,
+)
+from paminsa_viz.explorer.features.loads.solving import (
+    bars_at,
+    find_loads,
+    forces_at,
+    found,
+    instant,
+    is_current,
+    sideways_at,
+)
+from paminsa_viz.explorer.kit import downloads as exports
+from paminsa_viz.explorer.kit.chart import chart
+from paminsa_viz.explorer.kit.downloads import export
+from paminsa_viz.explorer.kit.entries import BackgroundJob, ButtonGroup, Effect, Entry, Html
+from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
+from paminsa_viz.explorer.kit.text import note, render
+from paminsa_viz.explorer.state.loads import LoadsState
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.files.loads_table import bar_table, bearing_table, joint_table, motion_loads_table
+from paminsa_viz.files.tables import DataTable, table_bytes
+from paminsa_viz.model import InvalidInput, Limit
+from paminsa_viz.model.elastic import BARS
+from paminsa_viz.units import NONE, number
+
+
+def intro(frame: Frame) -> str:
+    """Return what the numbers belong to, or why there are none."""
+    at = instant(frame.state)
+    return render(
+        "loads/intro.j2", reason=problem(frame), time=at.time, load=at.design.load.acts
+    )  # fmt: skip
+
+
+def problem(frame: Frame) -> str:
+    """Return why there are no numbers at the pose, or nothing."""
+    if not frame.requested.ok.all():
+        return frame.explanation
+    status = int(forces_at(instant(frame.state)).status)
+    return "" if status == Limit.OK else Limit(status).explanation
+
+
+def joints(frame: Frame) -> str:
+    """Return the table of the joints of the chosen leg."""
+    if problem(frame):
+        return ""
+    at, leg = instant(frame.state), frame.state.loads.leg
+    forces, sideways = forces_at(at), sideways_at(at)
+    rows = []
+    for index, joint in enumerate(JOINTS):
+        r, t, z = forces.force[leg, index].tolist()
+        t = t if sideways is None else float(sideways[leg, index])
+        moment = float(forces.moment[leg, index])
+        rows.append(
+            (
+                joint.label, joint.on, joint.by, _text(r), _text(t), _text(z),
+                _text(moment) if joint.key in ("m", "2") else "",
+            )
+        )  # fmt: skip
+    return render("loads/joints.j2", rows=rows, leg=leg, axial=_text(float(forces.axial)))
+
+
+def bars(frame: Frame) -> str:
+    """Return the table of the bars of the chosen leg."""
+    if problem(frame):
+        return ""
+    view = frame.state.loads
+    inner, use = bars_at(instant(frame.state))
+    rows = [
+        (
+            BAR_NAMES[bar], *map(_text, inner[view.leg, index]),
+            _percent(float(use[view.leg, index])), bar == view.bar,
+        )
+        for index, bar in enumerate(BARS)
+    ]  # fmt: skip
+    return render("loads/bars.j2", rows=rows)
+
+
+def motion(frame: Frame) -> str:
+    """Return the motion table of the chosen leg, or why there is none."""
+    view, outcome = frame.state.loads, frame.state.loads.outcome
+    if not view.along:
+        return ""
+    if frame.analysis is None:
+        return note("loads-problem", "There is no motion; see the tab “Motion”.")
+    if outcome is None or not is_current(frame.state):
+        return note("loads-problem", "Computing …", muted=True)
+    if outcome.result is None:
+        return note("loads-problem", outcome.problem)
+    loads, leg = outcome.result, view.leg
+    rows = [
+        (
+            joint.label, _text(loads.peak[leg, i]), f"{loads.peak_time[leg, i]:.2f}",
+            _text(loads.rms[leg, i]), _text(loads.equivalent[leg, i]),
+        )
+        for i, joint in enumerate(JOINTS)
+    ]  # fmt: skip
+    use = loads.utilization.max(axis=0)[leg]
+    shares = [
+        (BAR_NAMES[bar], *(_text(v) for v in loads.bar_peak[leg, i]), _percent(float(use[i])))
+        for i, bar in enumerate(BARS)
+    ]
+    first = outcome.job.check.first
+    return render(
+        "loads/motion.j2", rows=rows, bars=shares, leg=leg, name=outcome.job.trajectory.name,
+        failure=first.explanation if first is not None else "",
+    )  # fmt: skip
+
+
+TABLES = {
+    "Joints": "joint-forces", "Bar": "bar-{}", "Bearings": "bearing-loads", "Samples": "loads",
+}  # fmt: skip
+"""Names of files by what the buttons say; the first two are of the pose, others of the motion."""
+
+
+def files(state: State) -> dict[str, Effect]:
+    """Return the buttons of the tables."""
+    count = 2 if found(state) is None else 4
+    return {name: export("loads", partial(file, name=name)) for name in list(TABLES)[:count]}
+
+
+def file(state: State, name: str) -> exports.File:
+    """Return one of `TABLES` of what is shown as a CSV file.
+
+    Raises:
+        InvalidInput: If there are no numbers.
+    """
+    what = exports.file_name(
+        state, TABLES[name].format(state.loads.bar), "csv", at_pose=name in ("Joints", "Bar")
+    )
+    return exports.File(what, table_bytes(_table(state, name), "csv"))
+
+
+def _table(state: State, name: str) -> DataTable:
+    if name in ("Bearings", "Samples"):
+        outcome = state.loads.outcome
+        if outcome is None or outcome.result is None:
+            raise InvalidInput("motion", "there are no loads along a motion yet")
+        make = bearing_table if name == "Bearings" else motion_loads_table
+        return make(outcome.result)
+    at = instant(state)
+    forces, pose = forces_at(at), np.array(at.pose)
+    if forces.status != Limit.OK or state.document.pose != at.pose:
+        raise InvalidInput("pose", "there are no joint forces at this pose")
+    if name == "Joints":
+        return joint_table(forces, pose, sideways_at(at))
+    return bar_table(forces, pose, state.loads.bar)
+
+
+def _text(value: Any) -> str:
+    value = float(value)
+    if math.isnan(value):
+        return NONE
+    return number(0.0 if abs(value) < 1e-9 else value, 3, padded=True)
+
+
+def _percent(share: float) -> str:
+    return f"{number(100 * share, 2)} %"
+
+
+_setting = SettingInputs("loads", "loads", LoadsState)
+
+LOADS: tuple[Entry, ...] = (
+    Html("loads.intro", content=intro, idle=True),
+    _setting("leg"),
+    Html("loads.joints", content=joints, idle=True),
+    Html("loads.bars", content=bars, idle=True),
+    _setting("bar"),
+    chart("loads.sections", shown_section, section_figure, 0.85),
+    _setting("along"),
+    BackgroundJob(
+        "loads.outcome", find=find_loads, idle=True,
+        wanted=lambda frame: frame.analysis if frame.state.loads.along else None,
+    ),
+    Html("loads.motion", content=motion, idle=True),
+    _setting("joint", visible=lambda state: found(state) is not None),
+    chart("loads.curves", shown_curves, curves_figure, 0.55),
+    ButtonGroup(
+        "loads.files", "CSV", choices=files,
+        hint="Tables: joints and the bar at this pose; bearings and all samples of the motion",
+    ),
+)  # fmt: skip

@@ -1,0 +1,1 @@
+"""Maps of torques and other quantities."""

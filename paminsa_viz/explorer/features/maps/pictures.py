@@ -1,0 +1,172 @@
+"""One picture of maps in the panel: an image that follows a drag, values under the pointer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Literal, cast
+
+import numpy as np
+
+from paminsa_viz.explorer.browser.bridge import Slots, marker
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore, shows_difference
+from paminsa_viz.explorer.core.motion_results import split_path
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.motion import point_entries as motion_points
+from paminsa_viz.explorer.features.motion import points
+from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.palette import rgb
+from paminsa_viz.plots.contours import joined
+from paminsa_viz.plots.hover import HoverFigure
+from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.map_figure import PAGE_EM, LiveMaps
+from paminsa_viz.plots.map_layout import MapLayout, map_layout
+from paminsa_viz.plots.map_panel import FloorPath
+from paminsa_viz.plots.scale import Scale
+from paminsa_viz.trajectory import TrajectoryAnalysis
+from paminsa_viz.units import format_value
+
+Quantities = Callable[[State], Sequence[str]]
+
+COLUMNS = 2
+"""Most maps side by side: what is next to the third is room for its inputs."""
+
+LIVE_QUALITY = 88
+"""Quality of the JPEG shown while dragging; the picture shown when idle is without loss."""
+
+Inputs = Literal["below", "inside"]
+"""Where a picture's inputs are: below it, or where its last row has room for another map."""
+
+
+class MapPicture:
+    """The picture of some maps, its caption, and what lies under the pointer.
+
+    Made in the current container of the page, which page.css turns into a grid; inputs that are
+    added to the container afterwards come there.
+
+    Attributes:
+        scales: The color scales drawn last, one a panel.
+        data: The maps drawn last, or None before the first.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        store: MapStore,
+        slots: Slots,
+        name: str,
+        quantities: Quantities,
+        inputs: Inputs,
+    ) -> None:
+        """Make the picture.
+
+        Args:
+            session: The tab it is for.
+            store: Where maps come from.
+            slots: Knows how wide the place is.
+            name: Name of the place; it comes back with clicks.
+            quantities: Keys of what to show, one a panel.
+            inputs: Where the inputs go.
+        """
+        gui = session.client.gui
+        self._gui, self._store, self._slots = gui, store, slots
+        self._name, self._quantities = name, quantities
+        self._live = LiveMaps()
+        self.scales: tuple[Scale, ...] = ()
+        self.data: MapData | None = None
+        gui.add_html(marker(name, inputs))
+        blank = np.full((2, max(slots.width(name), 2), 3), rgb(session.state.theme.paper), np.uint8)
+        self._image = gui.add_image(blank, format="auto", jpeg_quality=LIVE_QUALITY)
+        self._markers = gui.add_html("")
+        self._place = gui.add_folder(None)
+        self._hover: Any = None
+        self._layout: MapLayout | None = None
+        self._caption = gui.add_html("")
+        self._drawn: tuple[Any, ...] = ()
+        self._readable: tuple[Any, ...] = ()
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Draw what the state shows, unless it is drawn already or nobody sees it."""
+        state, width = frame.state, self._slots.width(self._name)
+        if not width:
+            return
+        quantities = self._quantities(state)
+        document, view = state.document, state.map_view
+        reference = document.reference
+        motion = frame.analysis if "path" in state.layers else None
+        # Where the robot is, is not part of it: the marker lies over the picture.
+        values = (
+            document.design, document.pose[2:], reference, view, quantities, width,
+            document.requirements,
+        )  # fmt: skip
+        shown = (*values, self._slots.ratio, motion and motion.trajectory, state.theme)
+        if self._drawn and self._drawn[0] == shown and (dragging or self._drawn[1]):
+            self._mark(state)
+            return
+        data = self._store.data(state, COARSE if dragging else FULL, quantities)
+        scales = self._store.scales(state, data, quantities, dragging=dragging)
+        ratio = 1.0 if dragging else self._slots.ratio
+        path = None if motion is None else floor_path(motion)
+        picture = self._live.draw(data, scales, width, ratio, path, COLUMNS, state.theme)
+        if not dragging:
+            opaque = np.full((*picture.shape[:2], 1), 255, dtype=np.uint8)
+            picture = np.concatenate([picture, opaque], axis=2)  # as PNG, without loss
+        self._image.image = picture
+        self.data, self.scales = data, scales
+        self._layout = map_layout(data, scales, width, PAGE_EM, columns=COLUMNS)
+        self._mark(state)
+        # How finely the values are drawn is not part of what can be read off.
+        if not dragging and values != self._readable:
+            self._show_values(data, self._layout)
+            self._readable = values
+        self._drawn = (shown, not dragging)
+
+    def _mark(self, state: State) -> None:
+        if self.data is None or self._layout is None:
+            return
+        self.data = self.data.with_pose(state.document.pose)
+        layout, data = self._layout, self.data
+        found = [] if "path" not in state.layers else points.listed(state)
+        self._markers.content = render(
+            "maps/markers.j2", layout=layout, places=layout.positions(data),
+            points=[(point.name, layout.places(data, *point.pose[:2])) for point in found],
+        )  # fmt: skip
+        text = caption(state, data)
+        if text != self._caption.content:
+            self._caption.content = text
+
+    def _show_values(self, data: MapData, layout: MapLayout) -> None:
+        figure = cast(Any, HoverFigure(data, layout, self._name))
+        height = layout.height / layout.width
+        if self._hover is None:
+            # Not before the page is idle: it sends Plotly's own code, a few megabytes.
+            with self._place:
+                self._hover = self._gui.add_plotly(figure, aspect=height)
+            return
+        self._hover.figure = figure
+        self._hover.aspect = height
+
+
+def floor_path(motion: TrajectoryAnalysis) -> FloorPath:
+    """Return a motion as it is drawn on maps."""
+    found = split_path(motion)
+    good, bad = ([found.place[run, :2] for run in runs] for runs in (found.good, found.bad))
+    return FloorPath(joined(good), joined(bad))
+
+
+def caption(state: State, data: MapData) -> str:
+    """Return the line below a picture: what it shows, where, and what its marks mean."""
+    reference = state.document.reference if shows_difference(state) else None
+    return render(
+        "maps/caption.j2",
+        title="Static torques" if data.panels > 1 else data.title.removesuffix(", difference"),
+        reference=None if reference is None else reference.name,
+        theta=format_value(data.theta, "rad"),
+        z=format_value(data.z, "m"),
+        missing=data.missing_word,
+        outside=() if data.outside is None else data.outside.present(),
+        drawing=points.is_drawing(state),
+        message=motion_points.DRAW,
+        number=len(state.document.motion.waypoints) + 1,
+    )

@@ -1,0 +1,1 @@
+"""The motion: its description, plan, curves and simulation."""

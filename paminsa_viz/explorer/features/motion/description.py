@@ -1,0 +1,189 @@
+"""What the motion is: a preset, one that is built, or a file; its time law, duration and limits."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+
+from viser import Icon
+
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.motion.point_entries import POINTS
+from paminsa_viz.explorer.kit.entries import Condition, Entry, Folder, Html, Upload
+from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, Number, attribute
+from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
+from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.state.motion import LARGEST_LIMIT, Kind, Motion, Timing
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.files.errors import TableFileError
+from paminsa_viz.files.trajectory_table import parse_trajectory
+from paminsa_viz.trajectory import PRESETS
+from paminsa_viz.units import display_unit
+
+MOTIONS: dict[str, str | Kind] = {
+    **{f"Preset: {preset.label}": preset.key for preset in PRESETS},
+    "Build: move from pose to pose": Kind.MOVE,
+    "Build: straight line, θ held": Kind.LINE,
+    "Build: pick-and-place arch": Kind.ARCH,
+    "Build: through waypoints": Kind.WAYPOINTS,
+    "Build: circle": Kind.CIRCLE,
+    "From a CSV file": Kind.TABLE,
+}
+"""The key of a preset or the kind of a motion that is built, by its text."""
+
+TIMINGS = {
+    "the preset's": Timing.OWN,
+    "given": Timing.GIVEN,
+    "shortest within limits": Timing.SHORTEST,
+}
+
+
+def _kind(*kinds: Kind) -> Condition:
+    return lambda state: state.document.motion.kind in kinds
+
+
+def _planned(state: State) -> bool:
+    return state.document.motion.kind is not Kind.TABLE
+
+
+def _crosses(state: State) -> bool:
+    return state.document.motion.crosses
+
+
+def _chosen(state: State) -> str | Kind:
+    motion = state.document.motion
+    return motion.preset if motion.kind is Kind.PRESET else motion.kind
+
+
+def _choose(state: State, choice: str | Kind) -> State:
+    if isinstance(choice, Kind):
+        return motions.choose_kind(state, choice)
+    return motions.choose_preset(state, choice)
+
+
+def file_html(frame: Frame) -> str:
+    """Return what is known of a file's motion."""
+    table = frame.state.document.motion.table
+    lines = [] if table is None else [
+        (table.name, f", {table.size} rows"),
+        *(("", note) for note in table.notes),
+        ("", "A file's motion is not kept over a reload, nor in a share code."),
+    ]  # fmt: skip
+    return render("motion/file.j2", lines=lines)
+
+
+UPLOAD_TIMEOUT = 10.0
+"""How long an uploaded table may take to read [s]; the largest possible one takes some seconds."""
+
+
+def _open(session: Session, name: str, content: bytes) -> None:
+    """Run the trajectory in an uploaded CSV file.
+
+    Raises:
+        TableFileError: If there is none in it; row and column say where. The server hands on a
+            file that is too large as an empty one.
+    """
+    if not content:
+        raise TableFileError(name, "is empty, or larger than 10 MB")
+    text = content.decode("utf-8-sig", errors="surrogateescape")
+    rest = session.state.table_at_rest
+    lines = io.StringIO(text, newline="")
+    table = parse_trajectory(lines, name, rest=rest, timeout=UPLOAD_TIMEOUT)
+    session.dispatch("motion.table", lambda state: motions.use_table(state, table))
+    session.notify("Motion opened", f"{table.name}, {table.size} rows")
+
+
+def _not_crossing(state: State) -> bool:
+    """Whether accelerations and jerks can be limited; the planner through singularities cannot."""
+    return not _crosses(state)
+
+
+def _limit(
+    name: str, label: str, unit: str, step: float, visible: Condition | None = None
+) -> Number:
+    """Return the input of a limit of the shortest duration; 0 is none."""
+    return Number(
+        f"motion.limits.{name}", label, unit=display_unit(unit), step=step,
+        range=(0.0, LARGEST_LIMIT), visible=visible,
+        read=lambda state: getattr(state.document.motion.limits, name) or 0.0,
+        apply=lambda state, value: motions.limit(state, name, value),
+    )  # fmt: skip
+
+
+def current_timing(state: State) -> Timing:
+    """Return what decides on the duration; only a preset has one of its own."""
+    motion = state.document.motion
+    own = motion.timing is Timing.OWN and motion.kind is not Kind.PRESET
+    return Timing.GIVEN if own else motion.timing
+
+
+def timing_options(state: State) -> Mapping[str, Timing]:
+    """Return what can decide on the duration."""
+    preset = state.document.motion.kind is Kind.PRESET
+    return {label: t for label, t in TIMINGS.items() if preset or t is not Timing.OWN}
+
+
+_setting = SettingInputs("motion", "document.motion", Motion, motions.change)
+
+DESCRIPTION: tuple[Entry, ...] = (
+    Dropdown(
+        "motion.kind", "Motion", options=MOTIONS, hint="A ready-made motion, or one of your own",
+        read=_chosen, apply=_choose,
+    ),
+    Html("motion.file.about", content=file_html, visible=_kind(Kind.TABLE)),
+    *POINTS,
+    _setting("radius", visible=_kind(Kind.CIRCLE)),
+    _setting("height", visible=_kind(Kind.ARCH)),
+    Folder(
+        "motion.file", "CSV file", visible=_kind(Kind.TABLE),
+        entries=(
+            Checkbox(
+                "motion.file.rest", "Starts and ends at rest", **attribute("table_at_rest"),
+                hint="For a few rows; without it, velocities at the ends are what the samples say",
+            ),
+            Upload(
+                "motion.file.upload", "Open a CSV file…", receive=_open, icon=Icon.UPLOAD,
+                mime_type=".csv,.txt",
+                hint="Columns t_s, x_m, y_m, theta_rad, z_m (or _ms, _mm, _deg)",
+            ),
+        ),
+    ),
+    _setting(
+        "profile",
+        visible=lambda state: state.document.motion.kind.has_law and not _crosses(state),
+    ),
+    _setting("cross", visible=lambda state: state.document.motion.kind.can_cross),
+    _setting("deviation", visible=_crosses),
+    _setting("back", visible=_planned),
+    Dropdown(
+        "motion.timing", "Duration", options=timing_options, visible=_planned,
+        hint="Given, or the shortest in which the robot keeps its limits", read=current_timing,
+        apply=lambda state, timing: motions.change(state, timing=timing),
+    ),
+    _setting(
+        "duration",
+        visible=lambda state: _planned(state) and current_timing(state) is Timing.GIVEN,
+    ),
+    Folder(
+        "motion.limits", "Limits",
+        visible=lambda state: _planned(state)
+        and (_crosses(state) or state.document.motion.timing is Timing.SHORTEST),
+        entries=(
+            Html(
+                "motion.limits.note",
+                content=lambda frame: render("motion/limits.j2", crosses=_crosses(frame.state)),
+            ),
+            _limit("speed", "Speed [m/s]", "m/s", 0.1),
+            _limit("turn_speed", "Speed [°/s]", "rad/s", 10.0),
+            _limit("acceleration", "Accel. [m/s²]", "m/s^2", 0.5, _not_crossing),
+            _limit("turn_acceleration", "Accel. [°/s²]", "rad/s^2", 100.0, _not_crossing),
+            _limit("jerk", "Jerk [m/s³]", "m/s^3", 10.0, _not_crossing),
+            _limit("turn_jerk", "Jerk [°/s³]", "rad/s^3", 1000.0, _not_crossing),
+            _limit("torque", "M1–M3 [N·m]", "N m", 0.5),
+            _limit("force", "F₄ [N]", "N", 10.0),
+        ),
+    ),
+    _setting("rate"),
+)  # fmt: skip

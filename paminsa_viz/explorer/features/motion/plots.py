@@ -1,0 +1,259 @@
+"""The curves of the motion: two charts, the numbers below them, and what they show."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Literal
+
+import numpy as np
+
+from paminsa_viz.engines import why_missing
+from paminsa_viz.explorer.browser.bridge import Slots, marker
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.motion_results import MotionResults
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.motion.solving import ask_engine
+from paminsa_viz.explorer.features.motion.tab import ACTUATORS, status_line
+from paminsa_viz.explorer.kit.bindings import Panel
+from paminsa_viz.explorer.kit.curves import PLACE, MotionChart, TimeCursor
+from paminsa_viz.explorer.kit.entries import BackgroundJob
+from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, attribute
+from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.state.motion import COMPARED, PLOTS, SIMULATED
+from paminsa_viz.explorer.state.simulation import EngineRequest, serves
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.plots.series import Statistics, Trace, statistics
+from paminsa_viz.plots.series_builders import build_series
+from paminsa_viz.plots.series_uplot import Chart, charts, trace_order
+from paminsa_viz.units import NONE, number
+
+Engine = Literal["MuJoCo", "Pinocchio"]
+
+
+def _engine_switch(key: str, engine: Engine, order: float) -> Checkbox:
+    """Return the switch of an engine; at most one is compared with, and one for differences."""
+
+    def apply(state: State, on: bool) -> State:
+        if on:
+            return state.updated("plots", engine=True, checker=engine)
+        return state.updated("plots", engine=False)
+
+    def read(state: State) -> bool:
+        return state.plots.needs_engine and state.plots.checker == engine
+
+    return Checkbox(
+        key, engine, order=order,
+        hint=lambda _: why_missing(engine)
+        or f"Compare with {engine}, an independent physics engine; its torques are marks",
+        disabled=lambda _: bool(why_missing(engine)),
+        visible=lambda state: state.plots.plot in ("torques", "differences"),
+        read=read, apply=apply,
+    )  # fmt: skip
+
+
+def wanted_answer(frame: Frame) -> EngineRequest | None:
+    """Return what an engine is asked about what is shown, if it is wanted and not known."""
+    plots, answer = frame.state.plots, frame.state.engine_answer
+    if frame.analysis is None or not plots.needs_engine:
+        return None
+    if answer is not None and serves(answer, frame.analysis, plots.checker):
+        return None
+    return EngineRequest(frame.analysis, plots.checker)
+
+
+INPUTS = (
+    BackgroundJob("engine_answer", find=ask_engine, wanted=wanted_answer, idle=True),
+    Dropdown(
+        "plots.plot", "show", options=PLOTS, order=5, hint="What is plotted along the motion",
+        **attribute("plots.plot"),
+    ),
+    Dropdown(
+        "plots.actuator", "actuator", options=ACTUATORS, order=6,
+        hint="Whose torque is shown by its causes",
+        visible=lambda state: state.plots.plot == "breakdown",
+        **attribute("plots.actuator"),
+    ),
+    _engine_switch("plots.engine", "MuJoCo", 6.5),
+    _engine_switch("plots.pinocchio", "Pinocchio", 6.6),
+    Checkbox(
+        "plots.published", "as published", order=7,
+        hint="Dotted: what the paper's formulas give with all their misprints",
+        visible=lambda state: state.plots.plot in (*COMPARED, "differences"),
+        **attribute("plots.published"),
+    ),
+)  # fmt: skip
+
+
+class MotionPlots:
+    """Charts, numbers and inputs of the motion, in the current container of the page.
+
+    Attributes:
+        charts: The two charts.
+        inputs: What they show.
+    """
+
+    def __init__(self, session: Session, slots: Slots, container: Any) -> None:
+        gui = session.client.gui
+        self._slots = slots
+        self._cursor = TimeCursor(session.bridge, lambda time: _scrub(session, time))
+        gui.add_html(marker(PLACE), order=0)
+        height = session.window[1]
+        self.charts = tuple(MotionChart(gui, container, order, height) for order in (1.0, 2.0))
+        self._caption = gui.add_html("", order=3)
+        self._numbers = gui.add_html("", order=4)
+        self.inputs = Panel(session, INPUTS)
+        self._key: tuple[object, ...] = ()
+        self._drawn: tuple[Chart, ...] = ()
+        self._read: dict[Trace, Statistics] = {}
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Draw what has changed, unless nobody sees it."""
+        state = frame.state
+        self.inputs.draw(frame, dragging)
+        if not self._slots.width(PLACE):
+            return
+        found = frame.motions.all(state)
+        self._draw_curves(state, found)
+        time = state.playback.time
+        self._cursor.show(time)
+        if found is not None and state.plots.plot == "differences":
+            self._numbers.content = difference_html(self._drawn, found, time)
+        else:
+            largest = "least" if state.plots.plot == "clearance" else "largest"
+            self._numbers.content = numbers_html(self._drawn, self._read, time, largest)
+
+    def _draw_curves(self, state: State, found: MotionResults | None) -> None:
+        key = (found, state.plots, state.theme)
+        if key == self._key:
+            return
+        self._key = key
+        self._drawn = () if found is None else drawn_charts(state, found)
+        measure = least if state.plots.plot == "clearance" else statistics
+        self._read = {
+            trace: measure(chart.t, trace) for chart in self._drawn for trace in chart.traces
+        }
+        for index, chart in enumerate(self.charts):
+            chart.draw(self._drawn[index] if index < len(self._drawn) else None, state.theme)
+        self._caption.content = caption_html(state, found, self._drawn)
+
+
+def _scrub(session: Session, time: float) -> None:
+    session.dispatch("playback.time", lambda state: motions.scrub(state, time), step=False)
+
+
+def drawn_charts(state: State, found: MotionResults) -> tuple[Chart, ...]:
+    """Return what is plotted; nothing for a simulation that has not been run."""
+    if state.plots.plot in SIMULATED and found.sources.simulation is None:
+        return ()
+    return charts(build_series(state.plots.plot, found.sources), state.plots.actuator)
+
+
+_ROUNDING = 1e-12
+"""Values up to this are rounding errors [N m, N, ...]."""
+
+
+def caption_html(state: State, found: MotionResults | None, drawn: tuple[Chart, ...]) -> str:
+    """Return the line below the charts: which motion, what strokes mean, and whether it fails."""
+    if found is None:
+        return render("motion/empty.j2", text=status_line(state, None)[1])
+    if not drawn:
+        text = "nothing has been simulated yet: press Simulate in the tab “Motion”"
+        return render("motion/empty.j2", text=text)
+    sources, first = found.sources, found.analysis.check.first
+    compared = state.plots.plot in COMPARED
+    return render(
+        "motion/caption.j2",
+        trajectory=found.analysis.trajectory,
+        reference=sources.reference.design.name if compared and sources.reference else "",
+        published=compared and sources.published is not None,
+        failure="" if first is None else first.explanation,
+        engine=_engine(state, found) if state.plots.needs_engine else None,
+    )
+
+
+def _engine(state: State, found: MotionResults) -> dict[str, object]:
+    """Return what the caption says of an engine's torques."""
+    context: dict[str, object] = {
+        "marked": state.plots.plot == "torques", "answer": found.answer, "own": None
+    }  # fmt: skip
+    check = found.answer.result if found.answer else None
+    if check is not None:
+        published = found.sources.published
+        context |= {
+            "name": check.engine.name,
+            "tolerance": check.tolerance,
+            "own": check.comparison(found.analysis),
+            "published": None if published is None else check.comparison(published),
+        }
+    return context
+
+
+def least(t: Array, trace: Trace) -> Statistics:
+    """Return the least value of a curve, when it is [s], and its RMS, which is not asked for."""
+    if not np.isfinite(trace.values).any():
+        return Statistics(math.nan, math.nan, math.nan)
+    low = int(np.nanargmin(trace.values))
+    return Statistics(float(trace.values[low]), float(t[low]), math.nan)
+
+
+def numbers_html(
+    drawn: tuple[Chart, ...], read: dict[Trace, Statistics], time: float, largest: str = "largest"
+) -> str:
+    """Return the table of the curves: the value at the cursor, the largest one, the RMS.
+
+    Args:
+        drawn: The charts.
+        read: Peak and RMS of every curve.
+        time: Of the cursor [s].
+        largest: What ``read`` has of a curve: its largest or least value.
+    """
+    rows = []
+    for chart, trace in _rows(drawn):
+        peak, peak_t, mean = read[trace]
+        at = f"{peak_t:.3f} s" if math.isfinite(peak_t) else NONE
+        values = (_value(chart.value_at(trace, time)), _value(peak), at, _value(mean))
+        rows.append((trace, (*values, chart.unit), None))
+    heads = (f"at {time:.3f} s", largest, "at", "RMS", "")
+    return render("motion/numbers.j2", heads=heads, rows=rows)
+
+
+def difference_html(drawn: tuple[Chart, ...], found: MotionResults, time: float) -> str:
+    """Return the table of differences to an engine, over the largest torque, with a verdict."""
+    check = found.answer.result if found.answer else None
+    shares: dict[str, list[float]] = {}
+    if check is not None:
+        for suffix, analysis in (("", found.analysis), ("as published", found.sources.published)):
+            if analysis is not None:
+                shares[suffix] = check.comparison(analysis).relative.tolist()
+    rows = []
+    for chart, trace in _rows(drawn):
+        if check is None:
+            rows.append((trace, (NONE, NONE, NONE, "", NONE, ""), None))
+            continue
+        values = trace.values[np.isfinite(trace.values)]
+        share = shares[trace.suffix or ""].pop(0)
+        cells = (
+            _value(chart.value_at(trace, time)),
+            _value(float(np.abs(values).max())),
+            _value(float(np.sqrt((values**2).mean()))),
+            chart.unit,
+            number(share, 2),
+        )
+        rows.append((trace, cells, share <= check.tolerance))
+    heads = (f"at {time:.3f} s", "largest", "RMS", "", "relative", "")
+    return render("motion/numbers.j2", heads=heads, rows=rows)
+
+
+def _rows(drawn: tuple[Chart, ...]) -> list[tuple[Chart, Trace]]:
+    """Return the curves in the order of their rows: the design's of all charts before others."""
+    rows = [(chart, trace) for chart in drawn for trace in chart.traces if not trace.marks]
+    return sorted(rows, key=lambda row: trace_order(row[1]))
+
+
+def _value(value: float) -> str:
+    """Return a value of a curve; a rounding error as 0."""
+    if not math.isfinite(value):
+        return NONE
+    return number(value if abs(value) > _ROUNDING else 0.0, 4)

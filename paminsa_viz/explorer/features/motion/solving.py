@@ -1,0 +1,61 @@
+"""Simulates a motion, and asks an engine for its torques."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from paminsa_viz.explorer.state.simulation import EngineAnswer, EngineRequest, SimulationJob
+from paminsa_viz.model import InvalidInput, PaminsaError
+from paminsa_viz.trajectory import (
+    Simulation,
+    analyze,
+    simulate,
+)
+from paminsa_viz.units import number
+
+
+def run(job: SimulationJob, _: object) -> Simulation:
+    """Simulate.
+
+    Raises:
+        PaminsaError: If the robot cannot start, or its payload is not possible.
+    """
+    settings, model = job.settings, job.design
+    if not settings.knows_friction:
+        model = model.without_friction()
+    known = model.payload.mass
+    if known + settings.payload_mismatch < 0:
+        raise InvalidInput(
+            "payload mismatch", f"at least {number(-known)} kg is needed: no payload is left then"
+        )
+    payload = replace(model.payload, mass=known + settings.payload_mismatch)
+    return simulate(
+        replace(job.design, payload=payload), job.trajectory, model=model,
+        controller=settings.controller(), offset=(settings.initial_error, 0.0, 0.0, 0.0),
+    )  # fmt: skip
+
+
+MOST_SAMPLES = 250
+"""Samples of a motion that the engine computes, in equal distance; it takes a tenth of a second."""
+
+
+def ask_engine(request: EngineRequest, _: object) -> EngineAnswer:
+    """Ask an engine for the torques of a design on a motion.
+
+    Raises:
+        PaminsaError: If there is no engine, or the robot cannot run the motion.
+    """
+    # Late: what engines need takes half a second to load.
+    from paminsa_viz.engines.verification import TOLERANCE
+    from paminsa_viz.plots.verified import engine_torques
+
+    analysis, trajectory = request.analysis, request.analysis.trajectory
+    count = min(trajectory.size, MOST_SAMPLES)
+    kept = np.linspace(0, trajectory.size - 1, count).round().astype(np.intp)
+    thinned = analyze(analysis.design, trajectory.take(kept))
+    if not thinned.check.good.any():
+        raise PaminsaError("the robot cannot run any of the motion")
+    engine = replace(engine_torques(thinned, request.engine), samples=kept)
+    return EngineAnswer(thinned, engine, TOLERANCE)

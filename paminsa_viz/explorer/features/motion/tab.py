@@ -1,0 +1,192 @@
+"""The tab of the motion: its status, playback, description, path in the scene, and simulation."""
+
+from __future__ import annotations
+
+import numpy as np
+from viser import Icon
+
+from paminsa_viz.clearance import clearance_reason
+from paminsa_viz.explorer.core import clearance as clearing
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.features.motion import point_entries as motion_points
+from paminsa_viz.explorer.features.motion.crossing import chart_html, crossing_html
+from paminsa_viz.explorer.features.motion.description import DESCRIPTION
+from paminsa_viz.explorer.features.motion.solving import run
+from paminsa_viz.explorer.kit.entries import BackgroundJob, Button, Entry, Folder, Html, Message
+from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, Slider, attribute
+from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
+from paminsa_viz.explorer.kit.task import is_running
+from paminsa_viz.explorer.kit.text import note, render, status
+from paminsa_viz.explorer.scene.path import hue_gradient, path_scale
+from paminsa_viz.explorer.state.motion import SPEEDS
+from paminsa_viz.explorer.state.simulation import SimulationSettings
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.trajectory import ControlMode, TrajectoryAnalysis
+from paminsa_viz.units import number
+
+TIME = "t  [s]"
+ACTUATORS = {f"M{j + 1}": j for j in range(4)}
+
+
+def status_line(state: State, analysis: TrajectoryAnalysis | None) -> tuple[bool, str]:
+    """Return whether a motion can be run, and the line that says so or says why not."""
+    found = motions.planned(state)
+    if analysis is None or found.trajectory is None or found.problem:
+        return False, found.problem
+    check = analysis.check
+    if check.first is not None:
+        return False, f"fails {check.first.explanation}"
+    near = check.closest
+    leg = f" of leg {near.leg + 1}" if near.leg >= 0 else ""
+    return True, (
+        f"{number(found.trajectory.duration, 4)} s, {found.trajectory.size} samples; nearest "
+        f"limit: {near.limit.noun}{leg}, {1e3 * near.margin:.0f} mm away at {number(near.t, 3)} s"
+    )
+
+
+def status_html(frame: Frame) -> str:
+    """Return whether the motion can be run."""
+    state, analysis = frame.state, frame.analysis
+    reachable, line = status_line(state, analysis)
+    found = motions.planned(state)
+    level, title = ("ok", "Reachable") if reachable else ("bad", "Not possible")
+    if found.trajectory is None:
+        level, title = "plain", "No motion yet"
+    lines = [line, f"shortest: {found.bound}"] if found.bound else [line]
+    near = None if analysis is None else clearing.along(state, analysis)
+    if near is not None and reachable:
+        why = clearance_reason(near.distance, near.names, state.clearance_view.required)
+        if why:
+            level, title = "bad" if near.distance < 0 else "warn", f"{title}, bodies too close"
+            lines.insert(0, f"{why}, at {number(near.t, 3)} s")
+    return status("motion-status", level, title, *lines)
+
+
+def playback_end(state: State) -> float:
+    """Return the end of the time slider, the duration rounded to its step [s]."""
+    return max(round(motions.duration(state), 3), 0.001)
+
+
+def scrub(state: State, time: float) -> State:
+    """Go to an instant that the slider shows [s]; its end is that of the motion."""
+    return motions.scrub(state, motions.duration(state) if time >= playback_end(state) else time)
+
+
+PLAYBACK = (
+    Button(
+        "playback.play", lambda state: "Pause" if state.playback.playing else "Play",
+        icon=lambda state: Icon.PLAYER_PAUSE if state.playback.playing else Icon.PLAYER_PLAY,
+        effect=motions.play_or_pause, undo=False, hint="Play the motion with the robot (key: M)",
+    ),
+    Dropdown(
+        "playback.speed", "speed", options={f"{speed:g} ×": speed for speed in SPEEDS},
+        hint="1 × is true time", **attribute("playback.speed"),
+    ),
+    Checkbox(
+        "playback.loop", "repeat", hint="Start again at the end", **attribute("playback.loop")
+    ),
+    Slider(
+        "playback.time", TIME, range=lambda state: (0.0, playback_end(state)), step=0.001,
+        hint="The instant shown; drag it to go through", undo=False,
+        read=lambda state: round(state.playback.time, 3), apply=scrub,
+    ),
+)  # fmt: skip
+
+
+def _legend_html(frame: Frame) -> str:
+    """Return the color bar of the path; empty without a motion."""
+    if frame.analysis is None:
+        return ""
+    actuator = frame.state.plots.color
+    scale = path_scale(frame.analysis, actuator)
+    name = ("|τ₁| [N·m]", "|τ₂| [N·m]", "|τ₃| [N·m]", "|F₄| [N]")[actuator]
+    return render("motion/path.j2", hues=hue_gradient(scale), name=name, scale=scale)
+
+
+def _has_feedback(state: State) -> bool:
+    return state.simulating.settings.control is not ControlMode.FEED_FORWARD
+
+
+def simulation_html(frame: Frame) -> str:
+    """Return what came of the last simulation."""
+    simulating = frame.state.simulating
+    level, title, lines = "plain", "Simulating …", []
+    outcome = simulating.outcome
+    if simulating.running is None and outcome is None:
+        text = (
+            "The controller does not know of a part of the payload. Errors and torques are plotted "
+            "in “Motion plots”, and the robot moves as simulated in the scene."
+        )
+        return note("simulation", text, muted=True)
+    if simulating.running is None and outcome is not None:
+        level, title, lines = "bad", "Not simulated", [outcome.problem]
+        simulation = outcome.result
+        if simulation is not None:
+            drift = float(np.abs(simulation.energy_drift).max())
+            lines = [
+                f"largest distance {number(1e3 * float(simulation.distance.max()), 3)} mm, "
+                f"at the end {number(1e3 * float(simulation.distance[-1]), 3)} mm",
+                f"energy drift of the solution {number(drift, 2)} J",
+            ]
+            level, title = "ok", f"Ran to the end, {simulation.t[-1]:.3f} s"
+            if simulation.stopped is not None:
+                level, title = "bad", f"Stopped {simulation.stopped.explanation}"
+            if not motions.simulation_is_current(frame.state):
+                level = "warn" if simulation.stopped is None else level
+                lines.append("of an earlier design, motion or setting: simulate again")
+    return status("simulation", level, title, *lines)
+
+
+_setting = SettingInputs("simulation", "simulating.settings", SimulationSettings)
+
+SIMULATION: tuple[Entry, ...] = (
+    _setting("control"),
+    _setting("bandwidth", visible=_has_feedback),
+    _setting("damping", visible=_has_feedback),
+    *map(_setting, ("payload_mismatch", "initial_error", "knows_friction")),
+    Button(
+        "simulation", "Simulate", icon=Icon.PLAYER_TRACK_NEXT, effect=motions.simulate,
+        disabled=is_running("simulating"),
+    ),
+    BackgroundJob("simulating", find=run, receive=motions.receive_simulation, undo=True),
+    Html("simulation.outcome", content=simulation_html),
+    Checkbox(
+        "simulation.shown", "Play it in the scene",
+        hint="The robot moves as simulated, next to a translucent one where it should be; without "
+        "it, it moves as planned",
+        visible=lambda state: state.simulating.outcome is not None,
+        read=lambda state: state.simulating.shown, apply=motions.show_simulation,
+    ),
+)  # fmt: skip
+
+
+MOTION: tuple[Entry, ...] = (
+    Message(motion_points.SELECT, receive=motion_points.receive_row),
+    Html("playback.mark", content=render("mark.j2", name="paminsa-playback")),
+    Html("motion.status", content=status_html),
+    *PLAYBACK,
+    *DESCRIPTION,
+    Folder(
+        "motion.crossing", "Singularities passed",
+        visible=lambda state: motions.planned(state).crossing is not None,
+        entries=(
+            Html("motion.crossing.text", content=crossing_html, idle=True),
+            Html("motion.crossing.chart", content=chart_html, idle=True),
+        ),
+    ),
+    Folder(
+        "motion.path", "Path in the scene", open=False,
+        entries=(
+            layer_switch("layers.path", "path", "Show the path", "Drawn on the maps as well"),
+            Dropdown(
+                "plots.color", "Colored by", options=ACTUATORS,
+                hint="Torque or force of this actuator; red where the motion fails",
+                **attribute("plots.color"),
+            ),
+            Html("motion.legend", content=_legend_html),
+        ),
+    ),
+    Folder("motion.simulation", "Simulation", open=False, entries=SIMULATION),
+)  # fmt: skip
+"""Status and playback, the motion, its duration, its path, and its simulation."""

@@ -1,0 +1,1 @@
+"""The pose: its status and numbers, and a slider for each coordinate."""

@@ -1,0 +1,180 @@
+"""The pose: its status and numbers, a slider for each coordinate, the knee, undo and redo."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import ceil, floor
+
+import numpy as np
+
+from paminsa_viz.dimensions.layout import layout
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import clearance as clearing
+from paminsa_viz.explorer.core.frame import Frame, Health
+from paminsa_viz.explorer.kit.entries import ButtonGroup, Html, Run
+from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
+from paminsa_viz.explorer.kit.robot_texts import of_pose
+from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model import Geometry, KneeBranch
+from paminsa_viz.model.grids import COORDINATES
+from paminsa_viz.model.reach import MARGINS, home_pose, workspace_radius
+from paminsa_viz.units import display_unit
+
+LEVELS = {
+    Health.OK: "ok",
+    Health.BEYOND: "warn",
+    Health.NEAR: "warn",
+    Health.UNREACHABLE: "bad",
+}
+
+
+def status_html(frame: Frame) -> str:
+    """Return the status line."""
+    lines = [frame.explanation]
+    if frame.health is not Health.UNREACHABLE:
+        lines += [f"the {locus.label} lies between this pose and home" for locus in frame.barriers]
+    level, title = LEVELS[frame.health], frame.health.value.capitalize()
+    if frame.health is not Health.UNREACHABLE:
+        distance, why = clearing.reason(frame.state)
+        if why:
+            lines = [why, *lines] if frame.health is not Health.OK else [why]
+            level = "bad" if distance < 0 else "warn"
+            title = f"{title}, bodies {'overlap' if distance < 0 else 'are close'}"
+    return render("status.j2", testid="status", level=level, title=title, lines=lines)
+
+
+def actuators_html(frame: Frame) -> str:
+    """Return positions and static torques of the four actuators."""
+    return render(
+        "pose/actuators.j2", frame=frame, pinned=frame.state.document.reference is not None,
+        reference=frame.reference_torques, degrees=np.degrees,
+    )  # fmt: skip
+
+
+AMPLE, SMALL, TINY = 0.2, 0.05, 0.01
+"""Margins to a limit [m]: of a full bar, and below which a bar is amber or red."""
+
+
+def _margin_level(margin: float) -> str:
+    return "bad" if margin < TINY else "warn" if margin < SMALL else "ok"
+
+
+def quality_html(frame: Frame) -> str:
+    """Return static imbalance, condition, distances to singularities and the legs' margins."""
+    text = render(
+        "pose/quality.j2", frame=frame, singularity=frame.singularity, degrees=np.degrees,
+        margins=frame.configuration.reach.margins, finite=np.isfinite,
+        limits={limit.label: index for index, limit in enumerate(MARGINS)},
+        level=_margin_level, share=lambda margin: f"{min(max(margin / AMPLE, 0.0), 1.0):.3f}",
+    )  # fmt: skip
+    return of_pose(frame, text)
+
+
+def summary_html(frame: Frame) -> str:
+    """Return condition, least margin and static imbalance in a line."""
+    return render(
+        "pose/summary.j2", frame=frame, margin=frame.configuration.reach.margins.min(),
+    )  # fmt: skip
+
+
+def pose_line_html(frame: Frame) -> str:
+    """Return the pose that numbers belong to, in mm and degrees."""
+    x, y, theta, z = frame.state.last_reachable.pose
+    return render(
+        "pose/line.j2", stale=frame.health is Health.UNREACHABLE,
+        other=frame.state.last_reachable.geometry != frame.state.document.design.geometry,
+        values=[(1e3 * x, " mm"), (1e3 * y, " mm"), (float(np.degrees(theta)), "°"),
+                (1e3 * z, " mm")],
+    )  # fmt: skip
+
+
+GRAIN = 10
+"""Ends of ranges are multiples of this [mm or degrees]."""
+
+LEAST_STEPS = 5
+"""Least half width of the ranges of x and y over `GRAIN`."""
+
+Range = tuple[float, float]
+
+
+@lru_cache(maxsize=64)
+def pose_limits(geometry: Geometry) -> tuple[Range, Range, Range, Range]:
+    """Return (lowest, highest) of the sliders for x, y, theta, z, in mm and degrees."""
+    radius = float(max(ceil(1e3 * workspace_radius(geometry) / GRAIN), LEAST_STEPS) * GRAIN)
+    return (-radius, radius), (-radius, radius), (-180.0, 180.0), heights(geometry)
+
+
+def heights(geometry: Geometry) -> Range:
+    """Return the platform heights that the slider offers, which are clear of the frame [mm].
+
+    Home is always among them. The frame is drawn for machines like the paper's; to others it may
+    leave less room, or none.
+    """
+    place = layout(geometry)
+    low = ceil(1e3 * place.platform_low / GRAIN) * GRAIN
+    high = floor(1e3 * place.platform_high / GRAIN) * GRAIN
+    return holding((low, max(high, low + GRAIN)), 1e3 * home_pose(geometry)[3])
+
+
+def holding(ends: Range, value: float) -> Range:
+    """Return a range, grown if it has to be to hold a value."""
+    low, high = ends
+    return (
+        float(min(low, floor(value / GRAIN) * GRAIN)),
+        float(max(high, ceil(value / GRAIN) * GRAIN)),
+    )
+
+
+def _slider(index: int, label: str, unit: str, step: float, hint: str) -> Slider:
+    coordinate = COORDINATES[index]
+
+    def limits(state: State) -> Range:
+        geometry = state.document.design.geometry
+        if not workspace_radius(geometry):  # it reaches nothing: there are no ends to slide to
+            geometry = state.last_reachable.geometry
+        return pose_limits(geometry)[index]
+
+    return Slider(
+        f"pose.{coordinate}", label, unit=display_unit(unit), step=step, hint=hint,
+        range=limits, fit=holding,
+        read=lambda state: state.document.pose[index],
+        apply=lambda state, value: actions.move(state, **{coordinate: value}),
+    )  # fmt: skip
+
+
+POSE = (
+    _slider(0, "x  [mm]", "m", 1.0, "Platform position along x"),
+    _slider(1, "y  [mm]", "m", 1.0, "Platform position along y"),
+    _slider(2, "θ  [°]", "rad", 0.5, "Rotation of the platform about the vertical"),
+    _slider(
+        3, "z  [mm]", "m", 1.0,
+        "Height of the platform; 0 is the plane of the guides. The slider keeps the robot clear "
+        "of its frame as it is drawn; any other height can be typed.",
+    ),
+    Dropdown(
+        "pose.knee", "Knee branch",
+        options={
+            "lower knee (as published)": KneeBranch.LOWER,
+            "upper knee (mirrored)": KneeBranch.UPPER,
+        },
+        hint="Which root of Appendix 1 the knee 9 takes; switching mirrors the height",
+        read=lambda state: state.document.design.geometry.knee, apply=actions.set_knee,
+    ),
+    ButtonGroup(
+        "pose.steps", "Steps",
+        choices={
+            "Home": actions.go_home,
+            "Undo": Run(lambda session: session.undo()),
+            "Redo": Run(lambda session: session.redo()),
+        },
+    ),
+    Html("readout.quality", content=quality_html),
+    Number(
+        "pose.condition_limit", "κ counts up to", range=(1.5, 1e6), step=1.0, undo=False,
+        hint="Poses with a larger condition number, and those whose pantograph is stretched or "
+        "folded but for 10 mm, are too close to a singularity: torques grow without bound. The "
+        "status warns of them, and statistics and the balance leave them out.",
+        **attribute("condition_limit"),
+    ),
+)  # fmt: skip

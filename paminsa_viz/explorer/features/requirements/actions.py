@@ -1,0 +1,258 @@
+"""Actions on the requirements of a document, each a pure function from state to state."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+from paminsa_viz.explorer.core import tasks
+from paminsa_viz.explorer.core.actions import change_document
+from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS, require_possible
+from paminsa_viz.explorer.features.requirements.suggestions import default_workspace, suggested
+from paminsa_viz.explorer.state.document import Document
+from paminsa_viz.explorer.state.outcome import Report
+from paminsa_viz.explorer.state.requirements import LargestJob
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model import InvalidInput
+from paminsa_viz.model.reach import home_pose
+from paminsa_viz.quantities.requirements import (
+    Range,
+    Requirement,
+    Requirements,
+    Workspace,
+    WorkspaceShape,
+)
+
+if TYPE_CHECKING:
+    from paminsa_viz.synthesis.proof.largest import LargestWorkspace
+
+TURN = math.radians(30)
+"""Half of the range of headings that is suggested [rad]."""
+
+
+class Side(Enum):
+    """What a requirement bounds; values are the labels."""
+
+    MOST = "at most (≤)"
+    LEAST = "at least (≥)"
+    SIZE = "magnitude (|·| ≤)"
+    BETWEEN = "between"
+
+
+def side_of(requirement: Requirement) -> Side:
+    """Return what a requirement bounds."""
+    if requirement.low is None:
+        return Side.MOST
+    if requirement.high is None:
+        return Side.LEAST
+    return Side.SIZE if requirement.low == -requirement.high else Side.BETWEEN
+
+
+def change(state: State, **changes: Any) -> State:
+    """Change the requirements of the document.
+
+    Raises:
+        InvalidInput: If the page takes no such requirements.
+    """
+    requirements = replace(state.document.requirements, **changes)
+    require_possible(requirements)
+    return change_document(state, requirements=requirements)
+
+
+def selected(state: State) -> Requirement | None:
+    """Return the requirement that is edited, or None."""
+    bounds, index = state.document.requirements.bounds, state.requiring.selected
+    return bounds[index] if 0 <= index < len(bounds) else None
+
+
+def select(state: State, index: int) -> State:
+    """Edit another requirement."""
+    return state.updated("requiring", selected=index)
+
+
+def edit(state: State, **changes: Any) -> State:
+    """Change attributes of the requirement that is edited.
+
+    Raises:
+        InvalidInput: If a bound or a range is not possible.
+    """
+    one = selected(state)
+    if one is None:
+        return state
+    bounds = list(state.document.requirements.bounds)
+    bounds[state.requiring.selected] = replace(one, **changes)
+    return change(state, bounds=tuple(bounds))
+
+
+def add(state: State, quantity: str = "condition") -> State:
+    """Add a requirement, which is then edited; its bound is that of the current design.
+
+    Raises:
+        InvalidInput: If there are too many.
+    """
+    bounds = state.document.requirements.bounds
+    if len(bounds) >= MOST_REQUIREMENTS:
+        raise InvalidInput("requirements", f"at most {MOST_REQUIREMENTS} are possible here")
+    added = change(state, bounds=(*bounds, suggested(state.document, quantity)))
+    return select(added, len(bounds))
+
+
+def remove(state: State) -> State:
+    """Remove the requirement that is edited."""
+    index = state.requiring.selected
+    if selected(state) is None:
+        return state
+    bounds = state.document.requirements.bounds
+    removed = change(state, bounds=(*bounds[:index], *bounds[index + 1 :]))
+    return select(removed, max(0, min(index, len(bounds) - 2)))
+
+
+def choose_quantity(state: State, quantity: str) -> State:
+    """Bound another quantity, with the ranges as they are."""
+    one = selected(state)
+    if one is None or one.quantity == quantity:
+        return state
+    other = suggested(state.document, quantity)
+    return edit(state, quantity=quantity, low=other.low, high=other.high)
+
+
+def choose_side(state: State, side: Side) -> State:
+    """Bound another side; the number stays as far as it can."""
+    one = selected(state)
+    if one is None or side is side_of(one):
+        return state
+    size = one.high if one.high is not None else one.low
+    value = 0.0 if size is None else size
+    match side:
+        case Side.MOST:
+            return edit(state, low=None, high=value)
+        case Side.LEAST:
+            return edit(state, low=value, high=None)
+        case Side.SIZE:
+            return edit(state, low=-abs(value), high=abs(value))
+        case Side.BETWEEN:
+            low, high = min(one.low or 0.0, value), max(value, 0.0)
+            return edit(state, low=low, high=high if high != -low else high + max(abs(high), 1.0))
+
+
+def set_bound(state: State, value: float) -> State:
+    """Set the number of a one-sided bound or of a magnitude [SI].
+
+    Raises:
+        InvalidInput: If a magnitude is negative.
+    """
+    one = selected(state)
+    if one is None:
+        return state
+    match side_of(one):
+        case Side.LEAST:
+            return edit(state, low=value)
+        case Side.SIZE:
+            if value < 0:
+                raise InvalidInput(one.entry.symbol, f"a magnitude is not negative ({value:g})")
+            return edit(state, low=-value, high=value)
+        case _:
+            return edit(state, high=value)
+
+
+def set_own_range(state: State, name: str, on: bool) -> State:
+    """Give the requirement that is edited a range of headings or heights of its own, or none."""
+    own: Range | None = None
+    if on and name == "theta":
+        own = state.document.requirements.theta
+    elif on:
+        z = home_pose(state.document.design.geometry)[3]
+        own = (round(z - 0.1, 3), round(z + 0.1, 3))
+    return edit(state, **{name: own})
+
+
+def suggest(state: State) -> State:
+    """Ask for what the current design can do around home: condition, torque, force and reach."""
+    theta = state.document.requirements.theta
+    if theta == (0.0, 0.0):
+        state = change(state, theta=(-TURN, TURN))
+    state = change(
+        state, workspace=state.document.requirements.workspace or default_workspace(state.document)
+    )
+    keys = ("condition", "max_torque", "f_4", "reach_margin")
+    bounds = [suggested(state.document, key) for key in keys]
+    bounds[-1] = Requirement("reach_margin", low=0.01)
+    return select(change(state, bounds=tuple(bounds)), 0)
+
+
+def set_workspace(state: State, **changes: Any) -> State:
+    """Change the required workspace.
+
+    Raises:
+        InvalidInput: If it is not possible.
+    """
+    workspace = state.document.requirements.workspace
+    if workspace is None:
+        return state
+    return change(state, workspace=replace(workspace, **changes))
+
+
+def choose_shape(state: State, shape: WorkspaceShape | None) -> State:
+    """Require a workspace of another shape, of the same size as far as it goes; None for none."""
+    held = state.document.requirements.workspace
+    if shape is None:
+        return change(state, workspace=None)
+    if held is None:
+        held = default_workspace(state.document)
+    x, y, height = held.size
+    size = (x, x if shape is WorkspaceShape.CYLINDER else y, height)
+    return change(state, workspace=replace(held, shape=shape, size=size))
+
+
+def clear(state: State) -> State:
+    """Remove all requirements."""
+    return change(state, **vars(Requirements()))
+
+
+def proportions(document: Document, shape: WorkspaceShape, free: bool) -> Workspace:
+    """Return the workspace that gives the proportions and, unless it is free, the center."""
+    held = document.requirements.workspace or default_workspace(document)
+    x, y, z = held.size
+    center: Any = (None, None, None) if free else held.center
+    return Workspace(shape, (x, x if shape is WorkspaceShape.CYLINDER else y, z), center)
+
+
+def start_largest(state: State) -> State:
+    """Search for the largest workspace that is proven.
+
+    Raises:
+        InvalidInput: If nothing is required.
+    """
+    document, asked = state.document, state.requiring.largest
+    if not document.requirements.bounds:
+        raise InvalidInput("requirements", "add one first: nothing but reach bounds the workspace")
+    job = LargestJob(
+        document.design, document.requirements,
+        proportions(document, asked.shape, asked.free), asked.growth, asked.seconds,
+    )  # fmt: skip
+    return tasks.start(state, "requiring.largest", job)
+
+
+def find_largest(job: LargestJob, report: Report) -> LargestWorkspace:
+    """Find the largest workspace."""
+    from paminsa_viz.synthesis.proof.largest import largest_workspace
+    from paminsa_viz.synthesis.proof.regions import Growth
+
+    return largest_workspace(
+        job.design, job.requirements, job.workspace, growth=Growth[job.growth],
+        time_limit=job.seconds, progress=report,
+    )  # fmt: skip
+
+
+def use_largest(state: State) -> State:
+    """Require the workspace that was found.
+
+    Raises:
+        InvalidInput: If none was proven.
+    """
+    proven = state.requiring.largest.proven
+    if proven is None:
+        raise InvalidInput("workspace", "none is proven")
+    return change(state, workspace=Workspace(*proven))

@@ -1,0 +1,91 @@
+"""The largest workspace that is proven to meet the requirements, a folder of its tab."""
+
+from __future__ import annotations
+
+from viser import Icon
+
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.features.requirements import actions
+from paminsa_viz.explorer.kit.entries import BackgroundJob, Button, Html
+from paminsa_viz.explorer.kit.robot_texts import workspace_text
+from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
+from paminsa_viz.explorer.kit.task import task_entries
+from paminsa_viz.explorer.kit.text import note, render
+from paminsa_viz.explorer.state.requirements import LargestState
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.quantities.requirement_text import requirement_label
+from paminsa_viz.synthesis.proof.evidence import Evidence, Verdict
+from paminsa_viz.synthesis.proof.largest import LargestWorkspace
+from paminsa_viz.synthesis.proof.regions import Growth
+from paminsa_viz.units import format_value, number
+
+
+def result_html(frame: Frame) -> str:
+    """Return what is proven, how far it is from what cannot be, and why it ends there."""
+    search = frame.state.requiring.largest
+    outcome, found = search.outcome, search.result
+    if outcome is None or search.running is not None:
+        return ""
+    if found is None:
+        return note("largest-problem", outcome.problem)
+    workspace = found.workspace
+    place = ""
+    if workspace is not None:
+        x, y, z = (format_value(float(at or 0.0), "m") for at in workspace.center)
+        place = f"x {x}, y {y}, z {z}"
+    return render(
+        "requirements/largest.j2", text="" if workspace is None else workspace_text(workspace),
+        place=place, gap=format_value(found.gap, "m", 2), seconds=number(found.seconds, 2),
+        cause=cause_text(found), stale=not outcome.job.serves(frame.state.document),
+        rows=[_row(item) for item in found.proof.evidence],
+    )  # fmt: skip
+
+
+def cause_text(found: LargestWorkspace) -> str:
+    """Return why the workspace is not larger."""
+    if found.requirement is not None:
+        return requirement_label(found.requirement)
+    texts = {"home": "no path from home", "volume": "no position meets all requirements"}
+    return texts.get(found.cause, found.cause)
+
+
+def _row(item: Evidence) -> dict[str, str]:
+    label, unit = item.name, "m"
+    if item.requirement is not None:
+        label, unit = requirement_label(item.requirement), item.requirement.entry.unit
+    marks = {Verdict.PROVEN: ("✓", "pv-ok"), Verdict.SAMPLED: ("~", "pv-warn")}
+    mark, level = marks.get(item.verdict, ("✗", "pv-bad"))
+    bound = item.bound if item.requirement is not None else item.margin
+    return {
+        "mark": mark, "level": level, "label": label, "method": item.method.value,
+        "bound": format_value(float(bound), unit, 4),
+    }  # fmt: skip
+
+
+def _is_proven(state: State) -> bool:
+    search = state.requiring.largest
+    return search.proven is not None and search.running is None
+
+
+_setting = SettingInputs("largest", "requiring.largest", LargestState)
+
+LARGEST_WORKSPACE = (
+    _setting("shape"),
+    _setting("growth", options={growth.value: growth.name for growth in Growth}),
+    _setting("free"),
+    _setting("seconds"),
+    *task_entries(
+        "requiring.largest",
+        Button(
+            "largest.start", "Find the largest", icon=Icon.CERTIFICATE, undo=False,
+            effect=actions.start_largest,
+            hint="Reach and singularities in closed form, condition number, torques and F₄ by "
+            "interval bisection",
+        ),
+    ),
+    Html("largest.result", content=result_html),
+    Button(
+        "largest.use", "Use as required workspace", visible=_is_proven, effect=actions.use_largest,
+    ),
+    BackgroundJob("requiring.largest", find=actions.find_largest),
+)  # fmt: skip

@@ -1,0 +1,73 @@
+"""The volume where all requirements hold, and regular workspaces: required, and proven."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+
+from paminsa_viz import palette
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.requirements import placed_workspace
+from paminsa_viz.explorer.scene.nodes import Node, curves, mesh
+from paminsa_viz.explorer.state.requirements import VolumeResult
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.quantities.requirements import WorkspaceShape
+
+OPACITY: Final = 0.4
+CORNERS: Final = 64
+"""Points around a cylinder."""
+
+Place = tuple[float, float, float]
+
+
+def volume(frame: Frame) -> tuple[Node, ...]:
+    """Draw the layer ``volume``: the surface, a mesh for each cause in its color.
+
+    Nothing is drawn that is of another design or of other requirements.
+    """
+    outcome = frame.state.requiring.fine
+    if outcome is None or outcome.result is None or not outcome.job.serves(frame.state.document):
+        return ()
+    return _surface(outcome.result)
+
+
+@lru_cache(maxsize=2)
+def _surface(found: VolumeResult) -> tuple[Node, ...]:
+    return tuple(
+        mesh(f"/requirements/volume/{i}", part.vertices, part.faces, part.color, opacity=OPACITY)
+        for i, part in enumerate(found.surface)
+    )
+
+
+def required_workspace(frame: Frame) -> Iterator[Node]:
+    """Draw the outline of the required workspace."""
+    placed = placed_workspace(frame.state)
+    if placed is not None:
+        yield curves("/requirements/required", outline(*placed))
+
+
+def proven_workspace(frame: Frame) -> Iterator[Node]:
+    """Draw the outline of the largest workspace that is proven."""
+    largest = frame.state.requiring.largest
+    outcome = largest.outcome
+    if largest.proven and outcome is not None and outcome.job.serves(frame.state.document):
+        yield curves("/requirements/proven", outline(*largest.proven), palette.OK, 3.0)
+
+
+def outline(shape: WorkspaceShape, size: Place, center: Place) -> list[Array]:
+    """Return the edges of a workspace as lines (n, 3) [m]."""
+    if shape is WorkspaceShape.BOX:
+        around = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)], np.float64)
+        uprights = slice(0, 4)
+    else:
+        angle = np.linspace(0, 2 * np.pi, CORNERS + 1)
+        around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        uprights = slice(0, CORNERS, CORNERS // 8)
+    low, high = (
+        np.hstack([around, np.full((len(around), 1), side)]) * np.array(size) / 2 + center
+        for side in (-1.0, 1.0)
+    )
+    return [low, high, *np.stack([low[uprights], high[uprights]], axis=1)]

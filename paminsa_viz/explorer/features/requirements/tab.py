@@ -1,0 +1,201 @@
+"""Requirements: a list of bounds with their margins, the required workspace, and the volume."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+from paminsa_viz.explorer.core import actions as poses
+from paminsa_viz.explorer.core.requirements import find_volume, receive, wanted_volume
+from paminsa_viz.explorer.core.saved_requirements import asked
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.requirements import actions
+from paminsa_viz.explorer.features.requirements import texts as text
+from paminsa_viz.explorer.features.requirements.inputs import DEGREES, EDIT, has_selected
+from paminsa_viz.explorer.features.requirements.largest import LARGEST_WORKSPACE
+from paminsa_viz.explorer.features.requirements.suggestions import default_workspace
+from paminsa_viz.explorer.kit.entries import (
+    BackgroundJob,
+    ButtonGroup,
+    Condition,
+    Effect,
+    Folder,
+    Html,
+    Message,
+)
+from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, Number, Pair, attribute
+from paminsa_viz.explorer.state.settings import MILLIMETERS
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
+
+SHAPES: dict[str, WorkspaceShape | None] = {
+    "none": None, "cylinder": WorkspaceShape.CYLINDER, "box": WorkspaceShape.BOX,
+}  # fmt: skip
+
+NOWHERE = Workspace(WorkspaceShape.CYLINDER, (0.1, 0.1, 0.1), (0.0, 0.0, 0.0))
+"""What hidden inputs show."""
+
+
+def _buttons(state: State) -> dict[str, Effect]:
+    found: dict[str, Effect] = {"Add": actions.add, "Suggested set": actions.suggest}
+    if has_selected(state):
+        found["Remove"] = actions.remove
+    return found
+
+
+def workspace(state: State) -> Workspace:
+    """Return the required workspace, or one for inputs that are hidden."""
+    return state.document.requirements.workspace or NOWHERE
+
+
+def _shape_is(*shapes: WorkspaceShape) -> Condition:
+    def holds(state: State) -> bool:
+        held = state.document.requirements.workspace
+        return held is not None and held.shape in shapes
+
+    return holds
+
+
+ANY_SHAPE = _shape_is(*WorkspaceShape)
+CYLINDER, BOX = _shape_is(WorkspaceShape.CYLINDER), _shape_is(WorkspaceShape.BOX)
+
+LARGEST, LEAST = 10.0, 0.001
+"""Sizes of a workspace that can be typed [m]."""
+
+
+def _set_size(state: State, **changes: float) -> State:
+    """Change sizes of the required workspace, by the names of their coordinates [m]."""
+    sizes = dict(zip("xyz", workspace(state).size, strict=True)) | changes
+    return actions.set_workspace(state, size=tuple(sizes.values()))
+
+
+def _set_center(state: State, *, level: bool, place: tuple[float | None, ...]) -> State:
+    """Change x and y of the center, or z."""
+    center = workspace(state).center
+    changed = (*place, center[2]) if level else (*center[:2], *place)
+    return actions.set_workspace(state, center=changed)
+
+
+def _level_free(state: State) -> bool:
+    return None in workspace(state).center[:2]
+
+
+def _height_free(state: State) -> bool:
+    return workspace(state).center[2] is None
+
+
+WORKSPACE = (
+    Pair(
+        "requirements.headings", "θ [°]", units=(DEGREES, DEGREES), step=1.0, ordered=True,
+        hint="Headings that count, from and to: every requirement without a range of its own has "
+        "to hold for all of them",
+        read=lambda state: state.document.requirements.theta,
+        apply=lambda state, ends: actions.change(state, theta=ends),
+    ),
+    Dropdown(
+        "requirements.shape", "Workspace", options=SHAPES,
+        hint="What has to lie within the volume where all requirements hold",
+        read=lambda state: (
+            None if (w := state.document.requirements.workspace) is None else w.shape
+        ),
+        apply=actions.choose_shape,
+    ),
+    Pair(
+        "requirements.cylinder", "⌀, height [mm]", visible=CYLINDER,
+        units=(MILLIMETERS, MILLIMETERS), step=1.0, range=((LEAST, LARGEST), (LEAST, LARGEST)),
+        read=lambda state: workspace(state).size[1:],
+        apply=lambda state, size: _set_size(state, x=size[0], y=size[0], z=size[1]),
+    ),
+    Pair(
+        "requirements.box", "x, y size [mm]", visible=BOX, units=(MILLIMETERS, MILLIMETERS),
+        step=1.0, range=((LEAST, LARGEST), (LEAST, LARGEST)),
+        read=lambda state: workspace(state).size[:2],
+        apply=lambda state, size: _set_size(state, x=size[0], y=size[1]),
+    ),
+    Number(
+        "requirements.height", "Height [mm]", visible=BOX, unit=MILLIMETERS, step=1.0,
+        range=(LEAST, LARGEST), read=lambda state: workspace(state).size[2],
+        apply=lambda state, height: _set_size(state, z=height),
+    ),
+    Checkbox(
+        "requirements.anywhere", "Free center x, y", visible=ANY_SHAPE, read=_level_free,
+        hint="The center is found where the workspace fits best",
+        apply=lambda state, free: _set_center(
+            state, level=True, place=(None, None) if free else (0.0, 0.0)
+        ),
+    ),
+    Pair(
+        "requirements.center", "Center x, y [mm]", units=(MILLIMETERS, MILLIMETERS), step=1.0,
+        visible=lambda state: ANY_SHAPE(state) and not _level_free(state),
+        read=lambda state: tuple(place or 0.0 for place in workspace(state).center[:2]),
+        apply=lambda state, place: _set_center(state, level=True, place=place),
+    ),
+    Checkbox(
+        "requirements.any_height", "Free center z", visible=ANY_SHAPE, read=_height_free,
+        hint="The height is found where the workspace fits best",
+        apply=lambda state, free: _set_center(
+            state, level=False,
+            place=(None if free else default_workspace(state.document).center[2],),
+        ),
+    ),
+    Number(
+        "requirements.center_z", "Center z [mm]", unit=MILLIMETERS, step=1.0,
+        visible=lambda state: ANY_SHAPE(state) and not _height_free(state),
+        read=lambda state: workspace(state).center[2] or 0.0,
+        apply=lambda state, place: _set_center(state, level=False, place=(place,)),
+    ),
+)  # fmt: skip
+
+
+def _select(session: Session, data: Any) -> None:
+    """Edit the requirement that was clicked; ``data`` comes from the page."""
+    if isinstance(data, str) and data.isascii() and data.isdecimal() and len(data) < 4:
+        action = partial(actions.select, index=int(data))
+        session.dispatch("requirements.selected", action, step=False)
+
+
+def _go(session: Session, data: Any) -> None:
+    """Go to a worst pose; ``data`` comes from the page."""
+    if isinstance(data, str):
+        session.dispatch("requirements.worst", partial(go_to_worst, place=data))
+
+
+def go_to_worst(state: State, place: str) -> State:
+    """Go to the pose where a requirement is nearest to its bound, or most beyond it."""
+    pose = text.worst_pose(state, place)
+    if pose is None:
+        return state
+    x, y, theta, z = pose
+    return poses.move(state, x=x, y=y, theta=theta, z=z)
+
+
+REQUIREMENTS = (
+    Message("requirement", receive=_select),
+    Message("worst pose", receive=_go),
+    Html("requirements.list", content=text.list_html),
+    ButtonGroup("requirements.buttons", "", choices=_buttons),
+    Folder("requirements.edit", "Edit", entries=EDIT, visible=has_selected),
+    Folder("requirements.workspace", "Headings and workspace", entries=WORKSPACE),
+    Folder(
+        "requirements.volume", "Volume", visible=lambda state: asked(state.document.requirements),
+        entries=(
+            Html("requirements.volume_text", content=text.volume_html),
+            Checkbox(
+                "requirements.hatched", "Hatch the maps",
+                hint="Cells that break a requirement at the maps' θ and z, in its color",
+                **attribute("map_view.hatched"),
+            ),
+        ),
+    ),
+    Folder(
+        "requirements.largest", "Largest workspace", entries=LARGEST_WORKSPACE, open=False,
+        visible=lambda state: bool(state.document.requirements.bounds),
+    ),
+    *(
+        BackgroundJob(
+            f"requiring.{name}", find=find_volume, receive=receive, idle=fine,
+            wanted=partial(wanted_volume, fine=fine),
+        )
+        for name, fine in (("quick", False), ("fine", True))
+    ),
+)  # fmt: skip

@@ -1,0 +1,172 @@
+"""Texts of the tab *Requirements*: the list with its margins, and a line for the strip."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from paminsa_viz.explorer.core.causes import CauseGroup, cause_groups
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.requirements import current_check, current_volume
+from paminsa_viz.explorer.core.saved_requirements import asked
+from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.state.requirements import VolumeResult
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.quantities.requirement_text import requirement_label
+from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck
+from paminsa_viz.synthesis.volume.solve import Volume
+from paminsa_viz.synthesis.volume.workspace import RequirementCheck
+from paminsa_viz.units import NONE, format_value, number
+
+NEAR = 0.05
+"""Share of a bound below which a margin is amber."""
+
+AMPLE = 0.1
+"""Margin of reach, and distance from singularities, of a full bar [m]."""
+
+OVER = {
+    Over.WORKSPACE: "Over the required workspace and all headings",
+    Over.VOLUME: "No workspace is required: over the volume where all hold",
+    Over.BEST: "No position meets all: each at the position that is best for it",
+}
+
+Pose = tuple[float, float, float, float]
+
+
+def names(state: State) -> dict[str, int]:
+    """Return the requirements of a state by short texts."""
+    bounds = state.document.requirements.bounds
+    return {f"{i + 1}: {requirement_label(one)}": i for i, one in enumerate(bounds)}
+
+
+def share(item: RequirementCheck, requirements: Requirements) -> float:
+    """Return a margin over the size of its bound, -1 to 1."""
+    size = AMPLE
+    if item.requirement is not None:
+        bound = requirements.bounds[item.requirement]
+        size = min((abs(limit) for limit in (bound.low, bound.high) if limit), default=1.0)
+    if math.isnan(item.margin):
+        return -1.0
+    return min(max(item.margin / size, -1.0), 1.0)
+
+
+def level(item: RequirementCheck, requirements: Requirements) -> tuple[str, str]:
+    """Return the mark of a requirement and the class of its color."""
+    if not item.holds:
+        return "✗", "pv-bad"
+    return "✓", "pv-warn" if share(item, requirements) < NEAR else "pv-ok"
+
+
+def _row(item: RequirementCheck, requirements: Requirements) -> dict[str, Any]:
+    mark, name = level(item, requirements)
+    part = share(item, requirements)
+    width = 50 * abs(part)
+    shown = NO_POSE if item.pose is None else rounded_pose(item.pose)
+    x, y, z = (format_value(shown[i], "m") for i in (0, 1, 3))
+    return {
+        "index": -1 if item.requirement is None else item.requirement,
+        "place": item.label if item.requirement is None else item.requirement,
+        "mark": mark, "level": name, "text": item.label, "reason": item.reason,
+        "worst": format_value(item.value, item.unit, 4),
+        "margin": f"margin {format_value(item.margin, item.unit, 3)}",
+        "left": f"{50 - width if part < 0 else 50:.1f}", "width": f"{max(width, 1.5):.1f}",
+        "pose": "" if item.pose is None else (
+            f"x {x}, y {y}, θ {format_value(shown[2], 'rad')}, z {z}"
+        ),
+    }  # fmt: skip
+
+
+NO_POSE: Pose = (math.nan, math.nan, math.nan, math.nan)
+
+
+def list_html(frame: Frame) -> str:
+    """Return the list of the requirements with their worst values and margins."""
+    state = frame.state
+    requirements, check = state.document.requirements, current_check(state)
+    rows, note = [], ""
+    if check is not None:
+        rows = [_row(item, requirements) for item in check.items]
+        note = note_of(state, check)
+    return render("requirements/list.j2", rows=rows, chosen=state.requiring.selected, note=note)
+
+
+def note_of(state: State, check: RequirementsCheck) -> str:
+    """Return what a check is over, and how fine."""
+    low, high = (format_value(end, "rad") for end in state.document.requirements.theta)
+    known = state.requiring.fine
+    result = None if known is None else known.result
+    fine = "finely sampled" if result and result.check is check else "coarsely sampled"
+    return f"{OVER[check.over]} from θ {low} to {high}, {fine}"
+
+
+def rounded_pose(pose: Pose) -> Pose:
+    """Return a pose without rounding errors [m, m, rad, m]."""
+    x, y, theta, z = (round(value, 9) + 0.0 for value in pose)
+    return x, y, theta, z
+
+
+def worst_pose(state: State, place: str) -> Pose | None:
+    """Return the worst pose of a requirement, by its index or the name of what comes before it."""
+    check = current_check(state)
+    items = () if check is None else check.items
+    found = next((i.pose for i in items if place in (i.label, str(i.requirement))), None)
+    return None if found is None else rounded_pose(found)
+
+
+def strip_html(state: State) -> str:
+    """Return which requirements hold, as a line for the strip; nothing without any."""
+    requirements = state.document.requirements
+    check = current_check(state)
+    if check is None:
+        return ""
+    items = []
+    for item in check.items:
+        symbol = item.label
+        if item.requirement is not None:
+            symbol = requirements.bounds[item.requirement].entry.symbol
+        items.append((*level(item, requirements), symbol))
+    return render("requirements/strip.j2", items=items, note=note_of(state, check))
+
+
+def volume_html(frame: Frame) -> str:
+    """Return the volume where all requirements hold, and what each of them takes off it."""
+    state = frame.state
+    if not asked(state.document.requirements):
+        return ""
+    outcome = current_volume(state)
+    found = None if outcome is None else outcome.result
+    if outcome is None or found is None:
+        problem = "" if outcome is None else outcome.problem
+        return render("requirements/volume.j2", problem=problem, waiting=outcome is None)
+    volume = found.volume
+    return render(
+        "requirements/volume.j2", problem="", waiting=False, fine=outcome.job.fine,
+        volume=number(LITERS * volume.volume, 4), error=number(LITERS * volume.error, 2),
+        utilization=percent(volume.utilization), reachable=number(LITERS * volume.reachable_volume),
+        conflict=found.conflict, groups=[_group(volume, each) for each in shown_groups(found)],
+    )  # fmt: skip
+
+
+LITERS = 1e3
+"""Cubic decimeters in a cubic meter."""
+
+
+def percent(part: float) -> str:
+    """Return a share in percent."""
+    return f"{number(100 * part, 3)} %" if math.isfinite(part) else NONE
+
+
+def shown_groups(found: VolumeResult) -> list[CauseGroup]:
+    """Return all requirements, and of the other causes those that end the volume somewhere."""
+    colors = {part.color for part in found.surface}
+    groups, _ = cause_groups(found.volume.causes)
+    return [each for each in groups[1:] if each.requirement is not None or each.color in colors]
+
+
+def _group(volume: Volume, group: CauseGroup) -> dict[str, str]:
+    alone = only = ""
+    if group.requirement is not None:
+        alone = percent(float(volume.removed_alone[group.requirement]))
+        only = percent(float(volume.removed_last[group.requirement]))
+    return {"text": group.text, "color": group.color, "alone": alone, "only": only}

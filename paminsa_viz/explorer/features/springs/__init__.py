@@ -1,0 +1,1 @@
+"""Springs next to the design."""

@@ -1,0 +1,60 @@
+"""Springs next to the design: where they are, their fit, and what the actuators hold with them.
+
+Springs are no part of a design: all else on the page is of the robot without them.
+"""
+
+from __future__ import annotations
+
+from paminsa_viz.balancing import (
+    SpringFit,
+    fit_springs,
+    spring_torques,
+)
+from paminsa_viz.explorer.core import tasks
+from paminsa_viz.explorer.core.actions import plane_job
+from paminsa_viz.explorer.state.plane import PlaneJob
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model.arrays import Array
+
+CELLS = 41
+"""Poses along each side of the map that springs are fitted on."""
+
+
+def wanted(state: State) -> PlaneJob:
+    """Return the fit of the current state."""
+    return plane_job(PlaneJob, state, state.springing.settings)
+
+
+def start(state: State) -> State:
+    """Start the fit of the current state."""
+    return tasks.start(state, "springing", wanted(state))
+
+
+def clear(state: State) -> State:
+    """Forget the springs."""
+    return state.updated("springing", running=None, outcome=None)
+
+
+def fit(job: PlaneJob, _: object) -> SpringFit:
+    """Fit the springs.
+
+    Raises:
+        PaminsaError: If there are none, or no pose to fit them on.
+    """
+    return fit_springs(job.design, [job.settings.place], job.poses(CELLS))
+
+
+def relieved(state: State, torques: Array) -> Array | None:
+    """Return static torques at the last reachable pose with the springs, (4,) [N m, N].
+
+    Args:
+        state: The state; its springs may have been fitted to another design.
+        torques: The same without springs.
+
+    Returns:
+        None without springs.
+    """
+    found, last = state.springing.result, state.last_reachable
+    if found is None:
+        return None
+    return torques + spring_torques(last.geometry, found.springs, last.pose)

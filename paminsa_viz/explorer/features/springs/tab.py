@@ -1,0 +1,83 @@
+"""Springs against gravity: their place, the fit, and what the actuators hold with them."""
+
+from __future__ import annotations
+
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.features.springs import actions as springs
+from paminsa_viz.explorer.kit.entries import BackgroundJob, Button, Entry, Html
+from paminsa_viz.explorer.kit.inputs import Pair
+from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
+from paminsa_viz.explorer.kit.task import is_running
+from paminsa_viz.explorer.kit.text import render, status
+from paminsa_viz.explorer.state.settings import MILLIMETERS
+from paminsa_viz.explorer.state.springs import LENGTHS, SpringSettings, SpringsFrom
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.units import number
+
+GAP = 1e-6
+"""Gap of a certificate that is not worth a word [N m]."""
+
+
+def springs_html(frame: Frame) -> str:
+    """Return the springs that were found, and torques without and with them."""
+    state = frame.state
+    springing, held = state.springing, springs.relieved(state, frame.torques)
+    outcome, fit = springing.outcome, springing.result
+    if springing.running is not None:
+        return status("springs", "plain", "Fitting …")
+    if outcome is None:
+        return render("springs/result.j2", rows=[], facts=[], lines=[])
+    if fit is None or held is None:
+        return status("springs", "bad", "No springs", outcome.problem)
+    (spring,) = fit.springs
+    low, high = fit.reach[0]
+    facts = [
+        ("stiffness on each leg", f"{number(spring.stiffness, 4)} N/m"),
+        ("free length", f"{number(1e3 * spring.free_length, 4)} mm"),
+        ("length in use", f"{1e3 * low:.0f} to {1e3 * high:.0f} mm"),
+    ]
+    rows = [("largest on the map", fit.before, fit.after, "N·m")]
+    rows += [
+        (f"M{j + 1} at this pose", frame.torques[j], held[j], "N·m" if j < 3 else "N")
+        for j in range(4)
+    ]
+    better = f" by more than {number(fit.gap, 2)} N·m" if fit.gap > GAP else ""
+    lines = [f"Certified: no other stiffness and free length is better{better}."]
+    if outcome.job != springs.wanted(state):
+        lines.append("Fitted to another design, θ, z or setting: fit again.")
+    return render("springs/result.j2", rows=rows, facts=facts, lines=lines)
+
+
+def _free_lengths(state: State) -> tuple[float, float]:
+    return state.springing.settings.least, state.springing.settings.most
+
+
+_setting = SettingInputs("springs", "springing.settings", SpringSettings)
+
+SPRINGS: tuple[Entry, ...] = (
+    BackgroundJob("springing", find=springs.fit),
+    Html("springs.text", content=springs_html),
+    _setting("start"),
+    _setting("height"),
+    _setting(
+        "radius", visible=lambda state: state.springing.settings.start is SpringsFrom.GUIDE
+    ),
+    Pair(
+        "springs.free", "Free length [mm]", range=(LENGTHS, LENGTHS), step=1.0,
+        units=(MILLIMETERS, MILLIMETERS), read=_free_lengths,
+        apply=lambda state, ends: state.updated(
+            "springing.settings", least=ends[0], most=ends[1]
+        ),
+        hint="Shortest and longest that is possible; both zero for a spring of free length zero",
+    ),
+    Button(
+        "springs.fit", "Fit springs", effect=springs.start, undo=False,
+        disabled=is_running("springing"),
+        hint="Stiffness and free length for the least peak of M1–M3 on the map at this θ and z, "
+        "over poses that count; certified",
+    ),
+    Button(
+        "springs.clear", "Remove the springs", effect=springs.clear, color="gray", undo=False,
+        visible=lambda state: state.springing.outcome is not None,
+    ),
+)  # fmt: skip

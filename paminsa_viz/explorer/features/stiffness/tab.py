@@ -1,0 +1,257 @@
+"""Stiffness: elastic data, stiffness and deflection at the pose, natural frequencies and modes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from paminsa_viz.elastostatics.sections import tube_fits
+from paminsa_viz.elastostatics.stiffness import SHARE_LABELS
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.features.stiffness.solving import MODES, analyze_elasticity
+from paminsa_viz.explorer.kit.design_numbers import is_changed, slider
+from paminsa_viz.explorer.kit.entries import BackgroundJob, ButtonGroup, Effect, Entry, Folder, Html
+from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
+from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
+from paminsa_viz.explorer.kit.text import note, render
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.state.stiffness import CASES, ElasticJob, ElasticView
+from paminsa_viz.model import PARAMETER
+from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.model.elastic import BARS, SECTION_VALUES
+from paminsa_viz.units import DisplayUnit, number
+
+LAYERS = ("mode_shape", "deflection", "compliance")
+"""Layers of the scene that need a result while something is dragged."""
+
+STIFFEST = 1e12
+"""Largest stiffness that can be typed [N/m, N m/rad]."""
+
+MATERIAL = ("young_modulus", "shear_modulus")
+DRIVE = ("drive_rotary", "drive_linear")
+
+SLIDERS: dict[str, tuple[str, float, float, float]] = {
+    "young_modulus": ("E [MPa]", 1000.0, 300_000.0, 500.0),
+    "shear_modulus": ("G [MPa]", 500.0, 120_000.0, 500.0),
+    "drive_rotary": ("k_M [N·m/rad]", 100.0, 100_000.0, 100.0),
+    "drive_linear": ("k₄ [N/mm]", 100.0, 200_000.0, 100.0),
+    **{
+        f"{bar}_{side}": (f"{bar.upper()} {side} ⌀ [mm]", low, 100.0, 0.1)
+        for bar in BARS
+        for side, low in (("outer", 1.0), ("inner", 0.0))
+    },
+}
+"""Label, ends and step of the sliders, in the unit shown."""
+
+
+def elastic_slider(name: str) -> Slider:
+    """Return the slider of a number of `Elastic`; a larger number can be typed."""
+    path = f"elastic.{name}"
+    parameter = PARAMETER[path]
+    label, low, high, step = SLIDERS[name]
+    entry = replace(slider(parameter, (low, high, step)), label=label)
+    bar, _, side = name.partition("_")
+    if side not in ("outer", "inner"):
+        return entry
+
+    def ends(state: State) -> tuple[float, float]:
+        """A tube has a wall: of a step, at least."""
+        elastic, unit = state.document.design.elastic, parameter.display
+        if side == "inner":
+            return low, round(unit.from_si(getattr(elastic, f"{bar}_outer")) - step, 6)
+        least = round(unit.from_si(getattr(elastic, f"{bar}_inner")) + step, 6)
+        return max(low, least), max(high, least + step)
+
+    return replace(entry, range=ends)
+
+
+def _resets(names: tuple[str, ...], state: State) -> dict[str, Effect]:
+    """Return a button that sets numbers back to their defaults, if one of them is another."""
+    paths = tuple(f"elastic.{name}" for name in names)
+    if not any(is_changed(state.document.design, path) for path in paths):
+        return {}
+    return {"defaults": partial(actions.reset_values, paths=paths)}
+
+
+def _folder(title: str, names: tuple[str, ...], *, opened: bool) -> Folder:
+    entries: tuple[Entry, ...] = (
+        *map(elastic_slider, names),
+        ButtonGroup(f"stiffness.reset.{names[0]}", "Reset", choices=partial(_resets, names)),
+    )
+    return Folder(f"stiffness.{names[0]}", title, entries=entries, open=opened)
+
+
+def _open_number(
+    key: str, label: str, hint: str, path: Callable[[State], str], step: float, unit: DisplayUnit
+) -> Number:
+    """Return the input of a number that may be left open, which 0 does."""
+
+    def read(state: State) -> float:
+        return state.document.design.stored(path(state)) or 0.0
+
+    def apply(state: State, value: float) -> State:
+        return actions.vary(state, {path(state): value or None})
+
+    most = min(PARAMETER[path(initial_state())].largest, STIFFEST)
+    return Number(
+        key, label, range=(0.0, most), step=step, unit=unit, hint=hint, read=read, apply=apply
+    )
+
+
+def _joint(name: str, label: str) -> Number:
+    """Return the input of the stiffness of a joint."""
+    path = f"elastic.{name}"
+    parameter = PARAMETER[path]
+    text = f"{parameter.label[:1].upper()}{parameter.label[1:]}; 0: rigid"
+    return _open_number(
+        f"stiffness.{name}", f"{label} [{parameter.display.text}]", text, lambda _: path,
+        1000.0, parameter.display,
+    )  # fmt: skip
+
+
+def _section(name: str, label: str, step: float) -> Number:
+    """Return the input of a section value of the chosen bar."""
+    display = PARAMETER[f"elastic.b4_{name}"].display
+    return _open_number(
+        f"stiffness.section.{name}", f"{label} [{display.text}]",
+        "Of the chosen bar; 0: that of its tube",
+        lambda state: f"elastic.{state.elastic_view.bar}_{name}", step, display,
+    )  # fmt: skip
+
+
+def can_wait(state: State) -> bool:
+    """Whether a result may be old while something is dragged.
+
+    It may not where a layer shows it, and while elastic data change.
+    """
+    outcome = state.elastic_view.outcome
+    if outcome is None:
+        return True
+    job, elastic = outcome.job, state.document.design.elastic
+    changed = job.design.elastic != elastic or job.case != state.elastic_view.case
+    return not changed and not state.layers.intersection(LAYERS)
+
+
+def _job(frame: Frame) -> ElasticJob:
+    state = frame.state
+    return ElasticJob(frame.shown_design, state.last_reachable.pose, state.elastic_view.case)
+
+
+def result_html(frame: Frame) -> str:
+    """Return stiffness, deflection and frequencies at the pose, or why there are none."""
+    outcome = frame.state.elastic_view.outcome
+    if outcome is None:
+        return ""
+    result = outcome.result
+    if result is None:
+        return note("stiffness-problem", f"No stiffness at this pose: {outcome.problem}.")
+    found, twist = result.stiffness, result.twist
+    stiffness = [
+        ("x", float(found.along(0)) * 1e-3, "N/mm"),
+        ("y", float(found.along(1)) * 1e-3, "N/mm"),
+        ("z", float(found.along(2)) * 1e-3, "N/mm"),
+        ("θ", float(found.along(5)), "N·m/rad"),
+        ("tilt", float(found.tilt), "N·m/rad"),
+    ]
+    motors: list[tuple[str, float]] = []
+    if result.compensation is not None:
+        moves = 1e3 * np.asarray(result.compensation.actuators)
+        motors = list(zip(ACTUATORS, moves.tolist(), strict=True))
+    return render(
+        "stiffness/result.j2", stiffness=stiffness, case=CASES[outcome.job.case][0],
+        loaded=result.shares is not None, moved=(1e3 * twist[:3]).tolist(),
+        turn=1e3 * float(twist[5]), tilt=1e3 * float(np.hypot(*twist[3:5])), motors=motors,
+        frequencies=result.frequencies, mode=frame.state.elastic_view.mode,
+    )  # fmt: skip
+
+
+def shares_html(frame: Frame) -> str:
+    """Return the share of each part in the strain energy as bars, the largest first."""
+    outcome, result = frame.state.elastic_view.outcome, frame.state.elastic_view.result
+    if outcome is None or result is None or result.shares is None:
+        return ""
+    shares = np.asarray(result.shares.share)
+    rows = sorted(zip(SHARE_LABELS, shares.tolist(), strict=True), key=lambda row: -row[1])
+    rows = [row for row in rows if row[1] >= 0.0005]
+    most = max((share for _, share in rows), default=1.0)
+    return render("stiffness/shares.j2", rows=rows, most=most, case=CASES[outcome.job.case][0])
+
+
+def sections_html(frame: Frame) -> str:
+    """Return what tubes cannot match: the inertias of Appendix 4."""
+    fits = tube_fits(frame.state.document.design)
+    far = {fit.bar: fit.transverse_ratio for fit in fits if fit.transverse_ratio > 1.5}
+    elastic = frame.state.document.design.elastic
+    given = [
+        bar.upper()
+        for bar in BARS
+        if any(getattr(elastic, f"{bar}_{name}") is not None for name in SECTION_VALUES)
+    ]
+    return render("stiffness/sections.j2", far=far, given=given)
+
+
+def _modes(state: State) -> dict[str, int]:
+    result = state.elastic_view.result
+    found = () if result is None else result.frequencies
+    texts = {f"{i + 1}: {number(f, 3)} Hz": i for i, f in enumerate(found)}
+    return texts or {f"{i + 1}": i for i in range(MODES)}
+
+
+_setting = SettingInputs("stiffness", "elastic_view", ElasticView)
+
+STIFFNESS = (
+    Html("stiffness.result", content=result_html),
+    Dropdown(
+        "stiffness.mode", "Mode", options=_modes, hint="Natural frequency of the animated mode",
+        **attribute("elastic_view.mode"),
+    ),
+    layer_switch(
+        "stiffness.mode_shape", "mode_shape", "Animate mode",
+        "The chosen mode in the scene, enlarged and slowed down",
+    ),
+    _setting("case"),
+    layer_switch(
+        "stiffness.deflection", "deflection", "Deflection",
+        "The robot under the load case, enlarged",
+    ),
+    layer_switch(
+        "stiffness.compliance", "compliance", "Compliance ellipsoid",
+        "Displacements by 100 N in every direction",
+    ),
+    Html("stiffness.shares", content=shares_html),
+    _folder("Material", MATERIAL, opened=False),
+    _folder("Drives, motor locked", DRIVE, opened=True),
+    _folder(
+        "Tubes", tuple(f"{bar}_{side}" for bar in BARS for side in ("outer", "inner")), opened=True
+    ),
+    Folder(
+        "stiffness.joints", "Joints and guides, 0: rigid", open=False,
+        entries=(
+            _joint("bearing_radial", "bearing across"),
+            _joint("bearing_axial", "bearing along"),
+            _joint("bearing_tilt", "bearing tilt"),
+            _joint("ball", "ball joint 5"),
+            _joint("guide", "guide across"),
+            _joint("guide_tilt", "guide tilt"),
+        ),
+    ),
+    Folder(
+        "stiffness.section", "Sections that are no tubes, 0: the tube's", open=False,
+        entries=(
+            _setting("bar"),
+            _section("area", "area", 1.0),
+            _section("inertia_in", "I in plane", 100.0),
+            _section("inertia_out", "I across", 100.0),
+            _section("torsion", "torsion J", 100.0),
+        ),
+    ),
+    Html("stiffness.sections", content=sections_html, idle=True),
+    BackgroundJob(
+        "elastic_view.outcome", find=analyze_elasticity, wanted=_job, idle=can_wait
+    ),
+)  # fmt: skip
+"""The tab's entries."""

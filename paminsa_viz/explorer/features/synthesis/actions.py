@@ -1,0 +1,119 @@
+"""Actions on the synthesis, each a pure function from state to state."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from paminsa_viz.explorer.core import tasks
+from paminsa_viz.explorer.core.actions import load_design, move, stop_following, with_document
+from paminsa_viz.explorer.state.outcome import Outcome
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.explorer.state.synthesis import (
+    BestSoFar,
+    PriceJob,
+    Range,
+    SearchResult,
+    Shown,
+    SynthesisJob,
+)
+from paminsa_viz.model import InvalidInput
+
+
+def set_range(state: State, path: str, ends: Range) -> State:
+    """Search a number in another range [SI]; hold it where both ends are equal.
+
+    Raises:
+        InvalidInput: If the range is not possible.
+    """
+    if ends[0] > ends[1]:
+        raise InvalidInput(path, f"low <= high is needed, not {ends[0]:g} to {ends[1]:g}")
+    kept = tuple(item for item in state.synthesizing.settings.ranges if item[0] != path)
+    return state.updated("synthesizing.settings", ranges=(*kept, (path, ends)))
+
+
+def start(state: State) -> State:
+    """Start a search.
+
+    Raises:
+        InvalidInput: If something is missing, such as a workspace.
+    """
+    from paminsa_viz.explorer.features.synthesis.cases import case_of  # loads the search
+
+    document, settings = state.document, state.synthesizing.settings
+    if document.requirements.workspace is None:
+        raise InvalidInput(
+            "workspace", "a required workspace is needed; choose one in the tab “Requirements”"
+        )
+    case = case_of(settings, document.design, document.requirements)
+    if settings.against == settings.objective:
+        raise InvalidInput("objective", "two different ones are needed for a Pareto front")
+    job = SynthesisJob(case, settings.effort, document.design, settings.against)
+    return tasks.start(state, "synthesizing", job).updated("synthesizing", best=BestSoFar())
+
+
+def stop(state: State) -> State:
+    """End the search with the best robot so far; at once if there is none, or if asked again."""
+    best = state.synthesizing.best
+    if state.synthesizing.stopping or best is None or not best.feasible:
+        return tasks.stop(state, "synthesizing")
+    return state.updated("synthesizing", stopping=True)
+
+
+def receive(state: State, outcome: Outcome[SynthesisJob, SearchResult]) -> State:
+    """Take over a result; of a front, its first point is shown."""
+    received = tasks.receive(state, "synthesizing", outcome)
+    return state if received is state else received.updated("synthesizing", best=None, point=0)
+
+
+def choose_point(state: State, index: int) -> State:
+    """Show another robot of the front."""
+    front = state.synthesizing.front
+    count = 0 if front is None else len(front.points)
+    return state.updated("synthesizing", point=index) if 0 <= index < count else state
+
+
+def start_prices(state: State) -> State:
+    """Work out what the requirements of the answer that is shown cost.
+
+    Raises:
+        InvalidInput: If there is none.
+    """
+    answer = state.synthesizing.answer
+    if answer is None or not answer.feasible:
+        raise InvalidInput("synthesis", "no robot has been found yet")
+    job = PriceJob(answer, state.synthesizing.settings.effort)
+    return tasks.start(state, "synthesizing.prices", job)
+
+
+def open_result(state: State) -> State:
+    """Work on the robot that was found, with the design that the search began with as reference.
+
+    Its workspace becomes the required one, where it was found.
+
+    Raises:
+        InvalidInput: If there is none.
+    """
+    outcome, result = state.synthesizing.outcome, state.synthesizing.answer
+    if outcome is None or result is None or not result.feasible:
+        raise InvalidInput("synthesis", "no robot has been found yet")
+    requirements = replace(outcome.job.case.requirements, workspace=result.workspace)
+    shown = stop_following(state)
+    document = replace(shown.document, reference=outcome.job.reference, requirements=requirements)
+    opened = load_design(with_document(shown, document), result.design)
+    x, y, z = (float(place or 0.0) for place in result.workspace.center)
+    return move(opened, x=x, y=y, theta=sum(requirements.theta) / 2, z=z)
+
+
+def previewed(state: State) -> State:
+    """Return the state with the best robot so far in the design's place, while it is shown so."""
+    synthesizing = state.synthesizing
+    best, job = synthesizing.best, synthesizing.running
+    if job is None or synthesizing.settings.shown is not Shown.ROBOT:
+        return state
+    if best is None or best.design is None or state.document.design != job.reference:
+        return state
+    x, y, z = best.center
+    theta = sum(job.case.requirements.theta) / 2
+    design = replace(best.design, name=f"{state.document.design.name}, best so far")
+    document = replace(state.document, design=design, pose=(x, y, theta, z))
+    return with_document(stop_following(state), document)

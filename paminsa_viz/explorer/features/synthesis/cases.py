@@ -1,0 +1,100 @@
+"""From settings to the case of a search: ranges of lengths, which kinds of robots, how long."""
+
+from __future__ import annotations
+
+from paminsa_viz.explorer.state.synthesis import (
+    BOTH,
+    LARGER,
+    SMALLER,
+    EffortChoice,
+    Range,
+    SynthesisSettings,
+)
+from paminsa_viz.model import Design
+from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.synthesis.search.case import (
+    DEFAULT_PATHS,
+    DIMENSIONS,
+    Effort,
+    Regime,
+    SearchRange,
+    SynthesisCase,
+)
+
+HEIGHT, WIDTH, TALL = DIMENSIONS
+"""Paths of the workspace's height and sizes."""
+
+
+EFFORTS: dict[EffortChoice, Effort] = {
+    EffortChoice.QUICK: Effort(40, 8),
+    EffortChoice.NORMAL: Effort(150, 12),
+    EffortChoice.THOROUGH: Effort(400, 16),
+}
+
+KINDS: dict[str, tuple[Regime, ...]] = {
+    BOTH: (Regime.SMALLER, Regime.LARGER),
+    SMALLER: (Regime.SMALLER,),
+    LARGER: (Regime.LARGER,),
+}
+"""Which of base and platform may be larger, by their labels."""
+
+LEAST_MARGIN = 0.001
+"""Least distance to the limits of reach, where nothing else is required [m]."""
+
+
+def default_ranges(design: Design, requirements: Requirements) -> dict[str, Range]:
+    """Return ranges around a design, by path [SI]: half to twice its own lengths.
+
+    With a workspace, those of its height and sizes as well.
+    """
+    held = {path: design.value(path) for path in DEFAULT_PATHS}
+    found = {path: (round(0.5 * value, 3), round(2.0 * value, 3)) for path, value in held.items()}
+    low, high = found["geometry.magnification"]
+    found["geometry.magnification"] = max(low, 1.5), max(high, 3.0)
+    workspace = requirements.workspace
+    if workspace is not None:
+        wide, _, tall = workspace.size
+        found[WIDTH] = wide, 3.0 * wide
+        found[TALL] = tall, tall
+    return found
+
+
+def ranges_of(
+    settings: SynthesisSettings, design: Design, requirements: Requirements
+) -> dict[str, Range]:
+    """Return the ranges of a search, by path [SI]."""
+    found = default_ranges(design, requirements)
+    return found | {path: ends for path, ends in settings.ranges if path in found}
+
+
+def case_of(
+    settings: SynthesisSettings, design: Design, requirements: Requirements
+) -> SynthesisCase:
+    """Return the case of a search.
+
+    Raises:
+        InvalidInput: If it is not possible; says what is missing.
+    """
+    ranges = ranges_of(settings, design, requirements)
+    sizes = "volume" in (settings.objective, settings.against)
+    ranges = {path: ends for path, ends in ranges.items() if sizes or path not in DIMENSIONS}
+    held = {
+        path: low for path, (low, high) in ranges.items() if low == high and path not in DIMENSIONS
+    }
+    margins = [
+        bound.low
+        for bound in requirements.bounds
+        if bound.quantity == "reach_margin" and bound.low is not None
+    ]
+    return SynthesisCase(
+        requirements,
+        tuple(SearchRange(path, *ends) for path, ends in ranges.items() if ends[0] != ends[1]),
+        design.vary(dict(held)),
+        objective=settings.objective,
+        above_guides=settings.above_guides,
+        margin=max([LEAST_MARGIN, *margins]),  # which a guide that follows has, too
+        regimes=KINDS[settings.regimes],
+        seed=settings.seed,
+        effort=EFFORTS[settings.effort],
+        name=design.name,
+    )

@@ -1,0 +1,1 @@
+"""A balance within tolerances."""

@@ -1,0 +1,313 @@
+"""Builds a panel's entries on the page and keeps them and the state in step.
+
+Callbacks of the page only dispatch. The value is read as it arrives, on the server's event loop:
+callbacks on threads may overtake each other, and the worker may write over the input's own value.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.kit.entries import (
+    BackgroundJob,
+    Button,
+    ButtonGroup,
+    Custom,
+    Effect,
+    Entry,
+    Folder,
+    Html,
+    Message,
+    Progress,
+    Run,
+    Tabs,
+    Upload,
+    given,
+)
+from paminsa_viz.explorer.kit.inputs import Dropdown, Input, Pair, Slider
+from paminsa_viz.explorer.kit.task import JobRunner
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model import PaminsaError
+
+TYPING_TIMEOUT = 1.0
+"""How long an impossible value may remain before it is refused [s]: typing 0.5 passes through 0."""
+
+EMPTY = ("–",)
+"""Text in a hidden row of buttons: viser refuses a row without any."""
+
+Draw = Callable[[Frame, bool], None]
+
+
+class Panel:
+    """Entries on the page, as a view of the session; built in the current container.
+
+    Attributes:
+        handles: viser's handles of the entries by their keys.
+    """
+
+    def __init__(self, session: Session, entries: Sequence[Entry], tab: str = "") -> None:
+        """Build the entries.
+
+        Args:
+            session: The session.
+            entries: What is built.
+            tab: Name of the tab it is in. While something is dragged and the tab is not open, only
+                its jobs follow the state.
+        """
+        self._session, self._gui = session, session.client.gui
+        self.handles: dict[str, Any] = {}
+        self._tab = tab
+        self._jobs: list[JobRunner] = []
+        self._draws: list[Draw] = []
+        self._build_all(entries)
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Follow the state."""
+        for job in self._jobs:
+            job.draw(frame, dragging)
+        if dragging and not self._session.shows(self._tab):
+            return
+        for draw in self._draws:
+            draw(frame, dragging)
+
+    def _build_all(self, entries: Sequence[Entry]) -> None:
+        for entry in entries:
+            self._build(entry)
+
+    def _build(self, entry: Entry) -> None:
+        if isinstance(entry, Custom):
+            self._draws.append(entry.make(self._session).draw)
+            return
+        if isinstance(entry, BackgroundJob):
+            self._jobs.append(JobRunner(self._session, entry))
+            return
+        if isinstance(entry, Message):
+            self._session.bridge.on(entry.key, partial(entry.receive, self._session))
+            return
+        if isinstance(entry, ButtonGroup) and callable(entry.choices):
+            entry = replace(entry, visible=partial(_has_choices, entry))
+        assert entry.key not in self.handles, f"two entries are named {entry.key}"
+        handle = self.handles[entry.key] = self._add(entry)
+        for name in ("label", "visible", "disabled"):
+            self._follow(handle, name, getattr(entry, name))
+        self._follow(handle, "hint", entry.hint, idle=True)
+        if isinstance(entry, Folder):
+            with handle:
+                self._build_all(entry.entries)
+        elif isinstance(entry, Tabs):
+            for name, entries in entry.tabs.items():
+                with handle.add_tab(name):
+                    self._build_all(entries)
+
+    def _add(self, entry: Entry) -> Any:
+        """Make an entry's handle, with what only entries of its kind have."""
+        gui, session, state = self._gui, self._session, self._session.state
+        label = given(entry.label, state)
+        place = {"visible": entry.visible is None or entry.visible(state), "order": entry.order}
+        properties = place | {
+            "disabled": entry.disabled is not None and entry.disabled(state),
+            "hint": given(entry.hint, state) or None,
+        }
+        match entry:
+            case Input():
+                return self._bind(entry, entry.add(gui, state, label, **properties))
+            case Button():
+                properties |= {"icon": given(entry.icon, state), "color": entry.color}
+                handle = gui.add_button(label, **properties)
+                handle.on_click(
+                    lambda _: perform(session, entry.key, entry.effect, undo=entry.undo)
+                )
+                self._follow(handle, "icon", entry.icon)
+            case ButtonGroup():
+                return self._add_group(entry, label, properties)
+            case Upload():
+                properties |= {"icon": entry.icon, "color": entry.color}
+                handle = gui.add_upload_button(label, mime_type=entry.mime_type, **properties)
+
+                def receive(event: Any) -> None:
+                    file = event.target.value
+                    session.guard(partial(entry.receive, session, file.name, file.content))
+
+                handle.on_upload(receive)
+            case Html():
+                content = entry.content
+                handle = gui.add_html("" if callable(content) else content, **place)
+                if callable(content):
+                    self._follow_frame(handle, "content", content, entry.idle)
+            case Progress():
+                handle = gui.add_progress_bar(0.0, animated=True, **place)
+                self._follow(handle, "value", lambda state: 100 * entry.read(state))
+            case Folder():
+                handle = gui.add_folder(label or None, expand_by_default=entry.open, **place)
+            case Tabs():
+                handle = gui.add_tab_group(**place)
+            case _:
+                raise TypeError(f"{type(entry).__name__} is not an entry")
+        return handle
+
+    def _bind(self, entry: Input, handle: Any) -> Any:
+        if isinstance(entry, Dropdown) and callable(options := entry.options):
+            self._follow(handle, "options", lambda state: tuple(options(state)))
+        binding = (
+            SliderBinding(self._session, entry, handle)
+            if isinstance(entry, Slider)
+            else Binding(self._session, entry, handle)
+        )
+
+        def draw(frame: Frame, dragging: bool) -> None:
+            if not (entry.idle and dragging):
+                binding.draw(frame.state, dragging)
+
+        self._draws.append(draw)
+        if isinstance(entry, Pair):
+            self._follow(handle, "step", entry.step)
+            self._follow(handle, "precision", entry.precision)
+        return handle
+
+    def _add_group(self, entry: ButtonGroup, label: str, properties: dict[str, Any]) -> Any:
+        session = self._session
+        options = tuple(given(entry.choices, session.state))
+        handle = self._gui.add_button_group(label, options or EMPTY, **properties)
+
+        def click(event: Any) -> None:
+            effect = given(entry.choices, session.state).get(event.target.value)
+            if effect is not None:
+                perform(session, entry.key, effect)
+
+        handle.on_click(click)
+        if callable(choices := entry.choices):
+            self._follow(handle, "options", lambda state: tuple(choices(state)) or handle.options)
+        return handle
+
+    def _follow(self, handle: Any, name: str, value: Any, *, idle: bool = False) -> None:
+        """Let a property of a handle follow the state, if ``value`` does."""
+        if callable(value):
+            self._follow_frame(handle, name, lambda frame: value(frame.state), idle)
+
+    def _follow_frame(
+        self, handle: Any, name: str, value: Callable[[Frame], Any], idle: bool
+    ) -> None:
+        def draw(frame: Frame, dragging: bool) -> None:
+            if idle and dragging:
+                return
+            now = value(frame)
+            if getattr(handle, name) != now:  # viser sends options and an icon again and again
+                setattr(handle, name, now)
+
+        self._draws.append(draw)
+
+
+class Binding:
+    """An input that sets the state and follows it.
+
+    A value that is typed and not possible changes nothing at first. Only if it is still there after
+    `TYPING_TIMEOUT` is the person notified, and the input set back.
+    """
+
+    def __init__(self, session: Session, entry: Input, handle: Any) -> None:
+        self._session, self._entry, self._handle = session, entry, handle
+        self._received: Any = handle.value
+        self._pending = False  # whether the state has yet to take what was received
+        self._refused = False
+        self._timer: threading.Timer | None = None
+        handle.on_update(self._receive)
+
+    def draw(self, state: State, dragging: bool = True) -> bool:
+        """Show the state's value, unless the person has set a newer one that was not read yet.
+
+        Returns:
+            Whether the input was written.
+        """
+        if self._refused or self._pending:
+            return False
+        value = self._entry.shown(state)
+        if same(self._handle.value, value):
+            return False
+        self._handle.value = value
+        return True
+
+    async def _receive(self, event: Any) -> None:
+        if event.client is not None:  # else this program has set it
+            self._received, self._pending = self._handle.value, True
+            self._session.dispatch(self._entry.key, self._set, step=self._entry.undo)
+
+    def _set(self, state: State) -> State:
+        if self._timer is not None:
+            self._timer.cancel()
+        self._refused = False
+        try:
+            return self._apply(state)
+        except PaminsaError:
+            if not self._entry.typed:
+                raise
+            self._refused = True
+            self._timer = threading.Timer(TYPING_TIMEOUT, self._insist)
+            self._timer.daemon = True
+            self._timer.start()
+            return state
+
+    def _insist(self) -> None:
+        if self._refused:
+            self._session.dispatch(self._entry.key, self._refuse)
+
+    def _refuse(self, state: State) -> State:
+        self._refused = False
+        return self._apply(state)  # raises again, and now the session notifies
+
+    def _apply(self, state: State) -> State:
+        self._pending = False
+        return self._entry.apply(state, self._entry.parse(state, self._received))
+
+
+class SliderBinding(Binding):
+    """A slider with its ends: they follow the state, and grow to values beyond them.
+
+    While a person drags the slider its ends stay, or the thumb would slip away; they shrink again
+    when the page is idle, or a value comes from elsewhere.
+    """
+
+    def __init__(self, session: Session, entry: Slider, handle: Any) -> None:
+        super().__init__(session, entry, handle)
+        self._slider = entry
+        self._base = given(entry.range, session.state)
+        self._ends = (handle.min, handle.max)
+
+    def draw(self, state: State, dragging: bool = True) -> bool:
+        written = super().draw(state, dragging)
+        base = given(self._slider.range, state)
+        dragged = dragging and base == self._base and not written
+        self._base = base
+        ends = self._slider.ends(state, self._ends if dragged else base)
+        if ends != self._ends:
+            self._ends = ends
+            self._handle.min, self._handle.max = ends
+        return written
+
+
+def perform(session: Session, key: str, effect: Effect, *, undo: bool = True) -> None:
+    """Do what a button or a command does."""
+    if isinstance(effect, Run):
+        effect.call(session)
+    else:
+        session.dispatch(key, effect, step=undo)
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two values of an input are the same but for rounding."""
+    if isinstance(a, (int, float)) and isinstance(b, (int, float)):
+        if math.isnan(a) and math.isnan(b):
+            return True
+        return math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-9)
+    return a == b
+
+
+def _has_choices(entry: ButtonGroup, state: State) -> bool:
+    """Whether a row of buttons that follow the state is seen."""
+    return bool(given(entry.choices, state)) and (entry.visible is None or entry.visible(state))

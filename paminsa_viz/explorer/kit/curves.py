@@ -1,0 +1,95 @@
+"""Charts of the motion on the page: uPlots that are given new data, and the time cursor on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from paminsa_viz.explorer.browser.bridge import Bridge, finite
+from paminsa_viz.palette import LIGHT, Theme
+from paminsa_viz.plots.series_uplot import (
+    Chart,
+    ChartShape,
+    chart_shape,
+    uplot_data,
+    uplot_options,
+)
+
+LOWEST, HIGHEST = 158, 340
+"""Height of a chart with its heading and axis [px]."""
+
+OTHERS = 300
+"""What else is in the dock with two charts [px]: tabs, caption, numbers, inputs."""
+
+PLACE = "motion"
+"""Name of the place (see `browser.bridge.Slots`) of the charts."""
+
+
+class MotionChart:
+    """A chart in a container of the page.
+
+    Args:
+        gui: The tab's GUI.
+        container: What it is put into, a handle that can be entered.
+        order: Its place there.
+        window_height: Height of the browser's window [px]; two charts take what is free of it.
+
+    Attributes:
+        handle: viser's handle, or None before the first curve.
+        shape: What the handle was made for, or None.
+    """
+
+    def __init__(self, gui: Any, container: Any, order: float, window_height: float) -> None:
+        self._gui, self._container, self._order = gui, container, order
+        self._height = int(min(max((window_height - OTHERS) / 2, LOWEST), HIGHEST))
+        self.handle: Any = None
+        self.shape: ChartShape | None = None
+
+    def draw(self, chart: Chart | None, theme: Theme = LIGHT) -> None:
+        """Show a chart, or nothing."""
+        if chart is None:
+            if self.handle is not None:
+                self.handle.remove()
+            self.handle = self.shape = None
+            return
+        # A chart that was made for more pieces is kept: in a drag, gaps come and go.
+        shape = chart_shape(chart, self.shape.pieces if self.shape else 1, theme)
+        series = uplot_data(chart, shape.pieces)
+        if self.handle is not None and shape == self.shape:
+            self.handle.data = series
+            return
+        if self.handle is not None:
+            self.handle.remove()
+        self.shape = shape
+        with self._container:
+            self.handle = self._gui.add_uplot(
+                series, **uplot_options(shape), height=self._height, order=self._order
+            )
+
+
+class TimeCursor:
+    """A line through all charts, and clicks on them that move it.
+
+    Moving a line in the page takes a short message; a line that is part of the data would take all
+    of it thirty times a second.
+
+    Args:
+        bridge: Scripts to the tab and messages from it.
+        chosen: Called with the time [s] that was clicked on a chart.
+    """
+
+    def __init__(self, bridge: Bridge, chosen: Callable[[float], None]) -> None:
+        self._bridge, self._chosen = bridge, chosen
+        self._shown: float | None = None
+        bridge.on("time", self._receive)
+
+    def show(self, time: float) -> None:
+        """Move the cursor to a time [s]."""
+        if time != self._shown:
+            self._shown = time
+            self._bridge.call("showTime", PLACE, round(time, 6))
+
+    def _receive(self, data: Any) -> None:
+        time = finite(data)
+        if time is not None:
+            self._chosen(time)

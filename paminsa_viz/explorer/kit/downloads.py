@@ -1,0 +1,94 @@
+"""Files that the browser downloads: their names, and the buttons that make them."""
+
+from __future__ import annotations
+
+import logging
+import math
+import unicodedata
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.kit.entries import Run
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model import PaminsaError
+
+log = logging.getLogger(__name__)
+
+LONGEST_NAME = 40
+
+
+class File(NamedTuple):
+    """A file to download."""
+
+    name: str
+    content: bytes
+
+
+def file_name(state: State, what: str, ending: str, at_pose: bool = False) -> str:
+    """Return a file name that says what, of which design, and where; plain letters only.
+
+    Args:
+        state: What is saved.
+        what: Kind of content, such as ``torque-maps``.
+        ending: Ending of the name, without the dot.
+        at_pose: Whether x and y belong to it, as they do for the robot but not for maps.
+    """
+    document = state.document
+    x, y, theta, z = state.last_reachable.pose if at_pose else document.pose
+    place = [f"x{round(1e3 * x)}", f"y{round(1e3 * y)}"] if at_pose else []
+    place += [f"theta{round(math.degrees(theta))}", f"z{round(1e3 * z)}"]
+    parts = ["paminsa", plain(document.design.name), what, *place]
+    return "_".join(part for part in parts if part) + f".{ending}"
+
+
+def plain(name: str) -> str:
+    """Return a name as letters, digits and hyphens that any file system takes."""
+    ascii_only = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode().lower()
+    words = "".join(c if c.isalnum() else " " for c in ascii_only).split()
+    return "-".join(words)[:LONGEST_NAME].strip("-")
+
+
+Make = Callable[[Session], File]
+"""Makes a file of what a session shows."""
+
+
+def session_export(what: str, make: Make) -> Run:
+    """Return the effect of a button that exports something: one at a time, on the click's thread.
+
+    The browser downloads what is made.
+    """
+    return Run(partial(_export, what, make))
+
+
+def export(what: str, make: Callable[[State], File]) -> Run:
+    """Return the effect of a button that exports something of the newest state."""
+    return session_export(what, lambda session: make(session.state))
+
+
+def _export(what: str, make: Make, session: Session) -> None:
+    if not session.exporting.acquire(blocking=False):
+        session.notify("One at a time", "The last export is still being made.")
+        return
+    try:
+        notice = session.client.add_notification(
+            f"Exporting {what} …", "", loading=True, with_close_button=False
+        )
+        try:
+            file = make(session)
+            session.client.send_file_download(file.name, file.content, save_immediately=True)
+            session.notify("Exported", f"{file.name}, {_size_of(len(file.content))}")
+        except PaminsaError as error:
+            session.notify("Not exported", str(error), bad=True)
+        except Exception:
+            log.exception("an export failed")
+            session.notify("Not exported", "Details are in the program's log.", bad=True)
+        finally:
+            notice.remove()
+    finally:
+        session.exporting.release()
+
+
+def _size_of(count: int) -> str:
+    return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{max(count / 1e3, 0.1):.0f} kB"

@@ -1,0 +1,210 @@
+"""What a panel holds, as plain tables: buttons, texts, folders, and `inputs`.
+
+`paminsa_viz.explorer.kit.bindings` builds the entries on the page, keeps them up to date, and
+dispatches what a person does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
+from typing import Any, TypeAlias, TypeVar
+
+from paminsa_viz.explorer.core.actions import Action
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.session import Session, View
+from paminsa_viz.explorer.state.outcome import Outcome, Report
+from paminsa_viz.explorer.state.state import State
+
+T = TypeVar("T")
+
+Given: TypeAlias = T | Callable[[State], T]
+"""A constant, or what follows from the state."""
+
+Condition = Callable[[State], bool]
+
+
+def given(value: Any, state: State) -> Any:
+    """Return what is constant, or follows from the state."""
+    return value(state) if callable(value) else value
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a button does when it does not change the state, such as an export.
+
+    It is called with the session on the thread of the click; `Session.submit` hands work to the
+    session's worker.
+    """
+
+    call: Callable[[Session], None]
+
+
+Effect = Action | Run
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What all entries share.
+
+    Attributes:
+        key: Its name: a newer request of the same key replaces one that waits.
+        label: Text next to it.
+        hint: Tooltip.
+        visible, disabled: When it is; always and never if None.
+        order: Place in the container, where it is not that of the table.
+    """
+
+    key: str
+    label: Given[str] = ""
+    _: KW_ONLY
+    hint: Given[str] = ""
+    visible: Condition | None = None
+    disabled: Condition | None = None
+    order: float | None = None
+
+
+@dataclass(frozen=True)
+class Button(Entry):
+    """A button.
+
+    Attributes:
+        effect: What it does.
+        icon: Name of its icon.
+        color: Its color, if it is not the page's.
+        undo: Whether it can be undone.
+    """
+
+    _: KW_ONLY
+    effect: Effect
+    icon: Given[Any] = None
+    color: str | None = None
+    undo: bool = True
+
+
+@dataclass(frozen=True)
+class ButtonGroup(Entry):
+    """Buttons in a row.
+
+    Attributes:
+        choices: What each does, by its text; none of them hides the row.
+    """
+
+    _: KW_ONLY
+    choices: Given[Mapping[str, Effect]]
+
+
+@dataclass(frozen=True)
+class Upload(Entry):
+    """A button that opens a file.
+
+    Attributes:
+        receive: Called with the file's name and content, which is empty if the file is too large,
+            on the thread of the upload: a long table would hold the session's worker up.
+        mime_type: Which files are offered.
+    """
+
+    _: KW_ONLY
+    receive: Callable[[Session, str, bytes], None]
+    mime_type: str
+    icon: Any = None
+    color: str | None = None
+
+
+@dataclass(frozen=True)
+class Html(Entry):
+    """A text, rendered from what is shown.
+
+    Attributes:
+        content: Its HTML, if it is not always the same.
+        idle: Whether it follows only when nothing is dragged.
+    """
+
+    _: KW_ONLY
+    content: str | Callable[[Frame], str]
+    idle: bool = False
+
+
+@dataclass(frozen=True)
+class Progress(Entry):
+    """A bar.
+
+    Attributes:
+        read: What part is done, 0 to 1.
+    """
+
+    _: KW_ONLY
+    read: Callable[[State], float]
+
+
+@dataclass(frozen=True)
+class Folder(Entry):
+    """A folder of entries; without a label, they are only grouped.
+
+    Attributes:
+        entries: What it holds.
+        open: Whether it is open at first.
+    """
+
+    _: KW_ONLY
+    entries: Sequence[Entry]
+    open: bool = True
+
+
+@dataclass(frozen=True)
+class Tabs(Entry):
+    """Tabs of entries.
+
+    Attributes:
+        tabs: What they hold, by name.
+    """
+
+    _: KW_ONLY
+    tabs: Mapping[str, Sequence[Entry]]
+
+
+@dataclass(frozen=True)
+class Custom(Entry):
+    """Something that draws itself.
+
+    Attributes:
+        make: Builds it in the current container of the page.
+    """
+
+    _: KW_ONLY
+    make: Callable[[Session], View]
+
+
+@dataclass(frozen=True)
+class BackgroundJob(Entry):
+    """What is computed in the background, on a thread of its own.
+
+    Its key is a place in the state: of the task that runs its jobs, or of the outcome of the job
+    that follows what is shown.
+
+    Attributes:
+        find: Finds the result of a job; called on the job's thread.
+        receive: Takes an outcome over into the state, where that is more than to keep it.
+        wanted: The job that follows what is shown, or None for none; without it, jobs are started.
+        idle: Whether a job that has just changed waits until nothing is dragged.
+        undo: Whether what an outcome changes can be undone.
+    """
+
+    _: KW_ONLY
+    find: Callable[[Any, Report], Any]
+    receive: Callable[[State, Outcome], State] | None = None
+    wanted: Callable[[Frame], Any] | None = None
+    idle: Given[bool] = False
+    undo: bool = False
+
+
+@dataclass(frozen=True)
+class Message(Entry):
+    """Something that the page says; its key is the kind of the message.
+
+    Attributes:
+        receive: Called with what comes with it, which may be anything.
+    """
+
+    _: KW_ONLY
+    receive: Callable[[Session, Any], None]

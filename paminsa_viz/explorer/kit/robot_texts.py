@@ -1,0 +1,53 @@
+"""Texts on the robot that several features show."""
+
+from __future__ import annotations
+
+from paminsa_viz.explorer.core.frame import Frame, Health
+from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    static_imbalance,
+)
+from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
+from paminsa_viz.units import (
+    number,
+)
+
+
+def of_pose(frame: Frame, *texts: str) -> str:
+    """Return numbers of the last reachable pose; grayed where another one is requested."""
+    stale = frame.health is Health.UNREACHABLE
+    return f'<div class="pv-stale">{"".join(texts)}</div>' if stale else "".join(texts)
+
+
+def gauge_html(frame: Frame) -> str:
+    """Return M_p2 as a number and as a mark on a line from Appendix 4's value through zero."""
+    reference = frame.state.document.reference
+    values = {"zero": 0.0, "default": static_imbalance(APPENDIX_4)}
+    if reference is not None:
+        values["reference"] = static_imbalance(reference)
+    values["current"] = frame.balance
+    span = 1.25 * max(map(abs, values.values()))
+    return render(
+        "balance_gauge.j2", balance=frame.balance, default=values["default"],
+        pinned=values.get("reference"),
+        ticks=[(kind, 50 + 50 * value / span) for kind, value in values.items()],
+    )  # fmt: skip
+
+
+def weights_by_place(*designs: Design) -> dict[str, tuple[float, ...]]:
+    """Return the mass of the counterweights at each place, in each design [kg]."""
+    found: dict[str, list[float]] = {}
+    for index, design in enumerate(designs):
+        for weight in design.counterweights:
+            found.setdefault(weight.place, [0.0] * len(designs))[index] += weight.mass
+    return {place: tuple(masses) for place, masses in found.items()}
+
+
+def workspace_text(workspace: Workspace) -> str:
+    """Return a workspace for people: ``cylinder ⌀ 300 × 400 mm``."""
+    x, y, z = (number(1e3 * extent) for extent in workspace.size)
+    if workspace.shape is WorkspaceShape.CYLINDER:
+        return f"cylinder ⌀ {x} × {z} mm"
+    return f"box {x} × {y} × {z} mm"

@@ -1,0 +1,64 @@
+"""Texts of the page: templates filled in as HTML.
+
+A template lies beside the feature that it belongs to and is named with its folder, such as
+``springs/result.j2``; those of several features lie here.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from paminsa_viz import units
+
+_HERE = Path(__file__).parent
+
+_ENVIRONMENT = Environment(
+    loader=FileSystemLoader([_HERE, _HERE.parent / "features", _HERE.parent]),
+    autoescape=True,
+    undefined=StrictUndefined,
+    auto_reload=False,
+    trim_blocks=True,
+    lstrip_blocks=True,
+)
+
+
+def css_color(color: str) -> Markup:
+    """Return a data color ``#rrggbb`` as CSS that follows the theme; see `browser.style`."""
+    return Markup(f"var(--pv-{color.lstrip('#').lower()}, {Markup.escape(color)})")
+
+
+_ENVIRONMENT.filters |= {
+    "css_color": css_color,
+    "fixed": units.fixed,
+    "number": units.number,
+    "percent_change": units.percent_change,
+    "symbol": lambda text: Markup(units.symbol_html(text)),
+    "symbols": lambda text: Markup(units.symbols_html(text)),
+    "unit": units.unit_text,
+}
+
+
+def render(template: str, **context: Any) -> str:
+    """Return a template filled in, as HTML; all but `Markup` is escaped."""
+    return _ENVIRONMENT.get_template(template).render(context)
+
+
+def note(testid: str, text: str, *, muted: bool = False) -> str:
+    """Return a text as HTML, in gray if it is muted."""
+    return render("note.j2", testid=testid, text=text, muted=muted)
+
+
+def status(testid: str, level: str, title: str, *lines: str) -> str:
+    """Return a box with a title and lines below it; its color is that of the level.
+
+    Args:
+        testid: Name for tests.
+        level: ``ok``, ``warn``, ``bad`` or ``plain``.
+        title: The first line.
+        lines: Others; empty ones are left out.
+    """
+    return render("status.j2", testid=testid, level=level, title=title, lines=filter(None, lines))

@@ -1,0 +1,65 @@
+"""Clearances: what is checked, and what is known of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from paminsa_viz.clearance import (
+    ALL_PAIRS,
+    NearestPoints,
+    PairGroup,
+)
+from paminsa_viz.explorer.state.outcome import Outcome
+from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, setting
+from paminsa_viz.model import Design
+from paminsa_viz.plots.clearance_series import MotionClearance
+from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis
+
+
+@dataclass(frozen=True)
+class ClearanceSettings(Settings):
+    """What is checked.
+
+    Attributes:
+        pairs: Groups of pairs of bodies.
+        required: [m].
+    """
+
+    pairs: frozenset[PairGroup] = ALL_PAIRS
+    required: float = setting(
+        0.005, "Warn below [mm]",
+        "Least distance of two bodies; less is a warning at the pose and along the motion",
+        range=(0.0, 0.1), unit=MILLIMETERS,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class PoseJob:
+    """The nearest bodies of a design at a pose."""
+
+    design: Design
+    pose: tuple[float, ...]
+    pairs: frozenset[PairGroup]
+
+
+@dataclass(frozen=True)
+class MotionJob:
+    """The least clearance of a design along its motion."""
+
+    design: Design
+    trajectory: Trajectory
+    pairs: frozenset[PairGroup]
+    analysis: TrajectoryAnalysis = field(compare=False)
+
+
+@dataclass(frozen=True)
+class Clearing:
+    """What is known of clearances.
+
+    Attributes:
+        pose, motion: The last results; they may be of another pose or motion. The nearest bodies
+            are None where there are none.
+    """
+
+    pose: Outcome[PoseJob, NearestPoints | None] | None = None
+    motion: Outcome[MotionJob, MotionClearance] | None = None

@@ -1,0 +1,82 @@
+"""Tasks that run in the background, as plain data of the state: what runs, and what came of it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Generic, Protocol, TypeVar
+
+from paminsa_viz.model import PaminsaError
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+
+class Report(Protocol):
+    """Takes what part of a job is done, 0 to 1, and what else its task knows by then.
+
+    Returns whether to stop.
+    """
+
+    def __call__(self, done: float, /, **known: Any) -> bool: ...
+
+
+def go_on(done: float, /, **known: Any) -> bool:
+    """Report nothing, and do not stop."""
+    return False
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome(Generic[Job, Result]):
+    """What came of a job.
+
+    Attributes:
+        job: The job, with all that its result depends on.
+        result: What was found, or None.
+        error: Why there is nothing.
+        seconds: How long it took.
+    """
+
+    job: Job
+    result: Result | None = None
+    error: PaminsaError | None = None
+    seconds: float = 0.0
+
+    @property
+    def problem(self) -> str:
+        """Why there is nothing, for the page."""
+        return "" if self.error is None else str(self.error)
+
+
+@dataclass(frozen=True)
+class TaskState(Generic[Job, Result]):
+    """A task of a session.
+
+    Attributes:
+        running: The job that runs, or None.
+        done: What part of it is done, 0 to 1.
+        stopping: Whether it was asked to end with what it has so far.
+        outcome: What came of the last one, or None.
+    """
+
+    running: Job | None = None
+    done: float = 0.0
+    stopping: bool = False
+    outcome: Outcome[Job, Result] | None = None
+
+    @property
+    def result(self) -> Result | None:
+        """What the last job found, or None."""
+        return None if self.outcome is None else self.outcome.result
+
+
+def solve(
+    find: Callable[[Job, Report], Result], job: Job, report: Report = go_on
+) -> Outcome[Job, Result]:
+    """Return what comes of a job; what is the robot's or the person's fault is part of it."""
+    start = time.monotonic()
+    try:
+        return Outcome(job, find(job, report), seconds=time.monotonic() - start)
+    except PaminsaError as error:
+        return Outcome(job, error=error)

@@ -1,0 +1,116 @@
+"""The frozen state of one session, and nothing else: what the page shows follows from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from paminsa_viz.explorer.state.balance import Balancing
+from paminsa_viz.explorer.state.clearance import ClearanceSettings, Clearing
+from paminsa_viz.explorer.state.document import Document, LastReachable
+from paminsa_viz.explorer.state.drives import Driving
+from paminsa_viz.explorer.state.export import ExportSettings
+from paminsa_viz.explorer.state.identify import Identifying
+from paminsa_viz.explorer.state.layers import default_layers
+from paminsa_viz.explorer.state.loads import LoadsState
+from paminsa_viz.explorer.state.maps import MapView
+from paminsa_viz.explorer.state.monte_carlo import Manufacture
+from paminsa_viz.explorer.state.motion import Playback, PlotView, PointEditing
+from paminsa_viz.explorer.state.outcome import TaskState
+from paminsa_viz.explorer.state.requirements import Requiring
+from paminsa_viz.explorer.state.simulation import Answer, Simulating
+from paminsa_viz.explorer.state.springs import Springing
+from paminsa_viz.explorer.state.stiffness import ElasticView
+from paminsa_viz.explorer.state.synthesis import Synthesizing
+from paminsa_viz.explorer.state.tolerances import Tolerating
+from paminsa_viz.explorer.state.view import Appearance, Docks
+from paminsa_viz.model import APPENDIX_4, Design
+from paminsa_viz.model.reach import home_pose
+from paminsa_viz.model.singular_limit import CONDITION_LIMIT
+from paminsa_viz.palette import DARK, LIGHT, Theme
+
+
+@dataclass(frozen=True)
+class State:
+    """Everything one browser tab shows.
+
+    Attributes:
+        document, last_reachable: What is worked on, and where the robot is.
+        map_view: How the maps are drawn.
+        layers: Keys of the visible layers of the scene, see `paminsa_viz.explorer.state.layers`.
+        floor_opacity: Opacity of the map on the ground.
+        playback, plots: Where the motion is played, and how it is plotted.
+        point_editing: Which of the poses that a motion is built from is edited, and how.
+        simulating, balancing, springing, tolerating, clearing, driving, manufacture, loads,
+            elastic_view, identifying, requiring, synthesizing, engine_answer: Jobs of the session
+            and what came of them.
+        clearance_view: Which pairs of bodies are checked for clearance, and what is enough.
+        condition_limit: Largest condition number of a pose that counts, see
+            `paminsa_viz.model.singular_limit`.
+        export, recording: How files are exported, and what is made of a motion's picture.
+        table_at_rest: Whether a motion in an opened file starts and ends at rest.
+        appearance: Which theme the page has.
+        browser_dark: Whether the browser asks for a dark one.
+        docks: Widths of the page's docks.
+    """
+
+    document: Document
+    last_reachable: LastReachable
+    map_view: MapView = field(default_factory=MapView)
+    layers: frozenset[str] = field(default_factory=default_layers)
+    floor_opacity: float = 0.85
+    playback: Playback = field(default_factory=Playback)
+    plots: PlotView = field(default_factory=PlotView)
+    point_editing: PointEditing = field(default_factory=PointEditing)
+    simulating: Simulating = field(default_factory=Simulating)
+    balancing: Balancing = field(default_factory=Balancing)
+    springing: Springing = field(default_factory=Springing)
+    tolerating: Tolerating = field(default_factory=Tolerating)
+    clearance_view: ClearanceSettings = field(default_factory=ClearanceSettings)
+    clearing: Clearing = field(default_factory=Clearing)
+    driving: Driving = field(default_factory=Driving)
+    manufacture: Manufacture = field(default_factory=Manufacture)
+    loads: LoadsState = field(default_factory=LoadsState)
+    elastic_view: ElasticView = field(default_factory=ElasticView)
+    identifying: Identifying = field(default_factory=Identifying)
+    requiring: Requiring = field(default_factory=Requiring)
+    synthesizing: Synthesizing = field(default_factory=Synthesizing)
+    engine_answer: Answer | None = None
+    condition_limit: float = CONDITION_LIMIT
+    export: ExportSettings = field(default_factory=ExportSettings)
+    recording: TaskState[str, bytes] = TaskState()
+    table_at_rest: bool = False
+    appearance: Appearance = Appearance.BROWSER
+    browser_dark: bool = False
+    docks: Docks = field(default_factory=Docks)
+
+    @property
+    def theme(self) -> Theme:
+        """Colors of the page; what is exported is always light."""
+        follows = self.appearance is Appearance.BROWSER
+        dark = self.browser_dark if follows else self.appearance is Appearance.DARK
+        return DARK if dark else LIGHT
+
+    @property
+    def shown_design(self) -> Design:
+        """The design as it is shown: with the lengths of the last reachable pose."""
+        design, shown = self.document.design, self.last_reachable.geometry
+        return design if design.geometry == shown else replace(design, geometry=shown)
+
+    def updated(self, part: str, **changes: Any) -> State:
+        """Return the state with other attributes of a part, such as ``"simulating.settings"``."""
+        return _updated(self, part, changes)
+
+
+def _updated(data: Any, part: str, changes: dict[str, Any]) -> Any:
+    if not part:
+        return replace(data, **changes)
+    name, _, rest = part.partition(".")
+    return replace(data, **{name: _updated(getattr(data, name), rest, changes)})
+
+
+def initial_state(design: Design = APPENDIX_4) -> State:
+    """Return the state a new session starts with."""
+    pose = home_pose(design.geometry)
+    document = Document(design, pose)
+    return State(document, LastReachable(design.geometry, pose))

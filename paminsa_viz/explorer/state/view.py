@@ -1,0 +1,46 @@
+"""How the page is shown: its theme and its docks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final
+
+from paminsa_viz.explorer.state.settings import Settings
+
+LARGEST_DOCK: Final = 4000
+"""Greatest width of a dock that is believed [px]."""
+
+
+class Appearance(Enum):
+    """Which theme the page has."""
+
+    BROWSER = "as the browser"
+    LIGHT = "light"
+    DARK = "dark"
+
+
+@dataclass(frozen=True)
+class Dock:
+    """One of the page's docks, as a person has left it; None for what the page itself chooses.
+
+    Attributes:
+        width: Width [px].
+        folded: Whether it is folded.
+    """
+
+    width: int | None = None
+    folded: bool | None = None
+
+
+@dataclass(frozen=True)
+class Docks(Settings):
+    """The dock of the maps, left, and that of the tabs, right."""
+
+    left: Dock = Dock()
+    right: Dock = Dock()
+
+    @property
+    def possible(self) -> bool:
+        widths = (self.left.width, self.right.width)
+        return all(width is None or 0 < width <= LARGEST_DOCK for width in widths)

@@ -1,1 +1,0 @@
-"""Synthesis on the page: what is searched, the search, and what came of it."""
