@@ -238,8 +238,8 @@ def print_front(case: SynthesisCase, front: DesignFront, seconds: float) -> None
 def front_data(case: SynthesisCase, front: DesignFront, seconds: float) -> dict[str, Any]:
     """Return a front as data for JSON, in SI units."""
     return {
-        "case": case.name, "overlap_allowed": not case.clear, "seed": case.seed, "seconds": round(seconds, 3),
-        "objectives": front.objectives, "dominated": front.dominated,
+        "case": case.name, "overlap_allowed": not case.clear, "seed": case.seed,
+        "seconds": round(seconds, 3), "objectives": front.objectives, "dominated": front.dominated,
         "searches": front.searches, "failed": front.failed, "canceled": front.canceled,
         "points": [
             {

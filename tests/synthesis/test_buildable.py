@@ -1,4 +1,4 @@
-"""Robots that can be built: no two drawn bodies overlap, bars that grow, and what an answer says."""
+"""Robots that can be built: drawn bodies that do not overlap, bars that grow, what answers say."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from paminsa_viz.quantities.requirements import Requirement, Workspace, Workspac
 from paminsa_viz.report.blocks import Note, Table
 from paminsa_viz.report.synthesis_section import synthesis_blocks
 from paminsa_viz.synthesis import (
+    Buildability,
     Effort,
     Evaluator,
     Regime,
@@ -106,7 +107,7 @@ def test_plate_kernel_is_no_more_than_the_distance_of_the_bodies(lengths: dict) 
     platform = [i for i, p in enumerate(names) if "the platform" in p and "B4" in p[0] + p[1]]
     assert len(platform) == 3
     for pose in reachable(geometry, 6):
-        space = Workspace(WorkspaceShape.BOX, (1e-9,) * 3, tuple(pose[[0, 1, 3]]))
+        space = Workspace(WorkspaceShape.BOX, (1e-9, 1e-9, 1e-9), tuple(pose[[0, 1, 3]]))
         case = replace(
             CYLINDER, ranges=CYLINDER.ranges[:5],
             requirements=replace(CYLINDER.requirements, workspace=space),
@@ -124,22 +125,32 @@ def short() -> SynthesisResult:
     return synthesize(BUILDABLE)
 
 
+def both(result: SynthesisResult) -> tuple[Buildability, Buildability]:
+    """The robot and the reference."""
+    found = result.buildability
+    assert found is not None
+    return found
+
+
 @pytest.mark.slow
 def test_answer_is_clear_at_random_poses_of_its_workspace() -> None:
     result = short()
     assert result.feasible
     extent = Extent(result.workspace, result.case.requirements.theta)
     assert clearance(result.design, extent.random(1000, seed=7)).least.min() > 0
-    robot, reference = result.buildability
-    assert robot.clear and robot.overlapping == 0
+    robot, reference = both(result)
+    assert robot.clear
+    assert robot.overlapping == 0
     assert 0.001 <= robot.clearance < 0.02
     assert result.objective > 0.62  # 0.482 with overlap
     assert 0.4 < reference.guide / 0.3635 <= 1
     # what overlap is worth: the same search finds a smaller robot that cannot be built
     other = synthesize(replace(CYLINDER, effort=BUILDABLE.effort, regimes=BUILDABLE.regimes))
     assert other.objective < 0.8 * result.objective
-    worse, _ = other.buildability
-    assert not worse.clear and worse.overlapping > 0.5 and worse.clearance < -0.02
+    worse, _ = both(other)
+    assert not worse.clear
+    assert worse.overlapping > 0.5
+    assert worse.clearance < -0.02
     assert {"slider of leg", "joint 1 of leg", "B4 of leg", "the platform"} & {
         name.rstrip("123 ") for name in worse.bodies
     }
@@ -151,12 +162,12 @@ def test_answer_says_on_all_ways_whether_it_can_be_built() -> None:
     assert result.case.title == "synthesis" == result.design.name
     blocks = synthesis_blocks(result)
     assert OVERLAP_ALLOWED not in [b.text for b in blocks if isinstance(b, Note)]
-    rows = buildability_rows(*result.buildability)
+    rows = buildability_rows(*both(result))
     (table,) = [b for b in blocks if isinstance(b, Table) and b.head[-1] == "Reference"]
     assert [row.cells for row in table.rows] == [row[:3] for row in rows]
     assert not any(fault for *_, fault in rows)
-    data = json.loads(json.dumps(result.buildability[0].data()))
-    assert data["clearance_m"] == result.buildability[0].clearance
+    data = json.loads(json.dumps(both(result)[0].data()))
+    assert data["clearance_m"] == both(result)[0].clearance
     marked = replace(result, case=replace(CYLINDER, name="c"))
     assert OVERLAP_ALLOWED in [b.text for b in synthesis_blocks(marked) if isinstance(b, Note)]
     assert marked.case.title == "c, overlap allowed"
@@ -171,7 +182,8 @@ def test_faults_of_a_robot_are_named() -> None:
     assert found.needed_shaft < found.shaft
     assert not found.clear
     rows = {what: fault for what, _, _, fault in buildability_rows(found, found)}
-    assert rows["Guide B10"] and not rows["Shaft B2"]
+    assert rows["Guide B10"]
+    assert not rows["Shaft B2"]
 
 
 @pytest.mark.parametrize("case", [CYLINDER, CELL])
@@ -180,10 +192,10 @@ def test_costs_that_do_not_matter_are_not_worked_out(case: SynthesisCase) -> Non
     near = np.array(GOOD["cell" if case is CELL else "cylinder"][1])
     numbers[:200] = near * (1 + 0.001 * np.random.default_rng(1).normal(size=(200, 6)))
     evaluator = Evaluator(case, Regime.SMALLER)
-    whole = np.array(evaluator.costs(numbers))
+    whole = np.array(evaluator.costs(list(numbers)))
     assert (whole < REFUSED).sum() > 5
     for most in (np.median(whole[whole < REFUSED]), 2 * REFUSED):
-        found = np.array(evaluator.costs(numbers, [most] * len(numbers)))
+        found = np.array(evaluator.costs(list(numbers), [most] * len(numbers)))
         assert (found[whole <= most] == whole[whole <= most]).all()
         assert (found[whole > most] > most).all()
 
@@ -201,8 +213,11 @@ def test_least_value_is_found_between_samples_and_on_the_boundary() -> None:
     assert found.pose == pytest.approx([*edge, TURN, -0.6], abs=1e-3)
     for pose in extent.random(200), extent.clipped(np.random.default_rng(0).normal(size=(50, 4))):
         assert (np.hypot(pose[:, 0], pose[:, 1]) <= 0.2 + 1e-12).all()
-        assert (np.abs(pose[:, 2]) <= TURN).all() and (np.abs(pose[:, 3] + 0.5) <= 0.1).all()
-    assert extent.within((-0.45, 1.0)).heights == pytest.approx((-0.45, -0.4))
+        assert (np.abs(pose[:, 2]) <= TURN).all()
+        assert (np.abs(pose[:, 3] + 0.5) <= 0.1).all()
+    upper = extent.within((-0.45, 1.0))
+    assert upper is not None
+    assert upper.heights == pytest.approx((-0.45, -0.4))
     assert extent.within((0.0, 1.0)) is None
 
 
@@ -274,7 +289,7 @@ def test_stiffness_can_be_required_and_takes_tubes_that_grow() -> None:
     )  # fmt: skip
     result = synthesize(case, relax=False)
     assert result.feasible
-    robot, _ = result.buildability
+    robot, _ = both(result)
     assert robot.stiffness >= 2e4 * 0.97
     pose = Extent(result.workspace, (-TURN, TURN)).random(300, seed=3)
     assert platform_stiffness(result.design, pose).horizontal.min() > 2e4 * 0.97

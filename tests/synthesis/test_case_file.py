@@ -37,7 +37,8 @@ def test_worked_cases_are_those_of_the_tests() -> None:
 def test_bodies_may_not_overlap_unless_it_is_said() -> None:
     apart = Requirement("clearance", low=0.001)
     case = load_case(EXAMPLES["cylinder"])
-    assert case.clear and not case.allow_overlap
+    assert case.clear
+    assert not case.allow_overlap
     assert case.requirements.bounds == (*CYLINDER.requirements.bounds, apart)
     assert replace(case, seed=1).requirements == case.requirements  # it is added once
     text = f"{HEAD}[synthesis]\n{{}}{RANGES}"

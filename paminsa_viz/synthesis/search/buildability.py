@@ -6,6 +6,7 @@ the command, the report and the page print alike.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,6 +25,9 @@ from paminsa_viz.units import NONE, format_value
 
 OVERLAP_ALLOWED = "Overlap was allowed: the robot need not be one that can be built as it is drawn."
 """What marks an answer for which it was not required that the bodies do not overlap."""
+
+BuildRow = tuple[str, str, str, bool]
+"""A row: what it is, of the robot, of the reference, and whether it is a fault of the robot."""
 
 RANDOM = 1000
 """Poses of which the share that overlaps is counted."""
@@ -121,7 +125,9 @@ def buildability(design: Design, workspace: Workspace, theta: Range) -> Buildabi
             return found
 
         found = least_over(values, extent, SPARSE.finer(2 if starts > 2 else 1), starts=starts)
-        return (found.value if np.isfinite(found.value) else np.nan), found.pose
+        # rounding is no overlap
+        value = round(found.value, 9) + 0.0 if np.isfinite(found.value) else np.nan
+        return value, found.pose
 
     apart, worst = least("clearance", 6)
     bodies = ("", "")
@@ -149,10 +155,8 @@ def buildability(design: Design, workspace: Workspace, theta: Range) -> Buildabi
     )
 
 
-def buildability_rows(
-    found: Buildability, reference: Buildability
-) -> tuple[tuple[str, str, str, bool], ...]:
-    """Return the table: what it is, of the robot, of the reference, and whether it is a fault."""
+def buildability_rows(found: Buildability, reference: Buildability) -> tuple[BuildRow, ...]:
+    """Return the table of a robot beside the reference."""
 
     def value(number: float, unit: str) -> str:
         return format_value(number, unit) if np.isfinite(number) else NONE
@@ -166,20 +170,26 @@ def buildability_rows(
     def both(one: Buildability) -> str:
         return " and ".join(one.bodies) if one.bodies[0] else NONE
 
-    pair = (found, reference)
+    def row(what: str, text: Callable[[Buildability], str], fault: bool = False) -> BuildRow:
+        return what, text(found), text(reference), fault
+
+    overlaps = not found.clearance > 0
     return (
-        ("Least clearance as drawn", *(value(b.clearance, "m") for b in pair),
-         not found.clearance > 0),
-        ("Between", *(both(b) for b in pair), not found.clearance > 0),
-        ("Poses that overlap", *(share(b.overlapping) for b in pair), found.overlapping > 0),
-        ("Least horizontal stiffness", *(value(b.stiffness, "N/m") for b in pair), False),
-        ("Least first natural frequency", *(value(b.frequency, "Hz") for b in pair),
-         not np.isfinite(found.frequency)),
-        ("Guide B10", *(length(b.guide, b.needed_guide) for b in pair),
-         found.guide < found.needed_guide),
-        ("Shaft B2", *(length(b.shaft, b.needed_shaft) for b in pair),
-         found.shaft < found.needed_shaft),
-        ("Moving mass", *(value(b.moving_mass, "kg") for b in pair), False),
-        ("Center of the workspace, z", *(value(b.center[2], "m") for b in pair), False),
-        ("Poses within reach", *(share(b.within_reach) for b in pair), found.within_reach < 1),
+        row("Least clearance as drawn", lambda b: value(b.clearance, "m"), overlaps),
+        row("Between", both, overlaps),
+        row("Poses that overlap", lambda b: share(b.overlapping), found.overlapping > 0),
+        row("Least horizontal stiffness", lambda b: value(b.stiffness, "N/m")),
+        row(
+            "Least first natural frequency", lambda b: value(b.frequency, "Hz"),
+            not np.isfinite(found.frequency),
+        ),
+        row(
+            "Guide B10", lambda b: length(b.guide, b.needed_guide), found.guide < found.needed_guide
+        ),
+        row(
+            "Shaft B2", lambda b: length(b.shaft, b.needed_shaft), found.shaft < found.needed_shaft
+        ),
+        row("Moving mass", lambda b: value(b.moving_mass, "kg")),
+        row("Center of the workspace, z", lambda b: value(b.center[2], "m")),
+        row("Poses within reach", lambda b: share(b.within_reach), found.within_reach < 1),
     )  # fmt: skip

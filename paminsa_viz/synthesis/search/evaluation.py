@@ -147,7 +147,7 @@ class Evaluator:
             else:
                 taken.append(p)
         for p, trial in zip(taken, robots.trials(self._poses, taken), strict=True):
-            enough = most[rows[p]] if len(most) else np.inf
+            enough = most[int(rows[p])] if len(most) else np.inf
             found[rows[p]] = self._over_poses(trial, robots.margins[p], enough, best)
         return found
 
