@@ -5,13 +5,8 @@ The names below are what most scripts need; `paminsa_viz.model`, `trajectory`, `
 pose (..., 4) = (x, y, theta, z) [m, m, rad, m], then its rates; results are (..., n), in SI units.
 """
 
-from __future__ import annotations
-
-from importlib import import_module
-from typing import TYPE_CHECKING
-
-from paminsa_viz.version import __version__ as __version__
-
+# Nothing is imported here, as the program starts with this file: see `paminsa_viz.__main__`.
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from paminsa_viz.balancing import balance
     from paminsa_viz.files.design_file import load_design, save_design
@@ -29,6 +24,7 @@ if TYPE_CHECKING:
         xy_grid,
     )
     from paminsa_viz.trajectory import analyze
+    from paminsa_viz.version import __version__ as __version__
 
 __all__ = [
     "APPENDIX_4",
@@ -50,6 +46,7 @@ __all__ = [
 
 _HOMES = {
     "analyze": "trajectory",
+    "__version__": "version",
     "balance": "balancing",
     "load_design": "files.design_file",
     "save_design": "files.design_file",
@@ -59,8 +56,10 @@ _HOMES = {
 
 def __getattr__(name: str) -> object:
     # Late (PEP 562): NumPy and SciPy take longer to load than the command line's --help.
-    if name not in __all__:
+    if name not in __dir__():
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
     found = getattr(import_module(f"{__name__}.{_HOMES.get(name, 'model')}"), name)
     # A module of the same name may have been bound here by the import.
     globals()[name] = found

@@ -3,11 +3,32 @@
 from __future__ import annotations
 
 import difflib
+import unicodedata
 from collections.abc import Iterable
 
 
 class PaminsaError(ValueError):
-    """Root of every error that this package raises on bad input."""
+    """Root of every error that this package raises on bad input.
+
+    Its text holds no control characters, whatever names of others it repeats: a terminal would
+    follow them.
+    """
+
+    def __init__(self, *parts: object) -> None:
+        super().__init__(*(_uncontrolled(p) if isinstance(p, str) else p for p in parts))
+
+
+def printable(text: str) -> str:
+    """Return ``text`` on one line, with every character that is not printable replaced by ``?``."""
+    return "".join(char if char.isprintable() else "?" for char in text)
+
+
+def _uncontrolled(text: str) -> str:
+    """Return a text with its lines and blanks as they are, and all else as in `printable`."""
+    if text.isprintable():
+        return text
+    blank = (char == "\n" or unicodedata.category(char) == "Zs" for char in text)
+    return "".join(c if keep else printable(c) for c, keep in zip(text, blank, strict=True))
 
 
 class InvalidDesign(PaminsaError):
@@ -60,8 +81,29 @@ class UnreachablePose(PaminsaError):
         super().__init__(explanation)
 
 
-def name_hint(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
-    """Return advice for an unknown name: the nearest of those that are known, or all of them."""
+LONGEST_LIST = 600
+"""Longest list of names in a message [characters]: it fits on a small screen."""
+
+
+def name_hint(
+    name: str, known: Iterable[str], cutoff: float = 0.6, there: str = "there are"
+) -> str:
+    """Return advice for an unknown name: the nearest of those that are known, or which there are.
+
+    Args:
+        name: The unknown name.
+        known: All there are; where they are too many to be listed, the nearest ones are.
+        cutoff: How alike the nearest has to be to be the one that was meant, 0 to 1.
+        there: Words before a list.
+    """
     names = list(known)
     near = difflib.get_close_matches(name[:100], names, 1, cutoff)
-    return f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"
+    if near:
+        return f"did you mean {near[0]}?"
+    listed = ", ".join(names)
+    if len(listed) <= LONGEST_LIST:
+        return f"{there} {listed}"
+    nearest = difflib.get_close_matches(name[:100], names, len(names), 0.0)
+    while len(listed := ", ".join(nearest)) > LONGEST_LIST:
+        nearest.pop()
+    return f"{there} {listed} and {len(names) - len(nearest)} more"

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import APPENDIX_4, Design
@@ -159,7 +159,7 @@ def map_view(
 
     quantity = quantity.replace("-", "_")
     if quantity not in selections():
-        raise InvalidInput("quantity", f"there are {', '.join(selections())}")
+        raise InvalidInput("quantity", name_hint(quantity, selections()))
     place = _pose(design, pose).copy()
     for where, given in ((slice(0, 2), at), (2, theta), (3, z)):
         if given is not None:

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from paminsa_viz.actuation.drive_table import DriveTable, pair_table
-from paminsa_viz.errors import InvalidDesign, PaminsaError
+from paminsa_viz.errors import InvalidDesign, PaminsaError, name_hint, printable
 from paminsa_viz.model.drive import Drive
 
 KINDS = ("motor", "gear", "screw", "belt")
@@ -55,6 +55,9 @@ LARGEST_CATALOG = 5_000_000
 MOST_ROWS = 20_000
 """Most rows of a catalog."""
 
+LONGEST_NAME = 200
+"""Longest name and source of a part [characters]."""
+
 _FIELDS = {item.name: item for item in fields(Drive)}
 _TEXTS = ("name", "source", "kind")
 
@@ -76,7 +79,8 @@ class CatalogError(PaminsaError):
         self.row = row
         self.column = column
         self.problem = problem
-        place = [f"row {row}"] * (row is not None) + [f"column {column}"] * (column is not None)
+        place = [] if row is None else [f"row {row}"]
+        place += [] if column is None else [f"column {printable(column[:LONGEST_NAME])}"]
         super().__init__(f"{source}{': ' if place else ''}{', '.join(place)}: {problem}")
 
 
@@ -216,8 +220,8 @@ def _unknown(name: str) -> str:
     if name.startswith("envelope"):
         return "its units are missing or not known; there is for example envelope_rpm_Nm"
     known = list(dict.fromkeys((*_TEXTS, *_FIELDS)))  # a drive has a name of its own
-    near = difflib.get_close_matches(name, known, 1, 0.5)
-    hint = f"did you mean {_columns_of(near[0])}?" if near else f"there are {', '.join(known)}"
+    near = difflib.get_close_matches(name[:100], known, 1, 0.5)
+    hint = f"did you mean {_columns_of(near[0])}?" if near else name_hint(name, known)
     return f"there is no such column; {hint}"
 
 
@@ -251,7 +255,11 @@ def _part(
     if kind not in KINDS:
         problem = f"{texts['kind'][:40]!r} is no kind; there are {', '.join(KINDS)}"
         raise CatalogError(source, problem, row=row, column="kind")
-    if not texts["name"].isprintable() or not texts["name"]:
+    for field in ("name", "source"):
+        if not texts[field].isprintable() or len(texts[field]) > LONGEST_NAME:
+            problem = f"one line of printable text of at most {LONGEST_NAME} characters is needed"
+            raise CatalogError(source, problem, row=row, column=field)
+    if not texts["name"]:
         raise CatalogError(source, "a name is needed", row=row, column="name")
     if not texts["source"]:
         problem = 'where the values are from is needed, or "generic"'

@@ -7,7 +7,7 @@ used up; so a series of convex programs, one a limit, gives points none of which
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +17,7 @@ from paminsa_viz.balancing.optimum import Optimum, optimize
 from paminsa_viz.balancing.terms import Term
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import Design
+from paminsa_viz.progress import Progress, go_on
 
 SLACK = 1e-9
 """What the ends of a front give up of the one term for the other, relative to the one."""
@@ -66,7 +67,7 @@ def pareto_front(
     *,
     points: int = 12,
     limits: Sequence[tuple[Term, float]] = (),
-    progress: Callable[[int, int], bool | None] | None = None,
+    progress: Progress = go_on,
 ) -> ParetoFront:
     """Return the front between two terms.
 
@@ -79,7 +80,7 @@ def pareto_front(
         first, second: The terms, for example `TrajectoryPeak` and `StaticPeak`.
         points: Number of points, at least two.
         limits: Terms with their largest allowed values, for all points.
-        progress: Called with the number of points done and of all; true ends it with those found.
+        progress: Called before each point; true ends it with those found.
 
     Raises:
         InfeasibleBounds: If no distribution meets the limits.
@@ -109,12 +110,11 @@ def pareto_front(
     if left.second - right.second > small:
         levels = np.linspace(left.second, right.second, points)[1:-1]
         for number, level in enumerate(levels, 2):
-            if progress is not None and progress(number, points):
+            if progress(number / points):
                 break
             found.append(point(best(first, second, float(level))))
         else:
             found.append(right)
-    if progress is not None:
-        progress(points, points)
+    progress(1.0)
     labels, units = (first.label, second.label), (first.unit, second.unit)
     return ParetoFront(labels, units, tuple(found), before)

@@ -89,7 +89,7 @@ def fit_springs(
     gravity = static_torques(design, pose)[:, :3]
     columns = [unit_spring_torques(design.geometry, place, pose) for place in places]
     matrix = np.array([part[:, :3] for pair in columns for part in pair])
-    matrix = matrix.reshape(-1, len(pose), 3)
+    matrix = matrix.reshape(2 * len(places), len(pose), 3)
     good = np.isfinite(gravity).all(axis=1) & np.isfinite(matrix).all(axis=(0, 2))
     if not good.any():
         raise InvalidInput("pose", "the robot cannot take a single one of the poses")

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.errors import InvalidDesign, InvalidInput
+from paminsa_viz.errors import InvalidDesign, InvalidInput, name_hint
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.leg_points import counterweight_point
@@ -51,7 +51,8 @@ def _relative(tolerances: Tolerances, paths: list[str]) -> Array:
     if isinstance(tolerances, Mapping):
         for path in tolerances:
             if path not in paths:
-                raise InvalidInput(path, f"tolerances can be given for {', '.join(paths)}")
+                hint = name_hint(path, paths, there="tolerances can be given for")
+                raise InvalidInput(path, hint)
         values = np.array([tolerances.get(path, 0.0) for path in paths], float)
     else:
         values = np.full(len(paths), tolerances, float)

@@ -63,14 +63,12 @@ def compile_in_background() -> threading.Thread:
 
 
 def _compile() -> Any:
-    from numba import njit  # slow to load
-
-    from paminsa_viz.model.compiled import OPTIONS, register
+    from paminsa_viz.model.compiled import OPTIONS, kernel, register  # slow to load
 
     function = search.least_distances
     digest = register(function, inline=False)
 
-    @njit(**OPTIONS)
+    @kernel(**OPTIONS)
     def least(s, position, quaternion, first, second, slot, distance, nearest, points):  # type: ignore[no-untyped-def]
         if digest < 0:
             return

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from paminsa_viz.errors import printable
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.report.blocks import Block, Note, ReportRequest, Table
 from paminsa_viz.units import NONE, format_ascii
@@ -17,7 +18,7 @@ from paminsa_viz.version import COMMAND, MADE_BY
 
 def print_error(error: Exception) -> None:
     """Print an error as one line on stderr."""
-    print(f"{COMMAND}: {' '.join(str(error).split())}", file=sys.stderr)
+    print(f"{COMMAND}: {printable(' '.join(str(error).split()))}", file=sys.stderr)
 
 
 def print_written(paths: Iterable[object]) -> None:
@@ -36,7 +37,11 @@ def write_report(request: ReportRequest, path: Path) -> None:
 
     # Opened first, so that a place which cannot be written to is known before the work.
     with open_atomically(path) as file:
-        file.write(report_html(request, lambda part: print(f"{part} ...", file=sys.stderr)))
+        file.write(report_html(request, _print_step))
+
+
+def _print_step(done: float, /, *, step: str, **_: Any) -> None:
+    print(f"{step} ...", file=sys.stderr)
 
 
 def print_json(facts: dict[str, Any], *, signed: bool = True) -> None:

@@ -6,7 +6,7 @@ import time
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import tyro
@@ -119,7 +119,7 @@ class Sweep(JsonFlags, RegionFlags, MotionFlags, DesignFlags):
         started = time.monotonic()
         latest = StudySummary(study)
 
-        def note(summary: StudySummary) -> None:
+        def note(done: float, /, *, summary: StudySummary, **_: Any) -> None:
             nonlocal latest
             latest = summary
             show(summary)

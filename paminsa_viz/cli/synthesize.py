@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -29,19 +29,20 @@ from paminsa_viz.files.design_file import save_design
 from paminsa_viz.interrupts import on_interrupt
 from paminsa_viz.model.design import Design, stated_parameters
 from paminsa_viz.model.reach import home_pose
+from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.report.blocks import ReportRequest
 from paminsa_viz.report.synthesis_section import synthesis_blocks
 from paminsa_viz.studies import Workers, cluster, processes
 from paminsa_viz.synthesis import (
-    SearchProgress,
+    RegimeState,
     SynthesisCase,
     SynthesisResult,
     find_objective,
     synthesize,
 )
 from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case
-from paminsa_viz.synthesis.search.checkpoint import load_checkpoint, save_checkpoint
+from paminsa_viz.synthesis.search.checkpoint import Checkpoint
 from paminsa_viz.synthesis.search.front import design_front
 from paminsa_viz.synthesis.search.objectives import OBJECTIVES
 from paminsa_viz.units import format_ascii
@@ -116,18 +117,17 @@ class Synthesize(AnswerFlags, JsonFlags):
         case = self._case()
         if self.front:
             return self._front(case)
-        path = self.checkpoint
-        states = () if path is None else load_checkpoint(path, case)
         started = time.monotonic()
-        kept = "" if path is None else "; the same command resumes it"
+        kept = "" if self.checkpoint is None else "; the same command resumes it"
         with (
+            nullcontext() if self.checkpoint is None else Checkpoint(self.checkpoint, case) as at,
             on_interrupt(lambda: f"stopped{kept}"),
             _progress_line(case) as show,
             self._executor() as workers,
         ):
             result = synthesize(
-                case, workers=workers, progress=show, states=states, prove=self.prove,
-                checkpoint=None if path is None else lambda s: save_checkpoint(path, case, s),
+                case, workers=workers, progress=show, states=() if at is None else at.states,
+                prove=self.prove, checkpoint=None if at is None else at.save,
             )  # fmt: skip
             seconds = time.monotonic() - started
             checks = self.checks(result, workers)
@@ -171,7 +171,7 @@ class Synthesize(AnswerFlags, JsonFlags):
         with _progress_line(case) as show, self._executor() as workers:
             front = design_front(
                 case, self.front, points=self.points, workers=workers,
-                progress=lambda done, total, progress: show(progress),
+                progress=show,
             )  # fmt: skip
         seconds = time.monotonic() - started
         if self.json:
@@ -214,24 +214,24 @@ def _named(result: SynthesisResult) -> Design:
 @contextmanager
 def _progress_line(
     case: SynthesisCase,
-) -> Iterator[Callable[[SearchProgress], bool | None]]:
+) -> Iterator[Progress]:
     """Show the best so far while the work goes on, to people: not to files and other programs."""
     from rich.console import Console
 
     console = Console(stderr=True)
     objective = find_objective(case.objective)
     if not console.is_terminal:
-        yield lambda progress: None
+        yield go_on
         return
     with console.status("searching") as status:
 
-        def show(progress: SearchProgress) -> None:
+        def show(done: float, /, *, state: RegimeState, **_: Any) -> None:
             best = "no robot yet"
-            if progress.feasible:
-                best = format_ascii(objective.sign * progress.cost, objective.unit)
+            if state.feasible:
+                best = format_ascii(objective.sign * state.cost, objective.unit)
             status.update(
-                f"{progress.regime.value}: generation {progress.generation}, "
-                f"{progress.trials} robots, {objective.label} {best}"
+                f"{state.regime.value}: generation {state.generation}, "
+                f"{state.trials} robots, {objective.label} {best}"
             )
 
         yield show

@@ -12,7 +12,7 @@ import tyro
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags
 from paminsa_viz.cli.output import print_blocks, print_json, print_written
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, verify
-from paminsa_viz.errors import PaminsaError
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.atomic import as_file_error, make_folder, write_bytes
 from paminsa_viz.files.errors import FileError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
@@ -66,12 +66,10 @@ class Verify(JsonFlags, MotionFlags, DesignFlags):
                 design, motion,
                 poses=self.poses, seed=self.seed, tolerance=self.tolerance, xml=xml,
             )  # fmt: skip
-        except PaminsaError:
-            raise
-        except ValueError as error:
-            if self.model is None:
+        except InvalidInput as error:
+            if self.model is None or error.argument != "model":
                 raise
-            raise FileError(str(self.model), f"MuJoCo cannot use it: {error}") from error
+            raise FileError(str(self.model), error.problem) from error
         drawn = [] if self.figures is None else _figures(found, self.figures, self.format)
         if self.json:
             files = {"figures": [str(path) for path in drawn]} if drawn else {}

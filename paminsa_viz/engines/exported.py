@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
 
+from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.mechanism import PLATFORM, MechanismTree, build_mechanism
 from paminsa_viz.engines.mjcf import Servos, mjcf_text
+from paminsa_viz.engines.mujoco_model import compiled_model
 from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import Design
@@ -35,8 +38,8 @@ def exported_mjcf(
 ) -> str:
     """Return a design's MJCF text; MuJoCo's viewer opens it standing still.
 
-    It needs no engine: the holding forces and the servos' gains are the model's. The design's load
-    acts on the platform, see `mjcf`.
+    It needs no engine: the holding forces and the servos' gains are the model's. Where MuJoCo is
+    installed, it has loaded the text. The design's load acts on the platform, see `mjcf`.
 
     Args:
         design: The robot.
@@ -45,8 +48,9 @@ def exported_mjcf(
 
     Raises:
         InvalidDesign: If a bar's inertias belong to no rigid body.
-        InvalidInput: If the start pose is singular, so that nothing could hold it, or if nothing
-            resists the motion of a link, so that MuJoCo could not step it.
+        InvalidInput: If the start pose is singular, so that nothing could hold it, if nothing
+            resists the motion of a link, so that MuJoCo could not step it, or if MuJoCo refuses
+            the model.
         UnreachablePose: If the robot cannot be in the start pose.
     """
     _check_inertia(build_mechanism(design))
@@ -57,10 +61,13 @@ def exported_mjcf(
     holding = static_torques(design, start)
     j = jacobian(design.geometry, start)
     inertia = j.T @ mass_matrix(design, start) @ j
-    return mjcf_text(
+    text = mjcf_text(
         design, pose=start.tolist(), holding=holding.tolist(),
         servos=Servos.critical(inertia) if servos else None, load=True,
     )  # fmt: skip
+    with suppress(EngineMissing):  # without the engine nobody can say
+        compiled_model(text)
+    return text
 
 
 def _check_inertia(mechanism: MechanismTree) -> None:

@@ -34,6 +34,7 @@ from paminsa_viz.engines.mechanism import (
     MechanismTree,
     Part,
     Point,
+    Rod,
     build_mechanism,
 )
 from paminsa_viz.engines.poses import joint_values, start_pose, unclosed
@@ -46,6 +47,9 @@ from paminsa_viz.palette import PLATFORM as PLATFORM_COLOR
 
 FLOOR = 2e-15
 """Mass [kg] and inertia [kg m^2] of a moving body that has none; MuJoCo refuses less than 1e-15."""
+
+LEAST_ROD = 1e-9
+"""Shortest rod that is drawn as one [m]; MuJoCo's own limit is 1e-14 m."""
 
 TIME_STEP = 5e-4
 """Time step of the exported model [s]."""
@@ -193,8 +197,7 @@ def _add_links(base: ET.Element, mechanism: MechanismTree, values: dict[str, flo
             _add(body, "joint", name=joint.name, type=joint.kind, axis=axis, ref=value, **own)
         color = _color(link)
         for rod in link.rods:
-            ends = (*rod.start, *rod.end)
-            _add(body, "geom", type="capsule", fromto=ends, size=rod.radius, rgba=color)
+            _add_rod(body, rod, color)
         for name, point in sites.get(link.name, []):
             _add(body, "site", name=name, pos=point)
         for part in link.parts[1:]:
@@ -203,6 +206,15 @@ def _add_links(base: ET.Element, mechanism: MechanismTree, values: dict[str, flo
             if part.name != "payload":
                 radius = 1.3 * link.rods[0].radius
                 _add(child, "geom", type="sphere", pos=part.center, size=radius, rgba=color)
+
+
+def _add_rod(body: ET.Element, rod: Rod, color: list[float]) -> None:
+    # A link may have no length at all, of which MuJoCo makes no capsule.
+    if math.dist(rod.start, rod.end) < LEAST_ROD:
+        _add(body, "geom", type="sphere", pos=rod.start, size=rod.radius, rgba=color)
+        return
+    ends = (*rod.start, *rod.end)
+    _add(body, "geom", type="capsule", fromto=ends, size=rod.radius, rgba=color)
 
 
 def _start_frame(link: Link, values: dict[str, float]) -> tuple[Array, Rotation, list[Array]]:

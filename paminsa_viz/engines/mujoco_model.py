@@ -38,6 +38,24 @@ def load_mujoco() -> Any:
     return mujoco
 
 
+def compiled_model(text: str, argument: str = "design") -> Any:
+    """Return MuJoCo's model of an MJCF text.
+
+    Args:
+        text: The text.
+        argument: What it was made from or given as, for the error.
+
+    Raises:
+        EngineMissing: If MuJoCo is not installed.
+        InvalidInput: If MuJoCo cannot use the text.
+    """
+    try:
+        return load_mujoco().MjModel.from_xml_string(text)
+    except ValueError as error:
+        reason = " ".join(str(error).split())
+        raise InvalidInput(argument, f"MuJoCo cannot use it: {reason}") from error
+
+
 class MujocoRobot(ClosedLoopRobot):
     """The robot in MuJoCo.
 
@@ -57,14 +75,13 @@ class MujocoRobot(ClosedLoopRobot):
         Raises:
             EngineMissing: If MuJoCo is not installed.
             InvalidDesign: If a bar's inertias belong to no rigid body.
-            InvalidInput: If the given text is another robot's.
+            InvalidInput: If the given text is another robot's, or MuJoCo cannot use the text.
             UnreachablePose: If the design cannot be in its start pose.
-            ValueError: If MuJoCo cannot read the text.
         """
         super().__init__(design)
         self._mujoco = mujoco = load_mujoco()
-        text = mjcf_text(design) if xml is None else xml
-        self.model = model = mujoco.MjModel.from_xml_string(text)
+        model = compiled_model(mjcf_text(design)) if xml is None else compiled_model(xml, "model")
+        self.model = model
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         self.data = mujoco.MjData(model)
         self._set_order(model.joint(index).name for index in range(model.njnt))

@@ -38,11 +38,11 @@ class MapsPanel:
         client = session.client
         self._session = session
         self.store, self.legend = MapStore(), SceneLegend(session.bridge)
-        width, folded = left_dock(session.state, session.window)
+        width, self._folded = left_dock(session.state, session.window)
         slots = Slots(
             session.bridge, session.dispatch, {TORQUE_SLOT: width, SINGLE_SLOT: 0, MOTION_SLOT: 0}
         )
-        panel = client.gui.add_panel()
+        self._panel = panel = client.gui.add_panel()
         with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):
             self._torques = MapPicture(
                 session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES, "inside"
@@ -61,8 +61,9 @@ class MapsPanel:
             self.export = Panel(session, export_entries(self.store, lambda: self.legend.shown))
         panel.dock_left()
         panel.set_width(width)
-        if folded:
+        if self._folded:
             panel.minimize()
+        session.bridge.on("hello", lambda _: session.submit(self._fit))  # one that comes late
         session.bridge.on("click", self._click)
         session.bridge.on(motion_points.DRAW, partial(motion_points.receive_switch, session))
 
@@ -73,6 +74,15 @@ class MapsPanel:
             self.export,
         ):  # fmt: skip
             view.draw(frame, dragging)
+
+    def _fit(self) -> None:
+        """Take the width for a window that is known only now, or that a saved state has."""
+        width, folded = left_dock(self._session.state, self._session.window)
+        self._panel.set_width(width)
+        if folded != self._folded:
+            (self._panel.minimize if folded else self._panel.expand)()
+        self._folded = folded
+        self._session.bridge.call("whole")
 
     def _click(self, data: Any) -> None:
         """Move the robot to where a map was clicked, or draw; ``data`` comes from the page."""

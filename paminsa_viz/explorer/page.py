@@ -5,7 +5,6 @@ What comes later is imported later: the first panel is there before trimesh is.
 
 from __future__ import annotations
 
-import logging
 from dataclasses import replace
 
 import numpy as np
@@ -19,17 +18,15 @@ from paminsa_viz.explorer.core.docks import keep_docks, restore_right
 from paminsa_viz.explorer.core.frame import Health, compute
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.synthesis.actions import previewed
-from paminsa_viz.explorer.features.view.theme import ThemeView
+from paminsa_viz.explorer.features.view.theme import ThemeView, TitleView
 from paminsa_viz.explorer.kit.bindings import Panel
 from paminsa_viz.explorer.scene.build import build_views
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.strip import STRIP
 from paminsa_viz.explorer.tabs import TABS, build_rest, fill
-from paminsa_viz.model import Design, PaminsaError
+from paminsa_viz.model import Design
 from paminsa_viz.quantities.requirements import Requirements
-
-log = logging.getLogger(__name__)
 
 SOFTWARE_RENDERERS = ("swiftshader", "llvmpipe", "softpipe", "software", "basic render")
 """Parts of the names of what draws in the absence of a graphics card."""
@@ -56,15 +53,6 @@ def opening_state(design: Design, requirements: Requirements | None = None) -> S
     return moved if compute(moved).health is Health.OK else start
 
 
-def restored(state: State, saved: str) -> State:
-    """Return the state with what a tab has kept, or as it is if that cannot be read."""
-    try:
-        return tab_store.restore(state, saved)
-    except PaminsaError as error:
-        log.info("a tab's saved state was not taken: %s", error)
-        return state
-
-
 def build(
     client: viser.ClientHandle, design: Design, requirements: Requirements | None = None
 ) -> Session:
@@ -73,9 +61,10 @@ def build(
     The first tab comes first, then the robot; the rest follows when the browser shows them, so that
     nobody waits for it. Whoever adds views dispatches a new state, so that they are drawn.
     """
-    session = Session(client, opening_state(design, requirements), shown=previewed)
+    opening = opening_state(design, requirements)
+    session = Session(client, opening, shown=previewed)
     bridge, gui = session.bridge, client.gui
-    theme = ThemeView(session)
+    theme, title = ThemeView(session), TitleView(session)
     gui.set_panel_label("PAMINSA")
     gui.main_panel.dock_right()
     gui.main_panel.set_width(CONTROLS_WIDTH)
@@ -86,16 +75,17 @@ def build(
     places = {tab.name: tabs.add_tab(tab.name) for tab in TABS}
     with places[TABS[0].name]:
         first = fill(session, TABS[0])
-    session.fast += [theme, strip, first]
+    session.fast += [theme, title, strip, first]
     context = SceneContext(
         client.scene, session.dispatch, client.camera, lambda: session.pixel_ratio
     )
 
     def build_robot() -> None:
-        if session.immediate:
-            return
-        from paminsa_viz.explorer.scene.cameras import follow_resizes, look
+        from paminsa_viz.explorer.scene.cameras import fit, follow_resizes, look
 
+        if session.immediate:
+            fit(session)  # the page has said only now how large it is
+            return
         look(session, "3D")
         follow_resizes(session)
         session.immediate += build_views(context, animated=True)
@@ -106,12 +96,24 @@ def build(
             return
         build_rest(session, places, context)
         session.built.set()
+        bridge.call("whole")
         offer_tour(bridge)
         session.dispatch("page", replace)
 
     def restore(saved: object) -> None:
         if isinstance(saved, str):
-            session.dispatch("restore", lambda state: restored(state, saved), step=False)
+            session.dispatch(
+                "restore", lambda state: tab_store.take(state, saved, opening), step=False
+            )
+            session.submit(announce_offer)
+
+    def announce_offer() -> None:
+        if session.state.offered:
+            session.notify(
+                "This tab has kept another state",
+                "It came after something was set, and was not written over it. "
+                "“Kept state”, above the tabs, opens it.",
+            )
 
     def choose_detail(renderer: object) -> None:
         if has_graphics_card(renderer):
@@ -136,6 +138,8 @@ def build(
     bridge.on("hello", restore)
     bridge.on("hello", lambda _: session.submit(lambda: restore_right(session)))
     bridge.on("hello", lambda _: session.submit(build_robot))
+    bridge.on("late", lambda _: session.submit(build_robot))
+    bridge.on("late", lambda _: session.submit(complete))
     bridge.on("graphics", choose_detail)
     bridge.on("shown", lambda _: session.submit(complete))
     bridge.open()

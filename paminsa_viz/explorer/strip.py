@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from paminsa_viz.explorer.core import tab_store
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.saved_requirements import asked
 from paminsa_viz.explorer.features.pose.tab import (
@@ -10,7 +11,7 @@ from paminsa_viz.explorer.features.pose.tab import (
     status_html,
     summary_html,
 )
-from paminsa_viz.explorer.kit.entries import Html
+from paminsa_viz.explorer.kit.entries import ButtonGroup, Html
 from paminsa_viz.explorer.kit.robot_texts import of_pose
 from paminsa_viz.explorer.state.state import State
 
@@ -31,4 +32,12 @@ def strip_html(frame: Frame) -> str:
     return f'<div class="pv-strip">{"".join(parts)}</div>'
 
 
-STRIP = (Html("readout.strip", content=strip_html),)
+STRIP = (
+    Html("readout.strip", content=strip_html),
+    ButtonGroup(
+        "kept", "Kept state",
+        choices={"Open it": tab_store.open_offered, "Leave it": tab_store.drop_offered},
+        visible=lambda state: bool(state.offered),
+        hint="What this tab has kept from before its reload; opening it can be undone",
+    ),
+)  # fmt: skip

@@ -40,6 +40,51 @@ def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
         file.write(content)
 
 
+@contextmanager
+def file_errors(
+    name: str | os.PathLike[str], action: str, kind: type[FileError] = FileError
+) -> Iterator[None]:
+    """Let what the operating system refuses within the block be an error that names the file.
+
+    Args:
+        name: The file, as the person wrote it.
+        action: What was tried: "read" or "written".
+        kind: The error's type.
+
+    Raises:
+        FileError: Whenever an OSError is raised within.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise as_file_error(os.fspath(name), error, action, kind) from error
+
+
+def keep_others_off(
+    number: int, name: str | os.PathLike[str], kind: type[FileError] = FileError
+) -> None:
+    """Lock an open file until it is closed, or this process is gone.
+
+    Args:
+        number: Its descriptor.
+        name: The file, as the person wrote it.
+        kind: The error's type.
+
+    Raises:
+        FileError: If another process has locked it.
+    """
+    try:
+        import fcntl
+    except ImportError:  # Windows: there, two runs into one file are the person's to avoid
+        return
+    try:
+        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise kind(os.fspath(name), "is being written by another process") from None
+    except OSError:
+        return  # some network disks know no locks
+
+
 def check_writable(path: str | os.PathLike[str]) -> None:
     """Check that a file can be written, as far as can be told without writing it.
 

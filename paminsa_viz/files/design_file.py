@@ -43,6 +43,7 @@ from paminsa_viz.files.design_schema import (
 )
 from paminsa_viz.files.design_writer import name_problem, write_design
 from paminsa_viz.files.errors import DesignFileError, printable
+from paminsa_viz.files.plain_data import UnusableData, parse_plain_toml
 from paminsa_viz.files.toml_lines import find_line
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.drive import ACTUATORS, Drive
@@ -179,9 +180,13 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
             problem = f"the line is too long (at most {LONGEST_LINE} characters)"
             raise DesignFileError(source, problem, line=number)
     try:
-        return tomllib.loads(text)
-    except RecursionError as error:
-        raise DesignFileError(source, "is nested too deeply for a design file") from error
+        return parse_plain_toml(text)
+    except UnusableData as error:
+        problem = error.problem if error.path else f"{error.problem} for a design file"
+        line = find_line(text, error.path) or find_line(text, error.path.rpartition(".")[0])
+        raise DesignFileError(
+            source, problem, line=line, key=error.path, value=error.value
+        ) from error
     except ValueError as error:  # TOMLDecodeError, and Python's own limit on very long integers
         message = str(error)
         found = re.search(r" \(at line (\d+), column \d+\)$", message)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields
 from enum import Enum
 
 from paminsa_viz import old_names
+from paminsa_viz.errors import name_hint
 from paminsa_viz.model.design import OPTIONAL_GROUPS, PARAMETER, Design, KneeBranch
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadFrame
@@ -134,10 +135,7 @@ heading they would belong to it."""
 def table_hint(name: str) -> str:
     """Return advice for an unknown table: the nearest one, or all there are."""
     tables = [*(table for table in TABLES if table), WORKSPACE, REQUIREMENTS]
-    near = difflib.get_close_matches(name[:100].lower(), tables, 1)
-    if near:
-        return f"did you mean [{near[0]}]?"
-    return "there are " + ", ".join(f"[{table}]" for table in tables)
+    return name_hint(f"[{name[:100].lower()}]", [f"[{table}]" for table in tables])
 
 
 def key_hint(table: str, name: str) -> str:
@@ -155,8 +153,7 @@ def key_hint(table: str, name: str) -> str:
     near = difflib.get_close_matches(name, [key.name for key in KEYS], 1, 0.7)
     if near:
         return _did_you_mean(table, next(key for key in KEYS if key.name == near[0]))
-    place = f"[{table}] has" if table else "there are"
-    return f"{place} {', '.join(here)}"
+    return name_hint(name, here, there=f"[{table}] has" if table else "there are")
 
 
 def _names_symbol(name: str, symbol: str) -> bool:

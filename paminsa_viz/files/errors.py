@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from paminsa_viz.errors import PaminsaError
+from paminsa_viz.errors import printable as printable
 
 SHOWN_CHARACTERS = 60
 """Longest piece of a file's own text that a message repeats."""
@@ -24,11 +25,6 @@ def shown(value: object) -> str:
     text = repr(value) if isinstance(value, (str, int, float)) else f"{value}"
     text = printable(text)
     return text if len(text) <= SHOWN_CHARACTERS else text[: SHOWN_CHARACTERS - 4] + "...'"
-
-
-def printable(text: str) -> str:
-    """Return ``text`` on one line, with every character that is not printable replaced by ``?``."""
-    return "".join(char if char.isprintable() else "?" for char in text)
 
 
 class FileError(PaminsaError):
@@ -71,7 +67,7 @@ class DesignFileError(FileError):
         place = "" if line is None else f", line {line}"
         if key:
             table, _, name = key.rpartition(".")
-            place += f", [{printable(table)}]" if table else ","
+            place += f", [{printable(table[:SHOWN_CHARACTERS])}]" if table else ","
             place += f" {printable(name[:SHOWN_CHARACTERS])}"
             place += "" if value is None else f" = {shown(value)}"
         super().__init__(source, problem, place)

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import os
 import zlib
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, suppress
 from types import TracebackType
 from typing import BinaryIO
 
-from paminsa_viz.files.atomic import as_file_error
+from paminsa_viz.files.atomic import file_errors, keep_others_off
 from paminsa_viz.files.errors import TableFileError, printable
 from paminsa_viz.files.tables import header_lines
 
@@ -60,20 +60,19 @@ class ResumableCsv:
         self._columns = tuple(columns)
         self._checked = True
         self.rows = 0
-        try:
+        with self._named():
             # Neither "r+" nor "w": what is there stays, and what is not there is made.
             number = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
             self._file: BinaryIO = open(number, "r+b")  # noqa: SIM115  closed in close()
-        except OSError as error:
-            raise as_file_error(self._source, error, "written", TableFileError) from error
         try:
-            self._lock()
-            if restart:
-                self._file.truncate(0)
-            if not self._find_head(head, identity):
-                self._begin(head)
+            keep_others_off(number, self._source, TableFileError)
+            with self._named():
+                if restart:
+                    self._file.truncate(0)
+                if not self._find_head(head, identity):
+                    self._begin(head)
         except BaseException:
-            self._file.close()
+            self._release()
             raise
 
     def __enter__(self) -> ResumableCsv:
@@ -91,7 +90,15 @@ class ResumableCsv:
         """Put everything on the disk and close the file."""
         with suppress(OSError):  # what cannot be synced, such as a pipe, has no more to offer
             os.fsync(self._file.fileno())
-        self._file.close()
+        self._release()
+
+    def _release(self) -> None:
+        # What could not be written has been reported; closing the file would try it once more.
+        with suppress(OSError):
+            self._file.close()
+
+    def _named(self) -> AbstractContextManager[None]:
+        return file_errors(self._source, "written", TableFileError)
 
     def read(self) -> Iterable[tuple[str, ...]]:
         """Yield the rows that are there, check them, and cut off a last one without its end.
@@ -99,8 +106,13 @@ class ResumableCsv:
         Has to be run through before `append`.
 
         Raises:
-            TableFileError: At a row that is none, is not the next one, or was changed.
+            TableFileError: At a row that is none, is not the next one, or was changed, and if the
+                file cannot be read or cut off.
         """
+        with self._named():
+            yield from self._rows()
+
+    def _rows(self) -> Iterator[tuple[str, ...]]:
         self.rows = 0
         end = self._file.seek(self._start)
         while (line := self._file.readline(LONGEST_LINE)).endswith(b"\n"):
@@ -142,11 +154,9 @@ class ResumableCsv:
         self.rows += len(lines)
 
     def _write(self, text: str) -> None:
-        try:
+        with self._named():
             self._file.write(text.encode())
             self._file.flush()
-        except OSError as error:
-            raise as_file_error(self._source, error, "written", TableFileError) from error
 
     def _find_head(self, head: Mapping[str, str], identity: str) -> bool:
         """Read the lines above the rows; return false if a kill left no more than a part of them.
@@ -184,19 +194,6 @@ class ResumableCsv:
         self._file.truncate()
         self._write(header_lines(head, [self._heading(True)]))
         self._head_lines, self._start = len(head) + 1, self._file.tell()
-
-    def _lock(self) -> None:
-        """Keep others off the file until it is closed, or this process is gone."""
-        try:
-            import fcntl
-        except ImportError:  # Windows: there, two runs into one file are the person's to avoid
-            return
-        try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise TableFileError(self._source, "is being written by another process") from None
-        except OSError:
-            return  # some network disks know no locks
 
 
 def _checksum(text: str) -> str:

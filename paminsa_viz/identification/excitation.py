@@ -15,7 +15,6 @@ import numpy as np
 from paminsa_viz.identification.excitation_search import (
     CHUNK,
     ExcitationSettings,
-    Report,
     Search,
     in_chunks,
     random_motions,
@@ -35,6 +34,7 @@ from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.jacobians import actuator_velocity
 from paminsa_viz.model.reach import check_reach, workspace_height
 from paminsa_viz.model.singularity import measure_singularity
+from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.trajectory import Plan, home
 
 FINE = 4
@@ -111,7 +111,7 @@ def optimize_excitation(
     limits: ExcitationLimits,
     settings: ExcitationSettings | None = None,
     *,
-    report: Report | None = None,
+    progress: Progress = go_on,
 ) -> Excitation:
     """Return the motion that shows a design's parameters best.
 
@@ -119,7 +119,7 @@ def optimize_excitation(
         design: The robot as it is supposed to be; its masses matter for the torque limits alone.
         limits: What the motion has to keep.
         settings: What is searched.
-        report: Called with the share of the budget that is spent; where it returns True, the best
+        progress: Called with the share of the budget that is spent; where it returns True, the best
             motion so far is returned.
 
     Raises:
@@ -135,13 +135,14 @@ def optimize_excitation(
 
     def tick() -> None:
         nonlocal stopped
-        if report is not None and not stopped:
-            stopped = report(min((time.monotonic() - begin) / max(settings.seconds, 1e-9), 1.0))
+        if not stopped:
+            done = (time.monotonic() - begin) / max(settings.seconds, 1e-9)
+            stopped = bool(progress(min(done, 1.0)))
 
     starts = random_motions(info, settings.random, settings.seed, tick)
     info.noise = NOISE_SHARE * np.mean(info.torque_rms(starts[:CHUNK]), axis=0)
     worth = in_chunks(info.log_det, starts)
-    search = Search(info, settings, begin, report)
+    search = Search(info, settings, begin, progress)
     search.over = search.over or stopped
     first = int(np.argmax(worth))
     search.best, search.best_value = starts[first], float(worth[first])

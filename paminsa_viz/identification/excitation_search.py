@@ -17,6 +17,7 @@ import numpy as np
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.identification.information import LIMITED, Evaluation, Information
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.progress import Canceled, Progress, keep_on
 
 LEAST_SAMPLES = 250
 """Fewest samples of a period at which limits are looked at."""
@@ -58,9 +59,6 @@ LEAST_REACH = 0.02
 
 CHUNK = 32
 """Motions looked at in one batch."""
-
-Report = Callable[[float], bool]
-"""Takes what part of a search is done, 0 to 1, and returns whether to stop."""
 
 
 @dataclass(frozen=True)
@@ -164,17 +162,13 @@ class _Outside(Exception):
     """A step out of the workspace, where nothing has a derivative."""
 
 
-class _Over(Exception):
-    """The budget is spent."""
-
-
 class Search:
     """The improvement of motions within a budget."""
 
     def __init__(
-        self, info: Information, settings: ExcitationSettings, begin: float, report: Report | None
+        self, info: Information, settings: ExcitationSettings, begin: float, progress: Progress
     ) -> None:
-        self._info, self._settings, self._begin, self._report = info, settings, begin, report
+        self._info, self._settings, self._begin, self._progress = info, settings, begin, progress
         self.evaluations, self.over = 0, settings.evaluations == 0
         self.best: Array = np.zeros(info.family.size)
         self.best_value = -np.inf
@@ -197,7 +191,7 @@ class Search:
                     group = [x for _, x in sorted(found, key=lambda one: -one[0])[:kept]]
                 near = HOP_SIZE * self.best + HOP * rng.standard_normal((HOPS, self.best.size))
                 group, waiting = [*near, *waiting[: GROUP - HOPS]], waiting[GROUP - HOPS :]
-        except _Over:
+        except Canceled:
             self.over = True
 
     def _improve(self, start: Array, sharpness: float, iterations: int) -> tuple[float, Array]:
@@ -248,15 +242,14 @@ class Search:
         """Count an evaluation.
 
         Raises:
-            _Over: If none is left, the time is up, or the search is canceled.
+            Canceled: If none is left, the time is up, or the search is canceled.
         """
         settings = self._settings
         spent = time.monotonic() - self._begin
         shares = spent / max(settings.seconds, 1e-9), self.evaluations / settings.evaluations
         done = max(shares)
-        stop = (
-            self.evaluations % 10 == 0 and self._report is not None and self._report(min(done, 1.0))
-        )
-        if stop or done >= 1.0:
-            raise _Over
+        if self.evaluations % 10 == 0:
+            keep_on(self._progress, min(done, 1.0))
+        if done >= 1.0:
+            raise Canceled
         self.evaluations += 1

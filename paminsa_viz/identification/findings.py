@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
@@ -20,14 +19,11 @@ from paminsa_viz.identification.validation import (
     weigh_payload,
 )
 from paminsa_viz.model.design import Design
+from paminsa_viz.progress import Progress, go_on, keep_on
 from paminsa_viz.trajectory.sampled import Trajectory
 
 STEPS = ("fit", "masses", "causes", "second log", "payload")
 """What is worked out, in this order."""
-
-
-class Stopped(Exception):
-    """The work is no longer wanted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +65,7 @@ def investigate(
     loaded: Log | None = None,
     payload: float | None = None,
     start: ArrayLike | None = None,
-    report: Callable[[float], bool] | None = None,
+    progress: Progress = go_on,
 ) -> Findings:
     """Return everything that logs of a robot say.
 
@@ -81,17 +77,16 @@ def investigate(
         loaded: A log with a payload on the platform.
         payload: That payload, if it was weighed [kg].
         start: Pose (4,) near the start of all logs, to choose the assembly.
-        report: Called with what part is done; where it returns True, the work stops.
+        progress: Called before each of `STEPS`; true ends the work.
 
     Raises:
         InvalidLog: At the first row of a log that cannot be used.
         InvalidInput: If a setting or the payload is not possible.
-        Stopped: If ``report`` asked for it.
+        Canceled: If ``progress`` says so.
     """
 
     def done(step: str) -> None:
-        if report is not None and report(STEPS.index(step) / len(STEPS)):
-            raise Stopped
+        keep_on(progress, STEPS.index(step) / len(STEPS))
 
     done("fit")
     found = identify(log, design, settings, start=start)

@@ -12,12 +12,14 @@ from __future__ import annotations
 import hashlib
 import inspect
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from types import FunctionType
 from typing import Any
 
 import numpy as np
 from numba import njit
+from numba.core.caching import FunctionCache
 from numba.extending import overload, register_jitable
 
 from paminsa_viz.model import leg, leg_forces, robot
@@ -63,11 +65,40 @@ def register(*formulas: Callable[..., Any], inline: bool = True) -> int:
 
 # `contract` lets the compiler fuse a product and a sum, which is faster and rounds once less.
 OPTIONS: dict[str, Any] = {
-    "cache": True,
     "nogil": True,
     "error_model": "numpy",
     "fastmath": {"contract"},
 }
+
+
+class _Cache(FunctionCache):
+    """Numba's compiled code on disk, which helps where it can be read and written."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        # A file that something else has damaged may raise anything; then it is written anew.
+        with suppress(Exception):
+            return super().load_overload(sig, target_context)
+        return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        with suppress(OSError):  # a full disk, a limit on files' sizes, a folder that has gone
+            super().save_overload(sig, data)
+
+
+def kernel(**options: Any) -> Callable[[FunctionType], Any]:
+    """Compile a function by Numba, or load it from disk, where a disk is.
+
+    Unlike Numba's own cache this one never decides whether the program runs: without any folder
+    that can be written to, and on a full disk, the function is compiled at each start.
+    """
+
+    def compiled(function: FunctionType) -> Any:
+        dispatcher: Any = njit(**options)(function)
+        with suppress(RuntimeError):  # there is no folder for it
+            dispatcher._cache = _Cache(function)
+        return dispatcher
+
+    return compiled
 
 
 _BLOCK = 128
@@ -86,7 +117,7 @@ def over_poses(formula: Callable[..., Any], count: int) -> tuple[Any, Any]:
     """
     digest = register(formula)  # a closure variable, and so part of Numba's cache key
 
-    @njit(**OPTIONS)
+    @kernel(**OPTIONS)
     def over_grid(m, outer, inner, along_x, out):  # type: ignore[no-untyped-def]
         """Poses outer[i] + inner[:, j]; theta is the outer's alone, so its part is hoisted.
 
@@ -109,7 +140,7 @@ def over_poses(formula: Callable[..., Any], count: int) -> tuple[Any, Any]:
                     for n in range(count):
                         out[i, n, j] = values[n]
 
-    @njit(**OPTIONS)
+    @kernel(**OPTIONS)
     def over_list(m, pose, out):  # type: ignore[no-untyped-def]
         if digest < 0:
             return
@@ -142,7 +173,7 @@ _MECHANISM = leg.Mechanism(*[1.0] * len(leg.Mechanism._fields))
 def _motion_kernels(digest: int) -> tuple[Any, Any]:
     """Compile inverse dynamics and the mass matrix over lists of states."""
 
-    @njit(**OPTIONS)
+    @kernel(**OPTIONS)
     def inverse_dynamics_kernel(m, e, gravity, pose, c, s, velocity, acceleration, out):  # type: ignore[no-untyped-def]
         if digest < 0:
             return
@@ -167,7 +198,7 @@ def _motion_kernels(digest: int) -> tuple[Any, Any]:
                 for i in range(8):
                     out[start + j, i] = w[14 + i, j]
 
-    @njit(**OPTIONS)
+    @kernel(**OPTIONS)
     def mass_matrix(m, e, pose, c, s, out):  # type: ignore[no-untyped-def]
         if digest < 0:
             return
@@ -207,7 +238,7 @@ def _regressor_kernel(digest: int) -> Any:
     actuators alone is written a second time, as loops; its array form is in `regressor.py`.
     """
 
-    @njit(**OPTIONS)
+    @kernel(**OPTIONS)
     def regressor(m, gravity, pose, c, s, velocity, acceleration, terms, coefficients, factors, y):  # type: ignore[no-untyped-def]
         """Fill ``y`` (n, 4, coefficients).
 

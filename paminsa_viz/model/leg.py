@@ -19,7 +19,15 @@ from paminsa_viz.model.design import Geometry
 ROUNDING = 2.0**-48
 """What rounding may change of a number, as a share of the numbers that it is the difference of.
 
-It is 16 units of the last place. A distance to a singularity within it counts as zero.
+It is 16 units of the last place.
+"""
+
+SINGULAR = 2.0**-40
+"""Distance to a singularity that counts as zero, as a share of the lengths that it is the
+difference of.
+
+Torques go with its inverse, and of a moving robot at a limit of reach with its power -3/2. Within
+256 times `ROUNDING` they would be of the rounding of the pose, in size and in their digits.
 """
 
 
@@ -52,8 +60,8 @@ def mechanism(geometry: Geometry) -> Mechanism:
     """Return the numbers of a geometry in the form the formulas need."""
     k = geometry.magnification
     crank, coupler = geometry.crank_length, geometry.coupler_length
-    blur = ROUNDING * (geometry.base_radius + geometry.platform_radius)
-    reach_blur = ROUNDING * (crank + coupler) + geometry.span_ratio * blur
+    blur = SINGULAR * (geometry.base_radius + geometry.platform_radius)
+    reach_blur = SINGULAR * (crank + coupler) + geometry.span_ratio * blur
     return Mechanism(
         span_ratio=geometry.span_ratio,
         guide_ratio=1 / (k - 1),

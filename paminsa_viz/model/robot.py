@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from paminsa_viz.model.leg import (
-    ROUNDING,
+    SINGULAR,
     LegPosition,
     LegVector,
     Mechanism,
@@ -47,12 +47,12 @@ def platform_determinant(m: Mechanism, x: Any, y: Any, c: Any) -> Any:
     """Return det of the rows (w_k rho_k, p_k . d_k) [m^4], zero at type-2 singularities.
 
     It has the closed form -(3 sqrt(3)/2) R_pl (R_b cos theta - R_pl) (r_s^2 - x^2 - y^2) with
-    r_s^2 = R_b^2 + R_pl^2 - 2 R_b R_pl cos theta. It is zero where rounding decides over the sign
-    of one of the two factors.
+    r_s^2 = R_b^2 + R_pl^2 - 2 R_b R_pl cos theta. It is zero where one of the
+    two factors is within `SINGULAR` of zero.
     """
     turn, place = determinant_factors(m, x, y, c)
     size = m.base_radius + m.platform_radius
-    decided = (np.abs(turn) > ROUNDING * size) & (np.abs(place) > ROUNDING * size * size)
+    decided = (np.abs(turn) > SINGULAR * size) & (np.abs(place) > SINGULAR * size * size)
     return where(decided, -3.0 * HALF_ROOT_3 * m.platform_radius * turn * place, 0.0)
 
 

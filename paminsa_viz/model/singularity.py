@@ -4,11 +4,12 @@ Type 2 (parallel): det = 0 exactly where cos theta = R_pl / R_b, or where the pl
 on the circle x^2 + y^2 = R_b^2 + R_pl^2 - 2 R_b R_pl cos theta. Type 1 (serial): joint 5 on its leg
 axis, or a pantograph fully stretched or folded; there the reach margins vanish (see `reach`).
 
-Which side of a singularity a pose is on is decided by a difference. Where that is within `ROUNDING`
-(2^-48, about 4e-15) of the size of what is subtracted, rounding decides, and the pose counts as
-singular: for R_b cos theta - R_pl of R_b + R_pl, for the circle of (R_b + R_pl)^2, for X_1 of
+Which side of a singularity a pose is on is decided by a difference. Where that is within
+`leg.SINGULAR` (2^-40, about 1e-12) of the size of what is subtracted, rounding of the pose leaves
+torques, rates and accelerations few digits or none, and the pose counts as singular, at rest and in
+motion: for R_b cos theta - R_pl of R_b + R_pl, for the circle of (R_b + R_pl)^2, for X_1 of
 R_b + R_pl, and for |85| of l_B4 + l_B8 + (R_b + R_pl) k/(k-1). Kernels and arrays use the same
-formulas. On the prototype that is some 1e-15 m or rad; 1e-9 m away there are torques, of 1e11 N m.
+formulas. On the prototype that is some 1e-12 m or rad; 1e-9 m away there are torques, of 1e11 N m.
 """
 
 from __future__ import annotations

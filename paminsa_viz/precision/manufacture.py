@@ -11,7 +11,6 @@ their tolerances and solves their poses by exact kinematics.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, partial
 
@@ -35,6 +34,7 @@ from paminsa_viz.precision.unequal_legs import (
     solve_actuators,
     solve_pose,
 )
+from paminsa_viz.progress import Progress, go_on
 
 BARS = ("bar_94", "bar_45", "bar_43", "bar_37", "bar_87", "bar_89")
 """Lengths that a pin's clearance changes."""
@@ -246,7 +246,7 @@ def monte_carlo(
     robots: int = 1000,
     seed: int = 0,
     block: int = ROBOTS_BLOCK,
-    progress: Callable[[int, int], bool | None] | None = None,
+    progress: Progress = go_on,
 ) -> MonteCarlo:
     """Draw robots with lengths uniform within tolerances and clearances, and solve their poses.
 
@@ -259,7 +259,7 @@ def monte_carlo(
         robots: How many.
         seed: Of the random numbers.
         block: Robots times poses solved at a time.
-        progress: Called with the number of robots done and of all; true ends it with those done.
+        progress: Called after each block; true ends it with the robots done.
 
     Raises:
         InvalidInput: If there are too many or no robots, or a pose cannot be taken.
@@ -291,7 +291,7 @@ def monte_carlo(
         change[..., 2] = wrap(change[..., 2])
         errors[some], closure[some] = change, found.closure
         done = some.stop
-        canceled = bool(progress is not None and progress(done, robots))
+        canceled = bool(progress(done / robots))
     shape = pose.shape[:-1]
     return MonteCarlo(
         pose, seed,

@@ -176,14 +176,6 @@ def actuator_rows(*cells: Sequence[str]) -> tuple[Row, ...]:
     )
 
 
-Progress = Callable[[str], None]
-"""Called with a short text whenever the next step begins."""
-
-
-def silent(_: str) -> None:
-    """Report no progress."""
-
-
 @dataclass(frozen=True, eq=False)
 class ReportRequest:
     """A robot, a pose and a motion to report on.

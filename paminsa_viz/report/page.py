@@ -13,9 +13,10 @@ from paminsa_viz.identification.findings import investigate
 from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.palette import BAD, INK, MUTED, OK, WARN
+from paminsa_viz.progress import Progress, go_on, keep_on
 from paminsa_viz.report.accuracy_section import accuracy_section
 from paminsa_viz.report.balance_section import balance_section
-from paminsa_viz.report.blocks import Fact, Progress, ReportRequest, silent
+from paminsa_viz.report.blocks import Fact, ReportRequest
 from paminsa_viz.report.design_section import design_section, provenance_section
 from paminsa_viz.report.forces_section import drives_section, forces_section
 from paminsa_viz.report.identification_section import identification_section
@@ -30,48 +31,59 @@ from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
 from paminsa_viz.units import NONE, format_value, number, symbols_html
 from paminsa_viz.version import __version__
 
+STEPS = (
+    "design and workspace", "requirements", "torque maps", "forces and capability", "stiffness",
+    "accuracy", "trajectory", "joint forces", "identification", "verification", "balance",
+)  # fmt: skip
+"""What is worked out, in this order; requirements and identification where they are asked for."""
 
-def report_html(request: ReportRequest, progress: Progress = silent) -> str:
+
+def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
     """Return the report.
 
     Args:
         request: What to report on.
-        progress: Called when the next piece of work begins.
+        progress: Called before each of `STEPS` with that ``step``; true ends the work.
 
     Raises:
         UnreachablePose: If the robot cannot take the request's pose.
         InvalidLog: If the request's log cannot be used.
+        Canceled: If ``progress`` says so.
     """
+
+    def began(step: str) -> None:
+        keep_on(progress, STEPS.index(step) / len(STEPS), step=step)
+
     require_reachable(request.design.geometry, request.pose)
     analysis = analyze(request.design, request.trajectory)
-    progress("design and workspace")
+    began("design and workspace")
     sections = [design_section(request.design), workspace_section(request)]
     if request.requirements is not None:
-        progress("requirements")
+        began("requirements")
         sections.append(requirements_section(request.design, request.requirements))
     if request.synthesis is not None:
         sections.append(synthesis_section(request.synthesis))
-    progress("torque maps")
+    began("torque maps")
     sections.append(maps_section(request))
-    progress("forces and capability")
+    began("forces and capability")
     sections.append(forces_section(request))
-    progress("stiffness")
+    began("stiffness")
     sections.append(stiffness_section(request))
-    progress("accuracy")
+    began("accuracy")
     sections.append(accuracy_section(request))
-    progress("trajectory")
+    began("trajectory")
     sections.append(trajectory_section(analysis))
     if (drives := drives_section(request.design, analysis)) is not None:
         sections.append(drives)
-    progress("joint forces")
+    began("joint forces")
     sections.append(loads_section(analysis, request.pose))
     if request.log is not None:
-        progress("identification")
+        began("identification")
         sections.append(identification_section(investigate(request.log, request.design)))
-    progress("verification")
+    began("verification")
     found = checked(request)
     sections.append(verification_section(found))
-    progress("balance")
+    began("balance")
     sections += [balance_section(analysis), provenance_section(request, found)]
     return _template().render(
         title=f"PAMINSA design report: {request.design.name}",

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 import os
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass, field
 
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.resumable_csv import ResumableCsv
+from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.studies.metrics import MOTION_METRICS, RUNS
 from paminsa_viz.studies.study import OK, Study
@@ -93,7 +94,7 @@ def run_study(
     *,
     restart: bool = False,
     command: str = "",
-    progress: Callable[[StudySummary], None] | None = None,
+    progress: Progress = go_on,
 ) -> StudySummary:
     """Compute every row of a study and append it to a resumable CSV table.
 
@@ -106,7 +107,8 @@ def run_study(
         workers: Where the work is done; the file does not depend on it.
         restart: Begin again, whatever the file holds.
         command: The command line, for the head of a new table.
-        progress: Called with the summary so far, after the rows that are there and after each part.
+        progress: Called with the ``summary`` so far, after the rows that are there and after each
+            part; true ends it, with the rows that are written by then.
 
     Raises:
         TableFileError: If the file cannot be written or holds something else.
@@ -121,8 +123,8 @@ def run_study(
             except ValueError:  # in a table of an earlier version, whose rows have no checksum
                 raise table.row_error("has a word where a number belongs") from None
         summary.found = summary.rows
-        if progress is not None:
-            progress(summary)
+        if progress(summary.rows / study.size, summary=summary):
+            return summary
         starts = range(summary.found, study.size, PART)
         parts = (range(start, min(start + PART, study.size)) for start in starts)
         try:
@@ -130,8 +132,8 @@ def run_study(
                 table.append(rows)
                 for cells in rows:
                     summary.add(cells)
-                if progress is not None:
-                    progress(summary)
+                if progress(summary.rows / study.size, summary=summary):
+                    break
         except BrokenExecutor as error:
             problem = (
                 f"a worker process died, perhaps of lack of memory; {summary.rows} of {study.size} "

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case
     from paminsa_viz.synthesis.search.evaluation import Evaluator, TrialEvaluation
     from paminsa_viz.synthesis.search.objectives import OBJECTIVES, Objective, find_objective
-    from paminsa_viz.synthesis.search.outer import RegimeState, SearchProgress
+    from paminsa_viz.synthesis.search.outer import RegimeState
     from paminsa_viz.synthesis.search.refusals import refusal
     from paminsa_viz.synthesis.search.region import Density
     from paminsa_viz.synthesis.search.result import BoundOutcome, RelaxedBound, SynthesisResult
@@ -76,7 +76,6 @@ __all__ = [
     "RelaxedBound",
     "RequirementsCheck",
     "Resolution",
-    "SearchProgress",
     "SearchRange",
     "SynthesisCase",
     "SynthesisResult",
@@ -114,7 +113,7 @@ _HOMES = {
     "search.case_file": "EXAMPLES load_case",
     "search.evaluation": "Evaluator TrialEvaluation",
     "search.objectives": "OBJECTIVES Objective find_objective",
-    "search.outer": "RegimeState SearchProgress",
+    "search.outer": "RegimeState",
     "search.refusals": "refusal",
     "search.region": "Density",
     "search.result": "BoundOutcome RelaxedBound SynthesisResult",

@@ -47,23 +47,22 @@ def _unpack(robot):  # type: ignore[no-untyped-def]
 def _compiled() -> tuple[Callable[..., Array], Callable[..., Array]]:
     """Return `plant.derivative` and `plant.commanded`, compiled or loaded from disk by a call."""
     global to_fixed_tuple
-    from numba import njit  # slow to load
-    from numba.extending import register_jitable
+    from numba.extending import register_jitable  # slow to load
     from numba.np.unsafe.ndarray import to_fixed_tuple
 
-    from paminsa_viz.model.compiled import OPTIONS, register
+    from paminsa_viz.model.compiled import OPTIONS, kernel, register
 
     # A closure variable is part of Numba's cache key, so that changed formulas are compiled again.
     key = (register(plant.derivative, plant.commanded, inline=False), _LENGTHS, _TERMS)
     register_jitable(_unpack)
 
-    @njit(**OPTIONS)
+    @kernel(**OPTIONS)
     def derivative(t, state, robot, model, gains, times, states):  # type: ignore[no-untyped-def]
         if key[0] < 0:
             return state
         return plant.derivative(t, state, _unpack(robot), _unpack(model), gains, times, states)
 
-    @njit(**OPTIONS)
+    @kernel(**OPTIONS)
     def commanded(t, state, model, gains, times, states):  # type: ignore[no-untyped-def]
         if key[0] < 0:
             return state

@@ -55,12 +55,12 @@ def test_terms_that_agree_give_one_point() -> None:
 def test_progress_and_canceling() -> None:
     seen = []
 
-    def stop(done: int, of: int) -> bool:
-        seen.append((done, of))
-        return done >= 4
+    def stop(done: float) -> bool:
+        seen.append(done)
+        return done >= 4 / 8
 
     front = pareto_front(APPENDIX_4, changes(), *TERMS, points=8, progress=stop)
-    assert seen[:3] == [(2, 8), (3, 8), (4, 8)]
+    assert seen[:3] == [2 / 8, 3 / 8, 4 / 8]
     assert 1 < len(front.points) < 8
 
 

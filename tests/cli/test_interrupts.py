@@ -18,7 +18,7 @@ pytestmark = [
 ]
 
 BEGIN = (
-    "import sys; from paminsa_viz.cli import main; sys.stdout.write('.'); sys.stdout.flush();"
+    "import sys; from paminsa_viz.__main__ import main; sys.stdout.write('.'); sys.stdout.flush();"
     "sys.exit(main())"
 )
 """The program as its start script runs it; the dot comes right before its first line."""
@@ -71,6 +71,44 @@ def test_ctrl_c_stops_any_command_at_any_moment(command, delay, tmp_path) -> Non
     for name in left:
         assert name.startswith("new."), left
         assert (tmp_path / name).read_bytes().endswith(b"\n")
+
+
+STOPPED_AT_IMPORT = """
+import os, signal, sys
+count = {count}
+def stop(event, what):
+    global count
+    if event == "import":
+        count -= 1
+        if count == 0:
+            os.kill(os.getpid(), signal.SIGINT)
+from paminsa_viz.__main__ import main
+sys.argv = ["paminsa-viz", "--version"]
+sys.addaudithook(stop)
+sys.exit(main())
+"""
+"""The program, which gets a stop at one of its imports."""
+
+
+def test_the_program_imports_nothing_before_its_handler() -> None:
+    code = (
+        "import sys, _signal; before = set(sys.modules)\n"
+        "from paminsa_viz.__main__ import main\n"
+        "def handled(*_): print(*sorted(set(sys.modules) - before)); sys.exit()\n"
+        "_signal.signal = handled; main()"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout.split() == ["paminsa_viz", "paminsa_viz.__main__"], done.stderr
+
+
+def test_ctrl_c_at_any_import_is_a_stop() -> None:
+    for count in [*range(2, 12), 15, 20, 30, 45, 70]:  # the first one is that of the handler
+        code = STOPPED_AT_IMPORT.format(count=count)
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+        if done.stdout:
+            assert count > 20, "the program has more imports than that"
+            break
+        assert (done.returncode, done.stderr) == (130, "paminsa-viz: stopped\n"), count
 
 
 PLACES = {

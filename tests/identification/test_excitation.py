@@ -170,12 +170,12 @@ def test_search_is_reproducible_by_its_seed() -> None:
 def test_search_can_be_stopped_and_reports() -> None:
     shares: list[float] = []
 
-    def report(share: float) -> bool:
+    def progress(share: float) -> bool:
         shares.append(share)
         return len(shares) == 3
 
     found = optimize_excitation(
-        ROBOT, limits_of(ROBOT), ExcitationSettings(random=12), report=report
+        ROBOT, limits_of(ROBOT), ExcitationSettings(random=12), progress=progress
     )
     assert len(shares) == 3
     assert shares == sorted(shares)

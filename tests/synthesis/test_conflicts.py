@@ -235,6 +235,6 @@ def test_it_can_be_canceled():
     )  # fmt: skip
     bounds = (Requirement("condition", high=30.0), Requirement("f_4", high=1e4))
     case = replace(case, requirements=replace(case.requirements, bounds=bounds))
-    found = case_conflict(case, effort=QUICK, progress=lambda searches, _: searches >= 2)
+    found = case_conflict(case, effort=QUICK, progress=lambda done, searches, state: searches >= 2)
     assert found is not None
     assert found.canceled

@@ -22,7 +22,6 @@ from paminsa_viz.synthesis import (
     ObjectiveLimit,
     Regime,
     RegimeState,
-    SearchProgress,
     SearchRange,
     SynthesisCase,
     SynthesisResult,
@@ -30,7 +29,7 @@ from paminsa_viz.synthesis import (
     synthesize,
 )
 from paminsa_viz.synthesis.proof.evidence import Verdict
-from paminsa_viz.synthesis.search.checkpoint import load_checkpoint, save_checkpoint
+from paminsa_viz.synthesis.search.checkpoint import Checkpoint
 from paminsa_viz.synthesis.search.evaluation import REFUSED
 from paminsa_viz.synthesis.search.solve import sides
 from tests.synthesis.search_cases import CELL, CONDITION, CYLINDER, TURN, arch_case
@@ -150,35 +149,37 @@ def test_result_is_the_same_in_other_processes() -> None:
 @pytest.mark.slow
 def test_checkpoint_goes_on_as_if_not_stopped(tmp_path: Path) -> None:
     path = tmp_path / "search.json"
-    assert load_checkpoint(path, SHORT) == ()
 
-    def stop(progress: SearchProgress) -> bool:
-        return progress.generation == 25
+    def stop(done: float, *, state: RegimeState) -> bool:
+        assert done == state.generation / 40 / len(SHORT.regimes)
+        return state.generation == 25
 
-    part = synthesize(
-        SHORT, progress=stop, checkpoint=lambda states: save_checkpoint(path, SHORT, states)
-    )
+    with Checkpoint(path, SHORT) as new:
+        assert new.states == ()
+        part = synthesize(SHORT, progress=stop, checkpoint=new.save)
     assert part.canceled
-    states = load_checkpoint(path, SHORT)
+    with Checkpoint(path, SHORT) as kept:
+        states = kept.states
     assert [state.generation for state in states] == [20]
     resumed = synthesize(SHORT, states=states)
     assert answer(resumed) == answer(short())
     # more generations go on from it as well, another case does not
-    assert load_checkpoint(path, replace(SHORT, effort=Effort(90, 4))) == states
+    with Checkpoint(path, replace(SHORT, effort=Effort(90, 4))) as longer:
+        assert longer.states == states
     with pytest.raises(FileError, match="another case"):
-        load_checkpoint(path, replace(SHORT, seed=9))
-    for text in ("", "{}", '{"format": 1}', path.read_text().replace("[0.", '["a", ')):
+        Checkpoint(path, replace(SHORT, seed=9))
+    for text in ("{", "{}", '{"format": 1}', path.read_text().replace("[0.", '["a", ')):
         path.write_text(text)
         with pytest.raises(FileError):
-            load_checkpoint(path, SHORT)
+            Checkpoint(path, SHORT)
 
 
 def test_progress_has_the_best_robot_so_far() -> None:
-    seen: list[SearchProgress] = []
+    seen: list[RegimeState] = []
 
-    def note(progress: SearchProgress) -> bool:
-        seen.append(progress)
-        return progress.generation == 12
+    def note(done: float, *, state: RegimeState) -> bool:
+        seen.append(state)
+        return state.generation == 12
 
     result = synthesize(SHORT, progress=note)
     assert result.canceled
@@ -194,8 +195,8 @@ def test_progress_has_the_best_robot_so_far() -> None:
 
 
 def test_an_answer_that_is_canceled_in_the_first_round_is_its_best_robot() -> None:
-    seen: list[SearchProgress] = []
-    result = synthesize(SHORT, progress=lambda progress: seen.append(progress) or True)
+    seen: list[RegimeState] = []
+    result = synthesize(SHORT, progress=lambda done, state: seen.append(state) or True)
     assert result.states == ()
     assert result.canceled
     assert result.feasible

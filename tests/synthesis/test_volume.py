@@ -14,10 +14,10 @@ from scipy import ndimage
 from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.model.reach import check_reach, home_pose
 from paminsa_viz.model.singularity import measure_singularity
+from paminsa_viz.progress import Canceled
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.volume.causes import FIRST_REQUIREMENT, OTHER_SIDE, CauseKind
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE, Resolution, axes_of
-from paminsa_viz.synthesis.volume.margins import Canceled
 from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
 from tests.support.cases import Case, cases
 from tests.synthesis.robots import TURN, met, needs

@@ -3,10 +3,10 @@
  * without a graphics card takes as long as the robot; page.css draws the background instead.
  */
 (() => {
-  const hide = (attempts) => {
+  const hide = () => {
     const material = window.__viserMutable?.backgroundMaterial;
     if (material) material.visible = false;
-    else if (attempts > 0) setTimeout(hide, 200, attempts - 1);
+    else setTimeout(hide, 200);
   };
-  hide(300);
+  hide();
 })();

@@ -20,15 +20,17 @@ from typing import Any
 
 import viser
 
-from paminsa_viz.explorer.browser import STORE_KEY, asset
+from paminsa_viz.explorer.browser import STORE_KEY, TITLE, asset
+from paminsa_viz.files.plain_data import parse_json
 
 log = logging.getLogger(__name__)
 
 MESSAGE_LIMIT = 64_000
 """Longest message that is read [characters]; a saved state is a tenth of it."""
 
-HELLO_TIMEOUT = 10.0
-"""How long the page is waited for before it is built without it [s]."""
+HELLO_TIMEOUT = 60.0
+"""How long the page is waited for before it is built without knowing its size and what it has kept
+[s]; what it says later is taken all the same."""
 
 MISSING_AFTER = 10.0
 """How long a name of viser may be missing in a page until it is reported [s]."""
@@ -77,12 +79,14 @@ class Bridge:
         """Set up the tab's side; a ``hello`` with the saved state, or None, comes back.
 
         After it comes a ``shown``, once what has been sent so far is on the screen; it may come
-        twice. A ``graphics`` names what draws the 3D view.
+        twice. A ``graphics`` names what draws the 3D view. Where the page says nothing for
+        `HELLO_TIMEOUT` there is a ``late``; all of them may still come then.
         """
         try:
             config = {
                 "inbox": self._inbox._impl.uuid,
                 "storeKey": STORE_KEY,
+                "title": TITLE,
                 "missingAfter": MISSING_AFTER,
             }
         except AttributeError as error:
@@ -90,10 +94,11 @@ class Bridge:
             self._run = None
             config = {}
         if self._run is None:
-            self._go_on_without()
+            for kind in ("hello", "shown"):
+                self._deliver(kind, None)
             return
-        give_up = weakref.WeakMethod(self._give_up_waiting)  # a closed page is not kept for it
-        timer = threading.Timer(HELLO_TIMEOUT, lambda: (call := give_up()) and call())
+        go_on = weakref.WeakMethod(self._go_on_meanwhile)  # a closed page is not kept for it
+        timer = threading.Timer(HELLO_TIMEOUT, lambda: (call := go_on()) and call())
         timer.daemon = True
         self.on("hello", lambda _: timer.cancel())
         timer.start()
@@ -118,22 +123,20 @@ class Bridge:
         """Keep a text in the tab's own store, where a reload finds it."""
         self.call("save", text)
 
-    def _give_up_waiting(self) -> None:
+    def _go_on_meanwhile(self) -> None:
         if self._closed():
             return
-        _report_missing([f"messages from the page (none within {HELLO_TIMEOUT:g} s)"])
-        self._go_on_without()
-
-    def _go_on_without(self) -> None:
-        for kind in ("hello", "shown"):
-            self._deliver(kind, None)
+        log.warning(
+            "no messages from a page within %g s: it is built with what is known", HELLO_TIMEOUT
+        )
+        self._deliver("late", None)
 
     def _receive(self, event: Any) -> None:
         text = self._inbox.value
         if event.client is None or len(text) > MESSAGE_LIMIT:
             return
         try:
-            messages = [(int(number), str(kind), data) for number, kind, data in json.loads(text)]
+            messages = [(int(number), str(kind), data) for number, kind, data in parse_json(text)]
         except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
             return  # not from this page's script
         with self._lock:

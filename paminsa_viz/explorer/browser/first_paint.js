@@ -7,7 +7,7 @@
 (() => {
   "use strict";
   const NAME = "data-mantine-color-scheme";
-  const LONGEST = 20000;
+  const LONGEST = 120000; // a slow page takes long until it has its theme
   const root = document.documentElement;
   let chosen = "";
   try {

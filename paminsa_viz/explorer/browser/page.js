@@ -11,6 +11,7 @@
   const timers = [];
   const every = (period, run) => timers.push(setInterval(run, period));
   const viewer = () => window.__viserMutable || {};
+  let isWhole = false;
 
   // --- messages to the server ---------------------------------------------------------------
   // They are the text of a hidden input. It holds only the newest text, and one that follows
@@ -90,7 +91,7 @@
   } catch (error) {
     console.warn(error);
   }
-  let attempts = 50; // tabs come late; one that is no more is not waited for
+  let attempts = 50; // once the page is whole: a tab that is no more is not waited for
   let reportedTabs = "";
   every(200, () => {
     const open = tabs().filter(isOpen);
@@ -100,7 +101,7 @@
     for (const tab of found.filter((each) => !isOpen(each)))
       tab.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", bubbles: true }));
     wanted = wanted.filter((name) => !found.some((tab) => nameOf(tab) === name && isOpen(tab)));
-    if (wanted.length && --attempts > 0) return;
+    if (wanted.length && (!isWhole || --attempts > 0)) return;
     wanted = [];
     const names = JSON.stringify(open.map(nameOf));
     try {
@@ -120,8 +121,21 @@
     const now = JSON.stringify(widths);
     const steady = now === docks; // not while one is dragged
     docks = now;
-    if (steady && now !== reportedDocks && send("docks", widths)) reportedDocks = now;
+    const known = !isWhole || now === reportedDocks;
+    if (steady && !known && send("docks", widths)) reportedDocks = now;
   });
+  // All of the page has been sent, with docks as wide as they are to be: from now on another width
+  // is a person's.
+  const whole = () => {
+    isWhole = true;
+    docks = "";
+    reportedDocks = "";
+  };
+
+  // --- title --------------------------------------------------------------------------------
+  const setTitle = (name) => {
+    document.title = [name, config.title].filter(Boolean).join(" - ");
+  };
 
   // --- clicks on Plotly figures -------------------------------------------------------------
   // By the place of the pointer and not by the page's own click: while a figure is pressed,
@@ -299,6 +313,7 @@
   const copy = (what, text) => window.paminsaClipboard?.give(what, text);
   const releaseTheme = () => window.paminsaFirstPaint?.release();
   window.paminsa = {
-    stop, tour, copy, send, save, showTime, showLegend, renderOnDemand, releaseTheme,
+    stop, whole, tour, copy, send, save, setTitle, showTime, showLegend, renderOnDemand,
+    releaseTheme,
   };
 }

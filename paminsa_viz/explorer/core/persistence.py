@@ -24,6 +24,7 @@ from paminsa_viz.explorer.state.settings import changed_data
 from paminsa_viz.files.design_schema import knee_of
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.errors import printable, shown
+from paminsa_viz.files.plain_data import parse_json
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETER,
@@ -96,7 +97,7 @@ def load(text: str) -> Document:
         PaminsaError: If the text is not a document or a value in it is not possible.
     """
     try:
-        data = json.loads(text)
+        data = parse_json(text)
         if data["version"] != VERSION:
             raise InvalidInput("saved state", f"version {shown(data['version'])} is not known")
         x, y, theta, z = (_number(value) for value in data["pose"])

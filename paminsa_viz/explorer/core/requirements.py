@@ -7,14 +7,13 @@ from functools import lru_cache
 from paminsa_viz.explorer.core.causes import conflict_text, surface_parts
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.saved_requirements import asked
-from paminsa_viz.explorer.state.outcome import Report
 from paminsa_viz.explorer.state.requirements import Placed, VolumeJob, VolumeOutcome, VolumeResult
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Design, PaminsaError
+from paminsa_viz.progress import Canceled, Progress
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.volume.check import RequirementsCheck, check_requirements
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE
-from paminsa_viz.synthesis.volume.margins import Canceled
 from paminsa_viz.synthesis.volume.solve import solve_volume
 
 CHEAP = 3e-6
@@ -71,7 +70,7 @@ def placed_workspace(state: State) -> Placed | None:
     return workspace.shape, workspace.size, (x, y, z)
 
 
-def find_volume(job: VolumeJob, report: Report) -> VolumeResult:
+def find_volume(job: VolumeJob, progress: Progress) -> VolumeResult:
     """Find the volume and what holds.
 
     Raises:
@@ -80,11 +79,11 @@ def find_volume(job: VolumeJob, report: Report) -> VolumeResult:
     try:
         volume = solve_volume(
             job.design, job.requirements, resolution=FINE if job.fine else COARSE,
-            progress=lambda done: report(VOLUME_SHARE * done),
+            progress=lambda done, /, **_: progress(VOLUME_SHARE * done),
         )  # fmt: skip
         check = check_requirements(
             job.design, job.requirements, fine=job.fine, volume=volume,
-            progress=lambda done: report(VOLUME_SHARE + (1 - VOLUME_SHARE) * done),
+            progress=lambda done, /, **_: progress(VOLUME_SHARE + (1 - VOLUME_SHARE) * done),
         )  # fmt: skip
     except Canceled:
         raise PaminsaError("canceled") from None

@@ -7,6 +7,7 @@ that cannot be read, or is not possible any more, keeps its default.
 from __future__ import annotations
 
 import json
+import logging
 import sys
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
@@ -22,6 +23,10 @@ from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.explorer.state.settings import Settings
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.view import Appearance
+from paminsa_viz.files.plain_data import parse_json
+from paminsa_viz.model import PaminsaError
+
+log = logging.getLogger(__name__)
 
 
 def _settings(part: Any, path: str = "") -> Iterator[tuple[str, type[Settings]]]:
@@ -34,12 +39,16 @@ def _settings(part: Any, path: str = "") -> Iterator[tuple[str, type[Settings]]]
             yield from _settings(value, f"{place}.")
 
 
+LONGEST_OFFER = 20_000
+"""Longest kept state that a tab keeps beside its own [characters]."""
+
 VIEW: dict[str, Any] = {
     "layers": frozenset[str],
     "floor_opacity": Annotated[float, msgspec.Meta(ge=0, le=1)],
     "condition_limit": Annotated[float, msgspec.Meta(ge=1, le=sys.float_info.max)],
     "table_at_rest": bool,
     "appearance": Appearance,
+    "offered": Annotated[str, msgspec.Meta(max_length=LONGEST_OFFER)],
     **dict(_settings(initial_state())),
 }
 """Parts of the state that say how it is shown or what is set, and their types."""
@@ -61,7 +70,7 @@ def restore(state: State, text: str) -> State:
         PaminsaError: If the document cannot be read.
     """
     state = actions.restore(state, persistence.load(text))
-    view = json.loads(text).get("view", {})
+    view = parse_json(text).get("view", {})
     for name, kind in VIEW.items():
         try:
             value = msgspec.convert(view[name], kind)
@@ -74,6 +83,49 @@ def restore(state: State, text: str) -> State:
     if known.document.reference is None and known.map_view.difference:
         return known.updated("map_view", difference=False)
     return known
+
+
+def restored(state: State, saved: str) -> State:
+    """Return a state with what a tab has kept, or as it is if that cannot be read."""
+    try:
+        return restore(state, saved)
+    except PaminsaError as error:
+        log.info("a tab's saved state was not taken: %s", error)
+        return state
+
+
+def take(state: State, saved: str, opening: State) -> State:
+    """Return a state with what a tab has kept, which may come late.
+
+    What a person has set meanwhile is not written over: then what was kept is only offered.
+
+    Args:
+        state: The state of the page.
+        saved: What the tab has kept.
+        opening: The state that the page opened with.
+    """
+    found = restored(state, saved)
+    if _work(state) in (_work(opening), _work(found)):
+        return found
+    return replace(state, offered=saved[:LONGEST_OFFER])
+
+
+def _work(state: State) -> object:
+    """Return what a person does of that which is kept: not what the page does by itself."""
+    kept = json.loads(dump(state))
+    view = {name: part for name, part in kept["view"].items() if name not in ("docks", "offered")}
+    view["layers"] = sorted(set(view["layers"]) - {"fine"})
+    return kept | {"view": view}
+
+
+def open_offered(state: State) -> State:
+    """Open what the tab has kept and the page has offered."""
+    return replace(restored(state, state.offered), offered="")
+
+
+def drop_offered(state: State) -> State:
+    """Go on without what the tab has kept."""
+    return replace(state, offered="")
 
 
 class TabStore:

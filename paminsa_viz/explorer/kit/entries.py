@@ -10,10 +10,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, TypeAlias, TypeVar
 
+from paminsa_viz import progress
 from paminsa_viz.explorer.core.actions import Action
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session, View
-from paminsa_viz.explorer.state.outcome import Outcome, Report
+from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.state import State
 
 T = TypeVar("T")
@@ -191,7 +192,7 @@ class BackgroundJob(Entry):
     """
 
     _: KW_ONLY
-    find: Callable[[Any, Report], Any]
+    find: Callable[[Any, progress.Progress], Any]
     receive: Callable[[State, Outcome], State] | None = None
     wanted: Callable[[Frame], Any] | None = None
     idle: Given[bool] = False

@@ -153,6 +153,18 @@ def look(session: Session, name: str) -> None:
     session.camera = (name, view.position)
 
 
+def at_preset(session: Session) -> bool:
+    """Whether the camera is where it was sent to last, and no person has moved it since."""
+    name, position = session.camera
+    return bool(name) and np.allclose(session.client.camera.position, position, atol=1e-3)
+
+
+def fit(session: Session) -> None:
+    """Look as the preset chosen last does, for a window that is known only now."""
+    if at_preset(session):
+        look(session, session.camera[0])
+
+
 RESIZED = 0.01
 """Change of the picture's shape from which on the robot is fitted again."""
 
@@ -164,11 +176,9 @@ def follow_resizes(session: Session) -> None:
 
     def check(_: object) -> None:
         shape = camera.image_width / max(camera.image_height, 1)
-        name, position = session.camera
         # A new shape may be known before the page has put the camera where it was sent to.
-        there = bool(name) and np.allclose(camera.position, position, atol=1e-3)
-        if there and abs(shape - seen[0]) > RESIZED * shape:
+        if at_preset(session) and abs(shape - seen[0]) > RESIZED * shape:
             seen[0] = shape
-            session.submit(lambda: look(session, name))
+            session.submit(lambda: fit(session))
 
     camera.on_update(check)

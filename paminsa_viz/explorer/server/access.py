@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import hmac
 import secrets
-from http.cookies import CookieError, SimpleCookie
 from urllib.parse import parse_qsl, urlencode
 
 from websockets.datastructures import Headers
@@ -63,11 +62,14 @@ class AccessToken:
         return text_response(401, "Unauthorized", REFUSAL, WWW_Authenticate="Token")
 
     def _cookies(self, headers: Headers) -> list[str]:
-        try:
-            jar = SimpleCookie("; ".join(headers.get_all("Cookie")))
-        except CookieError:
-            return []
-        return [jar[self._cookie].value] if self._cookie in jar else []
+        """Return the values of all cookies with this program's name.
+
+        A browser sends the cookies of all programs of a host, whose values may be anything but a
+        semicolon. Parsers of cookies give up at the first that is not as the standard has it.
+        """
+        fields = (field for line in headers.get_all("Cookie") for field in line.split(";"))
+        pairs = (field.partition("=") for field in fields)
+        return [value.strip(" \t") for name, _, value in pairs if name.strip(" \t") == self._cookie]
 
     def _matches(self, value: str) -> bool:
         return hmac.compare_digest(value.encode(errors="surrogateescape"), self.value.encode())

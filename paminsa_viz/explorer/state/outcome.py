@@ -5,26 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 from paminsa_viz.model import PaminsaError
+from paminsa_viz.progress import Progress, go_on
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
-
-
-class Report(Protocol):
-    """Takes what part of a job is done, 0 to 1, and what else its task knows by then.
-
-    Returns whether to stop.
-    """
-
-    def __call__(self, done: float, /, **known: Any) -> bool: ...
-
-
-def go_on(done: float, /, **known: Any) -> bool:
-    """Report nothing, and do not stop."""
-    return False
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +59,11 @@ class TaskState(Generic[Job, Result]):
 
 
 def solve(
-    find: Callable[[Job, Report], Result], job: Job, report: Report = go_on
+    find: Callable[[Job, Progress], Result], job: Job, progress: Progress = go_on
 ) -> Outcome[Job, Result]:
     """Return what comes of a job; what is the robot's or the person's fault is part of it."""
     start = time.monotonic()
     try:
-        return Outcome(job, find(job, report), seconds=time.monotonic() - start)
+        return Outcome(job, find(job, progress), seconds=time.monotonic() - start)
     except PaminsaError as error:
         return Outcome(job, error=error)

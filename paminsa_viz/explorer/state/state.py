@@ -52,6 +52,7 @@ class State:
         appearance: Which theme the page has.
         browser_dark: Whether the browser asks for a dark one.
         docks: Widths of the page's docks.
+        offered: What the tab has kept from before, if it came after something was set; else empty.
     """
 
     document: Document
@@ -83,6 +84,7 @@ class State:
     appearance: Appearance = Appearance.BROWSER
     browser_dark: bool = False
     docks: Docks = field(default_factory=Docks)
+    offered: str = ""
 
     @property
     def theme(self) -> Theme:

@@ -22,6 +22,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.statics import static_torques
+from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.studies.executors import Workers, here
@@ -274,7 +275,7 @@ def build_yield(
     confidence: float = 0.95,
     seed: int = 0,
     workers: Workers = here,
-    progress: Callable[[int, int], bool | None] | None = None,
+    progress: Progress = go_on,
 ) -> BuildYield:
     """Return which part of the robots built within tolerances meets all requirements.
 
@@ -286,7 +287,7 @@ def build_yield(
         confidence: Of the interval.
         seed: The same seed gives the same result, whatever it runs on.
         workers: Where the robots are measured.
-        progress: Called with the number of robots done and of all; true ends it.
+        progress: Called after each part of the robots; true ends it with those done.
 
     Raises:
         InvalidInput: If there are no samples, or a tolerance or the confidence is not possible.
@@ -297,7 +298,7 @@ def build_yield(
     found: list[dict[str, float]] = []
     for part in workers.in_order(partial(_margins_of, margins), parts):
         found += part
-        if progress is not None and progress(len(found), samples) and len(found) < samples:
+        if progress(len(found) / samples) and len(found) < samples:
             break
     # a margin that is no number is not met
     bad = [[name for name, margin in robot.items() if not margin >= 0] for robot in found]

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.synthesis.search.case import SynthesisCase
 from paminsa_viz.synthesis.search.objectives import find_objective
@@ -78,7 +79,7 @@ def requirement_prices(
     step: float = STEP,
     rounds: int = 4,
     workers: Workers = here,
-    progress: Callable[[int, int], bool | None] | None = None,
+    progress: Progress = go_on,
 ) -> tuple[RequirementPrice, ...]:
     """Return what the active requirements of an answer cost, and what its workspace does.
 
@@ -87,7 +88,7 @@ def requirement_prices(
         step: How far each is moved to either side, as a share of its bound.
         rounds: Most rounds of each search, see `search.outer.refined`.
         workers: Where trials are computed; the result is the same.
-        progress: Called with the number of requirements done and of all; true ends it.
+        progress: Called after each requirement; true ends it with those done.
 
     Returns:
         The prices, those first whose step changes the optimum most.
@@ -125,7 +126,7 @@ def requirement_prices(
                 item.label, item.unit, item.bound, size, tightened, relaxed, float(price)
             )
         )
-        if progress is not None and progress(number + 1, len(items)):
+        if progress((number + 1) / len(items)):
             break
     return tuple(sorted(prices, key=lambda p: -abs(np.nan_to_num(p.price)) * p.step))
 

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import WorkspaceShape
 from paminsa_viz.synthesis.proof.families import SLACK, BoundGroup, Symmetry, symmetry
 from paminsa_viz.synthesis.proof.regions import Grows, PoseRegion
-from paminsa_viz.synthesis.volume.margins import Progress
 
 BATCH = 8192
 """Boxes worked on at a time."""
@@ -78,7 +78,7 @@ class Control:
         boxes: How many boxes have been bounded.
     """
 
-    def __init__(self, time_limit: float, progress: Progress | None = None) -> None:
+    def __init__(self, time_limit: float, progress: Progress = go_on) -> None:
         self._start = time.perf_counter()
         self._limit = time_limit
         self._progress = progress
@@ -98,8 +98,9 @@ class Control:
     @property
     def over(self) -> bool:
         """Whether to stop: the time is over, or the progress function said so."""
-        if not self._stopped and self._progress is not None:
-            self._stopped = self._progress(min(1.0, self.elapsed / max(self._limit, 1e-9)))
+        if not self._stopped:
+            done = min(1.0, self.elapsed / max(self._limit, 1e-9))
+            self._stopped = bool(self._progress(done))
         return self._stopped or self.left < 0.0
 
 

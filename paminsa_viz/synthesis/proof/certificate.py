@@ -18,6 +18,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grid import Grid
 from paminsa_viz.model.grids import solve_field
+from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge, Nearest, nearest_violation
 from paminsa_viz.synthesis.proof.evidence import (
@@ -32,7 +33,6 @@ from paminsa_viz.synthesis.proof.evidence import (
 )
 from paminsa_viz.synthesis.proof.families import BoundGroup, Method, groups, method
 from paminsa_viz.synthesis.proof.regions import PoseRegion
-from paminsa_viz.synthesis.volume.margins import Progress
 
 FIXED = (False, False, False)
 
@@ -43,7 +43,7 @@ def prove(
     workspace: Workspace | None = None,
     *,
     time_limit: float = 15.0,
-    progress: Progress | None = None,
+    progress: Progress = go_on,
 ) -> Proof:
     """Prove that requirements hold over a workspace, or find a pose where one does not.
 

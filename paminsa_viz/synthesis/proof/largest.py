@@ -15,6 +15,7 @@ import numpy as np
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge, Nearest, nearest_violation
 from paminsa_viz.synthesis.proof.certificate import region_of, sample_requirement, sampled_evidence
@@ -33,7 +34,6 @@ from paminsa_viz.synthesis.proof.evidence import (
 from paminsa_viz.synthesis.proof.families import BoundGroup, Method, groups, method
 from paminsa_viz.synthesis.proof.placement import CenterSearch, Place
 from paminsa_viz.synthesis.proof.regions import Grows, Growth, PoseRegion, least_free
-from paminsa_viz.synthesis.volume.margins import Progress
 
 TOLERANCE = 1e-3
 """Difference of extents that is aimed at [m]."""
@@ -231,7 +231,7 @@ def largest_workspace(
     tolerance: float = TOLERANCE,
     time_limit: float = 15.0,
     both_sides: bool = False,
-    progress: Progress | None = None,
+    progress: Progress = go_on,
 ) -> LargestWorkspace:
     """Find the largest workspace of a shape that is proven to meet requirements.
 

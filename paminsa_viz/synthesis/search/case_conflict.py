@@ -6,13 +6,14 @@ refuse them; otherwise it is the answer of a search that found none.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
+from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.synthesis.search.case import Effort, ObjectiveLimit, SynthesisCase
-from paminsa_viz.synthesis.search.outer import SearchProgress
+from paminsa_viz.synthesis.search.outer import RegimeState
 from paminsa_viz.synthesis.search.refusals import refusal
 from paminsa_viz.synthesis.search.solve import synthesize
 from paminsa_viz.synthesis.volume.conflict import irreducible_set
@@ -44,7 +45,7 @@ def case_conflict(
     *,
     effort: Effort = EFFORT,
     workers: Workers = here,
-    progress: Callable[[int, SearchProgress], bool | None] | None = None,
+    progress: Progress = go_on,
 ) -> CaseConflict | None:
     """Return which requirements contradict; None if a robot meets them all.
 
@@ -52,8 +53,8 @@ def case_conflict(
         case: The case.
         effort: How long each search looks.
         workers: Where trials are computed.
-        progress: Called after each generation with the number of searches done and how far the
-            current one is; true ends it.
+        progress: Called after each generation with the number of ``searches`` done and the
+            ``state`` of the current one, whose part is the one that is done; true ends it.
     """
     run = _Searches(case, effort, workers, progress)
     items = (*case.requirements.bounds, *case.limits)
@@ -73,7 +74,7 @@ class _Searches:
     case: SynthesisCase
     effort: Effort
     workers: Workers
-    progress: Callable[[int, SearchProgress], bool | None] | None
+    progress: Progress
     known: dict[tuple[int, ...], bool] = field(default_factory=dict)
     searches: int = 0
     canceled: bool = False
@@ -105,10 +106,10 @@ class _Searches:
             return False
         found = False
 
-        def stop(progress: SearchProgress) -> bool:
+        def stop(done: float, /, *, state: RegimeState, **_: Any) -> bool:
             nonlocal found
-            found = found or progress.feasible
-            if not found and self.progress is not None and self.progress(self.searches, progress):
+            found = found or state.feasible
+            if not found and self.progress(done, searches=self.searches, state=state):
                 self.canceled = True
             return found or self.canceled
 

@@ -4,13 +4,23 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 import os
 from dataclasses import asdict, replace
+from types import TracebackType
 from typing import Any
 
-from paminsa_viz.files.atomic import as_file_error, open_atomically
+import msgspec
+import numpy as np
+
+from paminsa_viz.files.atomic import (
+    check_writable,
+    file_errors,
+    keep_others_off,
+    open_atomically,
+)
 from paminsa_viz.files.errors import FileError
+from paminsa_viz.files.plain_data import parse_json
+from paminsa_viz.interrupts import indivisible
 from paminsa_viz.studies.metrics import samples_hash
 from paminsa_viz.synthesis.search.case import Effort, Regime, SynthesisCase
 from paminsa_viz.synthesis.search.outer import RegimeState
@@ -19,6 +29,12 @@ FORMAT = 1
 
 LARGEST_FILE = 50_000_000
 """Largest checkpoint [bytes]; one of the default effort has some 20 kB."""
+
+LEAST_POPULATION = 5
+"""Least number of trials that differential evolution goes on from."""
+
+ROUNDING = 1e-9
+"""By how much a number of the best trial may be off its range, as a share of it."""
 
 
 def fingerprint(case: SynthesisCase) -> str:
@@ -29,37 +45,111 @@ def fingerprint(case: SynthesisCase) -> str:
     return hashlib.sha256("\n".join(facts).encode()).hexdigest()[:32]
 
 
-def save_checkpoint(
-    path: str | os.PathLike[str], case: SynthesisCase, states: tuple[RegimeState, ...]
-) -> None:
-    """Write where the search of a case is, completely or not at all.
+class Checkpoint:
+    """The file of a search, which no other process writes until it is closed.
+
+    It is there as soon as it is opened, and at any moment a whole one.
+
+    Attributes:
+        states: Where the search was when the file was opened; nothing in a new one.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], case: SynthesisCase) -> None:
+        """Open the checkpoint of a case, or begin one where there is none.
+
+        Raises:
+            FileError: If the file cannot be read or written, is no checkpoint, one of another
+                case, or is used by another process.
+        """
+        self._path, self._case = path, case
+        self._lock = -1
+        check_writable(path)
+        with indivisible():  # a stop leaves no empty file
+            try:
+                with file_errors(path, "written"):
+                    self._lock, content = _locked(path)
+                self.states = _read(content, os.fspath(path), case) if content else ()
+                if not content:
+                    self._begin()
+            except BaseException:
+                self.close()
+                raise
+
+    def __enter__(self) -> Checkpoint:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let other processes use the file."""
+        if self._lock >= 0:
+            os.close(self._lock)
+            self._lock = -1
+
+    def save(self, states: tuple[RegimeState, ...]) -> None:
+        """Write where the search is, completely or not at all.
+
+        Raises:
+            FileError: If the file cannot be written.
+        """
+        data = {
+            "format": FORMAT,
+            "case": fingerprint(self._case),
+            "states": [asdict(state) | {"regime": state.regime.name} for state in states],
+        }
+        lock = -1
+        try:
+            with open_atomically(self._path) as file:
+                json.dump(data, file, allow_nan=False)
+                # The file that replaces the old one is locked before it is in place.
+                lock = os.dup(file.fileno())
+                keep_others_off(lock, self._path)
+        except BaseException:
+            if lock >= 0:
+                os.close(lock)
+            raise
+        self.close()
+        self._lock = lock
+
+    def _begin(self) -> None:
+        try:
+            self.save(())
+        except FileError:
+            os.unlink(self._path)  # it is empty
+            raise
+
+
+def _locked(path: str | os.PathLike[str]) -> tuple[int, bytes]:
+    """Lock a file, which is made where there is none; return its descriptor and its content."""
+    while True:
+        number = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
+        try:
+            keep_others_off(number, path)
+            if os.path.samestat(os.fstat(number), os.stat(path)):
+                with open(number, "rb", closefd=False) as file:
+                    return number, file.read(LARGEST_FILE + 1)
+        except FileNotFoundError:
+            pass
+        except BaseException:
+            os.close(number)
+            raise
+        os.close(number)  # meanwhile another process has put a new file in its place
+
+
+def _read(content: bytes, name: str, case: SynthesisCase) -> tuple[RegimeState, ...]:
+    """Return the states in a checkpoint.
 
     Raises:
-        FileError: If the file cannot be written.
+        FileError: If it is none, is damaged, or one of another case.
     """
-    data = {
-        "format": FORMAT,
-        "case": fingerprint(case),
-        "states": [asdict(state) | {"regime": state.regime.name} for state in states],
-    }
-    with open_atomically(path) as file:
-        json.dump(data, file, allow_nan=False)
-
-
-def load_checkpoint(path: str | os.PathLike[str], case: SynthesisCase) -> tuple[RegimeState, ...]:
-    """Read where the search of a case was; nothing if there is no such file.
-
-    Raises:
-        FileError: If the file cannot be read, is no checkpoint, or one of another case.
-    """
-    name = os.fspath(path)
-    if not os.path.exists(path):
-        return ()
     try:
-        with open(path, encoding="utf-8") as file:
-            data = json.loads(file.read(LARGEST_FILE))
-    except OSError as error:
-        raise as_file_error(name, error, "read") from error
+        data = parse_json(content[:LARGEST_FILE])
     except ValueError as error:
         raise FileError(name, "is no checkpoint of a search") from error
     if not isinstance(data, dict) or data.get("format") != FORMAT:
@@ -69,21 +159,31 @@ def load_checkpoint(path: str | os.PathLike[str], case: SynthesisCase) -> tuple[
             name, "is a checkpoint of another case; remove it to start over, or name another file"
         )
     try:
-        return tuple(_state(item, len(case.ranges)) for item in data["states"])
-    except (KeyError, TypeError, ValueError) as error:
+        states = tuple(_state(item, case) for item in data["states"])
+        if len({state.regime for state in states}) < len(states):
+            raise ValueError("a regime twice")
+    except (KeyError, TypeError, ValueError) as error:  # msgspec's is a ValueError
         raise FileError(name, "is no checkpoint of a search, or is damaged") from error
+    return states
 
 
-def _state(item: dict[str, Any], count: int) -> RegimeState:
-    return RegimeState(
-        Regime[item["regime"]], int(item["generation"]), int(item["trials"]),
-        tuple(_row(row, count) for row in item["population"]), _row(item["best"], count),
-        _row(item["history"], len(item["history"])), bool(item["done"]),
-    )  # fmt: skip
-
-
-def _row(values: list[Any], count: int) -> tuple[float, ...]:
-    row = tuple(map(float, values))
-    if len(row) != count or not all(map(math.isfinite, row)):
-        raise ValueError("a row of another length, or no numbers")
-    return row
+def _state(item: dict[str, Any], case: SynthesisCase) -> RegimeState:
+    """Return what is written of a state, if a search can go on from it."""
+    regime = Regime[item["regime"]]
+    state = msgspec.convert(item | {"regime": regime.value}, RegimeState)
+    low, high = case.bounds.T
+    slack = ROUNDING * (high - low)
+    rows, best = np.array(state.population), np.array(state.best)
+    possible = (
+        state.generation > 0
+        and state.trials > 0
+        and rows.shape == (max(len(rows), LEAST_POPULATION), len(low))
+        and np.all((rows >= 0) & (rows <= 1))
+        and best.shape == low.shape
+        and np.all((best >= low - slack) & (best <= high + slack))
+        and 0 < len(state.history) <= state.generation
+        and np.isfinite(state.history).all()
+    )
+    if not possible:
+        raise ValueError("numbers that no search has")
+    return state

@@ -11,15 +11,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.synthesis.search.case import ObjectiveLimit, SynthesisCase
 from paminsa_viz.synthesis.search.objectives import find_objective
-from paminsa_viz.synthesis.search.outer import RegimeState, SearchProgress, cloud, numbers_of
+from paminsa_viz.synthesis.search.outer import RegimeState, cloud, numbers_of
 from paminsa_viz.synthesis.search.result import SynthesisResult
 from paminsa_viz.synthesis.search.solve import synthesize
 from paminsa_viz.synthesis.search.trial_masses import UNLIMITED
@@ -91,7 +93,7 @@ def design_front(
     *,
     points: int = 8,
     workers: Workers = here,
-    progress: Callable[[int, int, SearchProgress], bool | None] | None = None,
+    progress: Progress = go_on,
     found: Callable[[FrontPoint], None] | None = None,
 ) -> DesignFront:
     """Return the front of a case between several objectives.
@@ -102,8 +104,8 @@ def design_front(
         points: Levels of each objective but the first, the ends included: so many points for two
             objectives, by one search more.
         workers: Where trials are computed; the result is the same.
-        progress: Called after each generation with the number of searches done, of all, and how
-            far the current one is; true ends it with the points found so far.
+        progress: Called after each generation with the number of ``searches`` done and the
+            ``state`` of the current one; true ends it with the points found so far.
         found: Called with each robot as it is found; a later one may dominate it.
 
     Raises:
@@ -149,7 +151,7 @@ class _Front:
     signs: Array
     total: int
     workers: Workers
-    progress: Callable[[int, int, SearchProgress], bool | None] | None
+    progress: Progress
     found: Callable[[FrontPoint], None] | None
     answers: list[FrontPoint] = field(default_factory=list)
     points: list[FrontPoint] = field(default_factory=list)
@@ -168,8 +170,9 @@ class _Front:
                 own[name] = ObjectiveLimit(name, sign * most)
         case = replace(self.case, objective=objective, limits=tuple(own.values()))
 
-        def show(progress: SearchProgress) -> bool:
-            stop = self.progress and self.progress(self.done, self.total, progress)
+        def show(done: float, /, *, state: RegimeState, **_: Any) -> bool:
+            part = (self.done + done) / self.total
+            stop = self.progress(part, searches=self.done, state=state)
             self.canceled = self.canceled or bool(stop)
             return bool(stop)
 

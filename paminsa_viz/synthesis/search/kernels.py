@@ -10,7 +10,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from paminsa_viz.model import compiled, leg, measures, robot
 
@@ -29,7 +28,7 @@ def load() -> tuple[Any, Any, Any, Any]:
 def _conditions() -> Any:
     digest = compiled.register(measures.dexterity)
 
-    @njit(**STRICT)
+    @compiled.kernel(**STRICT)
     def conditions(m, xy, turns, z):  # type: ignore[no-untyped-def]
         """Return the least and largest condition number over all xy (n, 2) and turns (k, 2)."""
         least, most = np.inf, 0.0
@@ -49,7 +48,7 @@ def _conditions() -> Any:
 def _torques() -> Any:
     digest = compiled.register(robot.unit_torques, measures.wrench_torques)
 
-    @njit(**STRICT)
+    @compiled.kernel(**STRICT)
     def torques(m, imbalance, lift, wrench, xy, turns, z, out):  # type: ignore[no-untyped-def]
         """Fill ``out`` (2, 6) with the least and largest of `TORQUE_COLUMNS` over all poses.
 
@@ -93,7 +92,7 @@ def _radii() -> Any:
     digest = compiled.register(leg.leg_position)
     axes = tuple(zip(robot.AXIS_X, robot.AXIS_Y, strict=True))
 
-    @njit(**STRICT)
+    @compiled.kernel(**STRICT)
     def radii(m, guide, xy, turns, z, out):  # type: ignore[no-untyped-def]
         """Fill ``out`` (4,) with the largest radii about z of joints 5, 8, 9 and the guide's end.
 

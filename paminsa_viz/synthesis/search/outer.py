@@ -8,7 +8,7 @@ Near an answer it is made again for a case that has changed a little (`refined`)
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain
@@ -18,11 +18,11 @@ import numpy as np
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.progress import Canceled, Progress, go_on
 from paminsa_viz.quantities.requirements import Workspace
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.synthesis.search.case import Regime, SynthesisCase
 from paminsa_viz.synthesis.search.evaluation import REFUSED, Evaluator, TrialEvaluation
-from paminsa_viz.synthesis.volume.margins import Canceled
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
@@ -82,18 +82,11 @@ class RegimeState:
         return self.cost < REFUSED
 
 
-SearchProgress = RegimeState
-"""What a progress function is called with after each generation."""
-
-OnGeneration = Callable[[SearchProgress], bool | None]
-"""Called after each generation; true ends the search."""
-
-
 def search_round(
     evaluator: Evaluator,
     state: RegimeState,
     workers: Workers = here,
-    progress: OnGeneration | None = None,
+    progress: Progress = go_on,
     *,
     generations: int = ROUND,
 ) -> RegimeState:
@@ -103,7 +96,8 @@ def search_round(
         evaluator: Evaluates the trials.
         state: Where the search is.
         workers: Where trials are computed.
-        progress: Called after each generation; true ends the search.
+        progress: Called after each generation with the ``state`` that is reached; true ends the
+            search.
         generations: Most generations of the round.
 
     Raises:
@@ -142,7 +136,8 @@ def search_round(
         nonlocal canceled, most
         history.append(float(intermediate_result.fun))
         most = intermediate_result.population_energies.tolist()
-        if progress is not None and progress(reached(intermediate_result, len(history))):
+        now = reached(intermediate_result, len(history))
+        if progress(min(1.0, now.generation / case.effort.generations), state=now):
             canceled = True
             raise StopIteration
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.progress import Canceled, Progress, go_on
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.synthesis.proof.certificate import prove as prove_workspace
@@ -15,11 +17,10 @@ from paminsa_viz.synthesis.proof.evidence import Proof, Verdict
 from paminsa_viz.synthesis.search.case import ObjectiveLimit, Regime, SynthesisCase
 from paminsa_viz.synthesis.search.evaluation import Evaluator, TrialEvaluation
 from paminsa_viz.synthesis.search.objectives import find_objective
-from paminsa_viz.synthesis.search.outer import ROUND, OnGeneration, RegimeState, cloud, search_round
+from paminsa_viz.synthesis.search.outer import ROUND, RegimeState, cloud, search_round
 from paminsa_viz.synthesis.search.refusals import refusal
 from paminsa_viz.synthesis.search.region import TRIAL
 from paminsa_viz.synthesis.search.result import RelaxedBound, SynthesisResult, limit_of, outcomes_of
-from paminsa_viz.synthesis.volume.margins import Canceled
 
 FINER = 4
 """How many times closer the poses of the verification lie."""
@@ -50,7 +51,7 @@ class _Run:
 
     case: SynthesisCase
     workers: Workers
-    progress: OnGeneration | None
+    progress: Progress
     relaxed: int | None = None
     prove: float | None = None
 
@@ -134,7 +135,7 @@ def synthesize(
     case: SynthesisCase,
     *,
     workers: Workers = here,
-    progress: OnGeneration | None = None,
+    progress: Progress = go_on,
     states: tuple[RegimeState, ...] = (),
     checkpoint: Callable[[tuple[RegimeState, ...]], None] | None = None,
     relax: bool = True,
@@ -151,7 +152,8 @@ def synthesize(
     Args:
         case: The question.
         workers: Where trials are computed; the result is the same.
-        progress: Called after each generation; true ends the search with the best so far.
+        progress: Called after each generation with the ``state`` of the regime that is searched,
+            its best robot so far; true ends the search with it.
         states: Where an earlier search of the same case was; it goes on from there.
         checkpoint: Called after each round with where the search is.
         relax: Whether to look for relaxations where there is no answer.
@@ -161,9 +163,10 @@ def synthesize(
     """
     latest: dict[Regime, RegimeState] = {}
 
-    def watch(state: RegimeState) -> bool | None:
+    def watch(done: float, /, *, state: RegimeState, **_: Any) -> bool | None:
         latest[state.regime] = state
-        return progress and progress(state)
+        turn = case.regimes.index(state.regime)
+        return progress((turn + done) / len(case.regimes), state=state)
 
     run = _Run(case, workers, watch, prove=prove)
     refused = {regime: reason for regime in case.regimes if (reason := refusal(case, regime))}
@@ -198,7 +201,7 @@ def relaxations(
     case: SynthesisCase,
     regimes: tuple[Regime, ...],
     workers: Workers = here,
-    progress: OnGeneration | None = None,
+    progress: Progress = go_on,
 ) -> tuple[RelaxedBound, ...]:
     """Return for each bound and limit the nearest value at which the others can be met.
 

@@ -8,11 +8,12 @@ from enum import Enum
 import numpy as np
 
 from paminsa_viz.model.design import Design
+from paminsa_viz.progress import Progress, go_on, keep_on
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.volume.causes import bound_size
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE
-from paminsa_viz.synthesis.volume.margins import Canceled, Progress, headings
+from paminsa_viz.synthesis.volume.margins import headings
 from paminsa_viz.synthesis.volume.reach import reach_bounds
 from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
 from paminsa_viz.synthesis.volume.workspace import (
@@ -71,7 +72,7 @@ def check_requirements(
     *,
     fine: bool = False,
     volume: Volume | None = None,
-    progress: Progress | None = None,
+    progress: Progress = go_on,
 ) -> RequirementsCheck:
     """Say which requirements hold, over the required workspace if there is one.
 
@@ -111,7 +112,7 @@ def _over_workspace(
     center: Center,
     fine: bool,
     volume: Volume | None,
-    progress: Progress | None,
+    progress: Progress,
 ) -> RequirementsCheck:
     assert requirements.workspace is not None
     density = SAMPLES[fine]
@@ -119,8 +120,7 @@ def _over_workspace(
     count = FINER * (FINE.headings - 1) + 1 if fine else COARSE.headings
     items = list(reach_items(design, requirements, samples))
     for index, bound in enumerate(requirements.bounds):
-        if progress is not None and progress(index / len(requirements.bounds)):
-            raise Canceled
+        keep_on(progress, index / len(requirements.bounds))
         budget = (FINE if fine else COARSE).budget
         few, turns = density, count
         own = samples
@@ -176,7 +176,7 @@ def _refined(design: Design, requirements: Requirements, center: Center, step: f
     free = [place is None for place in workspace.center]
 
     def score(place: Center) -> float:
-        found = _over_workspace(design, requirements, place, False, None, None)
+        found = _over_workspace(design, requirements, place, False, None, go_on)
         return min(_relative(design, requirements, item) for item in found.items)
 
     best = score(center)

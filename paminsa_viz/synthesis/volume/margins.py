@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -14,6 +13,7 @@ from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.grids import Field, Grid
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.reach import LEAST_MARGIN, Limit, decode
+from paminsa_viz.progress import Progress, go_on, keep_on
 from paminsa_viz.quantities.requirements import Range, Requirement, Requirements
 
 
@@ -88,9 +88,6 @@ def _evaluate(formula: Formula, geometry: Geometry, columns: Columns) -> Array:
     return np.moveaxis(out, 1, 0).reshape(formula.results, *columns.shape)
 
 
-Progress = Callable[[float], bool]
-"""Takes what part is done, 0 to 1, and returns whether to stop."""
-
 BLOCK = 2**15
 """Poses worked on at a time, so that what a formula returns stays in the cache."""
 
@@ -100,10 +97,6 @@ those of the others skip such poses."""
 
 _LONG_BARS = 100.0
 """Length of bars that reach wherever others do [m]; no longer ones are possible."""
-
-
-class Canceled(Exception):
-    """Work that its progress function ended."""
 
 
 def headings(limits: Range, count: int) -> Array:
@@ -128,7 +121,7 @@ def heading_margins(
     positions: Array,
     z: Array,
     count: int,
-    progress: Progress | None = None,
+    progress: Progress = go_on,
 ) -> tuple[Array, Array]:
     """Evaluate every requirement at positions and heights.
 
@@ -177,8 +170,7 @@ def heading_margins(
                 least[index, part] = np.where(np.isnan(every), -np.inf, every)
                 coarse[index, part] = np.where(np.isnan(second), -np.inf, second)
             done += columns.size
-            if progress is not None and progress(done / total):
-                raise Canceled
+            keep_on(progress, done / total)
     for index, bound in enumerate(requirements.bounds):
         if bound.z is not None:
             free = (z < bound.z[0]) | (z > bound.z[1])

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.reach import MARGINS, Limit
+from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.synthesis.volume.causes import (
     DISCONNECTED,
@@ -27,7 +28,7 @@ from paminsa_viz.synthesis.volume.causes import (
     reach_distances,
 )
 from paminsa_viz.synthesis.volume.grid import FINE, Resolution, axes_of, home_side, joined_to_home
-from paminsa_viz.synthesis.volume.margins import Progress, heading_margins
+from paminsa_viz.synthesis.volume.margins import heading_margins
 from paminsa_viz.synthesis.volume.reach import reach_bounds
 
 
@@ -125,7 +126,7 @@ def solve_volume(
     *,
     resolution: Resolution = FINE,
     both_sides: bool = False,
-    progress: Progress | None = None,
+    progress: Progress = go_on,
 ) -> Volume:
     """Find where every requirement holds for its whole range of headings, joined to home.
 
@@ -200,7 +201,7 @@ def _margins(
     z: Array,
     reachable: NDArray[np.bool_],
     headings: int,
-    progress: Progress | None,
+    progress: Progress,
 ) -> tuple[Array, Array]:
     """Return margins on the nodes, and those over every second heading; NaN out of reach."""
     shape = (len(requirements.bounds), *reachable.shape)

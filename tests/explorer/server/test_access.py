@@ -17,7 +17,9 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from websockets.datastructures import Headers
 from websockets.exceptions import InvalidStatus
+from websockets.http11 import Request
 from websockets.sync.client import connect
 
 from paminsa_viz.explorer.server.access import AccessToken
@@ -78,6 +80,39 @@ def test_a_program_may_open_a_web_socket_with_the_token(closed: GuardedServer) -
 def test_nothing_else_passes(closed: GuardedServer, query: str, cookie: str, token: str) -> None:
     status = _get(closed, f"/?{query}&{token}", cookie.strip()).status
     assert status in (400, 401, 403)
+
+
+FOREIGN = st.one_of(
+    st.sampled_from(
+        ['theme={"dark":true}', "a[b]=1", "x=a b", "=", "a", "", "a=b=c", 'q="un;closed', "$Path=/"]
+    ),
+    st.text(st.characters(min_codepoint=32, max_codepoint=255, exclude_characters="\x7f")),
+)
+"""What other programs on this host may have set."""
+
+
+@settings(max_examples=200, deadline=None)
+@given(before=st.lists(FOREIGN, max_size=4), after=st.lists(FOREIGN, max_size=4), own=st.data())
+def test_cookies_of_other_programs_lock_nobody_out(
+    before: list[str], after: list[str], own: st.DataObject
+) -> None:
+    granted = TOKEN.respond(Request(f"/?token={TOKEN.value}", Headers()))
+    assert granted is not None
+    cookie = granted.headers["Set-Cookie"].partition(";")[0]
+    name, _, _ = cookie.partition("=")
+    # Another program on the host may have set one of the same name, for a longer path.
+    before = own.draw(st.sampled_from([before, [*before, f"{name}=other"]]))
+    after = own.draw(st.sampled_from([after, [f"{name}=other", *after]]))
+    joint = own.draw(st.sampled_from(["; ", ";"]))
+    assert TOKEN.respond(_with_cookies(joint.join([*before, cookie, *after]))) is None
+    assert TOKEN.respond(_with_cookies(*before, cookie, *after)) is None  # a header each, HTTP/2
+    refused = TOKEN.respond(_with_cookies(joint.join([*before, f"{cookie[:-1]}", *after])))
+    assert refused is not None
+    assert refused.status_code == 401
+
+
+def _with_cookies(*headers: str) -> Request:
+    return Request("/", Headers([("Cookie", header) for header in headers]))
 
 
 @pytest.mark.parametrize("cookie", ["", "{name}=wrong", "{name}=", "={value}", "{name}"])

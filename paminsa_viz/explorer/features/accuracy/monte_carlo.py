@@ -14,11 +14,11 @@ from paminsa_viz.explorer.kit.task import task_entries
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.monte_carlo import Manufacture, MonteCarloJob
 from paminsa_viz.explorer.state.motion import Pose
-from paminsa_viz.explorer.state.outcome import Report
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Design
 from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.precision.manufacture import MonteCarlo, monte_carlo
+from paminsa_viz.progress import Progress
 from paminsa_viz.units import display_unit, fixed, number
 
 NAMES = ("x", "y", "θ", "z", "tilt about x", "tilt about y")
@@ -81,7 +81,7 @@ def monte_carlo_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
-def draw_robots(job: MonteCarloJob, report: Report) -> MonteCarlo:
+def draw_robots(job: MonteCarloJob, progress: Progress) -> MonteCarlo:
     """Draw the robots.
 
     Raises:
@@ -89,7 +89,7 @@ def draw_robots(job: MonteCarloJob, report: Report) -> MonteCarlo:
     """
     return monte_carlo(
         job.design, job.pose, robots=job.robots, seed=job.seed, block=512,
-        progress=lambda done, every: report(done / every),
+        progress=progress,
     )  # fmt: skip
 
 

@@ -36,7 +36,6 @@ from paminsa_viz.explorer.state.balance import (
     WeightClearance,
     changes_of,
 )
-from paminsa_viz.explorer.state.outcome import Report
 from paminsa_viz.model import (
     Design,
     Geometry,
@@ -51,6 +50,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.drive import TORQUE_UNITS
 from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.plots.map_data import half_width
+from paminsa_viz.progress import Progress
 from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, analyze, solve_trajectory
 from paminsa_viz.trajectory.integrals import time_weights
 
@@ -66,14 +66,14 @@ SAME_PLACE = 1e-9
 """Counterweights on one bar nearer to each other than this are one [m]."""
 
 
-def run(job: BalanceJob, report: Report) -> Balanced | MassFront | Tornado:
+def run(job: BalanceJob, progress: Progress) -> Balanced | MassFront | Tornado:
     """Solve a task.
 
     Raises:
         PaminsaError: If it has no solution.
     """
     if job.task is Task.FRONT:
-        return _front(job, report)
+        return _front(job, progress)
     if job.task is Task.SENSITIVITY:
         return _tornado(job)
     found = balance(job.design) if job.task is Task.PAPER else _best(job)
@@ -108,11 +108,11 @@ def _limits(settings: BalanceSettings) -> list[tuple[Term, float]]:
     return [(AddedMass(), settings.max_added)] if settings.max_added > 0 else []
 
 
-def _front(job: BalanceJob, report: Report) -> MassFront:
+def _front(job: BalanceJob, progress: Progress) -> MassFront:
     found = pareto_front(
         job.design, changes_of(job.settings, job.design), TrajectoryPeak(motion(job)),
         StaticPeak(job.plane(COARSE)), points=FRONT_POINTS, limits=_limits(job.settings),
-        progress=lambda done, of: report(done / of),
+        progress=progress,
     )  # fmt: skip
     return MassFront(found, tuple(tidied(p.design) for p in found.points))
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from paminsa_viz.actuation import actuator_limits
-from paminsa_viz.explorer.state.outcome import Report
 from paminsa_viz.model import PaminsaError
+from paminsa_viz.progress import Canceled, Progress
 
 if TYPE_CHECKING:  # a page waits for none of it at its start
     from paminsa_viz.identification import Excitation
@@ -14,14 +14,14 @@ if TYPE_CHECKING:  # a page waits for none of it at its start
 from paminsa_viz.explorer.state.identify import ExcitationJob, IdentifyJob
 
 
-def identify_logs(job: IdentifyJob, report: Report) -> Findings:
+def identify_logs(job: IdentifyJob, progress: Progress) -> Findings:
     """Identify.
 
     Raises:
         PaminsaError: If a log does not allow it, or the work was stopped.
     """
     from paminsa_viz.identification import IdentificationSettings
-    from paminsa_viz.identification.findings import Stopped, investigate
+    from paminsa_viz.identification.findings import investigate
 
     own = job.settings
     settings = IdentificationSettings(
@@ -31,13 +31,13 @@ def identify_logs(job: IdentifyJob, report: Report) -> Findings:
     try:
         return investigate(
             job.log, job.design, settings, other=job.other, loaded=job.loaded,
-            payload=own.payload or None, report=report,
+            payload=own.payload or None, progress=progress,
         )  # fmt: skip
-    except Stopped:
+    except Canceled:
         raise PaminsaError("it was stopped") from None
 
 
-def search_excitation(job: ExcitationJob, report: Report) -> Excitation:
+def search_excitation(job: ExcitationJob, progress: Progress) -> Excitation:
     """Search for a motion.
 
     Raises:
@@ -55,4 +55,4 @@ def search_excitation(job: ExcitationJob, report: Report) -> Excitation:
         evaluations=1_000_000,
     )  # fmt: skip
     kept = ExcitationLimits(limits.speed, limits.rated)
-    return optimize_excitation(job.design, kept, settings, report=report)
+    return optimize_excitation(job.design, kept, settings, progress=progress)

@@ -12,11 +12,11 @@ from paminsa_viz.explorer.core.actions import change_document
 from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS, require_possible
 from paminsa_viz.explorer.features.requirements.suggestions import default_workspace, suggested
 from paminsa_viz.explorer.state.document import Document
-from paminsa_viz.explorer.state.outcome import Report
 from paminsa_viz.explorer.state.requirements import LargestJob
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.model.reach import home_pose
+from paminsa_viz.progress import Progress
 from paminsa_viz.quantities.requirements import (
     Range,
     Requirement,
@@ -235,14 +235,14 @@ def start_largest(state: State) -> State:
     return tasks.start(state, "requiring.largest", job)
 
 
-def find_largest(job: LargestJob, report: Report) -> LargestWorkspace:
+def find_largest(job: LargestJob, progress: Progress) -> LargestWorkspace:
     """Find the largest workspace."""
     from paminsa_viz.synthesis.proof.largest import largest_workspace
     from paminsa_viz.synthesis.proof.regions import Growth
 
     return largest_workspace(
         job.design, job.requirements, job.workspace, growth=Growth[job.growth],
-        time_limit=job.seconds, progress=report,
+        time_limit=job.seconds, progress=progress,
     )  # fmt: skip
 
 

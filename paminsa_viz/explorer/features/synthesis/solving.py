@@ -7,11 +7,10 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paminsa_viz.explorer.state.outcome import Report
 from paminsa_viz.explorer.state.synthesis import (
     BestSoFar,
     EffortChoice,
@@ -20,11 +19,12 @@ from paminsa_viz.explorer.state.synthesis import (
     SynthesisJob,
 )
 from paminsa_viz.model import PaminsaError
+from paminsa_viz.progress import Progress
 from paminsa_viz.studies.executors import Workers, here, processes
 from paminsa_viz.synthesis.answer.checks import AnswerMargins, BuildYield, build_yield
 from paminsa_viz.synthesis.search.evaluation import Evaluator
 from paminsa_viz.synthesis.search.objectives import find_objective
-from paminsa_viz.synthesis.search.outer import SearchProgress
+from paminsa_viz.synthesis.search.outer import RegimeState
 from paminsa_viz.synthesis.search.result import SynthesisResult
 from paminsa_viz.synthesis.search.solve import synthesize
 
@@ -59,40 +59,38 @@ def workers_for(effort: EffortChoice) -> Iterator[Workers]:
 class ProgressReport:
     """Turns the progress of a search into what the page shows."""
 
-    def __init__(self, job: SynthesisJob, report: Report) -> None:
-        self._job, self._report = job, report
+    def __init__(self, job: SynthesisJob, progress: Progress) -> None:
+        self._job, self._progress = job, progress
         self._due = 0.0
         self._search: int | None = None
         self._trials: dict[object, int] = {}
         self._best = (math.inf, BestSoFar())
 
-    def of_front(self, number: int, count: int, progress: SearchProgress) -> bool:
+    def of_front(
+        self, done: float, /, *, searches: int, state: RegimeState, **_: Any
+    ) -> bool | None:
         """Take over how far the search of a front is; return whether to stop."""
-        if number != self._search:  # another objective or limit
-            self._search, self._best = number, (math.inf, BestSoFar())
-        self._trials[number] = progress.trials
-        return self._tell(progress, number / count, one_objective=False)
+        if searches != self._search:  # another objective or limit
+            self._search, self._best = searches, (math.inf, BestSoFar())
+        self._trials[searches] = state.trials
+        return self._tell(state, done, one_objective=False)
 
-    def __call__(self, progress: SearchProgress) -> bool:
+    def __call__(self, done: float, /, *, state: RegimeState, **_: Any) -> bool | None:
         """Take over how far a search is; return whether to stop."""
-        case = self._job.case
-        self._trials[progress.regime] = progress.trials
-        turn = case.regimes.index(progress.regime) if progress.regime in case.regimes else 0
-        part = min(progress.generation / case.effort.generations, 1.0)
-        done = SEARCH_SHARE * (turn + part) / len(case.regimes)
-        return self._tell(progress, done)
+        self._trials[state.regime] = state.trials
+        return self._tell(state, SEARCH_SHARE * done)
 
-    def _tell(self, progress: SearchProgress, done: float, *, one_objective: bool = True) -> bool:
+    def _tell(self, state: RegimeState, done: float, *, one_objective: bool = True) -> bool | None:
         if time.monotonic() < self._due:
             return False
         self._due = time.monotonic() + PERIOD
-        best = self._shown(progress)
-        return self._report(done, best=best if one_objective else replace(best, cost=math.nan))
+        best = self._shown(state)
+        return self._progress(done, best=best if one_objective else replace(best, cost=math.nan))
 
-    def _shown(self, progress: SearchProgress) -> BestSoFar:
+    def _shown(self, state: RegimeState) -> BestSoFar:
         cost, known = self._best
-        if progress.cost < cost:
-            cost, known = progress.cost, best_robot(self._job, progress)
+        if state.cost < cost:
+            cost, known = state.cost, best_robot(self._job, state)
             self._best = cost, known
         sign = find_objective(self._job.case.objective).sign
         return BestSoFar(
@@ -101,10 +99,10 @@ class ProgressReport:
         )  # fmt: skip
 
 
-def best_robot(job: SynthesisJob, progress: SearchProgress) -> BestSoFar:
+def best_robot(job: SynthesisJob, state: RegimeState) -> BestSoFar:
     """Return the best robot of a search so far; none if it does not reach its workspace."""
     case = job.case
-    found = Evaluator(case, progress.regime).evaluate(np.array([progress.best]))[0]
+    found = Evaluator(case, state.regime).evaluate(np.array([state.best]))[0]
     if found.trial is None:
         return BestSoFar(feasible=False)
     try:
@@ -112,17 +110,17 @@ def best_robot(job: SynthesisJob, progress: SearchProgress) -> BestSoFar:
     except PaminsaError:
         return BestSoFar(feasible=False)
     x, y, z = (float(place or 0.0) for place in found.trial.workspace.center)
-    return BestSoFar(feasible=progress.feasible, design=design, center=(x, y, z))
+    return BestSoFar(feasible=state.feasible, design=design, center=(x, y, z))
 
 
-def search(job: SynthesisJob, report: Report) -> SearchResult:
+def search(job: SynthesisJob, progress: Progress) -> SearchResult:
     """Run a search, then measure robots built within tolerances.
 
     Raises:
         PaminsaError: If no search is possible, or a front has no points.
     """
     with workers_for(job.effort) as workers:
-        shown = ProgressReport(job, report)
+        shown = ProgressReport(job, progress)
         if job.against:
             return find_front(job, workers, shown)
         answer = synthesize(job.case, workers=workers, progress=shown)
@@ -130,8 +128,8 @@ def search(job: SynthesisJob, report: Report) -> SearchResult:
             raise PaminsaError(STOPPED)
         _ = answer.buildability  # worked out here, and kept with the answer
         built = None
-        if answer.feasible and not report(SEARCH_SHARE):
-            built = tolerances(answer, workers, report)
+        if answer.feasible and not progress(SEARCH_SHARE):
+            built = tolerances(answer, workers, progress)
     return SearchResult(answer, built)
 
 
@@ -155,23 +153,21 @@ def find_front(job: SynthesisJob, workers: Workers, shown: ProgressReport) -> Se
     return SearchResult(front.points[0].result, front=front)
 
 
-def find_prices(job: PriceJob, report: Report) -> tuple[RequirementPrice, ...]:
+def find_prices(job: PriceJob, progress: Progress) -> tuple[RequirementPrice, ...]:
     """Work out what the requirements of an answer cost."""
     from paminsa_viz.synthesis.answer.prices import requirement_prices
 
     with workers_for(job.effort) as workers:
-        return requirement_prices(
-            job.answer, workers=workers, progress=lambda done, count: report(done / count)
-        )
+        return requirement_prices(job.answer, workers=workers, progress=progress)
 
 
-def tolerances(result: SynthesisResult, workers: Workers, report: Report) -> BuildYield:
+def tolerances(result: SynthesisResult, workers: Workers, progress: Progress) -> BuildYield:
     """Return which part of the robots built within tolerances meets the requirements."""
 
-    def progress(done: int, count: int) -> bool:
-        return report(SEARCH_SHARE + (1 - SEARCH_SHARE) * done / count)
+    def rest(done: float, /, **_: Any) -> bool | None:
+        return progress(SEARCH_SHARE + (1 - SEARCH_SHARE) * done)
 
     return build_yield(
         result.design, AnswerMargins.of(result), samples=BUILT, workers=workers,
-        seed=result.case.seed, progress=progress,
+        seed=result.case.seed, progress=rest,
     )  # fmt: skip

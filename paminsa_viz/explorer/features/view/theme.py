@@ -1,4 +1,4 @@
-"""The page's theme: light or dark, as the browser asks or as chosen in the tab View."""
+"""The page's theme, as the browser asks or as chosen; the title of the tab in the browser."""
 
 from __future__ import annotations
 
@@ -42,6 +42,22 @@ class ThemeView:
         if self._asked is not None and frame.state.browser_dark == self._asked:
             self._asked = None
             self._bridge.call("releaseTheme")
+
+
+class TitleView:
+    """Names the browser's tab after the design."""
+
+    def __init__(self, session: Session) -> None:
+        self._bridge = session.bridge
+        self._name = ""
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Follow the design's name."""
+        del dragging
+        name = frame.state.document.design.name
+        if name != self._name:
+            self._name = name
+            self._bridge.call("setTitle", name)
 
 
 def configure(client: viser.ClientHandle, theme: Theme) -> None:
