@@ -156,7 +156,7 @@ def _plate() -> Any:
     axes = tuple(zip(robot.AXIS_X, robot.AXIS_Y, strict=True))
     golden = 0.5 * (np.sqrt(5.0) - 1.0)
 
-    @njit(**STRICT)
+    @compiled.kernel(**STRICT)
     def plate(m, layer, radius, corners, low, top, enough, xy, turns, z):  # type: ignore[no-untyped-def]
         """Return the least distance of B4's tube from the platform's plate over all poses [m].
 
