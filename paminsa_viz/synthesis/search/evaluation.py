@@ -34,6 +34,9 @@ STAGES = 8
 """Stages of an evaluation: lengths, singularities, reach, room for the drawn bodies, bars beside
 the platform, condition, torques, other quantities."""
 
+CLOSER = 2
+"""How many times closer than those of a trial lie the samples that the pattern search starts at."""
+
 SLOW = 1e-4
 """Time of a pose from which the verification has no more samples than a trial [s]."""
 
@@ -370,7 +373,6 @@ class Evaluator:
             return -np.inf
         if self.density == TRIAL:
             return least_on_samples(bound.quantity, design, extent)
-        times = max(1, round((self.density.theta - 1) / (TRIAL.theta - 1)))
-        density = SPARSE.finer(times if bound.entry.cost < SLOW else 1)
+        density = SPARSE.finer(CLOSER if bound.entry.cost < SLOW else 1)
         values = OVER_POSES[bound.quantity]
         return least_over(lambda pose: values(design, pose), extent, density).value
