@@ -44,7 +44,7 @@ def start(tab: Tab, pose: tuple[float, float, float], design: Design = APPENDIX_
         state = actions.with_design(state, design)
         return actions.set_layers(actions.move(state, x=x, y=y, theta=theta), fine=True)
 
-    tab.dispatch(shown)  # the next of the same kind may take its place in the queue
+    tab.dispatch(shown)
     until(lambda: tab.state.document.pose[0] == x, "the pose")
 
 

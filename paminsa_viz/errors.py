@@ -6,6 +6,9 @@ import difflib
 import unicodedata
 from collections.abc import Iterable
 
+LONGEST_VALUE = 60
+"""Longest piece of a value that a message repeats [characters]."""
+
 
 class PaminsaError(ValueError):
     """Root of every error that this package raises on bad input.
@@ -44,7 +47,8 @@ class InvalidDesign(PaminsaError):
         self.field = field
         self.value = value
         self.allowed = allowed
-        super().__init__(f"{field} = {value!r} is not possible: {allowed}")
+        text = f"{value!r:.{LONGEST_VALUE}}"
+        super().__init__(f"{field} = {text} is not possible: {allowed}")
 
 
 class InvalidInput(PaminsaError):

@@ -46,8 +46,8 @@ def commands() -> tuple[Command, ...]:
     """Return every command; those of the layers follow their registry."""
     return (
         Command("home", "Home pose", actions.go_home, "H"),
-        Command("undo", "Undo", Run(lambda session: session.undo()), "Z", "cmd/ctrl"),
-        Command("redo", "Redo", Run(lambda session: session.redo()), "Z", "cmd/ctrl+shift"),
+        Command("undo", "Undo", Run(Session.undo, at_once=True), "Z", "cmd/ctrl"),
+        Command("redo", "Redo", Run(Session.redo, at_once=True), "Z", "cmd/ctrl+shift"),
         Command("reference", "Pin the design as reference", actions.pin_reference, "P"),
         Command("reference", "Unpin the reference", actions.unpin_reference, "P", "shift"),
         Command("balance", "Balance as in the paper", balancing.balance_now, "B"),
@@ -76,6 +76,6 @@ def register_commands(session: Session) -> None:
         handle.on_trigger(partial(_trigger, session, command))
 
 
-def _trigger(session: Session, command: Command, event: Any) -> None:
+async def _trigger(session: Session, command: Command, event: Any) -> None:
     del event
     perform(session, command.key, command.effect, undo=command.undo)

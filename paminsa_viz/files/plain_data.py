@@ -1,8 +1,8 @@
 """Texts that come from elsewhere as plain data, within what every reader can handle.
 
-JSON and TOML know numbers of thousands of digits and lists in lists without end. Code that goes on
-with such data fails anywhere: at the first `float`, in a comparison, while an error is written. So
-it is refused here, before any reader looks at it.
+JSON and TOML know numbers of thousands of digits, lists in lists without end and halves of
+characters. Code that goes on with such data fails anywhere: at the first `float`, in a comparison,
+while an error is written. So it is refused here, before any reader looks at it.
 """
 
 from __future__ import annotations
@@ -73,4 +73,11 @@ def checked_data(data: Any) -> Any:
             pending += reversed(inside)
         elif type(value) is int and abs(value) > LARGEST_INTEGER:
             raise UnusableData(path, value, "a finite number of fewer digits is needed")
+        elif isinstance(value, str) and not value.isprintable() and _halved(value):
+            raise UnusableData(path, value, "half a character cannot be written")
     return data
+
+
+def _halved(text: str) -> bool:
+    """Whether a text holds half of a pair of surrogates, which UTF-8 cannot write."""
+    return any("\ud800" <= char <= "\udfff" for char in text)

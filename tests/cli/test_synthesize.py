@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 from paminsa_viz.files.design_file import load_content
+from paminsa_viz.synthesis.search.case_file import load_case
+from paminsa_viz.synthesis.search.checkpoint import Checkpoint
 from tests.support.commands import check_refused, run, run_json
 
 CASE = """schema_version = 1
@@ -81,6 +83,23 @@ def test_overlap_is_allowed_by_name_and_marked(capsys) -> None:
         "Least first natural frequency", "Guide B10", "Shaft B2", "Moving mass",
     ):  # fmt: skip
         assert row in out
+
+
+def test_a_checkpoint_is_there_at_once_and_used_by_one_process(capsys) -> None:
+    case = load_case("small.toml")
+    with Checkpoint("at.json", case) as first:
+        assert first.states == ()
+        written = Path("at.json").read_bytes()
+        place = "at.json: is being written by another process"
+        check_refused("synthesize", capsys, "small.toml", "--checkpoint", "at.json", place=place)
+        first.save(())  # a new file is in its place now
+        check_refused("synthesize", capsys, "small.toml", "--checkpoint", "at.json", place=place)
+    with Checkpoint("at.json", case) as second:
+        assert second.states == ()
+    assert Path("at.json").read_bytes() == written
+    Path("at.json").write_bytes(b"")  # a kill between two steps may leave this
+    with Checkpoint("at.json", case):
+        assert Path("at.json").read_bytes() == written
 
 
 def test_what_people_read(capsys) -> None:

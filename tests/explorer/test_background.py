@@ -33,7 +33,7 @@ class Bench:
         session: Any = self
         self.runner = JobRunner(session, BackgroundJob(PATH, find=self._find))
 
-    def dispatch(self, source: str, action: Any, *, step: bool) -> None:
+    def dispatch(self, source: str, action: Any, *, step: bool, overtakes: bool = False) -> None:
         assert not step
         self.state = action(self.state)
         self.sources.append(source)

@@ -1,4 +1,4 @@
-"""The worker of a tab: the latest request per source wins, and failures stay single."""
+"""The worker of a tab: it draws the newest state, and failures stay single."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def test_last_of_500_requests_wins_and_is_one_step(
 ) -> None:
     monkeypatch.setattr(history, "PAUSE", 60.0)  # a busy machine is no pause of the person
     for i in range(1, 501):
-        bench.session.dispatch("slider", to(i / 5000))
+        bench.session.dispatch("slider", to(i / 5000), overtakes=True)
     eventually(lambda: bench.x == 0.1)
     bench.idle()
     for watch in (bench.immediate, bench.deferred):
@@ -119,23 +119,30 @@ def test_last_of_500_requests_wins_and_is_one_step(
     eventually(lambda: bench.x == 0.0)
 
 
-def test_latest_request_per_source_wins(bench: Bench) -> None:
+def test_value_that_was_overtaken_is_not_even_applied(bench: Bench) -> None:
     ran: list[str] = []
 
-    def counted(name: str, **pose: float) -> Callable[[State], State]:
+    def counted(name: str, action: Callable[[State], State]) -> Callable[[State], State]:
         def run(state: State) -> State:
             ran.append(name)
-            return actions.move(state, **pose)
+            return action(state)
 
         return run
 
+    def opacity(value: float) -> Callable[[State], State]:
+        return lambda state: replace(state, floor_opacity=value)
+
     bench.hold()
-    for i in range(100):
-        bench.session.dispatch("x", counted(f"x{i}", x=i / 1000))
-        bench.session.dispatch("y", counted(f"y{i}", y=i / 1000))
+    for i in range(100):  # a drag, and two jobs that say how far they are
+        value = i / 1000
+        moved = counted(f"x{i}", to(value))
+        bench.session.dispatch("x", moved, overtakes=True)
+        for job in "ab":
+            done = counted(f"{job}{i}", opacity(value))
+            bench.session.dispatch(job, done, step=False, overtakes=True)
     bench.immediate.gate.set()
-    eventually(lambda: bench.session.state.document.pose[:2] == (0.099, 0.099))
-    assert ran == ["x99", "y99"]
+    eventually(lambda: (bench.x, bench.session.state.floor_opacity) == (0.099, 0.099))
+    assert ran == ["x99", "a99", "b99"]
 
 
 @pytest.mark.parametrize("error", [InvalidInput("x", "it is not liked"), RuntimeError("broken")])
@@ -170,6 +177,37 @@ def test_failing_view_does_not_end_the_session(bench: Bench) -> None:
     bench.session.dispatch("x", to(0.02))
     eventually(lambda: bench.x == 0.02)
     bench.idle()
+
+
+def test_frame_that_failed_is_drawn_again_and_stops_no_other_view(bench: Bench) -> None:
+    second = Watch()
+    bench.session.immediate.append(second)
+    failing = iter([RuntimeError("broken"), None])
+    bench.immediate.error = next(failing)
+    draw = bench.immediate.draw
+
+    def once(frame: Frame, dragging: bool) -> None:
+        try:
+            draw(frame, dragging)
+        finally:
+            bench.immediate.error = next(failing, None)
+
+    bench.immediate.draw = once  # type: ignore[method-assign]
+    bench.session.dispatch("x", to(0.01))
+    eventually(lambda: bench.x == 0.01)
+    bench.idle()  # every view has drawn the newest state, without another change
+    assert second.drawn[0][0].document.pose[0] == 0.01
+    assert len(bench.page.notices) == 1
+
+
+def test_frame_that_always_fails_is_not_tried_without_end(bench: Bench) -> None:
+    bench.immediate.error = RuntimeError("broken")
+    before = len(bench.immediate.drawn)
+    bench.session.dispatch("x", to(0.01))
+    eventually(lambda: len(bench.page.notices) == 2)
+    time.sleep(5 * session.IDLE_DELAY)
+    assert len(bench.immediate.drawn) == before + 2
+    bench.immediate.error = None
 
 
 def test_deferred_views_skip_states_while_dragging_but_draw_the_last(bench: Bench) -> None:

@@ -38,6 +38,31 @@ def possible_values(parameter: Parameter) -> st.SearchStrategy[float]:
     return numbers if parameter.positive else st.just(0.0) | numbers
 
 
+@st.composite
+def edge_designs(draw: st.DrawFn, paths: tuple[str, ...] = tuple(PARAMETER)) -> Design:
+    """Draw a robot with one to three numbers at an end of their range, or equal to another."""
+    robot = random_design(np.random.default_rng(draw(st.integers(0, 99))))
+    base = draw(st.sampled_from([APPENDIX_4, robot]))
+    changes = {}
+    for path in draw(st.lists(st.sampled_from(paths), unique=True, min_size=1, max_size=3)):
+        item = PARAMETER[path]
+        low, high = item.limits or possible_range(item.unit, item.positive)
+        ends = [low, high, 10 * low, 1e-3, 0.5 * item.default, 2.0 * item.default]
+        ends += [] if item.positive else [0.0]
+        ends += [-high] if item.signed else []
+        ends += {
+            "geometry.magnification": [1 + 1e-6, 1.001, 1.35, 50.0],
+            "geometry.platform_radius": [base.geometry.base_radius],
+            "geometry.crank_length": [base.geometry.coupler_length],
+        }.get(path, [])
+        changes[path] = draw(st.sampled_from(ends))
+    try:
+        return base.vary(changes)
+    except InvalidDesign:
+        assume(False)
+        raise
+
+
 LOADS = ("gravity", *MASS_PATHS)
 """Design values that torques are proportional to; they contradict no other ones."""
 

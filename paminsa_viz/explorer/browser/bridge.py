@@ -131,7 +131,7 @@ class Bridge:
         )
         self._deliver("late", None)
 
-    def _receive(self, event: Any) -> None:
+    async def _receive(self, event: Any) -> None:
         text = self._inbox.value
         if event.client is None or len(text) > MESSAGE_LIMIT:
             return

@@ -69,8 +69,9 @@ def keep_docks(session: Session) -> None:
     def listen(data: Any) -> None:
         if session.built.is_set():
             session.dispatch(
-                "docks", lambda state: as_reported(state, data, session.window), step=False
-            )
+                "docks", lambda state: as_reported(state, data, session.window), step=False,
+                overtakes=True,
+            )  # fmt: skip
 
     session.bridge.on("docks", listen)
 

@@ -10,7 +10,7 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 
 PAUSE = 0.8
-"""Changes by one control that follow each other faster than this are one step [s]."""
+"""Values of one input that follow each other faster than this are one step [s]."""
 
 DEPTH = 200
 """Steps that are kept."""
@@ -38,10 +38,14 @@ class History:
     _time: float = -1e9
 
     def record(self, before: Snapshot, after: Snapshot, source: str, now: float) -> None:
-        """Remember a change from ``before`` to ``after``, made by ``source`` at ``now`` [s]."""
+        """Remember a change from ``before`` to ``after``, made by ``source`` at ``now`` [s].
+
+        Without a source it is a step of its own, such as a click.
+        """
         if before == after and before.document.design.name == after.document.design.name:
             return
-        same_drag = source == self._source and now - self._time < PAUSE and bool(self.past)
+        follows = source == self._source and now - self._time < PAUSE
+        same_drag = bool(source) and follows and bool(self.past)
         self._source, self._time = source, now
         self.future.clear()
         if not same_drag:

@@ -1,7 +1,8 @@
 """One browser tab: its state, its undo, its worker, its views.
 
-Callbacks of the page only dispatch actions. One worker a session applies them and draws the newest
-state: a value that was overtaken is never drawn, and the last one always is.
+Callbacks of the page only dispatch actions. One worker a session carries them out in the order they
+came, and then draws the newest state: a value that was overtaken is never drawn, and the last one
+always is.
 """
 
 from __future__ import annotations
@@ -9,15 +10,15 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Protocol
 
 import viser
 
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import actions, threads
 from paminsa_viz.explorer.core.actions import Action
 from paminsa_viz.explorer.core.frame import Frame, compute
 from paminsa_viz.explorer.core.history import History, Snapshot
@@ -58,6 +59,23 @@ class View(Protocol):
     def draw(self, frame: Frame, dragging: bool, /) -> None: ...
 
 
+@dataclass(frozen=True)
+class _Request:
+    """What waits for the worker.
+
+    Attributes:
+        run: Does it.
+        source: Which input it comes from; empty for what overtakes nothing.
+        step: Whether it may be a step of the history.
+        changes: Whether it may change the state.
+    """
+
+    run: Callable[[], None]
+    source: str = ""
+    step: bool = True
+    changes: bool = True
+
+
 class Session:
     """The state of a tab and the worker that draws it.
 
@@ -95,8 +113,7 @@ class Session:
         self._page_height: float | None = None
         self._state = state
         self._history = History()
-        self._actions: dict[str, tuple[Action, bool]] = {}
-        self._jobs: list[Callable[[], None]] = []
+        self._requests: list[_Request] = []
         self._lock = threading.Lock()
         self._wake = threading.Event()
         self._closed = False
@@ -106,7 +123,7 @@ class Session:
         self.open_tabs: frozenset[str] | None = None
         self._turn = 0
         self._frame_due: float | None = None
-        self._thread = threading.Thread(target=self._run, name="paminsa-session", daemon=True)
+        self._thread: threads.Running | None = None
 
     @cached_property
     def bridge(self) -> Bridge:
@@ -125,14 +142,14 @@ class Session:
 
     def start(self) -> None:
         """Draw the first frame and start to respond."""
-        self._thread.start()
+        self._thread = threads.start(self._run)
         self._wake.set()
 
     def close(self) -> None:
         """Stop the worker, as the tab has gone, and wait until it has ended what it was doing."""
         self._closed = True
         self._wake.set()
-        if self._thread.is_alive():
+        if self._thread is not None:
             self._thread.join(LONGEST_CLOSING)
 
     @property
@@ -152,25 +169,34 @@ class Session:
         """Whether what is in a tab may be seen; without a name, it is in none."""
         return not tab or self.open_tabs is None or tab in self.open_tabs
 
-    def dispatch(self, source: str, action: Action, *, step: bool = True) -> None:
-        """Change the state; a newer action of the same source replaces one that waits.
+    def dispatch(
+        self, source: str, action: Action, *, step: bool = True, overtakes: bool = False
+    ) -> None:
+        """Change the state, after all that was requested before.
 
         Args:
-            source: Which input or job it comes from.
+            source: Which input, button or job it comes from.
             action: Pure function from state to state. It may raise `PaminsaError`, which is
                 notified and changes nothing.
             step: Whether it can be undone if it changes the document; the playing of a motion,
                 which moves the robot, is no step.
+            overtakes: Whether it sets anew what the last action of its source has set, as in a
+                drag. Then that one is left out if it still waits, and they are one step if they
+                follow each other without a pause; all else comes out as if both were carried out.
         """
-        with self._lock:
-            self._actions.pop(source, None)
-            self._actions[source] = (action, step)
-        self._wake.set()
+        run = partial(self._apply, source if overtakes else "", action, step)
+        self._request(_Request(run, source if overtakes else "", step))
 
     def submit(self, job: Callable[[], None]) -> None:
-        """Run something on the worker that is no change of state, such as an export."""
+        """Run something on the worker, in its turn, that is no change of state."""
+        self._request(_Request(job, changes=False))
+
+    def _request(self, request: _Request) -> None:
         with self._lock:
-            self._jobs.append(job)
+            overtaken = _overtaken(self._requests, request)
+            if overtaken is not None:
+                del self._requests[overtaken]
+            self._requests.append(request)
         self._wake.set()
 
     def show_scene(self, state: State) -> None:
@@ -178,19 +204,20 @@ class Session:
         done = threading.Event()
 
         def draw() -> None:
-            self._draw_together(self.immediate, compute(state, self.motions), False)
+            errors = self._draw_together(self.immediate, compute(state, self.motions), False)
             done.set()
+            _report(errors)
 
         self.submit(draw)
         done.wait(SCENE_TIMEOUT)
 
     def undo(self) -> None:
-        """Undo the last step."""
-        self.submit(partial(self._travel, back=True))
+        """Undo the last step, after all that was requested before."""
+        self._request(_Request(partial(self._travel, back=True)))
 
     def redo(self) -> None:
         """Redo the step undone last."""
-        self.submit(partial(self._travel, back=False))
+        self._request(_Request(partial(self._travel, back=False)))
 
     def notify(self, title: str, body: str, *, bad: bool = False) -> None:
         """Show a notice on the page, if it is still there."""
@@ -208,6 +235,7 @@ class Session:
     def _run(self) -> None:
         idle_due: float | None = None
         drawn: State | None = None
+        failed: State | None = None
         while not self._closed:
             due = idle_due if self._frame_due is None else self._frame_due
             self._wake.wait(None if due is None else max(0.0, due - time.monotonic()))
@@ -215,7 +243,7 @@ class Session:
             if self._closed:
                 return
             try:
-                self._apply_actions()
+                self._serve()
                 self._play_on()
                 if self._state is not drawn:
                     drawn = self._state
@@ -229,16 +257,17 @@ class Session:
                     return
                 log.exception("a session could not draw")
                 self.notify("Something went wrong", "Details are in the program's log.", bad=True)
-                idle_due = None
+                # Once more, or it would go on showing what was before.
+                again = self._state is not failed
+                failed = self._state
+                idle_due = time.monotonic() + IDLE_DELAY if again else None
 
-    def _apply_actions(self) -> None:
+    def _serve(self) -> None:
+        """Do all that waits, in its order."""
         with self._lock:
-            pending, self._actions = self._actions, {}
-            jobs, self._jobs = self._jobs, []
-        for source, (action, step) in pending.items():
-            self.guard(partial(self._apply, source, action, step))
-        for job in jobs:
-            self.guard(job)
+            requests, self._requests = self._requests, []
+        for request in requests:
+            self.guard(request.run)
 
     def _apply(self, source: str, action: Action, step: bool) -> None:
         before = self._state
@@ -277,22 +306,59 @@ class Session:
 
     def _draw(self, state: State, *, dragging: bool) -> None:
         frame = compute(self._shown(state), self.motions)
-        self._draw_together(self.immediate, frame, dragging)
+        errors = self._draw_together(self.immediate, frame, dragging)
         time.sleep(FLUSH_DELAY)
-        self._draw_together(self.fast, frame, dragging)
+        errors += self._draw_together(self.fast, frame, dragging)
         due = time.monotonic() + DEFERRED_TIMEOUT
         for _ in range(len(self.deferred)):
             view = self.deferred[self._turn % len(self.deferred)]
             self._turn += 1
-            view.draw(frame, dragging)
+            errors += _attempt(view, frame, dragging)
             self.client.flush()
             now = time.monotonic()
-            newer = self._actions or (self._frame_due is not None and now >= self._frame_due)
-            if dragging and newer and now > due:
+            played_on = self._frame_due is not None and now >= self._frame_due
+            if dragging and now > due and (played_on or self._newer_waits()):
                 break  # the robot first, then the views that are still due
+        _report(errors)
 
-    def _draw_together(self, views: list[View], frame: Frame, dragging: bool) -> None:
+    def _newer_waits(self) -> bool:
+        with self._lock:
+            return any(request.changes for request in self._requests)
+
+    def _draw_together(self, views: list[View], frame: Frame, dragging: bool) -> list[Exception]:
+        """Draw views for one picture of the browser; one that fails stops no other."""
+        errors: list[Exception] = []
         with self.client.atomic():
             for view in views:
-                view.draw(frame, dragging)
+                errors += _attempt(view, frame, dragging)
         self.client.flush()
+        return errors
+
+
+def _attempt(view: View, frame: Frame, dragging: bool) -> list[Exception]:
+    """Draw a view; return its failure, if it fails."""
+    try:
+        view.draw(frame, dragging)
+    except Exception as error:
+        return [error]
+    return []
+
+
+def _report(errors: list[Exception]) -> None:
+    """Raise what views have failed with."""
+    if errors:
+        raise ExceptionGroup("views could not be drawn", errors)
+
+
+def _overtaken(waiting: Sequence[_Request], newer: _Request) -> int | None:
+    """Return which request a newer one makes needless: that of its source, unless what came between
+    may build on it, or is a step of its own."""
+    if not newer.source:
+        return None
+    for index in reversed(range(len(waiting))):
+        older = waiting[index]
+        if older.source == newer.source:
+            return index
+        if not older.source or (older.step and newer.step):
+            return None
+    return None

@@ -1,7 +1,7 @@
 """Builds a panel's entries on the page and keeps them and the state in step.
 
-Callbacks of the page only dispatch. The value is read as it arrives, on the server's event loop:
-callbacks on threads may overtake each other, and the worker may write over the input's own value.
+Callbacks of the page only dispatch. What a person does is taken as it arrives, on the server's
+event loop: callbacks on threads may overtake each other, and the worker may write over an input.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from paminsa_viz.explorer.core.actions import Action
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.kit.entries import (
@@ -121,9 +122,12 @@ class Panel:
             case Button():
                 properties |= {"icon": given(entry.icon, state), "color": entry.color}
                 handle = gui.add_button(label, **properties)
-                handle.on_click(
-                    lambda _: perform(session, entry.key, entry.effect, undo=entry.undo)
-                )
+
+                async def press(event: Any) -> None:
+                    del event
+                    perform(session, entry.key, entry.effect, undo=entry.undo)
+
+                handle.on_click(press)
                 self._follow(handle, "icon", entry.icon)
             case ButtonGroup():
                 return self._add_group(entry, label, properties)
@@ -176,12 +180,12 @@ class Panel:
         options = tuple(given(entry.choices, session.state))
         handle = self._gui.add_button_group(label, options or EMPTY, **properties)
 
-        def click(event: Any) -> None:
+        async def press(event: Any) -> None:
             effect = given(entry.choices, session.state).get(event.target.value)
             if effect is not None:
                 perform(session, entry.key, effect)
 
-        handle.on_click(click)
+        handle.on_click(press)
         if callable(choices := entry.choices):
             self._follow(handle, "options", lambda state: tuple(choices(state)) or handle.options)
         return handle
@@ -213,8 +217,7 @@ class Binding:
 
     def __init__(self, session: Session, entry: Input, handle: Any) -> None:
         self._session, self._entry, self._handle = session, entry, handle
-        self._received: Any = handle.value
-        self._pending = False  # whether the state has yet to take what was received
+        self._received = self._taken = 0  # number of the newest value, and of the one applied last
         self._refused = False
         self._timer: threading.Timer | None = None
         handle.on_update(self._receive)
@@ -225,7 +228,7 @@ class Binding:
         Returns:
             Whether the input was written.
         """
-        if self._refused or self._pending:
+        if self._refused or self._taken != self._received:
             return False
         value = self._entry.shown(state)
         if same(self._handle.value, value):
@@ -235,35 +238,38 @@ class Binding:
 
     async def _receive(self, event: Any) -> None:
         if event.client is not None:  # else this program has set it
-            self._received, self._pending = self._handle.value, True
-            self._session.dispatch(self._entry.key, self._set, step=self._entry.undo)
+            self._received += 1
+            action = partial(self._set, self._received, self._handle.value)
+            self._dispatch(action, overtakes=self._entry.typed)
 
-    def _set(self, state: State) -> State:
+    def _dispatch(self, action: Action, *, overtakes: bool = False) -> None:
+        entry = self._entry
+        self._session.dispatch(entry.key, action, step=entry.undo, overtakes=overtakes)
+
+    def _set(self, number: int, value: Any, state: State) -> State:
         if self._timer is not None:
             self._timer.cancel()
-        self._refused = False
+        self._taken, self._refused = number, False
         try:
-            return self._apply(state)
+            return self._apply(value, state)
         except PaminsaError:
             if not self._entry.typed:
                 raise
             self._refused = True
-            self._timer = threading.Timer(TYPING_TIMEOUT, self._insist)
+            insist = partial(self._dispatch, partial(self._refuse, number, value))
+            self._timer = threading.Timer(TYPING_TIMEOUT, insist)
             self._timer.daemon = True
             self._timer.start()
             return state
 
-    def _insist(self) -> None:
-        if self._refused:
-            self._session.dispatch(self._entry.key, self._refuse)
-
-    def _refuse(self, state: State) -> State:
+    def _refuse(self, number: int, value: Any, state: State) -> State:
+        if number != self._received:
+            return state  # a newer value was typed meanwhile
         self._refused = False
-        return self._apply(state)  # raises again, and now the session notifies
+        return self._apply(value, state)  # raises again, and now the session notifies
 
-    def _apply(self, state: State) -> State:
-        self._pending = False
-        return self._entry.apply(state, self._entry.parse(state, self._received))
+    def _apply(self, value: Any, state: State) -> State:
+        return self._entry.apply(state, self._entry.parse(state, value))
 
 
 class SliderBinding(Binding):
@@ -292,9 +298,13 @@ class SliderBinding(Binding):
 
 
 def perform(session: Session, key: str, effect: Effect, *, undo: bool = True) -> None:
-    """Do what a button or a command does."""
+    """Do what a button or a command does, at once but for a `Run` that takes long."""
     if isinstance(effect, Run):
-        effect.call(session)
+        if effect.at_once:
+            effect.call(session)
+        else:
+            run = partial(session.guard, partial(effect.call, session))
+            threading.Thread(target=run, name=f"paminsa-{key}", daemon=True).start()
     else:
         session.dispatch(key, effect, step=undo)
 

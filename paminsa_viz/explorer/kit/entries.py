@@ -34,11 +34,15 @@ def given(value: Any, state: State) -> Any:
 class Run:
     """What a button does when it does not change the state, such as an export.
 
-    It is called with the session on the thread of the click; `Session.submit` hands work to the
-    session's worker.
+    Attributes:
+        call: Called with the session, on a thread of its own; `Session.submit` hands work to the
+            session's worker.
+        at_once: Whether it is called as the click arrives, before all that comes later. It may
+            then do no more than to hand over work.
     """
 
     call: Callable[[Session], None]
+    at_once: bool = False
 
 
 Effect = Action | Run
@@ -49,7 +53,7 @@ class Entry:
     """What all entries share.
 
     Attributes:
-        key: Its name: a newer request of the same key replaces one that waits.
+        key: Its name.
         label: Text next to it.
         hint: Tooltip.
         visible, disabled: When it is; always and never if None.

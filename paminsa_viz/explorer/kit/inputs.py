@@ -62,7 +62,8 @@ class Input(Entry, ABC):
         apply: The state with another value; may raise `PaminsaError`.
         undo: Whether setting it can be undone.
         idle: Whether it follows the state only when nothing is dragged.
-        typed: Whether its value is typed character by character, and may be impossible on the way.
+        typed: Whether its value is typed character by character or dragged: it may be impossible on
+            the way, and a newer one overtakes one that waits.
     """
 
     _: KW_ONLY

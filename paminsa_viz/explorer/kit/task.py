@@ -10,6 +10,7 @@ from functools import partial
 from operator import attrgetter
 from typing import Any
 
+from paminsa_viz.explorer.core import threads
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import IDLE_DELAY, Session
 from paminsa_viz.explorer.core.tasks import keep, progress, receive, running, stop
@@ -64,8 +65,7 @@ class JobRunner:
             if job is None or self._busy:
                 return
             self._busy = True
-        name = f"paminsa-{self._entry.key}"
-        threading.Thread(target=self._work, name=name, daemon=True).start()
+        threads.start(self._work)
 
     def _work(self) -> None:
         entry = self._entry
@@ -95,7 +95,9 @@ class JobRunner:
         stopping = False
         if self._entry.wanted is None and self.wanted == job:
             action = partial(progress, path=self._entry.key, job=job, done=done, **known)
-            self._session.dispatch(f"{self._entry.key}.progress", action, step=False)
+            self._session.dispatch(
+                f"{self._entry.key}.progress", action, step=False, overtakes=True
+            )
             stopping = attrgetter(self._entry.key)(self._session.state).stopping
         return stopping or self._session.closed or self.wanted != job
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from paminsa_viz.explorer.scene.legend import SceneLegend
 
 
-def _ignore(source: str, action: Callable[[Any], Any]) -> None:
+def _ignore(source: str, action: Callable[[Any], Any], **options: bool) -> None:
     """Dispatch nothing: a scene without a session answers to nobody."""
 
 
@@ -31,7 +31,7 @@ class SceneContext:
     """
 
     scene: SceneApi
-    dispatch: Callable[[str, Callable[[Any], Any]], None] = _ignore
+    dispatch: Callable[..., None] = _ignore
     camera: Any = None
     pixel_ratio: Callable[[], float] = lambda: 1.0
     maps: MapStore | None = None

@@ -48,7 +48,7 @@ class Node:
     live: dict[str, Any]
     fixed: dict[str, Any] = field(default_factory=dict)
     count: int = 0
-    click: Callable[[Any], None] | None = None
+    click: Callable[[Any], Any] | None = None
     spaced: tuple[float, float] | None = None
 
 

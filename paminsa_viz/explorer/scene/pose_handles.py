@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any, ClassVar
+from functools import partial
+from typing import ClassVar
 
 import numpy as np
 import viser
@@ -26,7 +27,7 @@ class PoseHandle(ABC):
     """Length of its arrows [m]."""
 
     def __init__(self, context: SceneContext) -> None:
-        self._dispatch: Callable[[str, Callable[[Any], Any]], None] = context.dispatch
+        self._dispatch: Callable[..., None] = context.dispatch
         free, locked = (-1000.0, 1000.0), (0.0, 0.0)
         self.handle = context.scene.add_transform_controls(
             f"/{self.name}",
@@ -48,13 +49,14 @@ class PoseHandle(ABC):
     def put(self, state: State, pose: Pose) -> State:
         """Return the state with the pose elsewhere."""
 
-    def _dragged(self, event: viser.TransformControlsEvent) -> None:
+    async def _dragged(self, event: viser.TransformControlsEvent) -> None:
         self._held = event.phase != "end"
-        self._dispatch(self.name, self._move)
+        move = partial(self._move, tuple(self.handle.position), tuple(self.handle.wxyz))
+        self._dispatch(self.name, move, overtakes=True)
 
-    def _move(self, state: State) -> State:
-        x, y, z = (float(v) for v in self.handle.position)
-        w, _, _, k = (float(v) for v in self.handle.wxyz)
+    def _move(self, place: tuple[float, ...], turned: tuple[float, ...], state: State) -> State:
+        x, y, z = (float(v) for v in place)
+        w, _, _, k = (float(v) for v in turned)
         if not np.isfinite((x, y, z, w, k)).all():
             raise InvalidInput("handle", "finite numbers are needed")
         turn = 2 * np.arctan2(k, w)

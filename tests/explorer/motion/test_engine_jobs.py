@@ -109,7 +109,7 @@ class Bench:
         assert self.may.acquire(timeout=TIMEOUT)
         raise PaminsaError("no matter")
 
-    def dispatch(self, source: str, action: Any, *, step: bool) -> None:
+    def dispatch(self, source: str, action: Any, *, step: bool, overtakes: bool = False) -> None:
         assert not step
         self.state = action(self.state)
         self.came.release()

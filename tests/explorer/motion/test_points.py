@@ -156,7 +156,7 @@ def test_handle_in_the_scene_drags_the_marked_point(
     page = RawPage(server)
     dispatched: list[Any] = []
     scene = page.client.scene
-    view = MotionPoints(SceneContext(scene, lambda source, action: dispatched.append(action)))
+    view = MotionPoints(SceneContext(scene, lambda _, action, **options: dispatched.append(action)))
     view.draw(compute(three), False)
     nodes = scene._handle_from_node_name
     assert [nodes[f"/points/{i}"].visible for i in range(3)] == [True] * 3

@@ -119,7 +119,7 @@ class Recorder:
             if done - told >= 0.05:  # now and then: the page is drawn for it
                 told = done
                 action = partial(State.updated, part="recording", done=done)
-                session.dispatch("recording.done", action, step=False)
+                session.dispatch("recording.done", action, step=False, overtakes=True)
             draw = partial(_render, session, state, float(time), size, legend)
             yield self._on_worker(session, draw)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 from typing import Any
 
 from viser import Icon
@@ -97,7 +98,9 @@ FILE = (
             Button(
                 "file.download", "Download as TOML", icon=Icon.DOWNLOAD,
                 hint="A readable text file, in SI units",
-                effect=Run(lambda session: session.submit(lambda: _download(session))),
+                effect=Run(
+                    lambda session: session.submit(partial(_download, session)), at_once=True
+                ),
             ),
             Upload(
                 "file.upload", "Open a file…", receive=_open, icon=Icon.UPLOAD,

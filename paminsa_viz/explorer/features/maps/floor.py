@@ -146,7 +146,7 @@ class FloorMap:
             nodes.append(curves("/floor/singularity", circle, INK, 2.5, height=height, dash=DASH))
         self._curves.show(nodes)
 
-    def _click(self, event: Any) -> None:
+    async def _click(self, event: Any) -> None:
         place = where_on_floor(event.ray_origin, event.ray_direction, self._height + ABOVE["map"])
         if place is not None:
             self._dispatch("floor click", lambda state: click_map(state, *place))

@@ -71,5 +71,5 @@ class MotionPoints:
             place = (x, y, z + 2 * self.RADIUS)
             yield label(f"/point_names/{index}", ", ".join(same), place, "bottom-center", 1.0)
 
-    def _select(self, index: int, _event: Any) -> None:
+    async def _select(self, index: int, _event: Any) -> None:
         self._dispatch("motion.point", partial(points.select, index=index))

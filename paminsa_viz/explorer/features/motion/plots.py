@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -140,7 +141,8 @@ class MotionPlots:
 
 
 def _scrub(session: Session, time: float) -> None:
-    session.dispatch("playback.time", lambda state: motions.scrub(state, time), step=False)
+    action = partial(motions.scrub, time=time)
+    session.dispatch("playback.time", action, step=False, overtakes=True)
 
 
 def drawn_charts(state: State, found: MotionResults) -> tuple[Chart, ...]:

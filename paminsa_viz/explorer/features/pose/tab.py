@@ -11,6 +11,7 @@ from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import clearance as clearing
 from paminsa_viz.explorer.core.frame import Frame, Health
+from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.kit.entries import ButtonGroup, Html, Run
 from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.kit.robot_texts import of_pose
@@ -165,8 +166,8 @@ POSE = (
         "pose.steps", "Steps",
         choices={
             "Home": actions.go_home,
-            "Undo": Run(lambda session: session.undo()),
-            "Redo": Run(lambda session: session.redo()),
+            "Undo": Run(Session.undo, at_once=True),
+            "Redo": Run(Session.redo, at_once=True),
         },
     ),
     Html("readout.quality", content=quality_html),

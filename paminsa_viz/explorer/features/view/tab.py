@@ -45,4 +45,4 @@ def _cameras(key: str, label: str, names: Iterable[str]) -> ButtonGroup:
 
 def camera_run(name: str) -> Run:
     """Return the effect of a button or a command that chooses a camera preset."""
-    return Run(lambda session: session.submit(lambda: look(session, name)))
+    return Run(lambda session: session.submit(lambda: look(session, name)), at_once=True)
