@@ -59,6 +59,7 @@ API = {
     "paminsa_viz.synthesis": "From requirements to a robot: lengths, masses, springs.",
     "paminsa_viz.notebook": "Robot, maps and motions inline in a notebook.",
     "paminsa_viz.meshes": "The robot's shape, for 3D models.",
+    "paminsa_viz.codegen": "The robot as C code for a controller.",
 }
 
 

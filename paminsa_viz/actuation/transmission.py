@@ -1,6 +1,6 @@
 """How well the legs pass motion and force on: transmission, pressure angles, directions.
 
-The first two functions are plain formulas of a pose, see `model/leg.py` for notation.
+The functions are plain formulas of a pose, see `model/leg.py` for notation.
 
 The force that leg k passes to the platform is horizontal, across its plane, along w_k in joint 5.
 With the other actuators locked the platform moves along column k of J, and joint 5 with it at
@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from paminsa_viz.model.backend import Formula
+from paminsa_viz.model.kinematic_formulas import speed_rows
 from paminsa_viz.model.leg import LegVector, Mechanism, leg_vector
 from paminsa_viz.model.robot import (
     AXIS_X,
@@ -53,18 +54,6 @@ def transmission_indices(
         _transmission(v2, jx.t2, jy.t2, jt.t2),
         _transmission(v3, jx.t3, jy.t3, jt.t3),
     )
-
-
-def speed_rows(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any, ...]:
-    """Return the rows of J^-1 for M1..M3 and (x, y, theta), row by row (9 values) [1/m, 1/m, 1]."""
-    v1 = leg_vector(m, AXIS_X[0], AXIS_Y[0], x, y, c, s)
-    v2 = leg_vector(m, AXIS_X[1], AXIS_Y[1], x, y, c, s)
-    v3 = leg_vector(m, AXIS_X[2], AXIS_Y[2], x, y, c, s)
-    return (
-        -v1.dy / v1.rho2, v1.dx / v1.rho2, (v1.px * v1.dx + v1.py * v1.dy) / v1.rho2,
-        -v2.dy / v2.rho2, v2.dx / v2.rho2, (v2.px * v2.dx + v2.py * v2.dy) / v2.rho2,
-        -v3.dy / v3.rho2, v3.dx / v3.rho2, (v3.px * v3.dx + v3.py * v3.dy) / v3.rho2,
-    )  # fmt: skip
 
 
 TRANSMISSION = Formula(transmission_indices, 3)

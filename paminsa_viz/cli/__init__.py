@@ -43,6 +43,7 @@ COMMANDS: dict[str, str] = {
     "verify": "check the formulas against MuJoCo and Pinocchio",
     "report": "write a design report as one HTML file",
     "export": "write the robot as GLB, or as a MuJoCo model with or without meshes",
+    "code": "write the robot as C code for its controller, with test vectors",
 }
 """Commands and what they do. Each is the module of its name in this package."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import secrets
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TextIO
@@ -109,6 +109,28 @@ def make_folder(path: Path) -> None:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise as_file_error(str(path), error, "written") from error
+
+
+def write_folder(folder: Path, contents: Mapping[str, str]) -> list[Path]:
+    """Write texts (UTF-8) into a folder, which is made where it is not there.
+
+    Whether all of them can be written is looked at before the first one is.
+
+    Args:
+        folder: The folder.
+        contents: Texts by name; names may have folders of their own.
+
+    Raises:
+        FileError: If a folder or a file cannot be made, written or put in place.
+    """
+    paths = [folder / name for name in contents]
+    for parent in dict.fromkeys(path.parent for path in paths):
+        make_folder(parent)
+    for path in paths:
+        check_writable(path)
+    for path, text in zip(paths, contents.values(), strict=True):
+        write_bytes(path, text.encode())
+    return paths
 
 
 @contextmanager

@@ -21,6 +21,7 @@ from paminsa_viz.model.jacobians import (
     inverse_jacobian,
     leg_vectors,
 )
+from paminsa_viz.model.kinematic_formulas import friction as friction_formula
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.leg_forces import LegForces, leg_forces
@@ -28,6 +29,7 @@ from paminsa_viz.model.load import NO_LOAD, flat_load, generalized_force
 from paminsa_viz.model.lumped import Misprint, term_factors
 from paminsa_viz.model.parameters import ActuatorFriction, Friction
 from paminsa_viz.model.reach import Limit, reach_status
+from paminsa_viz.model.robot import acceleration_of_force
 from paminsa_viz.model.statics import load_torques
 
 
@@ -222,7 +224,7 @@ def friction_torque(friction: Friction | ActuatorFriction, speed: ArrayLike) -> 
     if isinstance(friction, Friction):
         friction = friction.by_actuator
     viscous, coulomb = np.array(friction.viscous), np.array(friction.coulomb)
-    return viscous * speed + coulomb * np.tanh(speed / friction.transition_speed)
+    return friction_formula(viscous, coulomb, friction.transition_speed, speed)
 
 
 def mass_matrix(design: Design, pose: ArrayLike, misprints: Misprint = Misprint.NONE) -> Array:
@@ -275,12 +277,12 @@ def forward_dynamics(
     matrix = mass_matrix(design, p)
     force = np.einsum("nji,nj->ni", g, q - bias)
     good = np.isfinite(force).all(axis=-1) & np.isfinite(matrix).all(axis=(-1, -2))
-    acceleration = np.full_like(p, np.nan)
-    try:
-        acceleration[good] = np.linalg.solve(matrix[good], force[good, :, None])[..., 0]
-    except np.linalg.LinAlgError:
+    rows, columns = np.triu_indices(4)
+    found = acceleration_of_force(*matrix[:, rows, columns].T, *force.T)
+    if not (found.pivot[good] > 0.0).all():
         raise InvalidInput(
             "design", "without any inertia in some direction its acceleration has no bound there; "
             "platform.inertia above 0 gives it one in theta"
-        ) from None  # fmt: skip
-    return acceleration.reshape(*shape, 4)
+        )  # fmt: skip
+    acceleration = np.stack(found[:4], axis=-1)
+    return np.where(good[:, None], acceleration, np.nan).reshape(*shape, 4)

@@ -16,11 +16,12 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.model import backend, measures, robot
+from paminsa_viz.model import backend, robot
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.grid import COORDINATES, Grid, xy_grid
+from paminsa_viz.model.kinematic_formulas import wrench_torques
 from paminsa_viz.model.leg import Mechanism, mechanism
 from paminsa_viz.model.load import LoadCase, generalized_force
 from paminsa_viz.model.reach import LEAST_MARGIN, Limit, decode
@@ -43,8 +44,8 @@ __all__ = [
 ROTARY_TORQUES = Formula(robot.unit_torques, 3)
 """Gamma of M1..M3 alone, see `statics.unit_torques`."""
 
-WRENCH_TORQUES = Formula(measures.wrench_torques, 9)
-"""Entries of J for x, y, theta and M1..M3, row by row, see `measures.wrench_torques` [m, 1]."""
+WRENCH_TORQUES = Formula(wrench_torques, 9)
+"""Entries of J for x, y, theta and M1..M3, row by row, see `wrench_torques` [m, 1]."""
 
 T = TypeVar("T")
 

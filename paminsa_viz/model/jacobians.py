@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
+from paminsa_viz.model.arrays import Array, aligned, as_vectors
 from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.kinematic_formulas import speed_row_rates, speed_rows, wrench_torques
 from paminsa_viz.model.kinematics import HEADINGS, LEG_AXES
 from paminsa_viz.model.leg import LegVector, leg_vector, mechanism
-from paminsa_viz.model.robot import platform_determinant
 
 
 @np.errstate(all="ignore")
@@ -56,17 +56,21 @@ def closure_matrix(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) ->
     return a
 
 
+def _matrix(rows: tuple[Array, ...], lift: float, shape: tuple[int, ...]) -> Array:
+    """Return matrices (..., 4, 4) from the 9 values of their part in x, y, theta and from z's."""
+    matrix = np.zeros((*shape, 4, 4))
+    for index, row in enumerate(rows):
+        matrix[..., index // 3, index % 3] = row
+    matrix[..., 3, 3] = lift
+    return matrix
+
+
 @np.errstate(all="ignore")
 def inverse_jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
     """Return G with (theta_1', theta_2', theta_3', Z') = G (x', y', theta', z'), (..., 4, 4)."""
-    pose = as_vectors(pose, "pose")
-    d = leg_vectors(geometry, pose)
-    g = np.zeros((*pose.shape[:-1], 4, 4))
-    g[..., :3, 0] = -d.dy / d.rho2
-    g[..., :3, 1] = d.dx / d.rho2
-    g[..., :3, 2] = (d.px * d.dx + d.py * d.dy) / d.rho2
-    g[..., 3, 3] = 1 / geometry.magnification
-    return g
+    x, y, theta, z = np.moveaxis(as_vectors(pose, "pose"), -1, 0)
+    rows = speed_rows(mechanism(geometry), x, y, np.cos(theta), np.sin(theta), z)
+    return _matrix(rows, 1 / geometry.magnification, x.shape)
 
 
 @np.errstate(all="ignore")
@@ -77,17 +81,9 @@ def jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
 
     J is the general Jacobian of Eqs. 2 and 3: (x', y', theta', z') = J (theta_1', .., Z').
     """
-    g = inverse_jacobian(geometry, pose)
-    columns = g[..., :3, :3]
-    a, b, c = columns[..., 0, :], columns[..., 1, :], columns[..., 2, :]
-    cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-1)
-    x, y, theta, _ = np.moveaxis(as_vectors(pose, "pose"), -1, 0)
-    singular = platform_determinant(mechanism(geometry), x, y, np.cos(theta)) == 0.0
-    det = np.where(singular, 0.0, np.sum(a * cofactors[..., 0], axis=-1))[..., None, None]
-    j = np.zeros_like(g)
-    j[..., :3, :3] = cofactors / det
-    j[..., 3, 3] = geometry.magnification
-    return j
+    x, y, theta, z = np.moveaxis(as_vectors(pose, "pose"), -1, 0)
+    rows = wrench_torques(mechanism(geometry), x, y, np.cos(theta), np.sin(theta), z)
+    return _matrix(rows, geometry.magnification, x.shape)
 
 
 @np.errstate(all="ignore")
@@ -96,19 +92,12 @@ def inverse_jacobian_rate(geometry: Geometry, pose: ArrayLike, velocity: ArrayLi
 
     The actuator acceleration is then G a + (dG/dt) v, for platform velocity v, acceleration a.
     """
-    shape, (p, v) = together(pose=pose, velocity=velocity)
-    d = leg_vectors(geometry, p)
-    vx, vy, turn = v[:, 0:1], v[:, 1:2], v[:, 2:3]
-    px_rate, py_rate = -turn * d.py, turn * d.px
-    dx_rate, dy_rate = vx + px_rate, vy + py_rate
-    rho2_rate = 2 * (d.dx * dx_rate + d.dy * dy_rate)
-    moment = d.px * d.dx + d.py * d.dy
-    moment_rate = px_rate * d.dx + py_rate * d.dy + d.px * dx_rate + d.py * dy_rate
-    rate = np.zeros((len(p), 4, 4))
-    rate[:, :3, 0] = (-dy_rate + d.dy * rho2_rate / d.rho2) / d.rho2
-    rate[:, :3, 1] = (dx_rate - d.dx * rho2_rate / d.rho2) / d.rho2
-    rate[:, :3, 2] = (moment_rate - moment * rho2_rate / d.rho2) / d.rho2
-    return rate.reshape(*shape, 4, 4)
+    p, v = aligned(pose=pose, velocity=velocity)
+    x, y, theta, _ = np.moveaxis(p, -1, 0)
+    vx, vy, vt, _ = np.moveaxis(v, -1, 0)
+    m = mechanism(geometry)
+    rates = speed_row_rates(m, x, y, np.cos(theta), np.sin(theta), vx, vy, vt)
+    return _matrix(rates, 0.0, x.shape)
 
 
 @np.errstate(all="ignore")

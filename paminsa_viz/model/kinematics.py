@@ -10,8 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
 from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.kinematic_formulas import (
+    HEADING,
+    assembly_mode,
+    leg_angles,
+    lift_position,
+    platform_height,
+    wrap_angle,
+)
 from paminsa_viz.model.leg import (
-    ROUNDING,
     LegMotion,
     LegPosition,
     leg_motion,
@@ -30,16 +37,15 @@ AXIS_ANGLES: Array = np.radians([210.0, -30.0, 90.0])
 """Directions of the leg axes seen from the base center, (3,) [rad]."""
 AXIS_ANGLES.setflags(write=False)
 
-HEADINGS: Array = np.radians([30.0, 150.0, 270.0])
+HEADINGS: Array = np.array(HEADING)
 """beta_k at theta_k = 0, (3,) [rad] (Appendix 1)."""
 HEADINGS.setflags(write=False)
 
 
 def wrap(angle: ArrayLike) -> Array:
     """Return angles in (-pi, pi] [rad]."""
-    angle = np.asarray(angle, dtype=np.float64)
     with np.errstate(invalid="ignore"):
-        return np.pi - np.mod(np.pi - angle, 2 * np.pi)
+        return wrap_angle(np.asarray(angle, dtype=np.float64))
 
 
 @dataclass(frozen=True)
@@ -90,11 +96,9 @@ def inverse_kinematics(geometry: Geometry, pose: ArrayLike) -> Configuration:
     """
     pose = as_vectors(pose, "pose")
     g = _leg_positions(geometry, pose)
-    beta = np.arctan2(g.uy, g.ux)
     points = {}
     with np.errstate(all="ignore"):
-        psi = np.arctan2(g.sin_psi, g.cos_psi)
-        phi = np.arctan2(g.sin_phi, g.cos_phi)
+        angles = leg_angles(g, HEADINGS)
         for number, w in point_weights(geometry).items():
             r = w.r5 * g.rho + (w.r9 * g.r9 if w.r9 else 0.0)
             z = w.z5 * g.zeta + (w.r9 * g.z9 if w.r9 else 0.0) + w.z0
@@ -106,11 +110,11 @@ def inverse_kinematics(geometry: Geometry, pose: ArrayLike) -> Configuration:
                 ),
                 axis=-1,
             )
-    lift = (pose[..., 3:] + geometry.platform_joint_height) / geometry.magnification
-    actuators = np.concatenate([wrap(beta - HEADINGS), lift + geometry.shaft_length], axis=-1)
+    lift = lift_position(mechanism(geometry), pose[..., 3:])
     return Configuration(
-        geometry, pose, check_reach(geometry, pose), actuators, beta, psi, phi, points
-    )
+        geometry, pose, check_reach(geometry, pose),
+        np.concatenate([angles.theta, lift], axis=-1), angles.beta, angles.psi, angles.phi, points,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -226,39 +230,18 @@ def forward_kinematics(geometry: Geometry, actuators: ArrayLike) -> AssemblyMode
         actuators: (..., 4) = (theta_1, theta_2, theta_3, Z) [rad, rad, rad, m].
     """
     q = as_vectors(actuators, "actuators")
-    beta = q[..., :3] + HEADINGS
-    sin_b, cos_b = np.sin(beta), np.cos(beta)
-    gamma = beta - AXIS_ANGLES
-    # Weights with sum_k n_k (sin beta_k, cos beta_k) = 0 take x and y out of Eq. 16.
-    following, last = np.roll(beta, -1, axis=-1), np.roll(beta, -2, axis=-1)
-    n = np.sin(following - last)
-    a = np.sum(n * np.sin(gamma), axis=-1)
-    b = np.sum(n * np.cos(gamma), axis=-1)
-    size = np.hypot(a, b)
-    size = np.where(size > 1e-12, size, np.nan)
-    ratio = geometry.base_radius / geometry.platform_radius * a / size
-    # At a double root it is 1 in size, but for rounding.
-    slack = 4 * ROUNDING * geometry.base_radius / geometry.platform_radius / size
-    half = np.arccos(np.where(np.abs(ratio) <= 1 + slack, np.clip(ratio, -1, 1), np.nan))
-    middle = np.arctan2(b, a)
-    theta = wrap(np.stack([-middle + half, -middle - half], axis=-1))
-    # s_k = sin b (x + p_x - e_x) - cos b (y + p_y - e_y) = 0 for all three legs, as least squares
-    angle = theta[..., None] + AXIS_ANGLES
-    px = geometry.platform_radius * np.cos(angle) - geometry.base_radius * LEG_AXES[:, 0]
-    py = geometry.platform_radius * np.sin(angle) - geometry.base_radius * LEG_AXES[:, 1]
-    sin_b, cos_b = sin_b[..., None, :], cos_b[..., None, :]
-    right = cos_b * py - sin_b * px
-    ss, cc, sc = (np.sum(v, axis=-1) for v in (sin_b**2, cos_b**2, sin_b * cos_b))
-    rs, rc = np.sum(sin_b * right, axis=-1), np.sum(cos_b * right, axis=-1)
-    det = ss * cc - sc**2
-    x = (cc * rs - sc * rc) / det
-    y = (sc * rs - ss * rc) / det
-    z = geometry.magnification * (q[..., 3] - geometry.shaft_length)
-    z = np.broadcast_to((z - geometry.platform_joint_height)[..., None], x.shape)
-    pose = np.stack([x, y, theta, z], axis=-1)
-    along = cos_b * (x[..., None] + px) + sin_b * (y[..., None] + py)
-    valid = np.isfinite(pose).all(axis=-1) & (along > 0).all(axis=-1)
-    return AssemblyModes(np.where(np.isfinite(x)[..., None], pose, np.nan), valid)
+    beta = np.moveaxis(q[..., :3] + HEADINGS, -1, 0)[..., None]
+    (c1, c2, c3), (s1, s2, s3) = np.cos(beta), np.sin(beta)
+    m = mechanism(geometry)
+    found = assembly_mode(m, c1, s1, c2, s2, c3, s3, _BRANCHES)
+    z = np.broadcast_to(platform_height(m, q[..., 3])[..., None], found.x.shape)
+    pose = np.stack([found.x, found.y, wrap(np.arctan2(found.s, found.c)), z], axis=-1)
+    valid = np.isfinite(pose).all(axis=-1) & (found.along > 0)
+    return AssemblyModes(np.where(np.isfinite(found.x)[..., None], pose, np.nan), valid)
+
+
+_BRANCHES = np.array([1.0, -1.0])
+"""Both solutions, in the order of `AssemblyModes`."""
 
 
 @np.errstate(all="ignore")

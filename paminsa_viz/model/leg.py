@@ -58,31 +58,57 @@ class Mechanism(NamedTuple):
 
 def mechanism(geometry: Geometry) -> Mechanism:
     """Return the numbers of a geometry in the form the formulas need."""
-    k = geometry.magnification
-    crank, coupler = geometry.crank_length, geometry.coupler_length
-    blur = SINGULAR * (geometry.base_radius + geometry.platform_radius)
-    reach_blur = SINGULAR * (crank + coupler) + geometry.span_ratio * blur
+    numbers = mechanism_of_lengths(
+        geometry.magnification, geometry.base_radius, geometry.platform_radius,
+        geometry.platform_joint_height, geometry.shaft_length,
+        geometry.crank_length, geometry.coupler_length,
+        geometry.stroke, geometry.axis_clearance, geometry.knee.sign,
+    )  # fmt: skip
+    return Mechanism(*map(float, numbers))
+
+
+def mechanism_of_lengths(
+    k: Any, base_radius: Any, platform_radius: Any, joint_height: Any, shaft: Any,
+    crank: Any, coupler: Any, stroke: Any, clearance: Any, root: Any,
+) -> Mechanism:  # fmt: skip
+    """Return the numbers that the formulas need, from the lengths of Appendix 4.
+
+    Args:
+        k: Magnification of the pantographs, above 1.
+        base_radius, platform_radius: R_b and R_pl [m].
+        joint_height, shaft, crank, coupler: l_B5, l_B2, l_B3 = l_B8 and l_B4 [m].
+        stroke: Largest |X_4| of joint 8 on its guide [m].
+        clearance: Least distance X_1 of joint 5 from its leg axis [m].
+        root: +1 for the published root of the knee, -1 for its mirror image.
+    """
+    span_ratio = k / (k - 1.0)
+    blur = SINGULAR * (base_radius + platform_radius)
+    reach_blur = SINGULAR * (crank + coupler) + span_ratio * blur
+    rho_min = np.maximum(clearance, blur)
+    rho_max = stroke * (k - 1.0)
+    reach_min = np.abs(coupler - crank) + reach_blur
+    reach_max = crank + coupler - reach_blur
     return Mechanism(
-        span_ratio=geometry.span_ratio,
-        guide_ratio=1 / (k - 1),
-        k=k,
-        inverse_k=1 / k,
-        base_radius=geometry.base_radius,
-        platform_radius=geometry.platform_radius,
-        joint_height=geometry.platform_joint_height,
-        shaft=geometry.shaft_length,
-        crank=crank,
-        coupler=coupler,
-        inverse_span_ratio=1 / geometry.span_ratio,
-        inverse_crank=1 / crank,
-        inverse_coupler=1 / coupler,
-        root=geometry.knee.sign,
-        stroke=geometry.stroke,
-        clearance=geometry.axis_clearance,
-        rho2_min=max(geometry.axis_clearance, blur) ** 2,
-        rho2_max=(geometry.stroke * (k - 1)) ** 2,
-        reach2_min=(abs(coupler - crank) + reach_blur) ** 2,
-        reach2_max=(crank + coupler - reach_blur) ** 2,
+        span_ratio,
+        1.0 / (k - 1.0),
+        k,
+        1.0 / k,
+        base_radius,
+        platform_radius,
+        joint_height,
+        shaft,
+        crank,
+        coupler,
+        1.0 / span_ratio,
+        1.0 / crank,
+        1.0 / coupler,
+        root,
+        stroke,
+        clearance,
+        rho_min * rho_min,
+        rho_max * rho_max,
+        reach_min * reach_min,
+        reach_max * reach_max,
     )
 
 

@@ -48,7 +48,14 @@ def leg_margins(
     )
 
 
-def least_margin(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any, Any]:
+class LeastMargin(NamedTuple):
+    """The smallest of several margins."""
+
+    margin: Any  # [m]
+    which: Any  # 4 * leg + limit, legs from 0, limits in the order of `LegMargins`
+
+
+def least_margin(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> LeastMargin:
     """Return the smallest margin of all legs and limits [m], and which one it is.
 
     The second value is 4 * leg + limit, legs from 0, limits in the order of `LegMargins`.
@@ -74,23 +81,23 @@ def serial_margin(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple
 
     It is `least_margin` without the ends of the guides, which are no singularity.
     """
-    worst = _serial_margin(leg_margins(m, AXIS_X[0], AXIS_Y[0], x, y, c, s, z))
-    other = _serial_margin(leg_margins(m, AXIS_X[1], AXIS_Y[1], x, y, c, s, z))
+    worst = _leg_serial_margin(leg_margins(m, AXIS_X[0], AXIS_Y[0], x, y, c, s, z))
+    other = _leg_serial_margin(leg_margins(m, AXIS_X[1], AXIS_Y[1], x, y, c, s, z))
     worst = where(other < worst, other, worst)
-    other = _serial_margin(leg_margins(m, AXIS_X[2], AXIS_Y[2], x, y, c, s, z))
+    other = _leg_serial_margin(leg_margins(m, AXIS_X[2], AXIS_Y[2], x, y, c, s, z))
     return (where(other < worst, other, worst),)
 
 
-def _serial_margin(leg: LegMargins) -> Any:
+def _leg_serial_margin(leg: LegMargins) -> Any:
     """Return the smallest margin of a leg to a singularity [m]; NaN stays."""
     worst = where(leg.fold < leg.stretch, leg.fold, leg.stretch)
     return where(leg.axis < worst, leg.axis, worst)
 
 
-def _lesser(value: Any, tag: Any, other: Any, other_tag: Any) -> tuple[Any, Any]:
+def _lesser(value: Any, tag: Any, other: Any, other_tag: Any) -> LeastMargin:
     """Return the lesser of two values and its tag; a first value that is NaN stays."""
     second = other < value
-    return where(second, other, value), where(second, other_tag, tag)
+    return LeastMargin(where(second, other, value), where(second, other_tag, tag))
 
 
 def _largest_eigenvalue(xx: Any, yy: Any, zz: Any, xy: Any, yz: Any, xz: Any) -> Any:
@@ -157,22 +164,27 @@ def _lever(m: Mechanism, v: LegVector) -> Any:
     return (v.px * v.dx + v.py * v.dy) / m.platform_radius
 
 
-def wrench_torques(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any, ...]:
-    """Return J for (x, y, theta) and M1..M3, row by row: rows [m], [m], [1] (9 values).
+class SingularDistances(NamedTuple):
+    """Signed distances to the type-2 singularities, see `singularity.Singularity`."""
 
-    Column j is the platform's velocity for a unit speed of M_j; row i is also the torques that
-    balance a unit force along x, along y, a unit moment about z. Not finite at a singularity.
-    """
-    v1 = leg_vector(m, AXIS_X[0], AXIS_Y[0], x, y, c, s)
-    v2 = leg_vector(m, AXIS_X[1], AXIS_Y[1], x, y, c, s)
-    v3 = leg_vector(m, AXIS_X[2], AXIS_Y[2], x, y, c, s)
-    det = platform_determinant(m, x, y, c)
-    jx = solve_wrench(det, v1, v2, v3, 1.0, 0.0, 0.0)
-    jy = solve_wrench(det, v1, v2, v3, 0.0, 1.0, 0.0)
-    jt = solve_wrench(det, v1, v2, v3, 0.0, 0.0, 1.0)
-    r1, r2, r3 = v1.rho2, v2.rho2, v3.rho2
-    return (
-        jx.t1 * r1, jx.t2 * r2, jx.t3 * r3,
-        jy.t1 * r1, jy.t2 * r2, jy.t3 * r3,
-        jt.t1 * r1, jt.t2 * r2, jt.t3 * r3,
-    )  # fmt: skip
+    position: Any  # from (x, y) to the singular circle at this theta, positive inside [m]
+    rotation: Any  # turn to the nearest theta at which this (x, y) is singular [rad]
+
+
+def singular_distances(m: Mechanism, x: Any, y: Any, c: Any, turn: Any) -> SingularDistances:
+    """Return how far a pose is from the type-2 singularities; ``turn`` is |theta| [rad]."""
+    rb, rp = m.base_radius, m.platform_radius
+    locus = rb * rb + rp * rp - 2.0 * rb * rp * c
+    radius2 = x * x + y * y
+    position = np.sqrt(where(locus < 0.0, 0.0, locus)) - np.sqrt(radius2)
+    everywhere = np.arccos(rp / rb) - turn
+    on_circle = np.arccos((rb * rb + rp * rp - radius2) / (2.0 * rb * rp))
+    circle = np.abs(turn - on_circle)
+    # What does not exist is NaN, and infinitely far.
+    first = where(everywhere == everywhere, np.abs(everywhere), np.inf)
+    second = where(circle == circle, circle, np.inf)
+    nearest = where(second < first, second, first)
+    before = (everywhere >= 0.0) | (everywhere != everywhere)
+    inside = before & (position >= 0.0)
+    known = radius2 + turn == radius2 + turn
+    return SingularDistances(position, where(known, where(inside, nearest, -nearest), np.nan))

@@ -241,3 +241,44 @@ def mass_matrix(
         a[8] + b[8] + d[8],
         a[9] + b[9] + d[9] + e.mass,
     )
+
+
+class Acceleration(NamedTuple):
+    """Solution of M a = f, and the least pivot of M: not positive if some motion has no inertia."""
+
+    x: Any
+    y: Any
+    theta: Any
+    z: Any
+    pivot: Any
+
+
+def acceleration_of_force(
+    a0: Any, a1: Any, a2: Any, a3: Any, a4: Any, a5: Any, a6: Any, a7: Any, a8: Any, a9: Any,
+    fx: Any, fy: Any, ft: Any, fz: Any,
+) -> Acceleration:  # fmt: skip
+    """Solve M a = f in (x, y, theta, z) by M = L D L^T.
+
+    Args:
+        a0, a1, a2, a3, a4, a5, a6, a7, a8, a9: Upper triangle of M, row by row, see `mass_matrix`.
+        fx, fy, ft, fz: The generalized force [N, N, N m, N].
+    """
+    l10, l20, l30 = a1 / a0, a2 / a0, a3 / a0
+    d1 = a4 - l10 * a1
+    e21 = a5 - l20 * a1
+    e31 = a6 - l30 * a1
+    l21, l31 = e21 / d1, e31 / d1
+    d2 = a7 - l20 * a2 - l21 * e21
+    e32 = a8 - l30 * a2 - l31 * e21
+    l32 = e32 / d2
+    d3 = a9 - l30 * a3 - l31 * e31 - l32 * e32
+    b1 = fy - l10 * fx
+    b2 = ft - l20 * fx - l21 * b1
+    b3 = fz - l30 * fx - l31 * b1 - l32 * b2
+    z = b3 / d3
+    theta = b2 / d2 - l32 * z
+    y = b1 / d1 - l21 * theta - l31 * z
+    x = fx / a0 - l10 * y - l20 * theta - l30 * z
+    least = where(d1 < a0, d1, a0)
+    least = where(d2 < least, d2, least)
+    return Acceleration(x, y, theta, z, where(d3 < least, d3, least))

@@ -118,22 +118,11 @@ def measure_singularity(geometry: Geometry, pose: ArrayLike) -> Singularity:
     pose = as_vectors(pose, "pose")
     flat = pose.reshape(-1, 4)
     det, condition = backend.over_list(DEXTERITY, mechanism(geometry), flat).T
-    radius = np.hypot(pose[..., 0], pose[..., 1])
-    position = singular_radius(geometry, pose[..., 2]) - radius
-
-    rb, rp = geometry.base_radius, geometry.platform_radius
-    turn = np.abs(wrap(pose[..., 2]))
+    x, y, theta, _ = np.moveaxis(pose, -1, 0)
     with np.errstate(all="ignore"):
-        on_circle = np.arccos((rb**2 + rp**2 - radius**2) / (2 * rb * rp))
-        everywhere = singular_rotation(geometry) - turn
-        circle = turn - on_circle
-    both = np.stack(np.broadcast_arrays(everywhere, circle))
-    nearest = np.where(np.isfinite(both), np.abs(both), np.inf)
-    index = np.argmin(nearest, axis=0)[None]
-    rotation = np.where(
-        np.isfinite(nearest).any(axis=0), np.take_along_axis(nearest, index, axis=0)[0], np.inf
-    ) * np.where((np.isnan(everywhere) | (everywhere >= 0)) & (position >= 0), 1.0, -1.0)
-    rotation = np.where(np.isnan(radius + turn), np.nan, rotation)
+        distances = measures.singular_distances(
+            mechanism(geometry), x, y, np.cos(theta), np.abs(wrap(theta))
+        )
 
     margins = check_reach(geometry, pose).margins
     kinds = [MARGINS.index(kind) for kind in (Limit.STRETCHED, Limit.FOLDED, Limit.AXIS)]
@@ -143,7 +132,7 @@ def measure_singularity(geometry: Geometry, pose: ArrayLike) -> Singularity:
     return Singularity(
         determinant=det.reshape(shape),
         condition=condition.reshape(shape),
-        position_distance=position,
-        rotation_distance=rotation,
+        position_distance=distances.position,
+        rotation_distance=distances.rotation,
         serial_distance=serial.min(axis=(-1, -2)),
     )

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.model import compiled, leg, measures, robot
+from paminsa_viz.model import compiled, kinematic_formulas, leg, measures, robot
 
 STRICT = {key: value for key, value in compiled.OPTIONS.items() if key != "fastmath"}
 
@@ -46,7 +46,7 @@ def _conditions() -> Any:
 
 
 def _torques() -> Any:
-    digest = compiled.register(robot.unit_torques, measures.wrench_torques)
+    digest = compiled.register(robot.unit_torques, kinematic_formulas.wrench_torques)
 
     @compiled.kernel(**STRICT)
     def torques(m, imbalance, lift, wrench, xy, turns, z, out):  # type: ignore[no-untyped-def]
@@ -65,7 +65,7 @@ def _torques() -> Any:
                 c, s = turns[j, 0], turns[j, 1]
                 a1, a2, a3 = 0.0, 0.0, 0.0
                 if loaded:
-                    w = measures.wrench_torques(m, x, y, c, s, z[0])
+                    w = kinematic_formulas.wrench_torques(m, x, y, c, s, z[0])
                     fx, fy, ft = wrench[j, 0], wrench[j, 1], wrench[j, 2]
                     a1 = -(w[0] * fx + w[3] * fy + w[6] * ft)
                     a2 = -(w[1] * fx + w[4] * fy + w[7] * ft)

@@ -32,7 +32,7 @@ def status_html(frame: Frame) -> str:
         return ""
     if found is None:
         return status("identify-status", "bad", "Not identified", outcome.problem)
-    lines = [f"{cause.label}: {_size(cause)}" for cause in found.causes.named]
+    lines = [f"{cause.text}: {_size(cause)}" for cause in found.causes.named]
     if found.identification.identity.holds is False:
         lines.append("the masses' identity fails: a spring, or another law")
     good = not lines

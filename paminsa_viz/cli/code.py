@@ -1,0 +1,46 @@
+"""``paminsa-viz code``: the robot as C code for a controller."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.flags import DesignFlags
+from paminsa_viz.cli.output import print_written
+from paminsa_viz.codegen.kit import controller_kit
+from paminsa_viz.files.atomic import write_folder
+
+DESCRIPTION = """\
+Write a robot as C code for its controller: kinematics, statics and dynamics in one header.
+
+  paminsa-viz code --out controller                        Appendix 4's robot
+  paminsa-viz code --out controller --design robot.toml    another one
+  paminsa-viz code --out controller --float                single precision, for small processors
+
+The folder has paminsa.h (C99, no memory, no globals, only math.h), design.h, test vectors, a test
+program and a README with conventions, units and limits."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Code(DesignFlags):
+    """Flags of the command."""
+
+    out: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
+    """Folder to write into; it is made if it is not there."""
+    float: bool = False
+    """Use float instead of double."""
+
+    def run(self) -> int:
+        """Write the folder."""
+        if self.out is None:
+            raise UsageError("nothing to write; give --out FOLDER")
+        kit = controller_kit(self.given_design(), single=self.float)
+        print_written(write_folder(self.out, kit))
+        return 0
+
+
+FLAGS = Code

@@ -1,0 +1,247 @@
+"""The controller kit: the robot as a C header, a design's numbers, test vectors, a test program."""
+
+from __future__ import annotations
+
+import re
+from importlib.resources import files
+
+import numpy as np
+
+from paminsa_viz import __version__
+from paminsa_viz.actuation.transmission import transmission_indices
+from paminsa_viz.codegen.c99 import C99
+from paminsa_viz.codegen.printer import Printer
+from paminsa_viz.codegen.single import single_precision
+from paminsa_viz.model import kinematic_formulas, measures, robot
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.dynamics import (
+    forward_dynamics,
+    friction_torque,
+    inverse_dynamics,
+    mass_matrix,
+)
+from paminsa_viz.model.jacobians import inverse_jacobian, jacobian
+from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.model.leg import leg_position, mechanism, mechanism_of_lengths
+from paminsa_viz.model.load import wrench_at_center
+from paminsa_viz.model.lumped import term_factors
+from paminsa_viz.model.reach import Limit, check_reach, workspace_height, workspace_radius
+from paminsa_viz.model.singularity import measure_singularity
+from paminsa_viz.model.statics import static_torques, unit_torques
+
+FORMULAS = (
+    mechanism_of_lengths,
+    leg_position,
+    kinematic_formulas.leg_angles,
+    kinematic_formulas.lift_position,
+    kinematic_formulas.speed_rows,
+    kinematic_formulas.speed_row_rates,
+    kinematic_formulas.wrench_torques,
+    kinematic_formulas.assembly_mode,
+    kinematic_formulas.platform_height,
+    kinematic_formulas.friction,
+    wrench_at_center,
+    robot.unit_torques,
+    robot.inverse_dynamics_kernel,
+    robot.mass_matrix,
+    robot.acceleration_of_force,
+    measures.least_margin,
+    measures.dexterity,
+    measures.singular_distances,
+    transmission_indices,
+)
+"""What the header is made of, with all that these call."""
+
+MOD = """\
+/* The remainder with the sign of the divisor, as NumPy's mod. */
+static inline double paminsa_mod(double a, double b)
+{
+    const double rest = fmod(a, b);
+    return rest != 0.0 && (b < 0.0) != (rest < 0.0) ? rest + b : rest;
+}
+"""
+
+ROWS = 400
+"""Rows of the test vectors."""
+
+WORST_CONDITION = 10.0
+"""Condition number up to which poses become test vectors."""
+
+TOLERANCE = {False: 1e-9, True: 2e-2}
+"""What the test program allows, in double and in single precision."""
+
+
+def controller_kit(design: Design, *, single: bool = False) -> dict[str, str]:
+    """Return the controller kit of a design: texts by the names of their files.
+
+    Args:
+        design: The robot.
+        single: Use float instead of double.
+    """
+    vectors = test_vectors(design)
+    columns = vectors.partition("\n")[0].count(",") + 1
+    tolerance = f"{TOLERANCE[single]:g}"
+    test = _template("test.c", TOLERANCE=tolerance, COLUMNS=str(columns))
+    note = "* This kit is in single precision: errors of some 1e-6, more next to singularities.\n"
+    readme = _template(
+        "README.md", NAME=design.name, VERSION=__version__, FLOAT=note if single else ""
+    )
+    sources = {"paminsa.h": header(), "design.h": design_header(design), "test.c": test}
+    if single:
+        sources = {name: single_precision(text) for name, text in sources.items()}
+    return {**sources, "vectors.csv": vectors, "README.md": readme.rstrip() + "\n"}
+
+
+def header() -> str:
+    """Return the text of paminsa.h."""
+    printer = Printer(C99())
+    printer.add(*FORMULAS)
+    angles = ", ".join(map(repr, kinematic_formulas.HEADING))
+    title = _commented(
+        [
+            "paminsa.h: kinematics, statics and dynamics of the PAMINSA.",
+            "",
+            f"Written by paminsa-viz {__version__} from the formulas of its model; see README.md.",
+            "Equations are those of Arakelian, Guegan and Briot, DETC2005-84679.",
+            "Compile with -std=c99 or -ffp-contract=off; never with -ffast-math.",
+        ]
+    )
+    parts = [
+        f"{title}\n#ifndef PAMINSA_H\n#define PAMINSA_H\n\n#include <math.h>\n",
+        MOD,
+        printer.text(),
+        _template("interface.h", HEADING=angles),
+        "#endif\n",
+    ]
+    return "\n".join(parts)
+
+
+def design_header(design: Design) -> str:
+    """Return the text of design.h."""
+    m, e = mechanism(design.geometry), term_factors(design)
+    friction, load = design.actuator_friction, design.load
+
+    def numbers(values: object) -> str:
+        return "{" + ", ".join(repr(float(value)) for value in values) + "}"  # type: ignore[attr-defined]
+
+    def members(record: object) -> str:
+        pairs = record._asdict().items()  # type: ignore[attr-defined]
+        return "\n".join(f"        .{name} = {float(value)!r}," for name, value in pairs)
+
+    return f"""/* design.h: the numbers of the design "{_plain(design.name)}". */
+#ifndef PAMINSA_DESIGN_H
+#define PAMINSA_DESIGN_H
+
+#include "paminsa.h"
+
+static const PaminsaDesign PAMINSA_DESIGN = {{
+    .mechanism = {{
+{members(m)}
+    }},
+    .energy = {{
+{members(e)}
+    }},
+    .platform_mass = {design.platform.mass!r},
+    .platform_inertia = {design.platform.inertia!r},
+    .gravity = {design.gravity!r},
+    .viscous = {numbers(friction.viscous)},
+    .coulomb = {numbers(friction.coulomb)},
+    .transition_speed = {friction.transition_speed!r},
+    .drive_inertia = {numbers(design.drive_inertia)},
+    .force = {numbers(load.wrench[:3])},
+    .moment = {numbers(load.wrench[3:])},
+    .point = {numbers(load.point)},
+    .load_turns = {load.turns!r},
+}};
+
+#endif
+"""
+
+
+def test_vectors(design: Design) -> str:
+    """Return the text of vectors.csv: random states, most of them within reach."""
+    pose = _poses(design)
+    rng = np.random.default_rng(2005)
+    velocity, acceleration = rng.normal(size=(2, len(pose), 4)) * np.array([0.3, 0.3, 1.0, 0.3])
+    geometry = design.geometry
+    reach = check_reach(geometry, pose)
+    ok = reach.ok[:, None]
+    torque = inverse_dynamics(design, pose, velocity, acceleration).torque
+    far = measure_singularity(geometry, pose)
+    cos, sin = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+
+    def flat(matrix: Array) -> Array:
+        return np.where(ok, matrix.reshape(len(pose), 16), np.nan)
+
+    columns: dict[str, Array] = {
+        "pose": pose,
+        "c": cos[:, None],
+        "s": sin[:, None],
+        "velocity": velocity,
+        "acceleration": acceleration,
+        "status": reach.status[:, None].astype(float),
+        "leg": reach.leg[:, None] + 1.0,
+        "actuators": np.where(ok, inverse_kinematics(geometry, pose).actuators, np.nan),
+        "G": flat(inverse_jacobian(geometry, pose)),
+        "J": flat(jacobian(geometry, pose)),
+        "static": static_torques(design, pose),
+        "torque": torque,
+        "forward": forward_dynamics(design, pose, velocity, torque),
+        "M": flat(mass_matrix(design, pose)),
+        "friction": friction_torque(design.actuator_friction, velocity),
+        "margin": reach.margins.min(axis=(-1, -2))[:, None],
+        "singularity": np.stack(
+            [
+                far.determinant,
+                far.condition,
+                far.position_distance,
+                far.rotation_distance,
+                far.serial_distance,
+            ],
+            axis=-1,
+        ),
+        "gamma": unit_torques(geometry, pose),
+    }
+    names = [
+        name if part.shape[1] == 1 else f"{name}_{index}"
+        for name, part in columns.items()
+        for index in range(part.shape[1])
+    ]
+    rows = np.concatenate(list(columns.values()), axis=1)
+    lines = [",".join(f"{value:.17g}" for value in row) for row in rows.tolist()]
+    return "\n".join([",".join(names), *lines]) + "\n"
+
+
+def _poses(design: Design) -> Array:
+    """Return test poses (n, 4): far from singular ones, and one in ten out of reach."""
+    geometry = design.geometry
+    rng = np.random.default_rng(84679)
+    radius, height = workspace_radius(geometry), workspace_height(geometry)
+    side = -1.0 if geometry.knee.sign > 0 else 1.0
+    low, high = sorted((0.1 * side * height, side * height))
+    count = 40 * ROWS
+    pose = rng.uniform([-radius, -radius, -1, low], [radius, radius, 1, high], (count, 4))
+    reach = check_reach(geometry, pose)
+    good = reach.ok & (measure_singularity(geometry, pose).condition < WORST_CONDITION)
+    good &= reach.margins.min(axis=(-1, -2)) > 0.01 * geometry.base_radius
+    out = (reach.status != Limit.OK) & (reach.margins.min(axis=(-1, -2)) < -1e-3)
+    return np.concatenate([pose[good][:ROWS], pose[out][: ROWS // 10]])
+
+
+def _plain(text: str) -> str:
+    """Return a name that a C comment can hold."""
+    return re.sub(r"[^ -~]", "?", text).replace("*/", "* /")
+
+
+def _commented(lines: list[str]) -> str:
+    first, *rest = lines
+    return "\n".join([f"/* {first}", *(f" * {line}".rstrip() for line in rest), " */"])
+
+
+def _template(name: str, **values: str) -> str:
+    """Return a file of `templates` with its places filled in."""
+    text = (files("paminsa_viz.codegen") / "templates" / name).read_text(encoding="utf-8")
+    for key, value in values.items():
+        text = text.replace(f"@{key}@", value)
+    return text

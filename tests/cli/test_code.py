@@ -1,0 +1,54 @@
+"""``code``: the robot as C code."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from paminsa_viz.codegen import controller_kit
+from paminsa_viz.files.design_file import save_design
+from paminsa_viz.model import APPENDIX_4
+from tests.support.commands import run
+
+
+def test_a_design_is_written_as_a_folder(capsys) -> None:
+    design = APPENDIX_4.vary({"payload.mass": 2.5})
+    save_design(design, "d.toml")
+    code, out, err = run("code", capsys, "--out", "robot/controller", "--design", "d.toml")
+    assert (code, err) == (0, "")
+    kit = controller_kit(design)
+    assert out.splitlines() == [f"robot/controller/{name}: written" for name in kit]
+    for name in ("paminsa.h", "design.h", "vectors.csv", "test.c"):
+        assert (Path("robot/controller") / name).read_text() == kit[name]
+
+
+def test_float_writes_no_double(capsys) -> None:
+    assert run("code", capsys, "--out", "c", "--float")[0] == 0
+    assert "double " not in Path("c/design.h").read_text()
+    assert "float px;" in Path("c/paminsa.h").read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "nothing to write; give --out FOLDER"),
+        (["--out", "taken"], "taken: cannot be written"),
+        (["--out", "c", "--design", "missing.toml"], "missing.toml"),
+    ],
+)
+def test_what_cannot_be_written_is_one_line(words: list[str], message: str, capsys) -> None:
+    Path("taken").write_text("")
+    code, out, err = run("code", capsys, *words)
+    assert (code, out) == (2, "")
+    assert message in err
+    assert len(err.splitlines()) == 1
+    assert not Path("c").exists()
+
+
+def test_nothing_is_written_where_one_file_cannot_be(capsys) -> None:
+    os.makedirs("c/vectors.csv")
+    code, _, err = run("code", capsys, "--out", "c")
+    assert (code, len(err.splitlines())) == (2, 1)
+    assert os.listdir("c") == ["vectors.csv"]

@@ -1,0 +1,223 @@
+"""The controller kit: what is written compiles without a warning and agrees with Python."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from paminsa_viz.codegen import controller_kit
+from paminsa_viz.codegen.single import single_precision
+from paminsa_viz.model import APPENDIX_4, Design, Drive, KneeBranch, LoadCase, LoadFrame
+from paminsa_viz.model.reach import Limit
+from tests.codegen.printed import SANITIZERS, STRICT, compilers, sanitizes
+
+
+def loaded_robot() -> Design:
+    """A robot with everything that the header knows of: drives, friction, load, payload."""
+    drive = Drive(rotor_inertia=2e-5, gear_ratio=80.0, viscous=1e-5, coulomb=2e-3)
+    lift = replace(drive, transmission="screw", lead=0.01)
+    load = LoadCase(5.0, -3.0, -20.0, 0.3, 0.2, 0.7, 0.05, -0.02, 0.1, LoadFrame.PLATFORM)
+    design = APPENDIX_4.vary(
+        {"payload.mass": 3.0, "payload.inertia": 0.01, "friction.coulomb_rotary": 0.4}
+    )
+    return replace(design, drives=(drive, None, drive, lift), load=load)
+
+
+DESIGNS = {
+    "appendix-4": APPENDIX_4,
+    "upper-knee": APPENDIX_4.with_knee(KneeBranch.UPPER),
+    "loaded": loaded_robot(),
+}
+
+
+def build(folder: Path, design: Design, compiler: str, *flags: str, single: bool = False) -> None:
+    for name, text in controller_kit(design, single=single).items():
+        (folder / name).write_text(text)
+    command = [compiler, *STRICT, *(flags or ("-O1",)), "test.c", "-o", "test", "-lm"]
+    built = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    assert built.returncode == 0, built.stderr[:2000]
+
+
+def run_test(folder: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(["./test"], cwd=folder, capture_output=True, text=True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.parametrize("compiler", compilers())
+def test_c_agrees_with_python(name: str, compiler: str, tmp_path: Path) -> None:
+    build(tmp_path, DESIGNS[name], compiler)
+    done = run_test(tmp_path)
+    assert (done.returncode, done.stderr) == (0, ""), done.stdout
+    assert "440 rows, tolerance 1e-09: passed" in done.stdout
+    assert "formulas, given cos and sin theta  worst error  0.00e+00" in done.stdout
+
+
+@pytest.mark.parametrize("compiler", compilers())
+def test_single_precision_agrees_within_its_digits(compiler: str, tmp_path: Path) -> None:
+    build(tmp_path, loaded_robot(), compiler, "-O1", "-Wdouble-promotion", single=True)
+    done = run_test(tmp_path)
+    assert done.returncode == 0, done.stdout
+    worst = {
+        line[:34].strip(): float(line.split()[-1])
+        for line in done.stdout.splitlines()
+        if "worst error" in line
+    }
+    assert worst["inverse kinematics"] < 1e-5
+    assert worst["inverse dynamics"] < 1e-3
+
+
+def test_a_wrong_number_fails_the_test_program(tmp_path: Path) -> None:
+    build(tmp_path, APPENDIX_4, "gcc")
+    text = (tmp_path / "vectors.csv").read_text().splitlines()
+    cells = text[5].split(",")
+    column = text[0].split(",").index("torque_2")
+    cells[column] = repr(float(cells[column]) * (1 + 1e-6))
+    text[5] = ",".join(cells)
+    (tmp_path / "vectors.csv").write_text("\n".join(text) + "\n")
+    done = run_test(tmp_path)
+    assert done.returncode == 1
+    assert "FAILED" in done.stdout
+
+
+@pytest.mark.parametrize("content", [None, "", "pose_0,pose_1\n", "head\n1,2,three\n"])
+def test_an_unusable_table_is_no_success(content: str | None, tmp_path: Path) -> None:
+    build(tmp_path, APPENDIX_4, "gcc")
+    (tmp_path / "vectors.csv").unlink()
+    if content is not None:
+        (tmp_path / "vectors.csv").write_text(content)
+    done = run_test(tmp_path)
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
+
+
+MISUSE = """
+#include <stdio.h>
+#include "paminsa.h"
+#include "design.h"
+
+static int all_nan(const double *values, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (!isnan(values[i]))
+            return 0;
+    return 1;
+}
+
+int main(void)
+{
+    const double odd[] = {0.0, NAN, INFINITY, -INFINITY, 1e308, -1e308, 5.0, 0.25, 5e-324};
+    const int count = (int)(sizeof odd / sizeof odd[0]);
+    double four[4], matrix[4][4], poses[2][4], margins[3][4], more[4];
+    int seen[8] = {0};
+    long calls = 0, wrong = 0;
+
+    for (long code = 0; code < 6561; code++) {
+        double pose[4];
+        long rest = code;
+        for (int i = 0; i < 4; i++, rest /= count)
+            pose[i] = odd[rest % count];
+        const double *v = pose;
+        PaminsaReach reach = paminsa_inverse_kinematics(&PAMINSA_DESIGN, pose, four);
+        seen[reach.status] = 1;
+        wrong += reach.status != PAMINSA_STATUS_OK && !all_nan(four, 4);
+        reach = paminsa_inverse_dynamics(&PAMINSA_DESIGN, pose, v, v, four);
+        wrong += reach.status != PAMINSA_STATUS_OK && !all_nan(four, 4);
+        reach = paminsa_forward_dynamics(&PAMINSA_DESIGN, pose, v, v, four);
+        wrong += reach.status != PAMINSA_STATUS_OK && !all_nan(four, 4);
+        reach = paminsa_static_torques(&PAMINSA_DESIGN, pose, four);
+        wrong += reach.status != PAMINSA_STATUS_OK && !all_nan(four, 4);
+        reach = paminsa_jacobian(&PAMINSA_DESIGN, pose, matrix);
+        wrong += reach.status != PAMINSA_STATUS_OK && !all_nan(matrix[2], 4);
+        reach = paminsa_mass_matrix_of(&PAMINSA_DESIGN, pose, matrix);
+        wrong += reach.status != PAMINSA_STATUS_OK && !all_nan(matrix[1], 4);
+        reach = paminsa_actuator_motion(&PAMINSA_DESIGN, pose, v, v, four, more);
+        wrong += reach.status != PAMINSA_STATUS_OK && !(all_nan(four, 4) && all_nan(more, 4));
+        wrong += paminsa_nearest_pose(&PAMINSA_DESIGN, pose, v, four) != PAMINSA_STATUS_OK &&
+            !all_nan(four, 4);
+        const int found = paminsa_forward_kinematics(&PAMINSA_DESIGN, pose, poses);
+        wrong += found < 0 || found > 2 || (found < 2 && !all_nan(poses[1], 4));
+        paminsa_margins(&PAMINSA_DESIGN, pose, margins);
+        (void)paminsa_singularity(&PAMINSA_DESIGN, pose);
+        calls++;
+    }
+    const double singular[4] = {0.0, 0.0, acos(0.1 / 0.35), -0.55};
+    const double rest[4] = {0.0, 0.0, 0.0, 0.0};
+    const PaminsaReach held =
+        paminsa_inverse_dynamics(&PAMINSA_DESIGN, singular, rest, rest, four);
+    wrong += held.status != PAMINSA_STATUS_SINGULAR || !all_nan(four, 4);
+    PaminsaDesign carrying = PAMINSA_DESIGN;
+    paminsa_set_payload(&carrying, 2.0, 0.0);
+    const double home[4] = {0.0, 0.0, 0.0, -0.55};
+    double empty[4];
+    paminsa_static_torques(&PAMINSA_DESIGN, home, empty);
+    paminsa_static_torques(&carrying, home, four);
+    wrong += !(fabs(four[3] - empty[3] - 3.0 * 2.0 * 9.81) < 1e-9);
+    printf("%ld calls, %ld wrong, seen", calls, wrong);
+    for (int i = 0; i < 8; i++)
+        printf(" %d", seen[i]);
+    printf("\\n");
+    return wrong != 0;
+}
+"""
+
+
+@pytest.mark.parametrize("compiler", compilers())
+def test_no_input_makes_undefined_behavior_and_no_failure_leaves_a_number(
+    compiler: str, tmp_path: Path
+) -> None:
+    if not sanitizes(compiler, tmp_path):
+        pytest.skip(f"{compiler} has no sanitizers here")
+    build(tmp_path, APPENDIX_4, compiler)
+    (tmp_path / "misuse.c").write_text(MISUSE)
+    command = [compiler, *STRICT, *SANITIZERS, "misuse.c", "-o", "misuse", "-lm"]
+    built = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert built.returncode == 0, built.stderr[:2000]
+    done = subprocess.run(["./misuse"], cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, ""), done.stdout + done.stderr[:1000]
+    assert done.stdout.startswith("6561 calls, 0 wrong, seen 1 1 1")
+
+
+def test_status_codes_are_those_of_the_model() -> None:
+    text = controller_kit(APPENDIX_4)["paminsa.h"]
+    codes = dict(re.findall(r"PAMINSA_STATUS_([A-Z_]+) = (\d)", text))
+    assert {name: int(code) for name, code in codes.items() if name in Limit.__members__} == {
+        limit.name: int(limit) for limit in Limit
+    }
+
+
+def test_the_header_needs_no_memory_no_globals_and_only_math_h() -> None:
+    text = controller_kit(APPENDIX_4)["paminsa.h"]
+    assert re.findall(r"#include.*", text) == ["#include <math.h>"]
+    assert not re.search(r"\b(malloc|calloc|free|printf)\(", text)
+    statics = [line for line in text.splitlines() if re.match(r"\s*static (?!inline)", line)]
+    assert statics
+    assert all("static const" in line for line in statics)
+
+
+def test_every_function_says_what_it_does() -> None:
+    lines = controller_kit(APPENDIX_4)["paminsa.h"].splitlines()
+    helpers = {"paminsa_fill", "paminsa_fill_matrix", "paminsa_finite"}
+    for before, line in pairwise(lines):
+        name = re.match(r"static inline .*?(paminsa_\w+)\(", line)
+        if name and name[1] not in helpers:
+            assert before.endswith("*/"), line
+
+
+def test_names_from_outside_cannot_leave_their_comment() -> None:
+    design = replace(APPENDIX_4, name='*/ int x; /* "\n\\u00e9')
+    text = controller_kit(design)["design.h"]
+    first = text.splitlines()[0]
+    assert first.count("*/") == 1
+    assert first.endswith("*/")
+
+
+def test_only_code_becomes_single_precision() -> None:
+    text = '/* 1e-8 double */ static double a = 1.5e-3 * sqrt(2.0) + x2.y; "0.5"'
+    expected = '/* 1e-8 double */ static float a = 1.5e-3f * sqrtf(2.0f) + x2.y; "0.5"'
+    assert single_precision(text) == expected

@@ -1,0 +1,139 @@
+"""What is printed of the formulas gives the same bits as NumPy, in C and in JavaScript."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.codegen.c99 import C99
+from paminsa_viz.codegen.javascript import JavaScript
+from paminsa_viz.codegen.printer import Printer
+from paminsa_viz.codegen.source import NotPrintable
+from paminsa_viz.model.leg import Mechanism
+from paminsa_viz.model.robot import where
+from tests.codegen.printed import (
+    EXACT,
+    ROUNDED,
+    SANITIZERS,
+    c_program,
+    columns,
+    compilers,
+    js_program,
+    on_numpy,
+    registered,
+    run_c,
+    sanitizes,
+    table,
+)
+
+STATES = 100_000
+
+
+def same_bits(got: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Whether numbers are equal, all NaN being one, elementwise."""
+    return (got == wanted) & (np.signbit(got) == np.signbit(wanted)) | np.isnan(got) & np.isnan(
+        wanted
+    )
+
+
+def test_every_registered_formula_prints_in_both_languages() -> None:
+    formulas = list(registered())
+    assert len(formulas) >= 7
+    for language in (C99(), JavaScript()):
+        printer = Printer(language)
+        printer.add(*formulas)
+        assert {formula.__name__ for formula in formulas} <= set(printer.functions)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("compiler", compilers())
+def test_c_has_the_bits_of_numpy(compiler: str, tmp_path: Path) -> None:
+    given = columns(STATES)
+    program, width = c_program(EXACT, given)
+    rows = table(given)
+    got = np.frombuffer(run_c(tmp_path, program, compiler, rows, "-O2")).reshape(-1, width)
+    wanted = on_numpy(EXACT, given)
+    assert got.shape == wanted.shape == (STATES, width)
+    assert same_bits(got, wanted).all()
+    assert np.isfinite(wanted).all(axis=1).mean() > 0.2
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("node") is None, reason="no node here")
+def test_javascript_has_the_bits_of_numpy(tmp_path: Path) -> None:
+    given = columns(STATES)
+    program, width = js_program(EXACT, given)
+    (tmp_path / "rows").write_bytes(table(given).tobytes())
+    (tmp_path / "program.js").write_text(program)
+    subprocess.run(["node", "program.js", "rows", "out"], cwd=tmp_path, check=True)
+    got = np.frombuffer((tmp_path / "out").read_bytes()).reshape(-1, width)
+    assert same_bits(got, on_numpy(EXACT, given)).all()
+
+
+def test_formulas_with_angles_differ_by_rounding_only(tmp_path: Path) -> None:
+    given = columns(1000)
+    program, width = c_program(ROUNDED, given)
+    got = np.frombuffer(run_c(tmp_path, program, "gcc", table(given))).reshape(-1, width)
+    np.testing.assert_allclose(got, on_numpy(ROUNDED, given), rtol=1e-11, atol=1e-14)
+
+
+@pytest.mark.parametrize("compiler", compilers())
+def test_sanitizers_find_nothing_on_any_number(compiler: str, tmp_path: Path) -> None:
+    formulas = EXACT + ROUNDED
+    given = columns(300)
+    program, width = c_program(formulas, given)
+    rows = table(given)
+    rng = np.random.default_rng(3)
+    odd = rng.choice([np.nan, np.inf, -np.inf, 0.0, -0.0, 1e308, 5e-324], rows.shape)
+    rows = np.where(rng.random(rows.shape) < 0.05, odd, rows)
+    if not sanitizes(compiler, tmp_path):
+        pytest.skip(f"{compiler} has no sanitizers here")
+    assert len(run_c(tmp_path, program, compiler, rows, *SANITIZERS)) == 8 * width * len(rows)
+
+
+def loop(m: Mechanism, x: Any) -> Any:
+    """A formula with a loop."""
+    for _ in range(3):
+        x = x * m.k
+    return x
+
+
+def swapped(m: Mechanism, x: Any, y: Any) -> Any:
+    """A formula that exchanges two names."""
+    x, y = y, x
+    return x - y
+
+
+def power(m: Mechanism, x: Any) -> Any:
+    """A formula with an operator that languages round differently."""
+    return x**3
+
+
+@pytest.mark.parametrize(
+    ("formula", "words"),
+    [(loop, "the statement For"), (swapped, "an exchange of names"), (power, "x ** 3")],
+)
+def test_what_has_no_counterpart_is_refused_with_its_place(formula: Any, words: str) -> None:
+    with pytest.raises(NotPrintable, match=rf"{formula.__name__}, line \d+: .*") as caught:
+        Printer(C99()).add(formula)
+    assert words in str(caught.value)
+
+
+def chosen(a: Any, b: Any, d: Any) -> Any:
+    """A formula with every place where parentheses matter."""
+    first = a - (b - d) - (a - b) / (d / a) * -(b + a)
+    return first - where((a < b) & ((b < d) | (d == a)), a / (b * d), -(b - a))
+
+
+def test_parentheses_keep_the_order_of_operations(tmp_path: Path) -> None:
+    given = {"x": np.zeros(500)} | dict(
+        zip("abd", np.random.default_rng(1).normal(size=(3, 500)), strict=True)
+    )
+    program, width = c_program([chosen], given)
+    got = np.frombuffer(run_c(tmp_path, program, "gcc", table(given))).reshape(-1, width)
+    assert same_bits(got, on_numpy([chosen], given)).all()
