@@ -59,6 +59,13 @@ def benchmarks(session: nox.Session) -> None:
 
 
 @nox.session
+def mutants(session: nox.Session) -> None:
+    """Say which changes of a room its tests notice: ``-- identification --seed 3``."""
+    install(session, "test")
+    session.run("python", "-m", "mutants.run", *session.posargs)
+
+
+@nox.session
 def package(session: nox.Session) -> None:
     """Build sdist and wheel and try both outside the checkout."""
     session.install("build")

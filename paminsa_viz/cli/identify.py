@@ -182,7 +182,7 @@ def _cause_data(item: Cause) -> dict[str, Any]:
     return {
         "cause": item.label, "unit": item.unit, "value": item.value,
         "half_width_95": item.half_width, "p_value": item.p_value, "explains": item.explains,
-        "detectable": item.detectable,
+        "detectable": item.detectable, "nearly_as_much": list(item.alike),
     }  # fmt: skip
 
 

@@ -24,6 +24,13 @@ SIGNIFICANCE = 1e-3
 MOST_NAMED = 3
 """Most causes that are named one after the other."""
 
+NEARLY = 0.6
+"""Share of what a cause explains from which on another one explains nearly as much.
+
+Of a bar that is heavier in mass alone, which no cause is exactly, the leg is found and another bar
+may explain more; the right one had 0.68 of it or more wherever one was named.
+"""
+
 SPANNED = 1e-8
 """Share of a column's square that the model leaves, below which the cause cannot be seen at all."""
 
@@ -50,6 +57,8 @@ class Cause:
         detectable: Size from which on it would be named in such a log.
         plausible: Size that one has to reckon with.
         named: Whether it is named as a reason, and as which: 1 for the first; 0 for not named.
+        alike: Labels of others that explain nearly as much (`NEARLY`), the best first; of a cause
+            that is named alone.
     """
 
     label: str
@@ -62,6 +71,20 @@ class Cause:
     detectable: float
     plausible: float
     named: int = 0
+    alike: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """What it is, and if others explain nearly as much, that it is only most like it."""
+        if not self.alike:
+            return self.label
+        others = " and ".join(filter(None, [", ".join(self.alike[:-1]), self.alike[-1]]))
+        nearly = f"{others} explain{'s' if len(self.alike) == 1 else ''} nearly as much"
+        where = f"leg {self.leg}"
+        if self.label.startswith(f"{where}: "):
+            what = self.label.removeprefix(f"{where}: ")
+            return f"{where}; most like {what} ({nearly.replace(f'{where}: ', '')})"
+        return f"most like {self.label} ({nearly})"
 
     @property
     def significant(self) -> bool:
@@ -103,7 +126,10 @@ def find_causes(identification: Identification) -> Causes:
     named: list[Cause] = []
     current = ranked
     while len(named) < MOST_NAMED and (significant := [c for c in current if c.significant]):
-        first = replace(significant[0], named=len(named) + 1)
+        best = significant[0]
+        near = [c for c in current if c is not best and c.explains >= NEARLY * best.explains]
+        alike = tuple(cause.label for cause in near)
+        first = replace(best, named=len(named) + 1, alike=alike)
         named.append(first)
         base.append(places.pop(first.label))
         left = [item for item in candidates if item.label in places]

@@ -11,8 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.grids import WRENCH_TORQUES
 from paminsa_viz.model.kinematics import AXIS_ANGLES, LEG_AXES, wrap
 from paminsa_viz.model.leg import leg_vector, mechanism
 from paminsa_viz.model.reach import check_reach
@@ -162,3 +164,47 @@ def beyond_reach(
     reach = check_reach(geometry, corners.reshape(len(pose), 16, 4))
     first = np.argmax(~reach.ok, axis=1)[:, None]
     return np.any(~reach.ok, axis=1), np.take_along_axis(reach.leg, first, axis=1)[:, 0]
+
+
+_THIRD_ORDER = 1.5
+"""What the second-order term is multiplied by, so that terms of higher order are covered as well.
+
+Of 4000 boxes of random robots, up to 6 degrees wide to each side, 1.25 covered all but two.
+"""
+
+
+@np.errstate(all="ignore")
+def beyond_corners(geometry: Geometry, pose: Array, moved: Array, half: Array) -> Array:
+    """Return by how much errors between the corners may exceed those in them, (n, 4).
+
+    Along an edge of length 2 d an error with slopes s_1 > 0 and s_2 < 0 inward and outward is, to
+    second order, largest between the ends, and exceeds the higher one of slope s there by
+    s^2 d/(s_1 - s_2). The largest such excess of each of the three directions counts.
+
+    Args:
+        geometry: Lengths of the mechanism.
+        pose: (n, 4) [m, m, rad, m].
+        moved: (n, 8, 3) errors of x, y and theta in the corners [m, m, rad].
+        half: (3,) half widths of the box [rad].
+
+    Returns:
+        Of the sizes of the errors of x, y and theta, and of the distance in the plane
+        [m, m, rad, m].
+    """
+    corners = np.repeat(pose[:, None], 8, axis=1)
+    corners[..., :3] += moved
+    rows = backend.over_list(WRENCH_TORQUES, mechanism(geometry), corners.reshape(-1, 4))
+    slope = rows[:, :9].reshape(-1, 8, 3, 3)
+    distance = np.hypot(moved[..., 0], moved[..., 1])
+    away = np.einsum("nci,ncij->ncj", moved[..., :2], slope[:, :, :2]) / distance[..., None]
+    value = np.concatenate([moved, -moved, distance[..., None]], axis=-1)
+    slope = np.concatenate([slope, -slope, away[:, :, None]], axis=2)
+    total = np.zeros((len(pose), 7))
+    for j, d in enumerate(half):
+        first, last = CORNERS[:, j] < 0, CORNERS[:, j] > 0  # the other two alike, in this order
+        rise, fall = slope[..., j][:, first], slope[..., j][:, last]
+        top = np.where(value[:, last] >= value[:, first], fall, rise)
+        excess = np.where((rise > 0) & (fall < 0), top**2 * d / (rise - fall), 0.0)
+        total += excess.max(axis=1)
+    total *= _THIRD_ORDER
+    return np.concatenate([np.maximum(total[:, :3], total[:, 3:6]), total[:, 6:]], axis=-1)

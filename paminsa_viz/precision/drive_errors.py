@@ -6,7 +6,8 @@ exact error is worked out as well: forward kinematics in the corners of the box 
 assembly mode that is connected with the pose (Briot and Bonev, Mech. Mach. Theory 43 (2008) 445).
 Where the box holds a singular position of the actuators, or one without a platform, there is no
 bound, whatever the linear estimate says (Tannous, Caro and Goldsztejn, Mech. Mach. Theory 71 (2014)
-93).
+93). Where an error has a largest value on an edge between two corners, a second-order term is added
+(`drive_corners.beyond_corners`).
 
 Heights separate: z = k (Z - l_B2) - l_B5, so that its error is k d_4, and x, y and theta depend on
 the eight corners of M1..M3 alone. Z counts for the reach of the legs only.
@@ -34,7 +35,12 @@ from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.grids import WRENCH_TORQUES, Field
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.reach import LEAST_MARGIN, Limit, decode
-from paminsa_viz.precision.drive_corners import CORNERS, beyond_reach, corner_errors
+from paminsa_viz.precision.drive_corners import (
+    CORNERS,
+    beyond_corners,
+    beyond_reach,
+    corner_errors,
+)
 
 
 class Bound(IntEnum):
@@ -76,14 +82,16 @@ class DriveErrors:
         accuracy: Accuracy of the drives.
         linear: (..., 4) sum of |J_ij| d_j [m, m, rad, m]; NaN where the pose is out of reach or
             singular.
-        worst: (..., 4) largest errors in the corners, by exact kinematics [m, m, rad, m]; NaN
-            where there is no bound.
+        worst: (..., 4) largest errors in the box: those of the corners, by exact kinematics, and
+            ``between`` [m, m, rad, m]; NaN where there is no bound.
         rms: (..., 4) standard deviations to first order, for independent uniform errors
             [m, m, rad, m]; NaN as ``linear``.
         linear_horizontal, horizontal, rms_horizontal: (...) the same of the distance in the plane
             [m].
         corners: (..., 8, 3) errors of x, y and theta in the corners `CORNERS` of M1..M3
             [m, m, rad]; NaN as ``worst``.
+        between: (..., 4) by how much edges may exceed the corners, to second order: x, y, theta
+            and the distance in the plane [m, m, rad, m]; NaN as ``worst``.
         bound: (...) values of `Bound`.
         leg: (...) index of the leg that is the reason, -1 for none.
     """
@@ -97,6 +105,7 @@ class DriveErrors:
     horizontal: Array
     rms_horizontal: Array
     corners: Array
+    between: Array
     bound: NDArray[np.uint8]
     leg: NDArray[np.int8]
 
@@ -183,16 +192,19 @@ def _errors(
         why[near] = np.where(outside, which, -1)
     kept = np.where(bound == Bound.OK, 1.0, np.nan)
     moved = kept[:, None, None] * moved
+    between = np.full((len(pose), 4), np.nan)
+    bounded = np.flatnonzero(bound == Bound.OK)
+    between[bounded] = beyond_corners(geometry, pose[bounded], moved[bounded], half[:3])
+    turned = np.abs(moved).max(axis=-2) + between[:, :3]
     return (
         linear,
-        np.concatenate(
-            [np.abs(moved).max(axis=-2), (kept * lift * half[3])[:, None]], axis=-1
-        ),
+        np.concatenate([turned, (kept * lift * half[3])[:, None]], axis=-1),
         rms,
         np.hypot(sideways[0], sideways[1]).max(axis=-1),
-        kept * distance,
+        kept * distance + between[:, 3],
         np.hypot(rms[:, 0], rms[:, 1]),
         moved,
+        between,
         bound,
         why,
     )  # fmt: skip

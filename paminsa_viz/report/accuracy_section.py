@@ -94,7 +94,7 @@ def _unbounded(here: DriveErrors, counts: dict[Bound, int], poses: int) -> list[
     texts = []
     if not here.ok:
         reason = Bound(int(here.bound)).reason(int(here.leg))
-        texts.append(f"No bound at the pose: {reason}. The linear estimate is none.")
+        texts.append(f"No bound at the pose: {reason}. The linear estimate is no bound.")
     for bound, count in counts.items():
         texts.append(f"No bound at {count} of the {poses} poses: {bound.reason()}.")
     return texts

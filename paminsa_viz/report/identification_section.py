@@ -72,7 +72,7 @@ def _differs(value: float, half_width: float, design: float, known: bool) -> boo
 def _verdict(findings: Findings) -> Note:
     """Return whether masses and friction explain the log."""
     identity = findings.identification.identity
-    named = ", ".join(item.label for item in findings.causes.named)
+    named = "; ".join(item.text for item in findings.causes.named)
     check = NONE
     if identity.holds is not None:
         size = interval_text(identity.value, identity.half_width)
@@ -91,7 +91,7 @@ def _causes(findings: Findings) -> Table:
     rows = tuple(
         Row(
             (
-                item.label,
+                item.text,
                 _size(item),
                 f"{100 * item.explains:.1f} %",
                 "yes" if item.named else "no",

@@ -38,6 +38,11 @@ INTERVALS = 80
 REFINEMENTS = (0, 3, 6)
 """How often the pieces next to crossings are halved, until a law is found that does not stop."""
 
+STEEP = 0.1
+"""Cosine between path and escape twist (by M) below which the finest pieces come first.
+
+s'^2 changes fast next to such a crossing, and coarse pieces cost up to a third of the duration."""
+
 POINTS = 4
 """Points in each of them where limits are kept."""
 
@@ -273,14 +278,21 @@ def _pieces(found: tuple[Crossing, ...], refinement: int) -> Array:
     return ends[kept]
 
 
-def _require_influence(
+def influence(
     design: Design, path: Path, crossing: Crossing, condition: CrossingCondition
-) -> None:
+) -> float:
+    """Return the cosine between path and escape twist by M: what a time law can do, 0 to 1."""
     at = np.array([crossing.s])
     matrix, along = mass_matrix(design, path(at))[0], path(at, 1)[0]
     twist = np.array(condition.twist)
     size = np.sqrt((twist @ matrix @ twist) * (along @ matrix @ along))
-    if abs(condition.a) <= _WEAK * size:
+    return float(abs(condition.a) / size)
+
+
+def _require_influence(
+    design: Design, path: Path, crossing: Crossing, condition: CrossingCondition
+) -> None:
+    if influence(design, path, crossing, condition) <= _WEAK:
         raise CrossingRefused(
             "weak",
             f"at s = {crossing.s:.6g} the time law has no influence on the condition (a = 0): the "

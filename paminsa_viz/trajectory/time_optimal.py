@@ -25,9 +25,10 @@ from paminsa_viz.trajectory.crossing import (
     CrossingCondition,
     CrossingKind,
     CrossingRefused,
+    crossing_condition,
     crossings,
 )
-from paminsa_viz.trajectory.crossing_program import REFINEMENTS, CrossingProgram
+from paminsa_viz.trajectory.crossing_program import REFINEMENTS, STEEP, CrossingProgram, influence
 from paminsa_viz.trajectory.limits import MotionLimits
 from paminsa_viz.trajectory.paths import Path, TimedPath
 from paminsa_viz.trajectory.plan import Plan
@@ -195,13 +196,20 @@ def _check_path(
 def _program(
     design: Design, path: Path, found: tuple[Crossing, ...], limits: MotionLimits
 ) -> tuple[CrossingProgram, Array, Array]:
-    """Return the coarsest program with motions that do not stop, its fastest and its slowest.
+    """Return a program with motions that do not stop, its fastest and its slowest.
+
+    It is the coarsest one, but where a crossing is steep, see `crossing_program.STEEP`, the finest.
 
     Raises:
         CrossingRefused: If there is none.
     """
     refusal = CrossingRefused("infeasible", "")
-    for refinement in REFINEMENTS if found else REFINEMENTS[:1]:
+    steep = any(
+        influence(design, path, item, crossing_condition(design, path, item.s)) < STEEP
+        for item in found
+    )
+    order = REFINEMENTS[::-1] if steep else REFINEMENTS
+    for refinement in order if found else REFINEMENTS[:1]:
         program = CrossingProgram(design, path, found, limits, refinement)
         try:
             fast, slow = program.fastest(), program.slowest()

@@ -12,9 +12,10 @@ from paminsa_viz.clearance import ALL_PAIRS, PairGroup, clearance, nearest_point
 from paminsa_viz.explorer.core import actions, tab_store
 from paminsa_viz.explorer.core import clearance as clearing
 from paminsa_viz.explorer.core import motion as motions
-from paminsa_viz.explorer.core.clearance import find_along, find_nearest, motion_job, pose_job
+from paminsa_viz.explorer.core.clearance import motion_job, pose_job
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.motion_results import MotionStore
+from paminsa_viz.explorer.features.clearance.actions import find_along, find_nearest, set_pairs
 from paminsa_viz.explorer.features.clearance.layers import nearest_bodies
 from paminsa_viz.explorer.features.clearance.tab import CLEARANCE, clearance_html
 from paminsa_viz.explorer.features.motion.plots import drawn_charts
@@ -71,12 +72,12 @@ def test_pairs_can_be_left_out(state: State) -> None:
     all_pairs = clearing.nearest(known(state))
     assert all_pairs is not None
     assert "the platform" in all_pairs.names
-    without = known(clearing.set_pairs(state, PairGroup.PLATFORM, False))
+    without = known(set_pairs(state, PairGroup.PLATFORM, False))
     other = clearing.nearest(without)
     assert other is not None
     assert other.distance > all_pairs.distance
     assert "the platform" not in other.names
-    assert clearing.nearest(clearing.set_pairs(without, PairGroup.PLATFORM, True)) is None
+    assert clearing.nearest(set_pairs(without, PairGroup.PLATFORM, True)) is None
     kept = tab_store.restore(initial_state(), tab_store.dump(without))
     assert kept.clearance_view.pairs == ALL_PAIRS - {PairGroup.PLATFORM}
 

@@ -15,10 +15,10 @@ from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.planning import planned
 from paminsa_viz.explorer.features.compare.tab import differences_html
 from paminsa_viz.explorer.features.drives import tab as panel
-from paminsa_viz.explorer.features.drives.solving import LISTED, find_drives
-from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.features.drives.solving import LISTED
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import InvalidInput
+from tests.support.tasks import finished
 
 WEAK = """kind,name,source,rotor_inertia_kg_cm2,rated_torque_Nm,peak_torque_Nm,rated_speed_rpm,\
 top_speed_rpm,gear_ratio,efficiency,lead_mm,lead_efficiency
@@ -29,9 +29,7 @@ screw,<b>spindle</b>,test,,,,,,,,10,0.9
 
 
 def searched(state: State) -> State:
-    started = panel.find(state)
-    assert started.driving.running is not None
-    return panel.receive(started, solve(find_drives, started.driving.running))
+    return finished(panel.SEARCH, panel.SEARCH.start(state))
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +40,7 @@ def found() -> State:
 def test_lists_name_feasible_drives_and_their_margins(found: State) -> None:
     text = panel.list_html(compute(found))
     assert "M1 to M3" in text
-    assert "have changed" not in text
+    assert "Changed since" not in text
     assert text.count("<tr") == 1 + LISTED
     assert all(one.feasible for row in found.driving.result.rows for one in row)  # type: ignore[union-attr]
     assert "RMS torque" in panel.facts_html(compute(found))
@@ -56,7 +54,7 @@ def test_the_choice_is_the_designs_and_can_be_undone_and_shared(found: State) ->
     assert persistence.load(persistence.dump(chosen.document)).design == chosen.document.design
     text = panel.own_html(compute(chosen))
     assert text.count("pv-good-text") == 4
-    assert "have changed" not in panel.list_html(compute(chosen))
+    assert "Changed since" not in panel.list_html(compute(chosen))
     one = panel.choose(found.updated("driving", actuator=3, row=1), 1)
     assert [drive is not None for drive in one.document.design.drives] == [False] * 3 + [True]
     assert not any(actions.change_design(chosen, drives=(None,) * 4).document.design.drives)
@@ -67,7 +65,7 @@ def test_lists_say_when_they_are_of_something_else(found: State) -> None:
         actions.vary(found, {"payload.mass": 1.0}),
         found.updated("driving.settings", dwell=1.0),
     ):
-        assert "have changed" in panel.list_html(compute(other))
+        assert "Changed since" in panel.list_html(compute(other))
     assert set(panel._choices(found)) == {"Use for M1 to M3", "First of each list"}
     assert "Remove" in panel._choices(panel.choose(found, None))
 
@@ -147,7 +145,7 @@ def test_a_cycle_of_several_motions_is_searched_as_a_whole(found: State) -> None
     state = panel.add_motion(state)
     state = panel.add_motion(state.updated("driving.settings", count=1.0, dwell=10.0))
     assert "3 ×, dwell 0.5 s" in panel.intro_html(compute(state))
-    assert "have changed" in panel.list_html(compute(state))
+    assert "Changed since" in panel.list_html(compute(state))
     searched_again = searched(state)
     outcome = searched_again.driving.outcome
     assert outcome is not None
@@ -155,7 +153,7 @@ def test_a_cycle_of_several_motions_is_searched_as_a_whole(found: State) -> None
     load = outcome.result.selection.cycle.loads[0]
     duration = outcome.job.duties[0].trajectory.duration
     assert load.period == pytest.approx(4 * duration + 3 * 0.5 + 10.0)
-    assert "have changed" not in panel.list_html(compute(searched_again))
+    assert "Changed since" not in panel.list_html(compute(searched_again))
     assert "Clear" in panel._cycle_choices(state)
     full = state.updated("driving.settings", cycle=state.driving.settings.cycle * 6)
     with pytest.raises(InvalidInput, match="at most 12"):

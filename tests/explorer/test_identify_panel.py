@@ -13,7 +13,6 @@ import pytest
 from paminsa_viz.explorer.core import persistence, tab_store
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.planning import planned
-from paminsa_viz.explorer.core.tasks import receive
 from paminsa_viz.explorer.features.identify import actions
 from paminsa_viz.explorer.features.identify import files as exports
 from paminsa_viz.explorer.features.identify import tab as identify_panel
@@ -28,6 +27,7 @@ from paminsa_viz.model import InvalidInput, PaminsaError, static_imbalance
 from paminsa_viz.plots.identification_series import log_charts
 from tests.support.desk import Desk
 from tests.support.raw_page import upload_messages
+from tests.support.tasks import delivered, finished
 
 PANEL = identify_panel.IDENTIFY
 HEAD = "t_s,theta1_deg,theta2_deg,theta3_deg,Z_mm,torque1_Nm,torque2_Nm,torque3_Nm,force4_N\n"
@@ -35,7 +35,7 @@ HEAD = "t_s,theta1_deg,theta2_deg,theta3_deg,Z_mm,torque1_Nm,torque2_Nm,torque3_
 
 def identified(state: State) -> State:
     assert state.identifying.running is not None
-    return receive(state, "identifying", solve(identify_logs, state.identifying.running))
+    return finished(actions.IDENTIFY, state)
 
 
 @pytest.fixture(scope="module")
@@ -98,8 +98,8 @@ def test_nearest_masses_become_the_design_and_can_be_saved(found: State) -> None
     weight = found.identifying.result.identification.estimate("M_p2")  # type: ignore[union-attr]
     assert abs(static_imbalance(design) - weight.value) < weight.half_width
     assert persistence.load(persistence.dump(used.document)).design == design
-    assert "have changed since" in identify_text.status_html(compute(used))
-    assert "have changed since" not in identify_text.status_html(compute(found))
+    assert "Changed since" in identify_text.status_html(compute(used))
+    assert "Changed since" not in identify_text.status_html(compute(found))
 
 
 def test_log_is_played_as_a_motion(found: State) -> None:
@@ -113,13 +113,13 @@ def test_log_is_played_as_a_motion(found: State) -> None:
 
 def test_settings_outlive_results_and_logs(found: State) -> None:
     changed = found.updated("identifying.settings", cut_off=9.0)
-    assert "have changed since" in identify_text.status_html(compute(changed))
+    assert "Changed since" in identify_text.status_html(compute(changed))
     assert changed.identifying.result is found.identifying.result
     closed = actions.close_logs(changed)
     assert closed.identifying.log is None
     assert closed.identifying.settings.cut_off == 9.0
     searching = found.updated("identifying.settings", period=8.0, seconds=5.0)
-    assert "have changed since" not in identify_text.status_html(compute(searching))
+    assert "Changed since" not in identify_text.status_html(compute(searching))
 
 
 @pytest.mark.parametrize(
@@ -170,7 +170,7 @@ def test_stopped_work_says_so() -> None:
 def test_nothing_can_be_used_before_there_is_something() -> None:
     state = initial_state()
     for action in (
-        actions.identify, actions.use_design, actions.use_log_motion, actions.use_excitation,
+        actions.IDENTIFY.start, actions.use_design, actions.use_log_motion, actions.use_excitation,
     ):  # fmt: skip
         with pytest.raises(InvalidInput):
             action(state)
@@ -188,7 +188,7 @@ def test_gains_are_four_numbers_or_none(text) -> None:
 
 
 def searched(state: State, **settings: Any) -> State:
-    started = actions.search(state.updated("identifying.settings", **settings))
+    started = actions.SEARCH.start(state.updated("identifying.settings", **settings))
     job = started.identifying.excitation.running
     assert job is not None
     shares: list[float] = []
@@ -198,7 +198,7 @@ def searched(state: State, **settings: Any) -> State:
         return len(shares) > 1
 
     outcome = solve(search_excitation, job, stop_soon)
-    return receive(started, "identifying.excitation", outcome)
+    return delivered(actions.SEARCH, started, outcome)
 
 
 @pytest.mark.slow
@@ -230,7 +230,7 @@ def test_failed_jobs_are_shown() -> None:
     job = state.identifying.running
     assert job is not None
     outcome = Outcome(job, error=PaminsaError("it failed"))
-    failed = receive(state, "identifying", outcome)
+    failed = delivered(actions.IDENTIFY, state, outcome)
     assert "it failed" in identify_text.status_html(compute(failed))
     failed = state.updated("identifying.excitation", outcome=outcome)
     assert "it failed" in identify_text.excitation_html(compute(failed))

@@ -22,7 +22,7 @@ from paminsa_viz.explorer.features.maps.tab import single_entries, torque_entrie
 from paminsa_viz.explorer.features.motion.plots import INPUTS as PLOT_INPUTS
 from paminsa_viz.explorer.kit import bindings
 from paminsa_viz.explorer.kit.bindings import Binding, same
-from paminsa_viz.explorer.kit.entries import BackgroundJob, Entry, given
+from paminsa_viz.explorer.kit.entries import Entry, Worker, given
 from paminsa_viz.explorer.kit.inputs import (
     Checkbox,
     Dropdown,
@@ -212,7 +212,7 @@ def test_keys_and_labels_tell_inputs_apart(state: State) -> None:
 def test_each_input_sets_the_state_and_undo_takes_it_back(
     server: viser.ViserServer, panel: str, state: State
 ) -> None:
-    entries = [entry for entry in PANELS[panel] if not isinstance(entry, BackgroundJob)]
+    entries = [entry for entry in PANELS[panel] if not isinstance(entry, Worker)]
     with desk_with(server, entries) as desk:
         for entry in inputs_in(entries):
             if entry.key in ONE_WAY or (entry.key.startswith("weights.") and entry.key[-1] != "0"):

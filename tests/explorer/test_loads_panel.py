@@ -12,10 +12,9 @@ from paminsa_viz.elastostatics.sideways import sideways_forces
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import compute
-from paminsa_viz.explorer.core.tasks import keep
 from paminsa_viz.explorer.features.loads import charts as chart
 from paminsa_viz.explorer.features.loads import tab
-from paminsa_viz.explorer.features.loads.solving import find_loads, instant
+from paminsa_viz.explorer.features.loads.solving import ALONG_MOTION, find_loads, instant
 from paminsa_viz.explorer.state.motion import Kind
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.state import State, initial_state
@@ -33,7 +32,7 @@ def along() -> State:
     state = motions.choose_kind(initial_state().updated("loads", along=True), Kind.ARCH)
     analysis = compute(state).analysis
     assert analysis is not None
-    return keep(state, "loads.outcome", solve(find_loads, analysis))
+    return ALONG_MOTION.deliver(state, solve(find_loads, analysis))
 
 
 def test_tables_are_those_of_the_pose_and_the_leg() -> None:

@@ -10,7 +10,6 @@ import viser
 
 from paminsa_viz.explorer.core import actions, persistence
 from paminsa_viz.explorer.core.frame import compute
-from paminsa_viz.explorer.core.tasks import receive
 from paminsa_viz.explorer.features.accuracy import manufacture as panel
 from paminsa_viz.explorer.features.accuracy import monte_carlo as robots
 from paminsa_viz.explorer.features.accuracy.monte_carlo import draw_robots
@@ -22,6 +21,7 @@ from paminsa_viz.model.accuracy import NO_DEVIATIONS, NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.manufacture import manufactured_pose, monte_carlo, tolerance_errors
 from tests.explorer.test_inputs import inputs_in
 from tests.support.desk import desk_with
+from tests.support.tasks import delivered
 
 POSE = (0.05, 0.0, 0.3, -0.5)
 
@@ -64,10 +64,10 @@ def test_a_singular_pose_has_no_numbers() -> None:
 
 
 def test_random_robots_come_from_the_seed_and_go_stale(moved: State) -> None:
-    started = robots.start(moved.updated("manufacture", robots=300, seed=7))
+    started = robots.DRAW.start(moved.updated("manufacture", robots=300, seed=7))
     job = started.manufacture.running
     assert job is not None
-    done = receive(started, "manufacture", solve(draw_robots, job))
+    done = delivered(robots.DRAW, started, solve(draw_robots, job))
     expected = monte_carlo(APPENDIX_4, POSE, robots=300, seed=7)
     outcome = done.manufacture.outcome
     assert outcome is not None
@@ -75,19 +75,19 @@ def test_random_robots_come_from_the_seed_and_go_stale(moved: State) -> None:
     np.testing.assert_array_equal(outcome.result.errors, expected.errors)
     text = robots.monte_carlo_html(compute(done))
     assert "300 robots, seed 7" in text
-    assert "have changed since" not in text
+    assert "Changed since" not in text
     heavier = actions.vary(done, {"links.b3": 1.0})
-    assert "have changed since" not in robots.monte_carlo_html(compute(heavier))
+    assert "Changed since" not in robots.monte_carlo_html(compute(heavier))
     for changed in (
         actions.move(done, x=0.02),
         actions.vary(done, {"tolerances.bar": 1e-5}),
         actions.vary(done, {"leg2.shaft": 1e-5}),
     ):
-        assert "have changed since" in robots.monte_carlo_html(compute(changed))
+        assert "Changed since" in robots.monte_carlo_html(compute(changed))
 
 
 def test_a_job_reports_progress_and_can_be_stopped(moved: State) -> None:
-    job = robots.start(moved).manufacture.running
+    job = robots.DRAW.start(moved).manufacture.running
     assert job is not None
     parts: list[float] = []
 
@@ -103,7 +103,7 @@ def test_a_job_reports_progress_and_can_be_stopped(moved: State) -> None:
 
 
 def test_too_many_robots_are_a_problem_and_no_failure(moved: State) -> None:
-    job = robots.start(moved).manufacture.running
+    job = robots.DRAW.start(moved).manufacture.running
     assert job is not None
     outcome = solve(draw_robots, replace(job, robots=10**8))
     assert "robots" in outcome.problem
@@ -147,7 +147,7 @@ def test_buttons_set_all_tolerances(moved: State) -> None:
 def test_the_button_draws_robots_on_the_page(server: viser.ViserServer) -> None:
     with desk_with(server, panel.MANUFACTURE) as desk:
         desk.dispatch(lambda s: s.updated("manufacture", robots=50))
-        desk.dispatch(robots.start)
+        desk.dispatch(robots.DRAW.start)
         desk.until(lambda: desk.state.manufacture.outcome is not None)
         assert desk.state.manufacture.running is None
         desk.until(lambda: "50 robots" in desk.handle("manufacture.found").content)

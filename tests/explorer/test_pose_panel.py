@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame, compute
+from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.pose.tab import GRAIN, POSE, heights, holding, pose_limits
 from paminsa_viz.explorer.kit.bindings import Panel
-from paminsa_viz.explorer.kit.entries import BackgroundJob
+from paminsa_viz.explorer.kit.task import Follower
 from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model import APPENDIX_4, KneeBranch, check_reach
 from paminsa_viz.model.reach import home_pose
@@ -113,8 +114,8 @@ def test_in_a_closed_tab_only_jobs_follow_a_drag(server: viser.ViserServer) -> N
     """What is shown there waits until the page is idle, or the tab is opened."""
     session = Session(RawPage(server).client, initial_state())
     asked: list[Frame] = []
-    job = BackgroundJob("engine_answer", find=lambda job, _: job, wanted=asked.append)
-    panel = Panel(session, (*POSE, job), "Pose")
+    job = Follower(Place(lambda state: state.engine_answer), asked.append, lambda job, _: job)
+    panel = Panel(session, (*POSE, job.worker), "Pose")
     x = panel.handles["pose.x"]
 
     def shown(place: float, *, dragging: bool) -> float:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,17 +13,12 @@ from paminsa_viz.explorer.core import actions as designs
 from paminsa_viz.explorer.core.causes import surface_parts
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.maps import MapStore
-from paminsa_viz.explorer.core.requirements import (
-    current_check,
-    find_volume,
-    is_quick,
-    placed_workspace,
-    receive,
-)
+from paminsa_viz.explorer.core.requirements import current_check, is_quick, placed_workspace
 from paminsa_viz.explorer.features.requirements import actions
 from paminsa_viz.explorer.features.requirements import texts as text
 from paminsa_viz.explorer.features.requirements.tab import REQUIREMENTS, go_to_worst
-from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.features.requirements.volumes import find_volume, receive
+from paminsa_viz.explorer.state.outcome import Outcome, solve
 from paminsa_viz.explorer.state.requirements import VolumeJob
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.strip import strip_html
@@ -157,3 +154,17 @@ def test_requirements_are_added_and_changed_on_the_page(desk: Desk) -> None:
     desk.set("requirements.buttons", "Remove")
     desk.until(lambda: len(desk.state.document.requirements.bounds) == 3)
     assert not desk.notices
+
+
+def test_a_largest_workspace_is_stale_once_what_it_is_of_has_changed() -> None:
+    state = actions.suggest(initial_state())
+    job = actions.largest_job(state)
+    placed = replace(job.workspace, center=(0.0, 0.0, -0.5))
+    found: Any = SimpleNamespace(workspace=placed)
+    kept = state.updated("requiring.largest", outcome=Outcome(job, found))
+    assert actions.LARGEST.changes(kept) == ()
+    assert actions.LARGEST.changes(actions.use_largest(kept)) == ()
+    other = actions.set_workspace(kept, size=(0.3, 0.3, 0.9))
+    assert actions.LARGEST.changes(other) == ("size",)
+    assert actions.LARGEST.changes(kept.updated("requiring.largest", seconds=60.0)) == ("seconds",)
+    assert actions.LARGEST.changes(actions.clear(kept)) == ("requirements",)

@@ -12,11 +12,9 @@ from paminsa_viz.elastostatics.stiffness import compensate, platform_stiffness
 from paminsa_viz.elastostatics.vibration import first_frequencies
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import compute
-from paminsa_viz.explorer.core.tasks import keep
 from paminsa_viz.explorer.features.stiffness import tab as panel
 from paminsa_viz.explorer.features.stiffness.solving import analyze_elasticity
-from paminsa_viz.explorer.kit.entries import BackgroundJob
-from paminsa_viz.explorer.kit.task import JobRunner
+from paminsa_viz.explorer.kit.task import FollowerRunner
 from paminsa_viz.explorer.state.outcome import Outcome, solve
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.stiffness import CASES, ElasticJob, ElasticResult
@@ -31,7 +29,7 @@ def analyzed(state: State) -> State:
     job = ElasticJob(
         compute(state).shown_design, state.last_reachable.pose, state.elastic_view.case
     )
-    return keep(state, PATH, solve(analyze_elasticity, job))
+    return panel.ANALYSIS.deliver(state, solve(analyze_elasticity, job))
 
 
 def loaded(case: str = "load") -> State:
@@ -73,14 +71,16 @@ def test_poses_that_are_not_held_say_why() -> None:
     pose = (0.0, 0.0, float(np.arccos(0.1 / 0.35)), -0.5)
     found = solve(analyze_elasticity, ElasticJob(APPENDIX_4, pose, "x"))
     assert found.result is None
-    state = keep(frame_at(pose).state, PATH, found)
+    state = panel.ANALYSIS.deliver(frame_at(pose).state, found)
     assert "No stiffness at this pose" in panel.result_html(compute(state))
     weak = APPENDIX_4.vary({"elastic.drive_rotary": 1.0, "payload.mass": 20.0})
     pushed = solve(analyze_elasticity, ElasticJob(weak, (0.08, 0.05, 0.6, -0.5), "load"))
     assert pushed.result is not None
     assert pushed.result.frequencies == ()
     held = frame_at((0.08, 0.05, 0.6, -0.5), weak).state
-    assert "No natural frequencies" in panel.result_html(compute(keep(held, PATH, pushed)))
+    assert "No natural frequencies" in panel.result_html(
+        compute(panel.ANALYSIS.deliver(held, pushed))
+    )
 
 
 def test_a_tube_without_a_wall_is_refused() -> None:
@@ -124,16 +124,17 @@ def test_motors_that_compensate_are_the_models() -> None:
 
 
 def test_only_what_is_shown_or_elastic_is_analyzed_while_dragging() -> None:
-    entry = next(each for each in panel.STIFFNESS if isinstance(each, BackgroundJob))
-    analyzer = JobRunner(SimpleNamespace(closed=True), entry)  # type: ignore[arg-type]
+    session: Any = SimpleNamespace(closed=True)
+    analyzer = FollowerRunner(session, panel.ANALYSIS)
     jobs: list[ElasticJob] = []
     state = frame_at(POSE).state
 
     def draw(state: State, dragging: bool) -> int:
         known = None if not jobs else Outcome[ElasticJob, ElasticResult](jobs[-1])
         analyzer.draw(compute(state.updated("elastic_view", outcome=known)), dragging)
-        if analyzer.wanted is not None and analyzer.wanted not in jobs:
-            jobs.append(analyzer.wanted)
+        run = analyzer.background.wanted
+        if run is not None and run.job not in jobs:
+            jobs.append(run.job)
         return len(jobs)
 
     assert draw(state, True) == 0

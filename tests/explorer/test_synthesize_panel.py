@@ -11,7 +11,6 @@ import pytest
 from paminsa_viz.explorer.core import actions as designs
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.requirements import current_check
-from paminsa_viz.explorer.core.tasks import progress, receive, stop
 from paminsa_viz.explorer.features.requirements import actions as requirements
 from paminsa_viz.explorer.features.synthesis import actions, cases, solving
 from paminsa_viz.explorer.features.synthesis import texts as text
@@ -28,6 +27,7 @@ from paminsa_viz.synthesis.search.case import Effort, Regime
 from paminsa_viz.synthesis.search.front import DesignFront, FrontPoint
 from paminsa_viz.synthesis.search.result import SynthesisResult
 from tests.support.desk import Desk
+from tests.support.tasks import delivered
 
 PANEL = SYNTHESIZE
 
@@ -90,7 +90,7 @@ def test_a_short_search_is_adopted_with_the_design_before_as_reference(
     assert outcome.problem == ""
     assert done == sorted(done)
     assert seen
-    state = actions.receive(told(started, seen[-1]), outcome)
+    state = delivered(actions.SEARCH, told(started, seen[-1]), outcome)
     found = outcome.result.answer  # type: ignore[union-attr]
     assert found.feasible
     shown = text.result_html(compute(state))
@@ -107,7 +107,7 @@ def test_a_short_search_is_adopted_with_the_design_before_as_reference(
 
 def told(state: State, best: BestSoFar) -> State:
     """Return the state once its search has told of the best robot so far."""
-    return progress(state, "synthesizing", state.synthesizing.running, 0.5, best=best)
+    return actions.SEARCH.report(state, state.synthesizing.ticket, 0.5, best=best)
 
 
 def answer(state: State, radius: float, objective: float) -> SynthesisResult:
@@ -134,7 +134,9 @@ def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
         for size, mass, radius in ((0.4, 20.0, 0.3), (0.5, 18.0, 0.33), (0.6, 17.0, 0.36))
     )
     front = DesignFront(("footprint", "moving_mass"), points, 0, 4, 0, canceled=False)
-    state = actions.receive(started, Outcome(job, SearchResult(points[0].result, front=front)))
+    state = delivered(
+        actions.SEARCH, started, Outcome(job, SearchResult(points[0].result, front=front))
+    )
     shown = shown_front(state)
     assert shown is not None
     figure = front_figure(*shown)
@@ -146,7 +148,12 @@ def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
     chosen = actions.choose_point(state, 1)
     assert shown_front(chosen) != shown_front(state)
     assert "moving mass 18 kg" in text.result_html(compute(chosen))
-    assert actions.open_result(chosen).document.design == points[1].result.design
+    opened = actions.open_result(chosen)
+    assert opened.document.design == points[1].result.design
+    assert "Changed since" not in text.result_html(compute(opened))
+    assert actions.SEARCH.changes(designs.vary(opened, {"gravity": 9.0})) != ()
+    other = chosen.updated("synthesizing.settings", seed=5)
+    assert "Changed since: seed." in text.result_html(compute(other))
     assert actions.choose_point(state, 99) is state
 
 
@@ -154,20 +161,20 @@ def test_prices_are_of_the_answer_that_is_shown(asked: State) -> None:
     started = actions.start(asked)
     job = started.synthesizing.running
     assert job is not None
-    state = actions.receive(started, Outcome(job, SearchResult(answer(asked, 0.3, 0.4))))
-    pricing = actions.start_prices(state)
+    state = delivered(actions.SEARCH, started, Outcome(job, SearchResult(answer(asked, 0.3, 0.4))))
+    pricing = actions.PRICES.start(state)
     price_job = pricing.synthesizing.prices.running
     assert price_job is not None
     found = RequirementPrice("κ ≤ 10", "1", 10.0, 0.2, 0.42, 0.39, 0.075)
-    priced = receive(pricing, "synthesizing.prices", Outcome(price_job, (found,)))
+    priced = delivered(actions.PRICES, pricing, Outcome(price_job, (found,)))
     shown = text.prices_html(compute(priced))
     assert "−10 mm" in shown  # relaxed
     assert "20 mm" in shown  # tightened
     again = priced.updated("synthesizing", running=job)
-    other = actions.receive(again, Outcome(job, SearchResult(answer(asked, 0.31, 0.41))))
+    other = delivered(actions.SEARCH, again, Outcome(job, SearchResult(answer(asked, 0.31, 0.41))))
     assert text.prices_html(compute(other)) == ""
     with pytest.raises(InvalidInput):
-        actions.start_prices(asked)
+        actions.PRICES.start(asked)
 
 
 def test_a_search_without_an_answer_says_why_and_cannot_be_opened(asked: State) -> None:
@@ -177,7 +184,7 @@ def test_a_search_without_an_answer_says_why_and_cannot_be_opened(asked: State) 
     started = actions.start(state)
     job = started.synthesizing.running
     assert job is not None
-    received = actions.receive(started, solve(search, job))
+    received = delivered(actions.SEARCH, started, solve(search, job))
     shown = text.result_html(compute(received))
     assert "No robot meets all requirements" in shown
     assert "is excluded" in shown
@@ -201,9 +208,9 @@ def test_the_best_so_far_takes_the_robots_place_only_while_it_is_asked_for(asked
     assert actions.previewed(changed) is changed
     ghost = searching.updated("synthesizing.settings", shown=Shown.GHOST)
     assert actions.previewed(ghost) is ghost
-    stopped = stop(searching, "synthesizing")
+    stopped = actions.SEARCH.stop(searching)
     assert actions.previewed(stopped) is stopped
-    assert progress(stopped, "synthesizing", job, 0.5, best=best) is stopped
+    assert actions.SEARCH.report(stopped, stopped.synthesizing.ticket, 0.5, best=best) is stopped
     assert np.isnan(replace(best, cost=np.nan).cost)
 
 

@@ -17,8 +17,14 @@ from paminsa_viz.identification import (
     identify,
     make_log,
 )
+from paminsa_viz.identification.base_parameters import (
+    LEG_PARAMETERS,
+    leg_base_regressor,
+    mass_columns,
+)
 from paminsa_viz.identification.cause_columns import SPRING, possible_causes
 from paminsa_viz.model import APPENDIX_4, Friction
+from paminsa_viz.model.lumped import MASS_PATHS
 from tests.support.identification_logs import clean_signals, multi_sine, noisy, simulated
 
 DESIGN = replace(APPENDIX_4, friction=Friction(0.3, 0.4, 20.0, 8.0))
@@ -43,6 +49,7 @@ def test_an_encoder_zero_is_named_with_its_size(actuator: int) -> None:
     shift = np.radians(0.5) * np.eye(4)[actuator]
     found = causes(position + shift, torque)
     assert found.named[0].label == f"encoder zero of M{actuator + 1}"
+    assert found.named[0].text == found.named[0].label  # nothing explains nearly as much
     assert np.degrees(found.named[0].value) == pytest.approx(0.5, abs=0.1)
 
 
@@ -75,6 +82,21 @@ def test_a_spring_breaks_the_identity_and_is_named(constrain: bool) -> None:
     if not constrain:
         assert identified.identity.z < -4
         assert identified.identity.holds is False
+
+
+@pytest.mark.parametrize("bar", ["b3", "b4", "b8"])
+def test_bar_that_is_heavier_in_mass_alone_is_said_to_be_like_others(bar: str) -> None:
+    """No cause is exactly that: the leg is right, and the bar is among those that are alike."""
+    t, position, torque = signals()
+    legs = leg_base_regressor(DESIGN.geometry, *multi_sine(1, DESIGN)(t))
+    own = mass_columns(DESIGN)[0][list(LEG_PARAMETERS), MASS_PATHS.index(f"links.{bar}")]
+    for leg in range(3):
+        extra = legs[:, :, leg] @ (0.3 * DESIGN.value(f"links.{bar}") * own)
+        first = causes(position, torque + extra).named[0]
+        assert first.leg == leg + 1
+        assert f"leg {leg + 1}: {bar.upper()} heavier" in (first.label, *first.alike)
+        assert first.text.startswith(f"leg {leg + 1}; most like {first.label[7:9]} heavier (")
+        assert all(label.removeprefix(f"leg {leg + 1}: ") in first.text for label in first.alike)
 
 
 def test_two_causes_are_named_one_after_the_other() -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model import APPENDIX_4, solve_field, static_torques, xy_grid
+from paminsa_viz.model.load import LoadCase
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirement_text import (
     parse_requirement,
@@ -170,3 +174,27 @@ def test_labels_have_symbols_and_units() -> None:
     assert requirement_label(CASES["reach_margin >= 10 mm"]) == "margin ≥ 10 mm"
     label = requirement_label(CASES["f_4 <= 400 N for theta -30..30 deg, z -900..-500 mm"])
     assert label == "F₄ ≤ 400 N for θ −30..30°, z −900..−500 mm"
+
+
+def test_label_shows_the_numbers_of_the_text() -> None:
+    """In the units of the quantity, on both sides of it and in ranges."""
+    text = "20 <= error_x <= 100 um for theta -30..25, z -900..-500"
+    label = requirement_label(parse_requirement(text))
+    numbers = [float(n) for n in re.findall(r"-?[0-9]+(?:[.][0-9]+)?", label.replace("−", "-"))]
+    assert numbers == [20.0, 100.0, -30.0, 25.0, -900.0, -500.0]
+    assert parse_requirement("condition <= 10 for theta 20..20").theta == pytest.approx(
+        (np.radians(20.0), np.radians(20.0))
+    )
+
+
+def test_torques_that_are_required_are_those_with_the_load() -> None:
+    pose = np.array([0.05, -0.03, 0.2, -0.5])
+    grid = xy_grid(pose[:1], pose[1:2], pose[2], pose[3])
+    loaded = replace(APPENDIX_4, load=LoadCase(force_x=7.0, force_z=-30.0))
+    for design in (APPENDIX_4, loaded):
+        field, torque = solve_field(design.geometry, grid), static_torques(design, pose)
+        for name, expected in (("tau_1", torque[0]), ("f_4", torque[3])):
+            found = QUANTITIES[name].over(field, design)
+            assert found.item() == pytest.approx(expected, rel=1e-9), name
+        most = QUANTITIES["max_torque"].over(field, design)
+        assert most.item() == pytest.approx(np.abs(torque[:3]).max(), rel=1e-9)

@@ -46,7 +46,8 @@ def test_surface_is_closed_and_encloses_the_volume(volume: Volume, surface: Volu
     # positive: normals point outward
     assert mesh.volume == pytest.approx(volume.volume, rel=0.01)
     whole = volume_surface(volume, faces=10**9)
-    assert trimesh.Trimesh(whole.vertices, whole.faces).volume == pytest.approx(volume.volume)
+    enclosed = trimesh.Trimesh(whole.vertices, whole.faces).volume
+    assert enclosed == pytest.approx(volume.volume, rel=0.008)
 
 
 def test_margin_of_what_cuts_is_zero_at_the_surface(volume: Volume, surface: VolumeSurface) -> None:

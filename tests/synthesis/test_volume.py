@@ -10,16 +10,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy import ndimage
+from scipy.stats import qmc
 
 from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.model.reach import check_reach, home_pose
 from paminsa_viz.model.singularity import measure_singularity
+from paminsa_viz.model.statics import static_torques
 from paminsa_viz.progress import Canceled
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.volume.causes import FIRST_REQUIREMENT, OTHER_SIDE, CauseKind
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE, Resolution, axes_of
 from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
 from tests.support.cases import Case, cases
+from tests.support.samples import random_design, random_poses
 from tests.synthesis.robots import TURN, met, needs
 
 BOUNDS = ("condition <= 10", "max_torque <= 15 N m", "f_4 <= 250 N")
@@ -139,7 +142,8 @@ def test_mirrored_knee_has_the_mirrored_reach() -> None:
     upper = solve_volume(
         flat.with_knee(KneeBranch.UPPER), needs("condition <= 10"), resolution=COARSE
     )
-    assert upper.volume == pytest.approx(lower.volume, rel=1e-3)
+    assert upper.volume == pytest.approx(lower.volume, abs=upper.error + lower.error)
+    assert upper.error + lower.error < 0.1 * lower.volume
     np.testing.assert_allclose(upper.z, -lower.z[::-1], atol=1e-12)
     np.testing.assert_array_equal(upper.inside, lower.inside[..., ::-1])
 
@@ -275,3 +279,47 @@ def test_platform_joints_far_above_the_platform_leave_a_grid() -> None:
     high = replace(APPENDIX_4.geometry, platform_joint_height=3.0, knee=KneeBranch.UPPER)
     volume = solve_volume(replace(APPENDIX_4, geometry=high), needs(), resolution=COARSE)
     assert volume.empty
+
+
+def test_stated_error_holds_against_points_one_by_one() -> None:
+    """Robots, headings and bounds at random; no node, no depth and no closed form is used."""
+    for seed in (1, 4):
+        rng = np.random.default_rng(seed)
+        design = random_design(rng).with_knee(KneeBranch.LOWER)
+        turn = rng.uniform(0.1, 0.5)
+        torque = np.abs(static_torques(design, random_poses(rng, design, 200))[:, :3]).max(axis=1)
+        most = float(np.quantile(torque, 0.8))
+        asked = needs("condition <= 8", f"max_torque <= {most!r} N m", theta=(-turn, turn))
+        volume = solve_volume(design, asked, resolution=Resolution(20_000, 9, 5.0))
+        corner = [volume.x[0], volume.x[0], volume.z[0]]
+        size = np.array([volume.x[-1], volume.x[-1], 0.0]) - corner
+        points = corner + size * qmc.Sobol(3, rng=seed).random(2**14)
+        for theta in np.linspace(-turn, turn, 23):  # a point that breaks something is done with
+            poses = np.insert(points, 2, theta, axis=1)
+            points = points[met(design, poses, 8.0, most, np.inf)]
+        exact = float(np.prod(size)) * len(points) / 2**14
+        noise = exact / math.sqrt(len(points))  # of points at random; those of Sobol have less
+        assert abs(volume.volume - exact) <= volume.error + noise, seed
+        assert volume.error < 0.03 * exact, seed
+
+
+def test_volume_of_reach_alone_is_that_of_its_closed_form() -> None:
+    """At one heading and with long bars a robot reaches a cylinder; the guides are its ends."""
+    g = APPENDIX_4.geometry
+    design = replace(APPENDIX_4, geometry=replace(g, crank_length=0.6, coupler_length=0.6))
+    volume = solve_volume(design, needs(theta=(0.0, 0.0)), resolution=Resolution(30_000, 3, 5.0))
+    # joint 5 is |P - (R_b - R_pl) axis| from its leg axis, and |85| at most 1.2 m
+    radius, ratio = g.base_radius - g.platform_radius, g.span_ratio
+    angle = np.radians([210.0, -30.0, 90.0])
+    axes = radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    side = np.linspace(-radius, radius, 1201)
+    x, y = np.meshgrid(0.5 * (side[1:] + side[:-1]), 0.5 * (side[1:] + side[:-1]))
+    away = np.hypot(x[..., None] - axes[:, 0], y[..., None] - axes[:, 1])
+    lowest = -np.sqrt(np.maximum(1.44 - (ratio * away.max(axis=-1)) ** 2, 0.0))
+    deep = np.maximum(g.platform_joint_height - lowest, 0.0)
+    held = (np.hypot(x, y) < radius) & (away.min(axis=-1) > g.axis_clearance)
+    held &= away.max(axis=-1) <= g.stroke * (g.magnification - 1)
+    exact = float((deep * held).sum()) * (side[1] - side[0]) ** 2
+    assert volume.volume == volume.reachable_volume
+    assert abs(volume.volume - exact) <= volume.error + 2e-4 * exact
+    assert volume.error < 0.02 * exact

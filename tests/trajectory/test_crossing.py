@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -307,3 +308,24 @@ def test_a_planned_crossing_passes_the_check_and_another_one_does_not(
     back = round_trip(found.plan).sample()
     assert check_path(design.geometry, back).ok
     assert len(back.passages) == 2
+
+
+def test_steep_crossing_gets_fine_pieces_that_no_finer_ones_beat(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A line across the circle, almost at right angles to the escape twist: 8 % are at stake."""
+    start, goal = (0.12 * np.array([np.cos(a), np.sin(a)]) for a in (3.35, 3.55))
+    path = straight_path([*start, 0.3, -0.5], [*(3.0 * goal), 0.33, -0.5])
+    (crossing,) = crossings(BALANCED.geometry, path)
+    condition = crossing_condition(BALANCED, path, crossing.s)
+    assert 0.02 < program.influence(BALANCED, path, crossing, condition) < program.STEEP
+
+    def shortest(*refinements: int) -> float:
+        if refinements:
+            module = sys.modules[time_optimal.__module__]
+            monkeypatch.setattr(module, "REFINEMENTS", refinements)
+        return time_optimal(BALANCED, path, TEN).durations[0]
+
+    found = shortest()
+    assert found <= 1.002 * shortest(9)
+    assert found < 0.94 * shortest(0)

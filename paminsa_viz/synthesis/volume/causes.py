@@ -253,15 +253,6 @@ def margin_distance(margin: Array, slope: Array, step: float) -> Array:
     return np.where(margin == 0.0, 0.0, found)
 
 
-def enclosed_volume(depth: Array, step: float) -> float:
-    """Return the volume of the body where a depth on nodes (x, y, z) is positive [m^3]."""
-    if not (depth > 0.0).any():
-        return 0.0
-    vertices, faces = zero_surface(depth)
-    a, b, c = (vertices[corner] for corner in faces.T)
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0) * step**3
-
-
 def zero_surface(depth: Array) -> tuple[Array, NDArray[np.int64]]:
     """Return the closed surface where a depth is zero: vertices [nodes] and faces.
 

@@ -25,15 +25,17 @@ class Columns(Grid):
 
     Attributes:
         positions: (n, 2) x and y [m].
+        lift: (n,) what is added to the heights at each position [m]; None for nothing.
     """
 
     positions: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    lift: Array | None = None
 
     @classmethod
-    def at(cls, positions: Array, theta: Array, z: Array) -> Columns:
+    def at(cls, positions: Array, theta: Array, z: Array, lift: Array | None = None) -> Columns:
         """Return the poses at positions (n, 2) [m] with headings [rad] and heights [m]."""
         axes = (("x", positions[:, 0]), ("theta", theta), ("z", z))
-        return cls(axes, np.zeros(4), positions)
+        return cls(axes, np.zeros(4), positions, lift)
 
     def poses(self) -> Array:
         """Return every pose, (positions, headings, heights, 4) [m, m, rad, m]."""
@@ -41,6 +43,8 @@ class Columns(Grid):
         pose[..., :2] = self.positions[:, None, None]
         pose[..., 2] = self.axes[1][1][:, None]
         pose[..., 3] = self.axes[2][1]
+        if self.lift is not None:
+            pose[..., 3] += self.lift[:, None, None]
         return pose
 
 
@@ -77,6 +81,9 @@ def solve_columns(geometry: Geometry, columns: Columns, *, status: bool = True) 
 
 def _evaluate(formula: Formula, geometry: Geometry, columns: Columns) -> Array:
     count, headings, heights = columns.shape
+    if columns.lift is not None:
+        found = backend.over_list(formula, mechanism(geometry), columns.poses().reshape(-1, 4))
+        return found.T.reshape(formula.results, *columns.shape)
     outer = np.zeros((count, headings, 4))
     outer[..., :2] = columns.positions[:, None]
     outer[..., 2] = columns.axes[1][1]
@@ -122,6 +129,7 @@ def heading_margins(
     z: Array,
     count: int,
     progress: Progress = go_on,
+    lift: Array | None = None,
 ) -> tuple[Array, Array]:
     """Evaluate every requirement at positions and heights.
 
@@ -134,6 +142,7 @@ def heading_margins(
         z: (heights,) [m].
         count: Headings over a range; an odd number.
         progress: Is told what part is done, and may end it.
+        lift: (n,) what is added to the heights at each position [m]; None for nothing.
 
     Returns:
         The least margins over the headings (requirements, positions, heights) [SI]: minus infinite
@@ -158,7 +167,8 @@ def heading_margins(
         step = max(1, BLOCK // (theta.size * heights.size))
         for start in range(0, len(positions), step):
             part = slice(start, start + step)
-            columns = Columns.at(positions[part], theta, heights)
+            lifted = lift[part] if lift is not None and not flat else None
+            columns = Columns.at(positions[part], theta, heights, lifted)
             field = solve_columns(robot.geometry, columns, status=not cheap)
             found: dict[str, Array] = {}
             for index, bound in bounds:
@@ -173,8 +183,9 @@ def heading_margins(
             keep_on(progress, done / total)
     for index, bound in enumerate(requirements.bounds):
         if bound.z is not None:
-            free = (z < bound.z[0]) | (z > bound.z[1])
-            least[index][:, free] = coarse[index][:, free] = np.inf
+            level = z if lift is None else z + lift[:, None]
+            free = np.broadcast_to((level < bound.z[0]) | (level > bound.z[1]), shape[1:])
+            least[index][free] = coarse[index][free] = np.inf
     return least, coarse
 
 

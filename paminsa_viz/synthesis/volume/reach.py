@@ -20,12 +20,14 @@ from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.reach import MARGINS, Limit
-from paminsa_viz.quantities.requirements import Range, WorkspaceShape
+from paminsa_viz.quantities.requirements import Range, Requirement, WorkspaceShape
 
 TURN = 2.0 * np.pi
 
 _LONGER = 1e-9
 """By how much an arc is taken longer at both ends when it is looked for an extreme [rad]."""
+
+_GUIDE = MARGINS.index(Limit.GUIDE)
 
 SIGNS = np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)])
 """Corners of a square."""
@@ -134,6 +136,24 @@ def reach_bounds(
         locus - np.hypot(x, y),
         float(np.min(sign * (rb * np.array([least, largest]) - rp))),
     )
+
+
+def can_be_taken(margin: Array, which: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    """Return where a margin and its limit (`ReachBounds.margin`) are those of a pose in reach."""
+    # A guide may be used to its end.
+    return (margin > 0.0) | ((margin == 0.0) & (which % len(MARGINS) == _GUIDE))
+
+
+def takes_own_headings(
+    geometry: Geometry, x: ArrayLike, y: ArrayLike, z: Array, bound: Requirement
+) -> NDArray[np.bool_]:
+    """Return where a requirement's own headings can be taken, or do not count, at positions [m]."""
+    assert bound.theta is not None
+    own = reach_bounds(geometry, x, y, bound.theta)
+    free = np.zeros(z.shape, np.bool_)
+    if bound.z is not None:
+        free = (z < bound.z[0]) | (z > bound.z[1])
+    return (can_be_taken(*own.margin(z)) & own.regular) | free
 
 
 def leg_distances(

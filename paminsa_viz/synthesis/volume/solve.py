@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.reach import MARGINS, Limit
+from paminsa_viz.model.design import Design
 from paminsa_viz.progress import Progress, go_on
-from paminsa_viz.quantities.requirements import Requirement, Requirements
+from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.volume.causes import (
     DISCONNECTED,
     FIRST_REACH,
@@ -22,14 +21,14 @@ from paminsa_viz.synthesis.volume.causes import (
     SINGULAR,
     VolumeCause,
     causes_of,
-    enclosed_volume,
     margin_distance,
     margin_slope,
     reach_distances,
 )
 from paminsa_viz.synthesis.volume.grid import FINE, Resolution, axes_of, home_side, joined_to_home
 from paminsa_viz.synthesis.volume.margins import heading_margins
-from paminsa_viz.synthesis.volume.reach import reach_bounds
+from paminsa_viz.synthesis.volume.measure import Nodes, measure
+from paminsa_viz.synthesis.volume.reach import can_be_taken, reach_bounds, takes_own_headings
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +49,9 @@ class Volume:
             is where it is zero.
         nearest: Code of the cause that ends the volume next to a node inside; elsewhere the cause.
         reachable: Nodes whose poses can be taken with every heading, joined to home.
-        volume: [m^3].
-        error: What twice the cells' size, and every second heading, change it by [m^3].
+        volume: [m^3], see `volume.measure`.
+        error: Three standard deviations of the samples, what every second heading changes, and
+            parts that may be joined by a neck thinner than the cells [m^3].
         reachable_volume: Volume of the reachable body [m^3].
         home_inside: Whether home is in the volume. If not, it is the largest connected part that
             can be reached from home.
@@ -151,10 +151,10 @@ def solve_volume(
     bounds = reach_bounds(g, x[:, None, None], x[None, :, None], requirements.theta)
     margin, which = bounds.margin(z)
     side = home_side(g, z, both_sides)
-    reached = _reached(margin, which)
+    reached = can_be_taken(margin, which)
     takes = reached & bounds.regular & (side >= 0.0)
     reachable = joined_to_home(takes, x, z, g)[0]
-    margins, fewer = _margins(design, requirements, x, z, reachable, headings, progress)
+    margins = _margins(design, requirements, x, z, reachable, headings, progress)
     met = (margins >= 0.0).all(axis=0) & reachable
     inside, home_inside = joined_to_home(met, x, z, g)
 
@@ -162,11 +162,11 @@ def solve_volume(
     nearest = np.where(side < body, np.uint8(OTHER_SIDE), nearest)
     body = np.minimum(body, side)
     body = np.where(reachable, np.maximum(body, 0.0), -np.abs(body))
-    depth, looser, worst = body, body, np.zeros(1, np.uint8)
+    depth, worst = body, np.zeros(1, np.uint8)
     if len(margins):
-        least, least_of_fewer, worst = _distances(requirements, margins, fewer, z, step)
+        least, worst = _distances(requirements, margins, z, step)
         nearest = np.where(least < body, FIRST_REQUIREMENT + worst, nearest).astype(np.uint8)
-        depth, looser = np.fmin(body, least), np.fmin(body, least_of_fewer)
+        depth = np.fmin(body, least)
     depth = np.where(inside, np.maximum(depth, 0.0), -np.abs(depth))
 
     cause = np.full(takes.shape, INSIDE, np.uint8)
@@ -177,21 +177,15 @@ def solve_volume(
     cause = np.where(reached, cause, FIRST_REACH + which).astype(np.uint8)
     cause[..., side < 0.0] = OTHER_SIDE
 
-    volume = enclosed_volume(depth, step)
-    # Two grids of twice the cells' size, as one may come close by chance.
-    halves = (enclosed_volume(depth[n::2, n::2, n::2], 2.0 * step) for n in range(2))
-    error = max(abs(volume - half) for half in halves)
-    if not np.array_equal(fewer, margins, equal_nan=True):
-        looser = np.where(met & ~inside, -np.abs(looser), looser)
-        error += abs(enclosed_volume(looser, step) - volume)
+    nodes = Nodes(x, z, inside, met & ~inside, depth, reachable, body)
+    measured = measure(
+        design, requirements, nodes, headings, both_sides, resolution.budget, progress
+    )
     return Volume(
         design, requirements, x, x, z, headings, cause, causes_of(requirements), margins,
-        depth, np.where(inside, nearest, cause), reachable, volume, error,
-        enclosed_volume(body, step), home_inside,
+        depth, np.where(inside, nearest, cause), reachable, measured.volume, measured.error,
+        measured.reachable, home_inside,
     )  # fmt: skip
-
-
-_GUIDE = MARGINS.index(Limit.GUIDE)
 
 
 def _margins(
@@ -202,10 +196,9 @@ def _margins(
     reachable: NDArray[np.bool_],
     headings: int,
     progress: Progress,
-) -> tuple[Array, Array]:
-    """Return margins on the nodes, and those over every second heading; NaN out of reach."""
-    shape = (len(requirements.bounds), *reachable.shape)
-    found = np.full(shape, np.nan), np.full(shape, np.nan)
+) -> Array:
+    """Return the margins on the nodes (requirements, x, y, z); NaN out of reach."""
+    found = np.full((len(requirements.bounds), *reachable.shape), np.nan)
     columns = reachable.any(axis=2)
     if not columns.any() or not requirements.bounds:
         return found
@@ -213,52 +206,26 @@ def _margins(
     heights = slice(int(used[0]), int(used[-1]) + 1)
     index = np.nonzero(columns)
     positions = np.column_stack([x[index[0]], x[index[1]]])
-    solved = heading_margins(design, requirements, positions, z[heights], headings, progress)
-    for target, source in zip(found, solved, strict=True):
-        for number in range(len(target)):
-            target[number, index[0], index[1], heights] = source[number]
-        for number, bound in enumerate(requirements.bounds):
-            if bound.theta is not None:  # it has no value where these headings cannot be taken
-                target[number][~_takes(design.geometry, x, z, bound)] = -np.inf
-        target[:, ~reachable] = np.nan
+    solved, _ = heading_margins(design, requirements, positions, z[heights], headings, progress)
+    for number, bound in enumerate(requirements.bounds):
+        found[number, index[0], index[1], heights] = solved[number]
+        if bound.theta is not None:  # it has no value where these headings cannot be taken
+            own = takes_own_headings(design.geometry, x[:, None, None], x[None, :, None], z, bound)
+            found[number][~own] = -np.inf
+    found[:, ~reachable] = np.nan
     return found
 
 
-def _takes(geometry: Geometry, x: Array, z: Array, bound: Requirement) -> NDArray[np.bool_]:
-    """Return where a requirement's own headings can be taken, or do not count."""
-    assert bound.theta is not None
-    own = reach_bounds(geometry, x[:, None, None], x[None, :, None], bound.theta)
-    free = np.zeros(z.shape, np.bool_)
-    if bound.z is not None:
-        free = (z < bound.z[0]) | (z > bound.z[1])
-    return (_reached(*own.margin(z)) & own.regular) | free
-
-
-def _reached(margin: Array, which: NDArray[np.uint8]) -> NDArray[np.bool_]:
-    """Return where a margin and its limit are those of a pose that can be taken."""
-    # A guide may be used to its end.
-    return (margin > 0.0) | ((margin == 0.0) & (which % len(MARGINS) == _GUIDE))
-
-
 def _distances(
-    requirements: Requirements, margins: Array, fewer: Array, z: Array, step: float
-) -> tuple[Array, Array, NDArray[np.uint8]]:
-    """Return the least distance to where a requirement breaks (x, y, z), and which does.
-
-    The second result is the least distance by the margins over fewer headings [m].
-    """
-    shape = margins.shape[1:]
-    least, loose = np.full(shape, np.inf), np.full(shape, np.inf)
-    worst = np.zeros(shape, np.uint8)
+    requirements: Requirements, margins: Array, z: Array, step: float
+) -> tuple[Array, NDArray[np.uint8]]:
+    """Return the least distance to where a requirement breaks (x, y, z) [m], and which does."""
+    least = np.full(margins.shape[1:], np.inf)
+    worst = np.zeros(margins.shape[1:], np.uint8)
     for number, bound in enumerate(requirements.bounds):
-        slope = margin_slope(margins[number])
-        distance, looser = (
-            margin_distance(values[number], slope, step) for values in (margins, fewer)
-        )
+        distance = margin_distance(margins[number], margin_slope(margins[number]), step)
         if bound.z is not None:
-            beyond = np.maximum(bound.z[0] - z, z - bound.z[1])
-            distance, looser = np.maximum(distance, beyond), np.maximum(looser, beyond)
+            distance = np.maximum(distance, np.maximum(bound.z[0] - z, z - bound.z[1]))
         nearer = distance < least
         least, worst = np.where(nearer, distance, least), np.where(nearer, np.uint8(number), worst)
-        loose = np.fmin(loose, looser)
-    return least, loose, worst
+    return least, worst

@@ -5,12 +5,11 @@ from __future__ import annotations
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.features.balance import actions as balancing
-from paminsa_viz.explorer.features.balance.solving import run
 from paminsa_viz.explorer.features.balance.texts import status_html
-from paminsa_viz.explorer.state.balance import BalanceJob, Task
-from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.balance import BalanceJob, BalanceKind
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model.parameters import Counterweight
+from tests.support.tasks import finished
 
 ATTACHED = Counterweight("b8", 8, 0.1, 1.0)
 
@@ -18,17 +17,16 @@ START = motions.choose_preset(initial_state(), "arch")
 """The state at the start, with a motion in the shape of an arch."""
 
 
-def started(state: State, task: Task) -> tuple[State, BalanceJob]:
+def started(state: State, task: BalanceKind) -> tuple[State, BalanceJob]:
     """Return the state while a task runs, and its job."""
     running = balancing.start(state, task)
     assert running.balancing.running is not None
     return running, running.balancing.running
 
 
-def solved(state: State, task: Task = Task.OPTIMUM) -> State:
+def solved(state: State, task: BalanceKind = BalanceKind.OPTIMUM) -> State:
     """Return the state after a task."""
-    running, job = started(state, task)
-    return balancing.receive_result(running, solve(run, job))
+    return finished(balancing.TASKS[task], started(state, task)[0])
 
 
 def status(state: State) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,9 +21,9 @@ from paminsa_viz.explorer.features.balance.charts import (
     tornado_figure,
 )
 from paminsa_viz.explorer.features.balance.solving import middle, run, static_torque
-from paminsa_viz.explorer.features.balance.texts import sensitivity_html
-from paminsa_viz.explorer.state.balance import Task
-from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.features.balance.texts import front_html, sensitivity_html
+from paminsa_viz.explorer.state.balance import BalanceKind, MassFront
+from paminsa_viz.explorer.state.outcome import Outcome, solve
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -33,15 +34,16 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.trajectory import analyze
 from tests.explorer.balancing.balanced import START, solved, started
+from tests.support.tasks import delivered
 
 
 def test_points_of_the_front_are_designs_with_the_torques_they_say() -> None:
     steps: list[float] = []
-    running, job = started(START, Task.FRONT)
+    running, job = started(START, BalanceKind.FRONT)
     outcome: Any = solve(run, job, lambda done: bool(steps.append(done)))
     assert steps == sorted(steps)
     assert steps[-1] == 1
-    after = balancing.receive_result(running, outcome)
+    after = delivered(balancing.FRONT, running, outcome)
     assert after.document == START.document
     points = outcome.result.front.points
     assert len(outcome.result.designs) == len(points) > 5
@@ -66,7 +68,7 @@ def test_points_of_the_front_are_designs_with_the_torques_they_say() -> None:
 
 
 def test_front_that_is_stopped_stops() -> None:
-    _, job = started(START, Task.FRONT)
+    _, job = started(START, BalanceKind.FRONT)
     found: Any = run(job, lambda _: True)
     assert len(found.front.points) < 3
 
@@ -84,7 +86,7 @@ def text(state: State) -> str:
 @pytest.mark.slow
 def test_tornado_is_sorted_and_gives_the_models_numbers() -> None:
     loaded = balancing.add_counterweight(balancing.add_counterweight(START, "b8", 8), "b3", 7)
-    after = solved(loaded, Task.SENSITIVITY)
+    after = solved(loaded, BalanceKind.SENSITIVITY)
     outcome = after.balancing.tornado
     assert outcome is not None
     assert outcome.result is not None
@@ -99,20 +101,53 @@ def test_tornado_is_sorted_and_gives_the_models_numbers() -> None:
     bar = next(bar for bar in outcome.result.bars if bar.path == "joints.j7")
     more = loaded.document.design.vary({"joints.j7": 1.05 * bar.value})
     assert bar.plus[0] == pytest.approx(static_imbalance(more))
-    assert "Of an earlier design" in text(actions.change_design(after, counterweights=()))
+    assert "Changed since: counterweights." in text(actions.change_design(after, counterweights=()))
 
 
 def test_sensitivity_is_that_of_poses_away_from_limits() -> None:
-    poses = middle(balancing.make_job(START, Task.SENSITIVITY)).poses()
+    poses = middle(balancing.make_job(START, BalanceKind.SENSITIVITY)).poses()
     assert check_reach(APPENDIX_4.geometry, poses).ok.all()
     measured = measure_singularity(APPENDIX_4.geometry, poses)
     assert (measured.condition <= 10).all()
     assert (measured.serial_distance >= 0.01).all()
-    far = solved(actions.move(START, z=-3.0), Task.SENSITIVITY)
+    far = solved(actions.move(START, z=-3.0), BalanceKind.SENSITIVITY)
     assert "no pose around the middle is clear" in text(far)
 
 
 def test_without_a_motion_the_sensitivity_is_static() -> None:
-    after = solved(motions.choose_kind(START, motions.Kind.TABLE), Task.SENSITIVITY)
+    after = solved(motions.choose_kind(START, motions.Kind.TABLE), BalanceKind.SENSITIVITY)
     assert "Nothing to show" not in text(after)
     assert "Nothing to show" in text(after.updated("balancing", output=3))
+
+
+def test_front_and_sensitivity_say_what_has_changed_since() -> None:
+    """Both claim to be of this plane and of these bounds."""
+    job = balancing.make_job(START, BalanceKind.FRONT)
+    point = actions.vary(START, {"links.b4": 0.9}).document.design
+    points: Any = SimpleNamespace(points=())
+    front = MassFront(points, (point,))
+    tornado: Any = SimpleNamespace(bars=(SimpleNamespace(lost=0),), ranked=lambda output: ())
+    made = balancing.make_job(START, BalanceKind.SENSITIVITY)
+    state = START.updated(
+        "balancing", front=Outcome(job, front), tornado=Outcome(made, tornado)
+    )  # fmt: skip
+    for task, page in ((balancing.FRONT, front_html), (balancing.SENSITIVITY, sensitivity_html)):
+        assert task.changes(state) == ()
+        turned = actions.move(state, theta=0.2, z=-0.52)
+        assert task.changes(turned) == ("θ", "z")
+        assert "Changed since: θ and z." in page(compute(turned))
+    turned = actions.move(state, theta=0.2)
+    assert "of that time" in front_html(compute(turned))
+    bounded = balancing.change_settings(state, max_added=3.0)
+    assert balancing.FRONT.changes(bounded) == ("“Max added”",)
+    assert balancing.SENSITIVITY.changes(bounded) == ()
+    assert balancing.FRONT.changes(balancing.choose_point(state, 0)) == ()
+
+
+def test_a_balance_is_of_the_design_that_it_made() -> None:
+    after = balancing.balance_now(START)
+    assert after.document.design != START.document.design
+    assert balancing.OPTIMUM.changes(after) == ()
+    assert balancing.OPTIMUM.changes(balancing.change_settings(after, max_added=3.0)) == ()
+    heavier = actions.vary(after, {"platform.mass": 3.0})
+    assert "masses" in balancing.OPTIMUM.changes(heavier)

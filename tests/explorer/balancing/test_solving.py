@@ -15,12 +15,11 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.maps import COARSE, MapStore, hold_range, toggle_difference
-from paminsa_viz.explorer.core.tasks import stop
 from paminsa_viz.explorer.features.balance import actions as balancing
 from paminsa_viz.explorer.features.balance.solving import run, static_torque, tidied
 from paminsa_viz.explorer.features.balance.texts import details_html
 from paminsa_viz.explorer.features.compare.tab import differences_html
-from paminsa_viz.explorer.state.balance import CounterweightSlot, FreeMasses, Goal, Task
+from paminsa_viz.explorer.state.balance import BalanceKind, CounterweightSlot, FreeMasses, Goal
 from paminsa_viz.explorer.state.maps import RangeMode
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.state import State
@@ -35,6 +34,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, Counterweight
 from paminsa_viz.trajectory import analyze
 from tests.explorer.balancing.balanced import ATTACHED, START, solved, started, status
+from tests.support.tasks import delivered
 
 
 def test_papers_balance_pins_the_design_before() -> None:
@@ -88,7 +88,7 @@ def test_numbers_of_a_result_are_the_models() -> None:
 
 
 def test_static_torque_is_that_of_all_poses_away_from_singularities() -> None:
-    job = balancing.make_job(actions.move(START, theta=0.5), Task.OPTIMUM)
+    job = balancing.make_job(actions.move(START, theta=0.5), BalanceKind.OPTIMUM)
     field = job.plane(COARSE)
     used = field.status == Limit.OK
     poses = field.grid.poses()
@@ -145,15 +145,15 @@ def test_unchanged_numbers_keep_their_last_digit() -> None:
 
 
 def test_result_for_another_design_or_a_stopped_job_is_dropped() -> None:
-    running, job = started(START, Task.OPTIMUM)
+    running, job = started(START, BalanceKind.OPTIMUM)
     with pytest.raises(InvalidInput, match="still runs"):
-        balancing.start(running, Task.FRONT)
+        balancing.start(running, BalanceKind.FRONT)
     changed = actions.vary(running, {"links.b4": 0.9})
-    after = balancing.receive_result(changed, solve(run, job))
+    after = delivered(balancing.OPTIMUM, changed, solve(run, job))
     assert after.document == changed.document
     assert "changed in the meantime" in status(after)
-    stopped = stop(running, "balancing")
-    assert balancing.receive_result(stopped, solve(run, job)) is stopped
+    stopped = balancing.OPTIMUM.stop(running)
+    assert delivered(balancing.OPTIMUM, stopped, solve(run, job)) is stopped
 
 
 def test_common_range_suits_both_designs() -> None:

@@ -8,7 +8,6 @@ import pytest
 from paminsa_viz.balancing import spring_torques
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import compute
-from paminsa_viz.explorer.core.tasks import receive
 from paminsa_viz.explorer.features.files.examples import EXAMPLES, open_example
 from paminsa_viz.explorer.features.springs import actions as springs
 from paminsa_viz.explorer.features.springs.tab import SPRINGS, springs_html
@@ -17,14 +16,13 @@ from paminsa_viz.explorer.state.springs import SpringsFrom
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, InvalidInput, static_imbalance, static_torques
 from tests.support.desk import Desk
+from tests.support.tasks import finished
 
 PANEL = SPRINGS
 
 
 def fitted(state: State) -> State:
-    started = springs.start(state)
-    assert started.springing.running is not None
-    return receive(started, "springing", solve(springs.fit, started.springing.running))
+    return finished(springs.FIT, springs.FIT.start(state))
 
 
 @pytest.fixture
@@ -58,10 +56,13 @@ def test_text_compares_torques_with_and_without_springs(off_center: State) -> No
     text = springs_html(compute(state))
     assert "91 N/m" in text
     assert "4.570" in text
-    assert "fit again" not in text
+    assert "Changed since" not in text
     changed = actions.vary(state, {"links.b4": 0.9})
-    assert "fit again" in springs_html(compute(changed))
-    assert "91 N/m" not in springs_html(compute(springs.clear(state)))
+    assert "Changed since: masses." in springs_html(compute(changed))
+    higher = state.updated("springing.settings", height=0.2)
+    assert "Changed since: “Height”." in springs_html(compute(higher))
+    assert "Changed since: θ." in springs_html(compute(actions.move(state, theta=0.1)))
+    assert "91 N/m" not in springs_html(compute(springs.FIT.forget(state)))
 
 
 def test_springs_change_nothing_else(off_center: State) -> None:
@@ -85,11 +86,11 @@ def test_impossible_places_are_refused(changes: dict[str, float]) -> None:
 
 
 def test_fit_of_another_design_is_dropped(off_center: State) -> None:
-    first = springs.start(off_center)
+    first = springs.FIT.start(off_center)
     assert first.springing.running is not None
     outcome = solve(springs.fit, first.springing.running)
-    again = springs.start(actions.vary(first, {"links.b4": 0.9}))
-    assert receive(again, "springing", outcome) is again
+    again = springs.FIT.start(actions.vary(first, {"links.b4": 0.9}))
+    assert springs.FIT.deliver(again, first.springing.ticket, outcome) is again
 
 
 def test_numbers_are_typed_in_millimeters(desk: Desk) -> None:

@@ -8,13 +8,13 @@ import pytest
 from paminsa_viz.balancing.tolerance import mass_tolerance
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import compute
-from paminsa_viz.explorer.core.tasks import receive
 from paminsa_viz.explorer.features.files.examples import open_example
 from paminsa_viz.explorer.features.tolerances import tab as panel
-from paminsa_viz.explorer.features.tolerances.actions import draw_robots
+from paminsa_viz.explorer.features.tolerances.actions import DRAW, draw_robots
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.state import State, initial_state
 from tests.support.desk import Desk
+from tests.support.tasks import delivered
 
 PANEL = panel.TOLERANCES
 
@@ -37,17 +37,21 @@ def test_balanced_robot_still_has_torques_within_tolerances(state: State) -> Non
 
 
 def test_lengths_are_drawn_on_request_and_go_stale(state: State) -> None:
-    asked = panel.start(state.updated("tolerating.settings", length=0.01))
+    asked = DRAW.start(state.updated("tolerating.settings", length=0.01))
     job = asked.tolerating.running
     assert job is not None
     outcome = solve(draw_robots, job)
     assert outcome.result is not None
-    done = receive(asked, "tolerating", outcome)
+    done = delivered(DRAW, asked, outcome)
     text = panel.lengths_html(compute(done))
     assert f"{outcome.result.quantile(0.95):.3f}" in text
-    assert "draw again" not in text
-    assert "draw again" in panel.lengths_html(compute(actions.vary(done, {"links.b4": 0.9})))
-    assert receive(done, "tolerating", outcome) is done
+    assert "Changed since" not in text
+    assert "Changed since: masses." in panel.lengths_html(
+        compute(actions.vary(done, {"links.b4": 0.9}))
+    )
+    more = done.updated("tolerating.settings", mass=0.1)  # which plays no part
+    assert "Changed since" not in panel.lengths_html(compute(more))
+    assert delivered(DRAW, done, outcome) is done
 
 
 def test_robots_are_drawn_in_the_background(desk: Desk) -> None:

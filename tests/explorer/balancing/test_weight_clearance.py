@@ -11,7 +11,7 @@ from paminsa_viz.clearance import PairGroup, clearance
 from paminsa_viz.explorer.features.balance import actions as balancing
 from paminsa_viz.explorer.features.balance.solving import run, weight_clearance
 from paminsa_viz.explorer.features.balance.texts import details_html
-from paminsa_viz.explorer.state.balance import CounterweightSlot, Task
+from paminsa_viz.explorer.state.balance import BalanceKind, CounterweightSlot
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model import APPENDIX_4
@@ -25,7 +25,7 @@ def optimum(lever: float):
     state = balancing.change_settings(
         initial_state(), slot_b8=CounterweightSlot(lever, 8.0), slot_b3=CounterweightSlot(0.0, 0.0)
     )
-    job = balancing.start(state, Task.OPTIMUM).balancing.running
+    job = balancing.start(state, BalanceKind.OPTIMUM).balancing.running
     assert job is not None
     return solve(run, job)
 

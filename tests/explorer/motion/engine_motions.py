@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import Any
 
 from paminsa_viz.explorer.core.motion_results import MotionResults, MotionStore
+from paminsa_viz.explorer.features.motion.engine import ask_engine
 from paminsa_viz.explorer.features.motion.plots import caption_html, drawn_charts
-from paminsa_viz.explorer.features.motion.solving import ask_engine
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.simulation import EngineRequest
 from paminsa_viz.explorer.state.state import State

@@ -10,8 +10,8 @@ from paminsa_viz.engines.verification import TOLERANCE, verify
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.features.export import exports
+from paminsa_viz.explorer.features.motion.engine import MOST_SAMPLES
 from paminsa_viz.explorer.features.motion.plots import difference_html, drawn_charts
-from paminsa_viz.explorer.features.motion.solving import MOST_SAMPLES
 from paminsa_viz.explorer.state.motion import Kind
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import KneeBranch, Misprint

@@ -9,10 +9,12 @@ import pytest
 
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
-from paminsa_viz.explorer.core.clearance import find_along, motion_job
+from paminsa_viz.explorer.core.clearance import motion_job
 from paminsa_viz.explorer.core.motion_results import MotionResults, MotionStore, split_path
+from paminsa_viz.explorer.features.clearance.actions import find_along
+from paminsa_viz.explorer.features.motion import simulation
 from paminsa_viz.explorer.features.motion.plots import drawn_charts
-from paminsa_viz.explorer.features.motion.solving import run
+from paminsa_viz.explorer.features.motion.simulation import run
 from paminsa_viz.explorer.state.motion import PLOTS, SIMULATED, Kind, PlotView
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.simulation import SimulationSettings, make_job
@@ -23,6 +25,7 @@ from paminsa_viz.plots.series import SeriesKind, Trace, runs, statistics
 from paminsa_viz.plots.series_uplot import Chart
 from paminsa_viz.trajectory import analyze
 from tests.support.charts import shown_curve
+from tests.support.tasks import delivered
 
 
 @pytest.fixture
@@ -160,16 +163,17 @@ def test_path_is_split_where_it_fails(failing: State) -> None:
 
 
 def test_result_of_a_simulation_is_plotted_and_holds_for_its_design_only() -> None:
-    state = motions.simulate(initial_state())
+    state = simulation.simulate(initial_state())
     job = state.simulating.running
     assert job is not None
     outcome = solve(run, job)
     assert outcome.result is not None
-    done = motions.receive_simulation(state, outcome)
+    done = delivered(simulation.SIMULATION, state, outcome)
     assert done.simulating.running is None
-    assert motions.simulation_is_current(done)
-    assert not motions.simulation_is_current(actions.vary(done, {"links.b4": 3.0}))
-    assert motions.receive_simulation(done, outcome) is done
+    assert not simulation.SIMULATION.is_stale(done)
+    heavier = actions.vary(done, {"links.b4": 3.0})
+    assert simulation.SIMULATION.changes(heavier) == ("masses",)
+    assert delivered(simulation.SIMULATION, done, outcome) is done
     place, turn = drawn_charts(done, results(done))
     assert "[mm]" in place.title
     error = np.degrees(outcome.result.error[:, 2])
@@ -189,4 +193,4 @@ def test_impossible_load_or_path_of_a_simulation_is_explained(failing: State) ->
             run, replace(lighter, design=loaded, settings=SimulationSettings(payload_mismatch=-3.0))
         ).problem
     )
-    assert "cannot be run" in solve(run, motions.wanted_job(failing)).problem
+    assert "cannot be run" in solve(run, simulation.wanted_job(failing)).problem

@@ -16,11 +16,11 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.motion_results import MotionStore
 from paminsa_viz.explorer.features.export import exports
-from paminsa_viz.explorer.features.motion.plots import INPUTS, difference_html, drawn_charts
+from paminsa_viz.explorer.features.motion.plots import ENGINE, INPUTS, difference_html, drawn_charts
 from paminsa_viz.explorer.kit import task as background
-from paminsa_viz.explorer.kit.entries import BackgroundJob, given
+from paminsa_viz.explorer.kit.entries import given
 from paminsa_viz.explorer.kit.inputs import Checkbox
-from paminsa_viz.explorer.kit.task import JobRunner
+from paminsa_viz.explorer.kit.task import FollowerRunner
 from paminsa_viz.explorer.state.simulation import EngineRequest
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput, PaminsaError
@@ -100,8 +100,7 @@ class Bench:
         self.designs: list[float] = []
         self.may, self.came = threading.Semaphore(0), threading.Semaphore(0)
         session: Any = self
-        entry = next(each for each in INPUTS if isinstance(each, BackgroundJob))
-        self.runner = JobRunner(session, replace(entry, find=self._answer))
+        self.runner = FollowerRunner(session, replace(ENGINE, find=self._answer))
 
     def _answer(self, request: EngineRequest, _: object) -> None:
         self.designs.append(request.analysis.design.links.b3)

@@ -14,7 +14,7 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.planning import checked
-from paminsa_viz.explorer.features.motion import points
+from paminsa_viz.explorer.features.motion import points, simulation
 from paminsa_viz.explorer.features.motion.crossing import crossing_html
 from paminsa_viz.explorer.features.motion.tab import MOTION, status_line
 from paminsa_viz.explorer.features.pose.tab import status_html
@@ -219,12 +219,12 @@ def test_masses_do_not_change_the_trajectory() -> None:
 
 
 def test_one_simulation_runs_at_a_time() -> None:
-    state = motions.simulate(initial_state())
+    state = simulation.simulate(initial_state())
     assert state.plots.plot == "errors"
     with pytest.raises(InvalidInput, match="still runs"):
-        motions.simulate(state)
+        simulation.simulate(state)
     with pytest.raises(InvalidInput, match="none to simulate"):
-        motions.simulate(motions.choose_kind(initial_state(), Kind.WAYPOINTS))
+        simulation.simulate(motions.choose_kind(initial_state(), Kind.WAYPOINTS))
 
 
 def test_undo_stops_following_the_motion() -> None:

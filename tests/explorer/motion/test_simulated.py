@@ -13,25 +13,25 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.simulated import wanted_pose
-from paminsa_viz.explorer.features.motion.solving import run
+from paminsa_viz.explorer.features.motion import simulation as simulations
 from paminsa_viz.explorer.scene.bodies import node_name
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.ghost import OPACITY, WantedPose, translucent
-from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.simulation import SimulationSettings
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.meshes.bodies import body_glb
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.trajectory import Simulation
 from tests.support.raw_page import RawPage
+from tests.support.tasks import finished
 
 
 @pytest.fixture(scope="module")
 def simulated() -> State:
     """The preset motion, simulated with the settings of the start."""
-    state = motions.simulate(initial_state())
+    state = simulations.simulate(initial_state())
     assert state.simulating.running is not None
-    return motions.receive_simulation(state, solve(run, state.simulating.running))
+    return finished(simulations.SIMULATION, state)
 
 
 def simulation(state: State) -> Simulation:
@@ -65,7 +65,7 @@ def test_motion_is_shown_where_the_simulation_is_not(simulated: State) -> None:
     planned = motions.planned(state).trajectory
     assert planned is not None
     for other in (
-        motions.show_simulation(state, False),
+        simulations.show_simulation(state, False),
         actions.vary(state, {"links.b4": 0.9}),
         motions.scrub(motions.choose_preset(state, "circle"), 0.6),
     ):

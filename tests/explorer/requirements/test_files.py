@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from paminsa_viz.explorer.core.requirements import find_volume
 from paminsa_viz.explorer.features.export.exports import VOLUME_KINDS, volume_file
 from paminsa_viz.explorer.features.files.tab import open_content, uploaded_content
 from paminsa_viz.explorer.features.requirements import actions
+from paminsa_viz.explorer.features.requirements.volumes import find_volume
 from paminsa_viz.explorer.page import opening_state
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.requirements import VolumeJob

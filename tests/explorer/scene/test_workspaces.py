@@ -13,10 +13,9 @@ import viser
 
 from paminsa_viz.explorer.core import actions as designs
 from paminsa_viz.explorer.core.causes import surface_parts
-from paminsa_viz.explorer.core.requirements import find_volume
-from paminsa_viz.explorer.core.tasks import progress, stop
 from paminsa_viz.explorer.features.requirements import actions
 from paminsa_viz.explorer.features.requirements.layers import outline
+from paminsa_viz.explorer.features.requirements.volumes import find_volume
 from paminsa_viz.explorer.features.synthesis import actions as synthesis
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.mechanism import BEST_NODE
@@ -108,10 +107,10 @@ def test_the_best_robot_is_drawn_while_it_is_searched_for(layers: Scene, asked: 
     layers.show(started)
     assert BEST_NODE not in layers.nodes
     best = BestSoFar(10, 0.4, True, APPENDIX_4, (0.0, 0.0, -0.5))
-    told = progress(started, "synthesizing", job, 0.5, best=best)
+    told = synthesis.SEARCH.report(started, started.synthesizing.ticket, 0.5, best=best)
     layers.show(told)
     assert BEST_NODE in layers.shown
     layers.show(told.updated("synthesizing.settings", shown=Shown.ROBOT))
     assert BEST_NODE not in layers.shown
-    layers.show(stop(told, "synthesizing"))
+    layers.show(synthesis.SEARCH.stop(told))
     assert BEST_NODE not in layers.shown

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.features.synthesis.actions import PRICES, SEARCH
 from paminsa_viz.explorer.features.synthesis.cases import case_of
 from paminsa_viz.explorer.kit.design_numbers import is_changed
 from paminsa_viz.explorer.kit.robot_texts import workspace_text
@@ -16,6 +17,7 @@ from paminsa_viz.model.parameters import Parameter
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement, Workspace
 from paminsa_viz.synthesis.answer.prices import STEP
+from paminsa_viz.synthesis.search.buildability import OVERLAP_ALLOWED, buildability_rows
 from paminsa_viz.synthesis.search.case import ObjectiveLimit
 from paminsa_viz.synthesis.search.objectives import find_objective
 from paminsa_viz.synthesis.search.result import BoundOutcome, SynthesisResult
@@ -87,7 +89,10 @@ def result_html(frame: Frame) -> str:
             "high": number(100 * built.fraction.high, 3),
             "count": built.fraction.samples, "missed": list(built.missed.items())[:3],
         },
+        drawn=() if result.buildability is None else buildability_rows(*result.buildability),
+        overlap="" if result.case.clear else OVERLAP_ALLOWED,
         lengths=changed_lengths(outcome.job.reference, result.design),
+        stale=SEARCH.stale_text(frame.state),
     )  # fmt: skip
 
 
@@ -142,7 +147,10 @@ def prices_html(frame: Frame) -> str:
         for one in outcome.result
     ]  # fmt: skip
     steps = f"{100 * STEP:g} %"
-    return render("synthesis/prices.j2", rows=rows, step=steps, objective=objective.label)
+    return render(
+        "synthesis/prices.j2", rows=rows, step=steps, objective=objective.label,
+        stale=PRICES.stale_text(frame.state),
+    )  # fmt: skip
 
 
 def nearest(result: SynthesisResult) -> list[str]:

@@ -1,4 +1,4 @@
-"""Simulates a motion, and asks an engine for its torques."""
+"""Asks an independent physics engine for the torques along a motion."""
 
 from __future__ import annotations
 
@@ -6,36 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from paminsa_viz.explorer.state.simulation import EngineAnswer, EngineRequest, SimulationJob
-from paminsa_viz.model import InvalidInput, PaminsaError
+from paminsa_viz.explorer.state.simulation import EngineAnswer, EngineRequest
+from paminsa_viz.model import PaminsaError
 from paminsa_viz.trajectory import (
-    Simulation,
     analyze,
-    simulate,
 )
-from paminsa_viz.units import number
-
-
-def run(job: SimulationJob, _: object) -> Simulation:
-    """Simulate.
-
-    Raises:
-        PaminsaError: If the robot cannot start, or its payload is not possible.
-    """
-    settings, model = job.settings, job.design
-    if not settings.knows_friction:
-        model = model.without_friction()
-    known = model.payload.mass
-    if known + settings.payload_mismatch < 0:
-        raise InvalidInput(
-            "payload mismatch", f"at least {number(-known)} kg is needed: no payload is left then"
-        )
-    payload = replace(model.payload, mass=known + settings.payload_mismatch)
-    return simulate(
-        replace(job.design, payload=payload), job.trajectory, model=model,
-        controller=settings.controller(), offset=(settings.initial_error, 0.0, 0.0, 0.0),
-    )  # fmt: skip
-
 
 MOST_SAMPLES = 250
 """Samples of a motion that the engine computes, in equal distance; it takes a tenth of a second."""
