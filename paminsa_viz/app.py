@@ -179,6 +179,9 @@ class App:
         """
         while self._closed_page.wait() and not self._stopped.wait(COLLECTION_DELAY):
             self._closed_page.clear()
+            from paminsa_viz.plots.text import close_fonts
+
+            close_fonts()
             gc.collect()
             call_allocator("malloc_trim", 0)
 

@@ -20,6 +20,7 @@ from paminsa_viz.dimensions.layout import (
     cylinder_length,
     layout,
     lift_motor_base,
+    plate_corners,
     plinth_radius,
     polar,
     ring_arcs,
@@ -30,9 +31,6 @@ from paminsa_viz.model.kinematics import AXIS_ANGLES
 
 CHORDS = 8
 """Boxes that an arc of the base plate's ring is made of."""
-
-CUTS = 3
-"""Edges that each rounded corner of the platform's plate is made of; they lie outside of it."""
 
 UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Turns a prism so that its polygon is in x and z."""
@@ -275,18 +273,3 @@ def _platform(g: Geometry) -> Iterator[Primitive]:
     yield rod(size.PLATE_RING_RADIUS, top - 0.001, top + size.PLATE_RING)
     yield rod(size.FLANGE_RADIUS, low - size.FLANGE_DEPTH, low)
     yield rod(size.FLANGE_TIP_RADIUS, low - size.FLANGE_TIP_DEPTH, low)
-
-
-def plate_corners(radius: float) -> Array:
-    """Return a polygon about the plate with its rounded corners, (n, 2) [m].
-
-    Each corner, a turn of 120 degrees, is replaced by tangents `CUTS` times.
-    """
-    step = 2 * np.pi / 3 / CUTS
-    beyond = size.PLATE_CORNER / np.cos(step / 2)
-    corners = []
-    for angle in sorted(AXIS_ANGLES):
-        for i in range(CUTS):
-            turn = angle + (i + 0.5 - CUTS / 2) * step
-            corners.append(polar(radius, angle)[:2] + beyond * polar(1.0, turn)[:2])
-    return np.array(corners)

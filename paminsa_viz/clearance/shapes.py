@@ -239,6 +239,9 @@ def arrays_of(bodies: tuple[Body, ...]) -> ShapeArrays:
     extents = np.array([solid.extent for solid in solids])
     pieces = [slice(a, b) for a, b in pairwise(start)]
     common = np.array([(extents[a, 0].min(axis=0), extents[a, 1].max(axis=0)) for a in pieces])
+    # the three legs have their solids in common
+    enclosing = {id(body.solids): a for body, a in zip(bodies, pieces, strict=True)}
+    enclosing = {key: _common_rod(rods[a]) for key, a in enclosing.items()}
     return ShapeArrays(
         kind=np.array([solid.kind for solid in solids]),
         size=np.array([solid.size for solid in solids]),
@@ -255,7 +258,7 @@ def arrays_of(bodies: tuple[Body, ...]) -> ShapeArrays:
         frame=np.array([FRAMES.index(body.frame) for body in bodies]),
         center=extents.mean(axis=1),
         half=np.diff(extents, axis=1)[:, 0] / 2,
-        body_rod=np.array([_common_rod(rods[a]) for a in pieces]),
+        body_rod=np.array([enclosing[id(body.solids)] for body in bodies]),
         body_center=common.mean(axis=1),
         body_half=np.diff(common, axis=1)[:, 0] / 2,
         leg=np.array([body.leg if in_one_plane(body, body) else 0 for body in bodies]),

@@ -85,8 +85,6 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
         pose = self.given_pose or home_pose(geometry)
         require_reachable(geometry, pose)
         region = self.given_region(design)
-        if not self.z:
-            region = replace(region, z=(home_pose(geometry)[3],))
         here = drive_errors(geometry, design.accuracy, pose)
         over = RegionResults(design, region)
         drawn = None

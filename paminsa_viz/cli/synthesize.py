@@ -18,6 +18,7 @@ from paminsa_viz.cli.output import print_blocks, print_json, print_written, writ
 from paminsa_viz.cli.synthesize_answer import (
     AnswerFlags,
     bound_text,
+    buildability_data,
     checks_data,
     front_data,
     numbered,
@@ -60,6 +61,7 @@ Find the lengths of the robot that meets requirements over a workspace and minim
 A case is a design file, for the reference, with [workspace], [[requirements]] and a table
 [synthesis] that says what is searched and what is to be least; see docs/synthesis.md. R_pl < R_b
 and R_pl > R_b are searched one after the other; what closed forms exclude is refused at once.
+No two bodies of the robot may overlap as they are drawn, unless --allow-overlap says so.
 The answer is verified on poses four times as close as those of the search. The same seed gives the
 same answer, with any number of workers.
 
@@ -85,6 +87,8 @@ class Synthesize(AnswerFlags, JsonFlags):
     """What is minimized, instead of the file's; torques of motions and energy need motions."""
     seed: int | None = None
     """Seed of the search, instead of the file's."""
+    allow_overlap: bool = False
+    """Whether bodies of the robot may overlap as they are drawn; the answer is marked with it."""
     generations: int | None = None
     """Most generations for each of R_pl < R_b and R_pl > R_b, instead of the file's."""
     workers: int = 1
@@ -181,7 +185,9 @@ class Synthesize(AnswerFlags, JsonFlags):
 
     def _case(self) -> SynthesisCase:
         known = self.case in EXAMPLES and not Path(self.case).exists()
-        case = load_case(EXAMPLES[self.case] if known else self.case)
+        case = load_case(
+            EXAMPLES[self.case] if known else self.case, allow_overlap=self.allow_overlap
+        )
         if self.objective is not None:
             case = replace(case, objective=self.objective)
         if self.seed is not None:
@@ -202,7 +208,7 @@ def _requirements(result: SynthesisResult) -> Requirements:
 
 
 def _named(result: SynthesisResult) -> Design:
-    return replace(result.design, name=result.case.name)
+    return replace(result.design, name=result.case.title)
 
 
 @contextmanager
@@ -245,6 +251,8 @@ def _data(result: SynthesisResult, seconds: float) -> dict[str, Any]:
         "seconds": round(seconds, 3),
         "poses": result.poses,
         "workspace_center_m": result.workspace.center,
+        "overlap_allowed": not case.clear,
+        "buildability": buildability_data(result),
         "design": {
             item.path: result.design.value(item.path)
             for item in stated_parameters(result.design)

@@ -9,11 +9,12 @@ from typing import Annotated, Any
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.output import print_table
+from paminsa_viz.cli.output import print_blocks, print_table
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.quantities.requirement_text import requirement_text
 from paminsa_viz.quantities.requirements import Requirement
+from paminsa_viz.report.synthesis_section import buildability_blocks
 from paminsa_viz.studies import Workers
 from paminsa_viz.synthesis import ObjectiveLimit, SynthesisCase, SynthesisResult, find_objective
 from paminsa_viz.synthesis.answer.checks import AnswerMargins, BuildYield, build_yield
@@ -229,23 +230,35 @@ def print_front(case: SynthesisCase, front: DesignFront, seconds: float) -> None
         lengths = [f"{point.result.design.value(path):.4g}" for path in paths]
         rows.append((str(number), *values, *lengths))
     print_table(rows)
+    for number, point in enumerate(front.points, 1):
+        print(f"\nrobot {number}")
+        print_blocks(buildability_blocks(point.result))
 
 
 def front_data(case: SynthesisCase, front: DesignFront, seconds: float) -> dict[str, Any]:
     """Return a front as data for JSON, in SI units."""
     return {
-        "case": case.name, "seed": case.seed, "seconds": round(seconds, 3),
-        "objectives": front.objectives, "dominated": front.dominated,
+        "case": case.name, "overlap_allowed": not case.clear, "seed": case.seed,
+        "seconds": round(seconds, 3), "objectives": front.objectives, "dominated": front.dominated,
         "searches": front.searches, "failed": front.failed, "canceled": front.canceled,
         "points": [
             {
                 "values": point.values,
                 "numbers": {p: point.result.design.value(p) for p in case.paths if "geometry" in p},
                 "workspace_center_m": point.result.workspace.center,
+                "buildability": buildability_data(point.result),
             }
             for point in front.points
         ],
     }  # fmt: skip
+
+
+def buildability_data(result: SynthesisResult) -> dict[str, Any] | None:
+    """Return whether the robot and the reference can be built, as data for JSON, in SI units."""
+    if result.buildability is None:
+        return None
+    robot, reference = (one.data() for one in result.buildability)
+    return {"robot": robot, "reference": reference}
 
 
 def numbered(path: Path, number: int) -> Path:

@@ -41,6 +41,10 @@ TABLE: Final = 0.30
 """Least height of the guides above the ground with the upper knee [m]."""
 
 
+CUTS: Final = 3
+"""Edges that each rounded corner of the platform's plate is made of; they lie outside of it."""
+
+
 @dataclass(frozen=True)
 class FrameLayout:
     """Heights (world z) and radii of the frame [m].
@@ -197,3 +201,18 @@ def ring_arcs(radius: float) -> list[tuple[float, float]]:
     gap = 2 * np.arcsin(min(size.RING_GAP / (2 * radius), 1.0))
     arcs = [(angle + gap, angle + 2 * np.pi / 3 - gap) for angle in AXIS_ANGLES]
     return [(float(start), float(end)) for start, end in arcs if end > start]
+
+
+def plate_corners(radius: float) -> Array:
+    """Return a polygon about the plate with its rounded corners, (n, 2) [m].
+
+    Each corner, a turn of 120 degrees, is replaced by tangents `CUTS` times.
+    """
+    step = 2 * np.pi / 3 / CUTS
+    beyond = size.PLATE_CORNER / np.cos(step / 2)
+    corners = []
+    for angle in sorted(AXIS_ANGLES):
+        for i in range(CUTS):
+            turn = angle + (i + 0.5 - CUTS / 2) * step
+            corners.append(polar(radius, angle)[:2] + beyond * polar(1.0, turn)[:2])
+    return np.array(corners)

@@ -35,7 +35,7 @@ from paminsa_viz.model.jacobians import actuator_velocity
 from paminsa_viz.model.reach import check_reach, workspace_height
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.progress import Progress, go_on
-from paminsa_viz.trajectory import Plan, home
+from paminsa_viz.trajectory import Plan, preset_center
 
 FINE = 4
 """Samples of the final check over those of the search."""
@@ -128,7 +128,7 @@ def optimize_excitation(
     """
     settings = settings or ExcitationSettings()
     begin = time.monotonic()
-    center = home(design.geometry)
+    center = preset_center(design.geometry)
     family = MultiSineFamily(settings.harmonics, center, _scale(design))
     info = Information(design, limits, family, settings.period, settings.samples)
     stopped = False

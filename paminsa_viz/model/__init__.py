@@ -64,7 +64,7 @@ from paminsa_viz.model.parameters import (
 )
 from paminsa_viz.model.reach import Limit, Reach, check_reach, require_reachable
 from paminsa_viz.model.regressor import drive_regressor, regressor_torques, torque_regressor
-from paminsa_viz.model.resizing import resized
+from paminsa_viz.model.resizing import BarLaw, resized
 from paminsa_viz.model.singularity import (
     Singularity,
     escape_twist,
@@ -91,6 +91,7 @@ __all__ = [
     "PARAMETERS",
     "ActuatorFriction",
     "AssemblyModes",
+    "BarLaw",
     "Configuration",
     "Counterweight",
     "Design",

@@ -3,6 +3,7 @@
 The first compilation takes seconds, and loading it from disk most of one later. So kernels are
 loaded, and a formula compiled, only once enough work has been requested to pay for it; small jobs
 never wait. A page calls `compile_in_background` and works on NumPy until the kernels are there.
+Where Numba is not installed all runs on NumPy.
 """
 
 from __future__ import annotations
@@ -82,7 +83,13 @@ class _Kernels:
 
     def load(self, *formulas: Formula) -> None:
         with self.lock:
-            from paminsa_viz.model import compiled
+            try:
+                from paminsa_viz.model import compiled
+            except ModuleNotFoundError as error:
+                if error.name != "numba":
+                    raise
+                self.deferred = True  # all of it runs on NumPy, whatever its size
+                return
 
             if self.module is None:
                 compiled.warm_up()

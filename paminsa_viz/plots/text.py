@@ -9,6 +9,7 @@ from bisect import bisect_right
 from functools import lru_cache
 from typing import Literal
 
+from matplotlib import font_manager
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.textpath import text_to_path
 
@@ -48,6 +49,16 @@ def wrapped(text: str, size: float, width: float, weight: Weight = "normal") -> 
         if word:
             lines.append(word)
     return lines
+
+
+def close_fonts() -> None:
+    """Close the files of fonts, which matplotlib keeps open for each thread that has drawn.
+
+    Fonts in use stay open, and are opened again where they are needed next.
+    """
+    kept = getattr(font_manager, "_get_font", None)  # there is no public way
+    if kept is not None:
+        kept.cache_clear()
 
 
 @lru_cache(maxsize=1)

@@ -14,7 +14,13 @@ from paminsa_viz.report.requirements_section import (
     verdict_text,
     workspace_text,
 )
-from paminsa_viz.synthesis import ObjectiveLimit, SynthesisResult, find_objective
+from paminsa_viz.synthesis import (
+    ObjectiveLimit,
+    SynthesisResult,
+    buildability_rows,
+    find_objective,
+)
+from paminsa_viz.synthesis.search.buildability import OVERLAP_ALLOWED
 from paminsa_viz.units import NONE, format_value, percent_change
 
 BoundText = Callable[[Requirement | ObjectiveLimit], str]
@@ -63,12 +69,29 @@ def synthesis_blocks(result: SynthesisResult, text: BoundText = bound_label) -> 
         head = ("Requirement", "Decides", "Worst value", "Margin")
         blocks.append(Table(head, rows(*found), caption, words=2))
     blocks += _relaxed(result, text)
+    blocks += buildability_blocks(result)
     if lengths := _lengths(result.case.reference, result.design):
         head = ("Symbol", "Length", "Before", "Found", "Change")
         blocks.append(Table(head, lengths, "Lengths and masses that changed.", words=2))
     if result.proof is not None:
         verdict = f"Proof over the whole workspace: {verdict_text(result.proof)}."
         blocks += [Note(verdict), evidence_table(result.proof, text)]
+    return blocks
+
+
+def buildability_blocks(result: SynthesisResult) -> list[Block]:
+    """Return whether the robot can be built as it is drawn, beside the reference."""
+    found = result.buildability
+    if found is None:
+        return []
+    head = ("As drawn, over the workspace", "Found", "Reference")
+    table = tuple(
+        Row(cells[:3], "marked" if cells[3] else "plain") for cells in buildability_rows(*found)
+    )
+    caption = "Whether the robot can be built as it is drawn; marked is what it cannot be with."
+    blocks: list[Block] = [Table(head, table, caption)]
+    if not result.case.clear:
+        blocks.insert(0, Note(OVERLAP_ALLOWED, "warn"))
     return blocks
 
 

@@ -20,12 +20,12 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field, Grid, solve_field
-from paminsa_viz.model.reach import Limit, status_words
+from paminsa_viz.model.reach import Limit, home_pose, status_words
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT, counting
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.quantities import Quantity, find
-from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, analyze, home
+from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, analyze
 from paminsa_viz.units import si_unit
 
 Results = TypeVar("Results")
@@ -80,7 +80,7 @@ class Region:
 
 def default_region(design: Design) -> Region:
     """Return half the base radius about the center, at 0 and 30 degrees, at the home height."""
-    height = float(home(design.geometry)[3])
+    height = home_pose(design.geometry)[3]
     return Region(design.geometry.base_radius / 2, (0.0, float(np.radians(30))), (height,))
 
 

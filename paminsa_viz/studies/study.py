@@ -20,7 +20,7 @@ from paminsa_viz.model.design import (
     PARAMETER,
     Design,
 )
-from paminsa_viz.model.resizing import resized
+from paminsa_viz.model.resizing import BarLaw, resized
 from paminsa_viz.studies.metrics import (
     METRICS,
     MOTION_METRICS,
@@ -107,7 +107,7 @@ class Study:
         lengths = {path: v for path, v in changes.items() if path.startswith("geometry.")}
         others = {path: v for path, v in changes.items() if path not in lengths}
         # The others come second, so that a mass that varies is not overruled by a length's.
-        return resized(self.design, lengths, scale_bars=self.scale_bars).vary(others)
+        return resized(self.design, lengths, BarLaw(self.scale_bars)).vary(others)
 
     def row(self, index: int) -> tuple[str, ...]:
         """Return the cells of one row: its number, the values, the status, the metrics.

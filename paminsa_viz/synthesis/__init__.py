@@ -16,6 +16,11 @@ if TYPE_CHECKING:
     from paminsa_viz.synthesis.proof.evidence import Evidence, Proof, Verdict
     from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace
     from paminsa_viz.synthesis.proof.regions import Growth
+    from paminsa_viz.synthesis.search.buildability import (
+        Buildability,
+        buildability,
+        buildability_rows,
+    )
     from paminsa_viz.synthesis.search.case import (
         DIMENSIONS,
         Effort,
@@ -53,6 +58,7 @@ __all__ = [
     "FINE",
     "OBJECTIVES",
     "BoundOutcome",
+    "Buildability",
     "CauseKind",
     "Conflict",
     "Density",
@@ -79,6 +85,8 @@ __all__ = [
     "Volume",
     "VolumeCause",
     "VolumeSurface",
+    "buildability",
+    "buildability_rows",
     "cause_slice",
     "check_requirements",
     "find_objective",
@@ -100,6 +108,7 @@ _HOMES = {
     "proof.evidence": "Evidence Proof Verdict",
     "proof.largest": "LargestWorkspace largest_workspace",
     "proof.regions": "Growth",
+    "search.buildability": "Buildability buildability buildability_rows",
     "search.case": "DIMENSIONS Effort Guide ObjectiveLimit Regime SearchRange SynthesisCase",
     "search.case_file": "EXAMPLES load_case",
     "search.evaluation": "Evaluator TrialEvaluation",

@@ -54,7 +54,7 @@ from paminsa_viz.trajectory.planners import (
     round_trip,
     via_points,
 )
-from paminsa_viz.trajectory.presets import PRESET, PRESETS, Preset, home, paper_like
+from paminsa_viz.trajectory.presets import PRESET, PRESETS, Preset, paper_like, preset_center
 from paminsa_viz.trajectory.sampled import Locus, Passage, States, Trajectory
 from paminsa_viz.trajectory.simulation import Simulation, SimulationFailed, simulate
 from paminsa_viz.trajectory.solved import SolvedTrajectory, solve_trajectory
@@ -112,13 +112,13 @@ __all__ = [
     "escape_inertia",
     "fit_law",
     "from_samples",
-    "home",
     "line",
     "load_kernel",
     "paper_like",
     "payload_drift",
     "plan_deformed",
     "point_to_point",
+    "preset_center",
     "round_trip",
     "shortest_stretch",
     "simulate",

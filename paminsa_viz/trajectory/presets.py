@@ -22,8 +22,10 @@ _FROM = (-0.08, 0.06, -0.4, -0.08)
 _TO = (0.1, -0.05, 0.5, 0.08)
 
 
-def home(geometry: Geometry) -> Array:
+def preset_center(geometry: Geometry) -> Array:
     """Return the pose (4,) about which the presets lie, in the middle of the natural side.
+
+    It is somewhat higher than `model.reach.home_pose`, so that all of them have room.
 
     (0, 0, 0, -0.5 m) for Appendix 4's robot; with the upper knee the joints 5 are as high
     above the guides as they are below them with the lower one.
@@ -33,17 +35,17 @@ def home(geometry: Geometry) -> Array:
 
 
 class PresetFrame:
-    """Poses of a preset, given relative to `home` as they are for Appendix 4's robot."""
+    """Poses of a preset, given relative to `preset_center` as they are for Appendix 4's robot."""
 
     def __init__(self, geometry: Geometry) -> None:
         across = geometry.base_radius / Geometry().base_radius
         up = workspace_height(geometry) / workspace_height(Geometry())
         self.scale = np.array([across, across, 1.0, up])
-        self.home = home(geometry)
+        self.center = preset_center(geometry)
 
     def pose(self, x: float, y: float, theta: float, z: float) -> Array:
-        """Return the pose at a displacement from home [m, m, rad, m], scaled to the robot."""
-        return self.home + self.scale * np.array([x, y, theta, z])
+        """Return the pose at a displacement from the center [m, m, rad, m], scaled to the robot."""
+        return self.center + self.scale * np.array([x, y, theta, z])
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,7 @@ def _line(geometry: Geometry) -> Plan:
 
 def _circle(geometry: Geometry) -> Plan:
     frame = PresetFrame(geometry)
-    return circle(frame.home, 0.1 * frame.scale[0], 3.0)
+    return circle(frame.center, 0.1 * frame.scale[0], 3.0)
 
 
 def _arch(geometry: Geometry) -> Plan:

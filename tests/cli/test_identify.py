@@ -18,7 +18,7 @@ from paminsa_viz.model import (
     inverse_kinematics,
     static_imbalance,
 )
-from paminsa_viz.trajectory import Plan, home
+from paminsa_viz.trajectory import Plan, preset_center
 from tests.support.commands import check_refused, run, run_json
 
 
@@ -84,7 +84,7 @@ def test_poor_motion_leaves_unknowns_and_accuses_nobody(capsys) -> None:
     """A motion along x alone: no verdict on the masses, and what motion would tell them."""
     sine = np.zeros((3, 4))
     sine[[0, 2], 0] = 0.06, -0.02
-    curve = MultiSine(home(APPENDIX_4.geometry), sine, np.zeros((3, 4)), 10)
+    curve = MultiSine(preset_center(APPENDIX_4.geometry), sine, np.zeros((3, 4)), 10)
     motion = Plan(curve, 20.0).sample(200.0)
     torque = inverse_dynamics(APPENDIX_4, *motion.at(motion.t)).torque
     torque += 0.02 * torque.std(axis=0) * np.random.default_rng(1).standard_normal(torque.shape)

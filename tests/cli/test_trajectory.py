@@ -19,7 +19,14 @@ from PIL import Image
 from paminsa_viz.files.columns import POSE, TORQUES
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, Friction, KneeBranch, Misprint
-from paminsa_viz.trajectory import PRESET, Trajectory, analyze, compare, home, point_to_point
+from paminsa_viz.trajectory import (
+    PRESET,
+    Trajectory,
+    analyze,
+    compare,
+    point_to_point,
+    preset_center,
+)
 from tests.support import commands
 from tests.support.samples import random_design, with_knee
 
@@ -112,7 +119,7 @@ def test_degrees_are_degrees(capsys) -> None:
 
 
 def test_waypoints_are_passed_in_the_given_time(capsys) -> None:
-    poses = home(APPENDIX_4.geometry) + np.array(
+    poses = preset_center(APPENDIX_4.geometry) + np.array(
         [[0, 0, 0, 0], [0.05, 0.02, 0.2, 0.03], [-0.04, 0.06, -0.1, -0.02]]
     )
     file = write([np.arange(3), poses])
@@ -151,7 +158,7 @@ def test_a_motion_out_of_reach_is_exit_code_1_with_the_place(capsys) -> None:
 
 
 def test_a_motion_that_fails_at_once_has_no_numbers_and_no_page(capsys) -> None:
-    start = np.add(home(APPENDIX_4.geometry), (0.9, 0, 0, 0))
+    start = np.add(preset_center(APPENDIX_4.geometry), (0.9, 0, 0, 0))
     motion = point_to_point(start, start + 0.01).sample(10)
     file = write([motion.t, motion.pose])
     code, out, err = run(capsys, "--file", file, "--out", "far.html", "--out", "far.csv.npz")

@@ -21,13 +21,13 @@ from paminsa_viz.trajectory import (
     ImpossibleTrajectory,
     Trajectory,
     analyze,
-    home,
     point_to_point,
+    preset_center,
 )
 from tests.support.chromium import NODE_PLACE, TIMEOUT, until, watch_errors
 
 NAME = "<b>& </script> “näme”"
-HOME = home(APPENDIX_4.geometry)
+HOME = preset_center(APPENDIX_4.geometry)
 
 
 def planned(key: str, samples: int, design: Any = APPENDIX_4) -> Trajectory:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from paminsa_viz import app as program
 from paminsa_viz.app import App, AppOptions
 from paminsa_viz.explorer.core import threads
 from paminsa_viz.model import APPENDIX_4
@@ -45,7 +46,8 @@ def test_thread_goes_on_after_a_failure(monkeypatch: pytest.MonkeyPatch) -> None
 
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="open files are not listed here")
-def test_pages_that_come_and_go_leave_no_file_open() -> None:
+def test_pages_that_come_and_go_leave_no_file_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(program, "COLLECTION_DELAY", 0.1)
     running = App(AppOptions(port=0, browser=False), APPENDIX_4)
 
     def visit() -> None:

@@ -27,7 +27,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.reach import check_reach
 from paminsa_viz.model.singularity import measure_singularity
-from paminsa_viz.trajectory import Plan, home
+from paminsa_viz.trajectory import Plan, preset_center
 from paminsa_viz.trajectory.check import check_path
 from tests.support.samples import random_design
 
@@ -43,7 +43,7 @@ def limits_of(design) -> ExcitationLimits:
 
 
 def information(design=ROBOT, samples: int = 256) -> Information:
-    family = MultiSineFamily(5, home(design.geometry), np.array([0.1, 0.1, 0.4, 0.1]))
+    family = MultiSineFamily(5, preset_center(design.geometry), np.array([0.1, 0.1, 0.4, 0.1]))
     return Information(design, limits_of(design), family, PERIOD, samples)
 
 

@@ -15,6 +15,7 @@ from paminsa_viz.model import (
     COEFFICIENTS,
     PARAMETER,
     PARAMETERS,
+    BarLaw,
     Design,
     KneeBranch,
     Misprint,
@@ -204,7 +205,7 @@ def test_bars_grow_with_their_length() -> None:
     assert big.inertias.b3_axial == pytest.approx(2 * APPENDIX_4.inertias.b3_axial)
     assert big.links.b7 == pytest.approx(2 * APPENDIX_4.links.b7)
     assert big.links.b4 == APPENDIX_4.links.b4
-    plain = resized(APPENDIX_4, values, scale_bars=False)
+    plain = resized(APPENDIX_4, values, BarLaw(follow=False))
     assert plain == APPENDIX_4.vary(values)
 
 

@@ -32,8 +32,8 @@ from paminsa_viz.trajectory import (
     Controller,
     ControlMode,
     analyze,
-    home,
     point_to_point,
+    preset_center,
     round_trip,
     simulate,
 )
@@ -77,7 +77,7 @@ def everything(analysis, motion):
 
 @pytest.fixture(scope="module")
 def failing():
-    start = home(APPENDIX_4.geometry)
+    start = preset_center(APPENDIX_4.geometry)
     beyond = round_trip(point_to_point(start, np.add(start, ACROSS), 1.0))
     return analyze(APPENDIX_4, beyond.sample(200))
 
@@ -162,7 +162,7 @@ def test_failures_are_shaded_exactly_where_there_are_no_torques(failing) -> None
 
 
 def test_a_failure_between_two_samples_is_an_instant() -> None:
-    start = home(APPENDIX_4.geometry)
+    start = preset_center(APPENDIX_4.geometry)
     quick = round_trip(point_to_point(start, np.add(start, ACROSS), 1.0)).sample(1.0)
     poses = quick.pose.copy()
     poses[1] = poses[0]
@@ -220,7 +220,7 @@ def test_texts_are_inside_the_figure_and_do_not_overlap(
 
 @pytest.mark.parametrize("kind", [k for k in FIGURES if k not in ("tracking", "comparison")])
 def test_a_motion_that_fails_at_once_is_still_drawn(kind) -> None:
-    start = np.add(home(APPENDIX_4.geometry), (0.9, 0.0, 0.0, 0.0))
+    start = np.add(preset_center(APPENDIX_4.geometry), (0.9, 0.0, 0.0, 0.0))
     analysis = analyze(
         APPENDIX_4, point_to_point(start, np.add(start, (0.0, 0.1, 0.0, 0.0))).sample(20)
     )

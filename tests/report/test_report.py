@@ -30,8 +30,8 @@ from paminsa_viz.trajectory import (
     MotionLimits,
     Trajectory,
     analyze,
-    home,
     paper_like,
+    preset_center,
     straight_path,
     time_optimal,
 )
@@ -52,7 +52,7 @@ WHEN = datetime(2025, 3, 4, 5, 6, tzinfo=UTC)
 def request_for(design: Design = HEAVY, **more: Any) -> ReportRequest:
     return ReportRequest(
         design=design,
-        pose=tuple(home(design.geometry).tolist()),
+        pose=tuple(preset_center(design.geometry).tolist()),
         trajectory=paper_like(design.geometry).lasting(0.4).sample(100),
         made=WHEN,
         command="paminsa-viz report --out a_b.html",
@@ -261,7 +261,7 @@ def test_forces_are_those_of_the_load_and_the_limits() -> None:
     tables = [block for block in blocks if isinstance(block, Table)]
     texts = [" ".join(row.cells) for table in tables for row in table.rows]
     assert any(text.startswith("M_y bearings alone 3") for text in texts)
-    at = capability(loaded, home(loaded.geometry))
+    at = capability(loaded, preset_center(loaded.geometry))
     force = format_value(float(at.horizontal_force), "N")
     assert any(text.startswith("F_h") and force in text for text in texts)
     (note,) = [block for block in blocks if isinstance(block, Note)]

@@ -19,7 +19,7 @@ from paminsa_viz.model import (
     measure_singularity,
     static_torques,
 )
-from paminsa_viz.model.reach import MARGINS, Limit
+from paminsa_viz.model.reach import MARGINS, Limit, home_pose
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.studies import (
     MOTION_METRICS,
@@ -202,3 +202,9 @@ def test_a_load_that_varies_is_one_more_axis() -> None:
     rows = [dict(zip(study.columns, study.row(index), strict=True)) for index in range(3)]
     peaks = [float(row["peak_torque_Nm"]) for row in rows]
     assert peaks[1] < min(peaks[0], peaks[2])
+
+
+def test_the_default_region_is_at_the_home_pose() -> None:
+    for knee in KneeBranch:
+        design = APPENDIX_4.with_knee(knee)
+        assert default_region(design).z == (home_pose(design.geometry)[3],)

@@ -24,8 +24,9 @@ CYLINDER = SynthesisCase(
         SearchRange("geometry.crank_length", 0.1, 0.8),
         SearchRange("geometry.coupler_length", 0.1, 0.9),
     ),
+    allow_overlap=True,
 )
-"""Cylinder of radius 150 mm and height 400 mm."""
+"""Cylinder of radius 150 mm and height 400 mm; bodies may overlap."""
 
 CELL = SynthesisCase(
     Requirements(
@@ -41,11 +42,12 @@ CELL = SynthesisCase(
         SearchRange("geometry.coupler_length", 0.3, 1.6),
     ),
     reference=replace(APPENDIX_4, payload=replace(APPENDIX_4.payload, mass=3.0)),
+    allow_overlap=True,
 )
-"""Palletizing cell of 600 x 600 x 300 mm, 3 kg."""
+"""Palletizing cell of 600 x 600 x 300 mm, 3 kg; bodies may overlap."""
 
 
 @cache
 def arch_case() -> SynthesisCase:
-    """Return the case that comes with the program."""
-    return load_case(EXAMPLES["arch"])
+    """Return the case that comes with the program; bodies may overlap."""
+    return load_case(EXAMPLES["arch"], allow_overlap=True)

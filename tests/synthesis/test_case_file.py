@@ -11,8 +11,8 @@ import pytest
 from paminsa_viz.balancing import MassRange, at_joint, on_bar, on_slider
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
+from paminsa_viz.model import APPENDIX_4, BarLaw
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis import Effort, Guide, ObjectiveLimit, Regime, SearchRange, SynthesisCase
 from paminsa_viz.synthesis.masses.case import MassFactor
 from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case, read_case
@@ -28,9 +28,29 @@ height_m = 0.4
 
 
 def test_worked_cases_are_those_of_the_tests() -> None:
-    limit = ObjectiveLimit("footprint", 0.578)
-    assert load_case(EXAMPLES["cylinder"]) == replace(CYLINDER, limits=(limit,))
-    assert load_case(EXAMPLES["cell"]) == CELL
+    assert load_case(EXAMPLES["cylinder"], allow_overlap=True) == CYLINDER
+    stronger = (*CELL.requirements.bounds[:2], Requirement("f_4", high=500.0))
+    required = replace(CELL.requirements, bounds=stronger)
+    assert load_case(EXAMPLES["cell"], allow_overlap=True) == replace(CELL, requirements=required)
+
+
+def test_bodies_may_not_overlap_unless_it_is_said() -> None:
+    apart = Requirement("clearance", low=0.001)
+    case = load_case(EXAMPLES["cylinder"])
+    assert case.clear
+    assert not case.allow_overlap
+    assert case.requirements.bounds == (*CYLINDER.requirements.bounds, apart)
+    assert replace(case, seed=1).requirements == case.requirements  # it is added once
+    text = f"{HEAD}[synthesis]\n{{}}{RANGES}"
+    assert not read_case(text.format("allow_overlap = true\n"), "mine.toml").clear
+    (wide,) = read_case(text.format("clearance_m = 0.004\n"), "mine.toml").requirements.bounds
+    assert wide == replace(apart, low=0.004)
+    own = f'{HEAD}[[requirements]]\nquantity = "clearance"\nmin_m = 0.02\n[synthesis]\n{RANGES}'
+    assert read_case(own, "mine.toml").requirements.bounds == (replace(apart, low=0.02),)
+    bars = read_case(text.format("tubes_grow = true\ntube_masses = true\n"), "mine.toml").bars
+    assert bars == BarLaw(grow=True, tubes=True)
+    with pytest.raises(DesignFileError, match=r"line 8.*scale_bars"):
+        read_case(text.format("scale_bars = false\ntubes_grow = true\n"), "mine.toml")
 
 
 def test_all_keys() -> None:
@@ -45,6 +65,8 @@ margin_m = 0.005
 guide = "kept"
 scale_bars = false
 arm_follows = false
+shaft_follows = false
+clearance_m = 0.003
 above_guides = true
 regimes = ["larger"]
 seed = 7
@@ -67,8 +89,9 @@ footprint_m = 0.7
             SearchRange("workspace.z", -0.9, -0.4),
         ),
         APPENDIX_4.vary({"links.b3": 0.5}),
-        "moving_mass", (ObjectiveLimit("footprint", 0.7),), False, Guide.KEPT, False, 0.005, True,
-        (Regime.LARGER,), None, 7, Effort(90, 5),
+        "moving_mass", (ObjectiveLimit("footprint", 0.7),), BarLaw(follow=False), Guide.KEPT,
+        arm_follows=False, shaft_follows=False, clearance=0.003, margin=0.005, above_guides=True,
+        regimes=(Regime.LARGER,), seed=7, effort=Effort(90, 5),
     )  # fmt: skip
     found = read_case(text, "mine.toml")
     assert found == expected

@@ -23,6 +23,7 @@ def one_length(**changes: object) -> SynthesisCase:
         Requirements((Requirement("condition", high=30.0),), (0.0, 0.0), space),
         (SearchRange("geometry.crank_length", 0.2, 0.8),),
         objective="moving_mass", regimes=(Regime.SMALLER,), effort=Effort(30, 8),
+        allow_overlap=True,
     )  # fmt: skip
     return replace(case, **changes)
 

@@ -255,6 +255,7 @@ def test_larger_workspace_is_an_objective() -> None:
         objective="volume",
         effort=Effort(40, 10),
         margin=0.0,
+        allow_overlap=True,
     )
     result = synthesize(case)
     assert result.feasible

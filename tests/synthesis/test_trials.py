@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import (
     APPENDIX_4,
+    BarLaw,
     Counterweight,
     KneeBranch,
     LoadCase,
@@ -128,11 +129,13 @@ def random_numbers(case: SynthesisCase, count: int) -> np.ndarray:
     return np.random.default_rng(4).uniform(low, high, (count, len(low)))
 
 
-@pytest.mark.parametrize("scale_bars", [True, False])
-def test_masses_of_a_batch_are_those_of_single_designs(scale_bars: bool) -> None:
+@pytest.mark.parametrize(
+    "bars", [BarLaw(), BarLaw(follow=False), BarLaw(grow=True), BarLaw(grow=True, tubes=True)]
+)
+def test_masses_of_a_batch_are_those_of_single_designs(bars: BarLaw) -> None:
     weights = (Counterweight("b8", 8, 0.1, 1.5), Counterweight("b3", 7, 0.2, 0.7))
     case = replace(
-        CELL, scale_bars=scale_bars, reference=replace(CELL.reference, counterweights=weights),
+        CELL, bars=bars, reference=replace(CELL.reference, counterweights=weights),
         requirements=replace(CELL.requirements, bounds=()),
     )  # fmt: skip
     found = Evaluator(case, Regime.SMALLER).evaluate(random_numbers(case, 300))

@@ -17,10 +17,10 @@ from paminsa_viz.trajectory import (
     chain,
     check_path,
     circle,
-    home,
     line,
     paper_like,
     point_to_point,
+    preset_center,
     round_trip,
     via_points,
 )
@@ -213,9 +213,9 @@ def test_presets_run_on_robots_of_other_sizes(preset, knee, scale) -> None:
 
 
 def test_home() -> None:
-    np.testing.assert_allclose(home(APPENDIX_4.geometry), [0, 0, 0, -0.5], atol=1e-15)
+    np.testing.assert_allclose(preset_center(APPENDIX_4.geometry), [0, 0, 0, -0.5], atol=1e-15)
     height = APPENDIX_4.geometry.platform_joint_height
-    mirror = home(with_knee(APPENDIX_4.geometry, KneeBranch.UPPER))
+    mirror = preset_center(with_knee(APPENDIX_4.geometry, KneeBranch.UPPER))
     assert mirror[3] + height == pytest.approx(0.5 - height)
 
 

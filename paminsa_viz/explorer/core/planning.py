@@ -173,7 +173,7 @@ def ends(motion: Motion, geometry: Geometry) -> tuple[Pose, Pose]:
 
 def center(motion: Motion, geometry: Geometry) -> Pose:
     """Return the center of a circle, also where it was not chosen."""
-    return motion.center or _pose(PresetFrame(geometry).home)
+    return motion.center or _pose(PresetFrame(geometry).center)
 
 
 def _pose(values: np.ndarray) -> Pose:

@@ -69,6 +69,18 @@ class SynthesisSettings(Settings):
     above_guides: bool = setting(
         False, "Above the guides", "Whether joints 5 may be above the guides"
     )
+    allow_overlap: bool = setting(
+        False, "Allow overlap",
+        "Whether bodies may overlap as they are drawn: the robot need not be one that can be built",
+    )  # fmt: skip
+    tubes_grow: bool = setting(
+        False, "Tubes grow", "Whether the diameters of bars grow in proportion to their lengths"
+    )
+    tube_masses: bool = setting(
+        False, "Masses of tubes",
+        "Whether bars weigh what their tubes do, by section and length, in place of the design's "
+        "masses in proportion to the length",
+    )  # fmt: skip
     effort: EffortChoice = setting(
         EffortChoice.QUICK, "Effort",
         "How long to search; longer searches work in processes of their own",

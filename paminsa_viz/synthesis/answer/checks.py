@@ -27,6 +27,7 @@ from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.synthesis.masses.space import ACTUATORS_OF, bound_margins, sampled_solution, within
+from paminsa_viz.synthesis.search.extremes import OVER_POSES, Extent, least_on_samples
 from paminsa_viz.synthesis.search.result import SynthesisResult
 from paminsa_viz.synthesis.volume.check import check_requirements
 from paminsa_viz.synthesis.volume.margins import Columns, headings
@@ -77,12 +78,16 @@ class AnswerMargins:
         """Return the margins by name, negative where a requirement is not met [SI]."""
         bounds = self.requirements.bounds
         sprung = [b for b in bounds if self.springs and b.quantity in ACTUATORS_OF]
+        sampled = [b for b in bounds if b.quantity in OVER_POSES and b.high is None]
+        apart = (*sprung, *sampled)
         rest = replace(
-            self.requirements, bounds=tuple(bound for bound in bounds if bound not in sprung)
+            self.requirements, bounds=tuple(bound for bound in bounds if bound not in apart)
         )
         found = {item.label: item.margin for item in check_requirements(design, rest).items}
         if sprung:
             found |= self._at_rest(design, sprung)
+        for bound in sampled:
+            found[requirement_label(bound)] = self._least(design, bound)
         for motion in self.motions:
             found |= self._in_motion(design, motion)
         return found
@@ -95,6 +100,15 @@ class AnswerMargins:
             requirement_label(bound): float(bound_margins(bound, held[within(bound, pose)]).min())
             for bound in bounds
         }
+
+    def _least(self, design: Design, bound: Requirement) -> float:
+        """Return the margin of what takes long in a pose, such as clearance, on sparse samples."""
+        assert self.requirements.workspace is not None
+        headings = self.requirements.headings(bound)
+        extent = Extent(self.requirements.workspace, headings).within(bound.z)
+        if extent is None:
+            return np.inf
+        return float(bound.margin(least_on_samples(bound.quantity, design, extent)))
 
     def _in_motion(self, design: Design, motion: Trajectory) -> dict[str, float]:
         solved = sampled_solution(design.geometry, motion, design.gravity)

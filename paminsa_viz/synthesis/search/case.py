@@ -12,13 +12,16 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, PARAMETER, Design
 from paminsa_viz.model.geometry import Geometry
-from paminsa_viz.model.resizing import resized
-from paminsa_viz.quantities.requirements import Requirements, Workspace
+from paminsa_viz.model.resizing import IN_PROPORTION, BarLaw, resized
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
 from paminsa_viz.synthesis.masses.case import InnerCase, check_inner
 from paminsa_viz.synthesis.search.objectives import find_objective
 
 GUIDE = "geometry.guide_link_length"
 ARM = "geometry.arm_length"
+SHAFT = "geometry.shaft_length"
+CLEARANCE = "clearance"
+"""Quantity of the registry whose least value says that no two bodies overlap as they are drawn."""
 
 DIMENSIONS: dict[str, str] = {
     "workspace.z": "height of the workspace's center",
@@ -145,10 +148,15 @@ class SynthesisCase:
         reference: Where all other numbers come from.
         objective: Key of what is minimized.
         limits: Largest values of other objectives.
-        scale_bars: Whether bars gain mass and inertia with their length, see `resized`.
+        bars: How masses, inertias and sections of the bars follow their lengths.
         guide: Whether B10 follows the workspace.
         arm_follows: Whether the arms B1 grow with R_b, so that they end at their leg axes as those
-            of the reference do.
+            of the reference do. Where they do not, they are drawn through joint 1.
+        shaft_follows: Whether the shafts B2 are as long as the drawn bodies need over the
+            workspace, where bodies must not overlap and l_B2 is not searched.
+        allow_overlap: Whether bodies may overlap as they are drawn. If not, and no bound on
+            ``clearance`` is among the requirements, one is added to them.
+        clearance: That bound: the least distance of two drawn bodies over the workspace [m].
         margin: Least distance to every limit of reach over the workspace [m].
         above_guides: Whether joints 5 may be above the guides (with the lower knee; below them
             with the upper one).
@@ -168,9 +176,12 @@ class SynthesisCase:
     reference: Design = APPENDIX_4
     objective: str = "footprint"
     limits: tuple[ObjectiveLimit, ...] = ()
-    scale_bars: bool = True
+    bars: BarLaw = IN_PROPORTION
     guide: Guide = Guide.FOLLOWS
     arm_follows: bool = True
+    shaft_follows: bool = True
+    allow_overlap: bool = False
+    clearance: float = 0.001
     margin: float = 0.001
     above_guides: bool = False
     regimes: tuple[Regime, ...] = (Regime.SMALLER, Regime.LARGER)
@@ -204,6 +215,12 @@ class SynthesisCase:
             raise InvalidInput(ARM, "it is searched only with arm_follows = false")
         if not (math.isfinite(self.margin) and self.margin >= 0):
             raise InvalidInput("margin", f"at least 0 is needed, not {self.margin!r}")
+        if not (math.isfinite(self.clearance) and self.clearance >= 0):
+            raise InvalidInput("clearance", f"at least 0 is needed, not {self.clearance!r}")
+        if not self.allow_overlap and not self.clear:
+            apart = Requirement(CLEARANCE, low=self.clearance)
+            bounds = (*self.requirements.bounds, apart)
+            object.__setattr__(self, "requirements", replace(self.requirements, bounds=bounds))
         if self.seed < 0:
             raise InvalidInput("seed", f"a whole number of at least 0 is needed, not {self.seed}")
         if not self.regimes:
@@ -220,6 +237,19 @@ class SynthesisCase:
         near, far = sorted((side * min(0.5 * workspace.size[2], 0.999 * bars), side * bars))
         offset = self.reference.geometry.platform_joint_height
         return SearchRange("workspace.z", near - offset, far - offset)
+
+    @property
+    def clear(self) -> bool:
+        """Whether it is required that no two bodies overlap as they are drawn."""
+        return any(
+            bound.quantity == CLEARANCE and bound.low is not None and bound.low >= 0
+            for bound in self.requirements.bounds
+        )
+
+    @property
+    def title(self) -> str:
+        """What designs of its answer are called; it says where bodies may overlap."""
+        return self.name if self.clear else f"{self.name}, overlap allowed"
 
     @property
     def workspace(self) -> Workspace:
@@ -261,7 +291,7 @@ class SynthesisCase:
         return lengths, {path: v for path, v in values.items() if path in DIMENSIONS}
 
     def geometry(self, numbers: Array) -> Geometry:
-        """Return the lengths of a trial; B10, where it follows, is still the reference's.
+        """Return the lengths of a trial; B10 and B2, where they follow, are the reference's still.
 
         Raises:
             InvalidDesign: If no robot has them.
@@ -297,4 +327,4 @@ class SynthesisCase:
             for name in Geometry.__dataclass_fields__
             if name != "knee" and getattr(geometry, name) != getattr(self.reference.geometry, name)
         }
-        return resized(self.reference, changes, scale_bars=self.scale_bars)
+        return resized(self.reference, changes, self.bars)

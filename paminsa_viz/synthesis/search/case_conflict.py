@@ -95,7 +95,11 @@ class _Searches:
         kept = tuple(bounds[i] for i in chosen if i < len(bounds))
         limits = tuple(self.case.limits[i - len(bounds)] for i in chosen if i >= len(bounds))
         requirements = replace(self.case.requirements, bounds=kept)
-        return replace(self.case, requirements=requirements, limits=limits, effort=self.effort)
+        # where the bound on clearance is left out, no other comes in its place
+        return replace(
+            self.case, requirements=requirements, limits=limits, effort=self.effort,
+            allow_overlap=True,
+        )  # fmt: skip
 
     def _found(self, case: SynthesisCase) -> bool:
         if self.canceled:

@@ -65,6 +65,7 @@ from paminsa_viz.files.toml_lines import find_line
 from paminsa_viz.files.toml_table import TomlTable
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.model.resizing import BarLaw
 from paminsa_viz.synthesis.masses.case import InnerCase, MassFactor
 from paminsa_viz.synthesis.search.case import (
     DIMENSIONS,
@@ -108,26 +109,32 @@ _KEY_OF = {
     **{path: f"ranges.{key}" for key, path in RANGE_KEYS.items()},
     **dict.fromkeys(MASS_PATHS, "masses"),
     "effort.generations": "generations", "effort.population": "population", "margin": "margin_m",
+    "clearance": "clearance_m",
     "goal": "masses_for", "motion_torque": "motion_limits", "motion_force": "motion_limits",
 }  # fmt: skip
 """Keys of the arguments that a case refuses, where they have other names."""
 
 
-def load_case(path: str | os.PathLike[str]) -> SynthesisCase:
+def load_case(path: str | os.PathLike[str], *, allow_overlap: bool = False) -> SynthesisCase:
     """Read a case file.
+
+    Args:
+        path: The file.
+        allow_overlap: Whether bodies may overlap, whatever the file says of it.
 
     Raises:
         DesignFileError: If the file cannot be read or is no valid case file.
     """
-    return read_case(read_bytes(path), os.fspath(path))
+    return read_case(read_bytes(path), os.fspath(path), allow_overlap=allow_overlap)
 
 
-def read_case(content: str | bytes, source: str) -> SynthesisCase:
+def read_case(content: str | bytes, source: str, *, allow_overlap: bool = False) -> SynthesisCase:
     """Return the case that a file's content describes.
 
     Args:
         content: The file's text or bytes.
         source: The file's name, for messages.
+        allow_overlap: Whether bodies may overlap, whatever the file says of it.
 
     Raises:
         DesignFileError: If it is no valid case file.
@@ -144,23 +151,35 @@ def read_case(content: str | bytes, source: str) -> SynthesisCase:
         raise DesignFileError(source, problem, line=find_line(text, TABLE))
     table = TomlTable(text, source, TABLE, given, _KEY_OF)
     # what the file leaves out is the case's own default
-    switches = ("scale_bars", "arm_follows", "above_guides")
+    switches = ("arm_follows", "shaft_follows", "above_guides", "allow_overlap")
+    with table.errors_at("scale_bars"):
+        bars = BarLaw(
+            *(
+                table.take(name, bool, default)
+                for name, default in (
+                    ("scale_bars", True), ("tubes_grow", False), ("tube_masses", False)
+                )
+            )
+        )  # fmt: skip
     guide = table.words("guide", str, {item.value: item for item in Guide})
     values = {
         "objective": table.take("objective", str, None),
         "margin": table.take("margin_m", float, None),
+        "clearance": table.take("clearance_m", float, None),
         "guide": guide and guide[0],
         **{name: table.take(name, bool, None) for name in switches},
         "regimes": table.words("regimes", list, REGIMES),
         "seed": table.take("seed", int, None),
     }
+    if allow_overlap:
+        values["allow_overlap"] = True
     effort = {name: table.take(name, int, None) for name in ("generations", "population")}
     with table.errors_at(""):
         ranges = table.each_key("ranges", RANGE_KEYS, _range)
         limits = table.each_key("limits", LIMIT_KEYS, _limit)
         inner = _inner(table, design.design)
         return SynthesisCase(
-            design.requirements, ranges, design.design, limits=limits, inner=inner,
+            design.requirements, ranges, design.design, limits=limits, inner=inner, bars=bars,
             effort=Effort(**{name: count for name, count in effort.items() if count is not None}),
             name=document.get("name", Path(source).stem),
             **{name: value for name, value in values.items() if value is not None},

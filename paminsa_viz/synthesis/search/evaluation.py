@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -14,17 +15,30 @@ from paminsa_viz.model.grids import solve_field
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis.masses.space import InnerInfeasible
 from paminsa_viz.synthesis.search import kernels
-from paminsa_viz.synthesis.search.case import Regime, SynthesisCase
+from paminsa_viz.synthesis.search.case import CLEARANCE, Regime, SynthesisCase
+from paminsa_viz.synthesis.search.extremes import (
+    OVER_POSES,
+    Extent,
+    least_on_samples,
+    least_over,
+)
 from paminsa_viz.synthesis.search.objectives import find_objective
-from paminsa_viz.synthesis.search.region import TRIAL, Density, farthest
+from paminsa_viz.synthesis.search.region import SPARSE, TRIAL, Density, farthest
 from paminsa_viz.synthesis.search.trial import Poses, Robots, TrialRobot
 from paminsa_viz.synthesis.search.trial_masses import with_best_masses
 
 REFUSED = 1e9
 """Cost from which a trial breaks a requirement; below it, all are met."""
 
-STAGES = 6
-"""Stages of an evaluation: lengths, singularities, reach, condition, torques, other quantities."""
+STAGES = 8
+"""Stages of an evaluation: lengths, singularities, reach, room for the drawn bodies, bars beside
+the platform, condition, torques, other quantities."""
+
+CLOSER = 2
+"""How many times closer than those of a trial lie the samples that the pattern search starts at."""
+
+SLOW = 1e-4
+"""Time of a pose from which the verification has no more samples than a trial [s]."""
 
 CONDITIONS = ("condition", "conditioning")
 REACH = "reach_margin"
@@ -93,13 +107,28 @@ class Evaluator:
     def __post_init__(self) -> None:
         object.__setattr__(self, "_poses", Poses(self.case, self.density))
 
-    def costs(self, numbers: Sequence[Array]) -> list[float]:
-        """Return the costs of some trials."""
-        sign = 1.0 if self.relaxed is not None else find_objective(self.case.objective).sign
-        return [found.cost(sign) for found in self.evaluate(np.asarray(numbers, np.float64))]
+    def costs(
+        self, numbers: Sequence[Array], most: Sequence[float] = (), best: float = np.inf
+    ) -> list[float]:
+        """Return the costs of some trials.
 
-    def evaluate(self, numbers: Array) -> list[TrialEvaluation]:
-        """Evaluate trials (n, d) [SI]."""
+        Args:
+            numbers: The trials.
+            most: Cost of each from which it does not matter how much more it is; none if empty.
+            best: The least cost so far. Distances of all bodies take long: trials that cost as much
+                or more are not asked for them, but for what is known in closed form and B4.
+        """
+        found = self.evaluate(np.asarray(numbers, np.float64), most, best)
+        return [one.cost(self._sign) for one in found]
+
+    @property
+    def _sign(self) -> float:
+        return 1.0 if self.relaxed is not None else find_objective(self.case.objective).sign
+
+    def evaluate(
+        self, numbers: Array, most: Sequence[float] = (), best: float = np.inf
+    ) -> list[TrialEvaluation]:
+        """Evaluate trials (n, d) [SI]; arguments as of `costs`."""
         nothing = np.full(len(self.case.requirements.bounds), np.nan)
         unlimited = np.full(len(self.case.limits), np.nan)
         robots = Robots.of(self.case, numbers)
@@ -109,16 +138,20 @@ class Evaluator:
         rows = np.flatnonzero(robots.possible)
         singular = self._singular(robots)
         beyond = self._beyond_reach(robots)
+        cramped = self._without_room(robots)
         taken = []
         for p, row in enumerate(rows):
             if singular[p] > 0:
                 found[row] = TrialEvaluation(1, singular[p], np.nan, nothing, unlimited, None)
             elif beyond[p] > 0:
                 found[row] = TrialEvaluation(2, beyond[p], np.nan, nothing, unlimited, None)
+            elif cramped[p] > 0:
+                found[row] = TrialEvaluation(3, cramped[p], np.nan, nothing, unlimited, None)
             else:
                 taken.append(p)
         for p, trial in zip(taken, robots.trials(self._poses, taken), strict=True):
-            found[rows[p]] = self._over_poses(trial, robots.margins[p])
+            enough = most[int(rows[p])] if len(most) else np.inf
+            found[rows[p]] = self._over_poses(trial, robots.margins[p], enough, best)
         return found
 
     def _singular(self, robots: Robots) -> Array:
@@ -152,20 +185,55 @@ class Evaluator:
         bars = np.array([g.crank_length + g.coupler_length for g in robots.geometries])
         return short / bars
 
+    def _without_room(self, robots: Robots) -> Array:
+        """Return by how much drawn bodies overlap in closed form (p,), as a share of the bars."""
+        needed = self._needed_clearance
+        if needed is None or not robots.geometries:
+            return np.zeros(len(robots.geometries))
+        bars = np.array([g.crank_length + g.coupler_length for g in robots.geometries])
+        return robots.missing_room(needed).sum(axis=-1) / bars
+
+    def _beside_platform(self, trial: TrialRobot) -> float:
+        """Return by how much bars overlap with the platform, as a share of its radius."""
+        needed = self._needed_clearance
+        if needed is None:
+            return 0.0
+        least = trial.plate_distance(self.case.requirements.theta, needed)
+        return (needed - least) / trial.geometry.platform_radius
+
+    @cached_property
+    def _needed_clearance(self) -> float | None:
+        """Least clearance that is required in all poses [m]; None for none."""
+        needed = [
+            bound.low + self._tightened(index)
+            for index, bound in enumerate(self.case.requirements.bounds)
+            if bound.quantity == CLEARANCE and bound.low is not None and index != self.relaxed
+            and bound.theta is None and bound.z is None
+        ]  # fmt: skip
+        return max(needed) if needed else None
+
     def _tightened(self, index: int) -> float:
         return self.tighter[index] if self.tighter else 0.0
 
-    def _over_poses(self, trial: TrialRobot, margins: Array) -> TrialEvaluation:
+    def _over_poses(
+        self, trial: TrialRobot, margins: Array, most: float, best: float
+    ) -> TrialEvaluation:
         bounds = self.case.requirements.bounds
         worst = np.full(len(bounds), np.nan)
         unlimited = np.full(len(self.case.limits), np.nan)
         for index, bound in enumerate(bounds):
             if bound.quantity == REACH:
                 worst[index] = margins.min()
+        if self._is_worse(trial, most):
+            value = self._objective(trial, worst, unlimited)
+            return TrialEvaluation(STAGES, 0.0, value, worst, unlimited, trial)
+        beside = self._beside_platform(trial)
+        if beside > 0:
+            return TrialEvaluation(4, beside, np.nan, worst, unlimited, trial)
         stages = (self._conditions, self._torques, self._others)
-        for stage, values in enumerate(stages, 3):
+        for stage, values in enumerate(stages, 5):
             over = 0.0
-            if stage == 4 and self.case.inner is not None:
+            if stage == 6 and self.case.inner is not None:
                 try:
                     trial = with_best_masses(trial, self.tighter, self.relaxed)
                 except InnerInfeasible as error:
@@ -174,15 +242,35 @@ class Evaluator:
                 worst[index], broken = self._worst(index, bounds[index], extremes)
                 over += broken if index != self.relaxed else 0.0
             limits = unlimited
-            if stage == 4:
+            if stage == 6:
                 over_limits, unlimited = self._limits(trial)
                 over, limits = over + over_limits, unlimited
             if over > 0:
                 return TrialEvaluation(stage, over, np.nan, worst, limits, trial)
-        value = self._objective(trial, worst, unlimited)
+        traded = self.relaxed is not None and self.relaxed in self._clearances
+        value = np.nan if traded else self._objective(trial, worst, unlimited)
+        if traded or self._sign * value < best:
+            over = 0.0
+            for index in self._clearances:
+                worst[index], broken = self._worst(
+                    index, bounds[index], (self._least(trial, bounds[index]), np.inf)
+                )
+                over += broken if index != self.relaxed else 0.0
+            if over > 0:
+                return TrialEvaluation(STAGES - 1, over, np.nan, worst, unlimited, trial)
+            value = self._objective(trial, worst, unlimited)
         if not np.isfinite(value):
             return TrialEvaluation(STAGES - 1, np.inf, np.nan, worst, unlimited, trial)
         return TrialEvaluation(STAGES, 0.0, value, worst, unlimited, trial)
+
+    def _is_worse(self, trial: TrialRobot, most: float) -> bool:
+        """Whether a trial costs more than ``most`` even if it meets all requirements.
+
+        Its objective is then known before them; with masses to choose it is not.
+        """
+        if most >= REFUSED or self.relaxed is not None or self.case.inner is not None:
+            return False
+        return bool(self._sign * find_objective(self.case.objective).value(trial) > most)
 
     def _objective(self, trial: TrialRobot, worst: Array, limits: Array) -> float:
         if self.relaxed is None:
@@ -240,6 +328,11 @@ class Evaluator:
         for index, bound in enumerate(self.case.requirements.bounds):
             if bound.quantity in known and not (bound.quantity == REACH and bound.low is None):
                 continue
+            if index in self._clearances:
+                continue
+            if bound.quantity in OVER_POSES and bound.high is None:
+                yield index, (self._least(trial, bound), np.inf)
+                continue
             samples = self._poses.over(self.case.requirements.headings(bound))
             heights = trial.heights(bound.z)
             if not len(heights):
@@ -258,3 +351,28 @@ class Evaluator:
                     break
                 low, high = min(low, values.min()), max(high, values.max())
             yield index, (float(low), float(high))
+
+    @cached_property
+    def _clearances(self) -> tuple[int, ...]:
+        """Indices of the bounds on the least clearance, which is looked at last."""
+        bounds = enumerate(self.case.requirements.bounds)
+        return tuple(i for i, b in bounds if b.quantity == CLEARANCE and b.high is None)
+
+    def _least(self, trial: TrialRobot, bound: Requirement) -> float:
+        """Return the least value of a quantity that is measured in single poses; NaN without any.
+
+        On sparse samples, and beyond those of a trial (`TRIAL`) by a pattern search as well.
+        """
+        headings = self.case.requirements.headings(bound)
+        extent = Extent(trial.workspace, headings).within(bound.z)
+        if extent is None:
+            return np.nan
+        try:
+            design = trial.drawn if bound.quantity == CLEARANCE else trial.design
+        except InvalidDesign:
+            return -np.inf
+        if self.density == TRIAL:
+            return least_on_samples(bound.quantity, design, extent)
+        density = SPARSE.finer(CLOSER if bound.entry.cost < SLOW else 1)
+        values = OVER_POSES[bound.quantity]
+        return least_over(lambda pose: values(design, pose), extent, density).value

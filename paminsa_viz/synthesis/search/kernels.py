@@ -20,9 +20,9 @@ TORQUE_COLUMNS = ("tau_1", "tau_2", "tau_3", "f_4", "max_torque", "rms_torque")
 
 
 @cache
-def load() -> tuple[Any, Any, Any]:
-    """Compile the kernels, or load them from disk: conditions, torques, radii."""
-    return _conditions(), _torques(), _radii()
+def load() -> tuple[Any, Any, Any, Any]:
+    """Compile the kernels, or load them from disk: conditions, torques, radii, plate."""
+    return _conditions(), _torques(), _radii(), _plate()
 
 
 def _conditions() -> Any:
@@ -119,3 +119,95 @@ def _radii() -> Any:
                                 out[p] = np.inf
 
     return radii
+
+
+NARROWED = 24
+"""Times that the place on B4 that is nearest to the plate is narrowed down, each time by 0.62."""
+
+
+def plate_distance(corners: Any, low: Any, top: Any, x: Any, y: Any, z: Any) -> Any:
+    """Return the distance of a point from a prism over a convex polygon, negative inside [m].
+
+    Args:
+        corners: Its corners (n, 2), counterclockwise [m].
+        low, top: Its heights [m].
+        x, y, z: The point [m].
+    """
+    inside, nearest = -np.inf, np.inf
+    count = corners.shape[0]
+    for i in range(count):
+        px, py = corners[i, 0], corners[i, 1]
+        ex, ey = corners[(i + 1) % count, 0] - px, corners[(i + 1) % count, 1] - py
+        length = np.sqrt(ex * ex + ey * ey)
+        dx, dy = x - px, y - py
+        inside = max(inside, (ey * dx - ex * dy) / length)
+        along = min(max((ex * dx + ey * dy) / (length * length), 0.0), 1.0)
+        dx, dy = dx - along * ex, dy - along * ey
+        nearest = min(nearest, dx * dx + dy * dy)
+    above = max(low - z, z - top)
+    if inside <= 0.0:
+        return max(inside, above)
+    above = max(above, 0.0)
+    return np.sqrt(nearest + above * above)
+
+
+def _plate() -> Any:
+    digest = compiled.register(leg.leg_position, plate_distance)
+    axes = tuple(zip(robot.AXIS_X, robot.AXIS_Y, strict=True))
+    golden = 0.5 * (np.sqrt(5.0) - 1.0)
+
+    @compiled.kernel(**STRICT)
+    def plate(m, layer, radius, corners, low, top, enough, xy, turns, z):  # type: ignore[no-untyped-def]
+        """Return the least distance of B4's tube from the platform's plate over all poses [m].
+
+        Negative where they overlap; ``enough`` where it is more than that.
+
+        Args: the lengths, offset of B4 across the leg plane and its radius, the plate's corners
+        (n, 2), its heights from joint 5, positions (i, 2), cosines and sines of theta (j, 2),
+        heights.
+        """
+        least = enough
+        if digest < 0:
+            return least
+        for i in range(len(xy)):
+            for j in range(len(turns)):
+                c, s = turns[j, 0], turns[j, 1]
+                for k in range(3):
+                    bx, by = (
+                        m.base_radius * axes[k][0] - xy[i, 0],
+                        (m.base_radius * axes[k][1] - xy[i, 1]),
+                    )
+                    for n in range(len(z)):
+                        g = leg.leg_position(
+                            m, axes[k][0], axes[k][1], xy[i, 0], xy[i, 1], c, s, z[n]
+                        )
+                        down = g.z9 - g.zeta
+                        if not min(down, 0.0) - top - radius < least:
+                            continue
+                        # B4's middle line in the platform's frame, from joint 5
+                        px, py = bx + g.rho * g.ux - layer * g.uy, by + g.rho * g.uy + layer * g.ux
+                        qx, qy = (g.r9 - g.rho) * g.ux, (g.r9 - g.rho) * g.uy
+                        px, py = c * px + s * py, c * py - s * px
+                        qx, qy = c * qx + s * qy, c * qy - s * qx
+                        first, last = 0.0, 1.0
+                        a, b = last - golden * (last - first), first + golden * (last - first)
+                        fa = plate_distance(corners, low, top, px + a * qx, py + a * qy, a * down)
+                        fb = plate_distance(corners, low, top, px + b * qx, py + b * qy, b * down)
+                        for _ in range(NARROWED):
+                            if fa < fb:
+                                last, b, fb = b, a, fa
+                                a = last - golden * (last - first)
+                                fa = plate_distance(
+                                    corners, low, top, px + a * qx, py + a * qy, a * down
+                                )
+                            else:
+                                first, a, fa = a, b, fb
+                                b = first + golden * (last - first)
+                                fb = plate_distance(
+                                    corners, low, top, px + b * qx, py + b * qy, b * down
+                                )
+                        # any place on the line is a bound from above
+                        least = min(least, min(fa, fb) - radius)
+        return least
+
+    return plate

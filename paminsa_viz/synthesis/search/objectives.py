@@ -79,11 +79,20 @@ _LEG_MASSES = [
 _PLATFORM = MASS_PATHS.index("platform.mass")
 
 
-def _moving_mass(trial: Trial) -> float:
-    legs = float(trial.masses[_LEG_MASSES].sum())
-    owner = trial.reference if trial.inner is None else trial.inner.design
+def legs_and_platform(masses: Array, owner: Design) -> float:
+    """Return the mass of the platform and of all legs with their counterweights [kg].
+
+    Args:
+        masses: In the order of `lumped.MASS_PATHS` (28,).
+        owner: The design that has the counterweights.
+    """
     weights = sum(weight.mass for weight in owner.counterweights)
-    return 3 * (legs + weights) + float(trial.masses[_PLATFORM])
+    return 3 * (float(masses[_LEG_MASSES].sum()) + weights) + float(masses[_PLATFORM])
+
+
+def _moving_mass(trial: Trial) -> float:
+    owner = trial.reference if trial.inner is None else trial.inner.design
+    return legs_and_platform(trial.masses, owner)
 
 
 def _of_motions(trial: Trial, key: str) -> float:

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.progress import Canceled, Progress, go_on
 from paminsa_viz.quantities.requirements import Workspace
@@ -104,12 +106,22 @@ def search_round(
     case = evaluator.case
     low, high = case.bounds.T
     history: list[float] = []
+    # of the robot that each trial is to replace, or of one no better
+    most: list[float] = []
     canceled = False
 
     def in_parts(_: object, trials: Iterable[Any]) -> list[float]:
+        nonlocal most
         listed = [low + (high - low) * np.asarray(row) for row in trials]
-        parts = [listed[start : start + PART] for start in range(0, len(listed), PART)]
-        return list(chain.from_iterable(workers.in_order(evaluator.costs, parts)))
+        limits = most or [np.inf] * len(listed)
+        starts = range(0, len(listed), PART)
+        best = min(most, default=state.cost)
+        parts = [(listed[n : n + PART], limits[n : n + PART], best) for n in starts]
+        found = list(chain.from_iterable(workers.in_order(partial(_costs, evaluator), parts)))
+        if not most:  # SciPy then exchanges the first of them with the best
+            most = found.copy()
+            most[int(np.argmin(found))] = found[0]
+        return found
 
     def reached(found: OptimizeResult, generations: int) -> RegimeState:
         return replace(
@@ -121,8 +133,9 @@ def search_round(
         )
 
     def after_generation(intermediate_result: OptimizeResult) -> None:
-        nonlocal canceled
+        nonlocal canceled, most
         history.append(float(intermediate_result.fun))
+        most = intermediate_result.population_energies.tolist()
         now = reached(intermediate_result, len(history))
         if progress(min(1.0, now.generation / case.effort.generations), state=now):
             canceled = True
@@ -146,6 +159,11 @@ def search_round(
     population = tuple(map(tuple, found.population.tolist()))
     after = replace(reached(found, int(found.nit)), population=population)
     return replace(after, done=_has_ended(case, after, bool(found.success)))
+
+
+def _costs(evaluator: Evaluator, part: tuple[list[Array], list[float], float]) -> list[float]:
+    """Return the costs of a part of the trials, see `Evaluator.costs`."""
+    return evaluator.costs(*part)
 
 
 def _has_ended(case: SynthesisCase, state: RegimeState, converged: bool) -> bool:

@@ -30,6 +30,15 @@ class Spans(NamedTuple):
     zeta_most: Array
     beyond: Array  # how far joints 5 get above the guides (lower knee), or below them [m]
 
+    def diagonals(self, magnification: Array) -> Array:
+        """Return the least and largest distance of joints 8 and 5, (n, 2) [m].
+
+        X_1 and z_5 are independent of each other, so that both are reached.
+        """
+        wide = magnification / (magnification - 1)
+        near = np.hypot(wide * self.rho_least, self.zeta_least)
+        return np.stack([near, np.hypot(wide * self.rho_most, self.zeta_most)], axis=-1)
+
 
 def corners(workspace: Workspace) -> Array:
     """Return the corners of a box in the horizontal plane, from its center (4, 2) [m]."""
@@ -108,11 +117,11 @@ def reach_margins(geometries: Sequence[Geometry], found: Spans) -> Array:
     crank = np.array([g.crank_length for g in geometries])
     coupler = np.array([g.coupler_length for g in geometries])
     k = np.array([g.magnification for g in geometries])
-    wide = k / (k - 1)
+    near, far = found.diagonals(k).T
     return np.stack(
         [
-            crank + coupler - np.hypot(wide * found.rho_most, found.zeta_most),
-            np.hypot(wide * found.rho_least, found.zeta_least) - np.abs(crank - coupler),
+            crank + coupler - far,
+            near - np.abs(crank - coupler),
             np.array([g.stroke for g in geometries]) - found.rho_most / (k - 1),
             found.rho_least - np.array([g.axis_clearance for g in geometries]),
         ],
@@ -149,6 +158,9 @@ class Density:
 
 TRIAL = Density()
 """How close the poses of a trial lie."""
+
+SPARSE = Density(around=4, rings=2, theta=3, z=3)
+"""How close they lie for what takes long in a pose: distances of bodies, stiffness."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirement, Workspace
 from paminsa_viz.synthesis.masses.program import InnerSolution
 from paminsa_viz.synthesis.proof.evidence import Proof
-from paminsa_viz.synthesis.search.case import ObjectiveLimit, Regime, SynthesisCase
+from paminsa_viz.synthesis.search.buildability import Buildability, best_height, buildability
+from paminsa_viz.synthesis.search.case import CLEARANCE, ObjectiveLimit, Regime, SynthesisCase
 from paminsa_viz.synthesis.search.evaluation import TrialEvaluation
 from paminsa_viz.synthesis.search.outer import RegimeState
 
 ACTIVE = 0.005
 """Margin below which a bound is active, as a share of the bound."""
+
+NEAR = 5e-4
+"""The same of the bound on clearance, whose own size says nothing [m]."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +30,8 @@ class BoundOutcome:
         bound: What is bounded.
         value: The value closest to the bound over the workspace [SI]; NaN if it is not known.
         margin: How far it is inside the bound, negative outside [SI].
-        active: Whether the bound decides: the margin is below 0.5 % of it.
+        active: Whether the bound decides: the margin is below 0.5 % of it, of clearance below
+            0.5 mm.
     """
 
     bound: Requirement | ObjectiveLimit
@@ -92,6 +98,22 @@ class SynthesisResult:
         """Robots tried."""
         return sum(state.trials for state in self.states)
 
+    @cached_property
+    def buildability(self) -> tuple[Buildability, Buildability] | None:
+        """Whether the robot can be built as drawn, and the reference; None without a robot.
+
+        Of the reference in the same workspace, at its own best height where that is free. It is
+        worked out when it is first asked for, which takes about a second.
+        """
+        if not self.poses:
+            return None
+        theta, held, space = self.case.requirements.theta, self.case.reference, self.workspace
+        if self.case.workspace.center[2] is None:
+            space = best_height(held, space, theta)
+        return (
+            buildability(self.design, self.workspace, theta), buildability(held, space, theta)
+        )  # fmt: skip
+
 
 def limit_of(bound: Requirement | ObjectiveLimit, value: float = math.nan) -> float:
     """Return the bound that counts: that nearer to a value, the largest if there is none [SI]."""
@@ -107,7 +129,8 @@ def outcomes_of(case: SynthesisCase, found: TrialEvaluation) -> tuple[BoundOutco
     rows = []
     for bound, value in zip(bounds, found.values.tolist(), strict=True):
         margin = float(bound.margin(value))
-        rows.append(
-            BoundOutcome(bound, value, margin, abs(margin) <= ACTIVE * abs(limit_of(bound, value)))
-        )
+        near = ACTIVE * abs(limit_of(bound, value))
+        if isinstance(bound, Requirement) and bound.quantity == CLEARANCE:
+            near = NEAR
+        rows.append(BoundOutcome(bound, value, margin, abs(margin) <= near))
     return tuple(rows)

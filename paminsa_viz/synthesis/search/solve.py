@@ -251,7 +251,7 @@ def _result(
     trial = best and best.found.trial
     return SynthesisResult(
         case=case,
-        design=case.reference if trial is None else replace(trial.design, name=case.name),
+        design=case.reference if trial is None else replace(trial.design, name=case.title),
         workspace=case.workspace if trial is None else trial.workspace,
         regime=best and best.state.regime,
         feasible=best is not None and best.found.feasible,

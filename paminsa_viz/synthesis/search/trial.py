@@ -8,6 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
+from paminsa_viz.dimensions.layers import LAYER, TUBE_RADIUS
+from paminsa_viz.dimensions.layout import plate_corners
+from paminsa_viz.dimensions.needs import (
+    PLATE_FROM_5,
+    missing_room,
+    needed_guide,
+    needed_shaft,
+)
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -18,8 +26,9 @@ from paminsa_viz.model.resizing import resized_coefficients, resized_masses
 from paminsa_viz.quantities.requirements import Range, Workspace
 from paminsa_viz.synthesis.masses.program import InnerSolution
 from paminsa_viz.synthesis.search import kernels
-from paminsa_viz.synthesis.search.case import Guide, SynthesisCase
+from paminsa_viz.synthesis.search.case import CLEARANCE, SHAFT, Guide, SynthesisCase
 from paminsa_viz.synthesis.search.region import (
+    SPARSE,
     TRIAL,
     Density,
     Spans,
@@ -31,7 +40,11 @@ from paminsa_viz.synthesis.search.region import (
 from paminsa_viz.synthesis.volume.margins import Columns
 
 SPARE = 1e-9
-"""What a guide that follows is longer than the workspace takes, against rounding [m]."""
+"""What guides that follow are longer than the workspace takes, against rounding [m]."""
+
+
+ABOVE_QUILL = 0.01
+"""What shafts that follow are longer than they need be, so that other bodies decide [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +71,10 @@ class Poses:
     def _kept(self) -> dict[Range, TrialSamples]:
         return {}
 
+    @cached_property
+    def _few(self) -> dict[Range, TrialSamples]:
+        return {}
+
     def over(self, theta: Range) -> TrialSamples:
         """Return the samples of the workspace with some headings."""
         if theta not in self._kept:
@@ -65,6 +82,12 @@ class Poses:
             force = generalized_force(self.case.reference.load, found.theta)[:, :3]
             self._kept[theta] = replace(found, wrench=np.ascontiguousarray(force))
         return self._kept[theta]
+
+    def sparse(self, theta: Range) -> TrialSamples:
+        """Return few samples, of all legs: what is drawn has no symmetry to either side."""
+        if theta not in self._few:
+            self._few[theta] = sample(self.case.workspace, theta, SPARSE)
+        return self._few[theta]
 
     def __reduce__(self) -> tuple[type[Poses], tuple[SynthesisCase, Density]]:
         """Send what the rest follows from."""
@@ -114,6 +137,12 @@ class TrialRobot:
         if self.inner is not None:
             return self.inner.design
         return self.case.design(self.geometry)
+
+    @property
+    def drawn(self) -> Design:
+        """A robot that is drawn as it is: its masses do not follow, but for counterweights."""
+        owner = self.case.reference if self.inner is None else self.inner.design
+        return replace(owner, geometry=self.geometry)
 
     @cached_property
     def mechanism(self) -> Mechanism:
@@ -178,6 +207,22 @@ class TrialRobot:
         if not np.isfinite(columns).all():
             return np.array([[-np.inf], [np.inf]]) * np.ones(columns.shape[1])
         return np.array([columns.min(axis=0), columns.max(axis=0)])
+
+    def plate_distance(self, theta: Range, enough: float) -> float:
+        """Return the least distance of a tube B4 from the platform's plate [m].
+
+        Negative where they overlap, ``enough`` where it is more than that; on sparse samples.
+        """
+        found = self.poses.sparse(theta)
+        xy = found.place(found.within, self.workspace)
+        middle, height = float(self.workspace.center[2] or 0.0), self.workspace.size[2]
+        corners = plate_corners(self.geometry.platform_radius)
+        return float(
+            kernels.load()[3](
+                self.mechanism, LAYER["b4"], TUBE_RADIUS["b4"], corners, *PLATE_FROM_5, enough,
+                xy, found.turns, middle + height * found.share,
+            )
+        )  # fmt: skip
 
     @cached_property
     def radii(self) -> Array:
@@ -245,13 +290,21 @@ class Robots:
             none = np.zeros(0)
             return cls(case, numbers, possible, [], [], Spans(*[none] * 5), np.zeros((0, 4)))
         found = spans(geometries, workspaces, case.requirements.theta)
-        if case.guide is Guide.FOLLOWS:
-            for geometry, rho in zip(geometries, found.rho_most.tolist(), strict=True):
-                length = rho / (geometry.magnification - 1) + case.margin + SPARE
+        for name, lengths in _following(case, geometries, found).items():
+            for geometry, length in zip(geometries, lengths.tolist(), strict=True):
                 # They are new, nobody else's, and checking all their numbers again takes time.
-                object.__setattr__(geometry, "guide_link_length", length)
+                object.__setattr__(geometry, name, length)
         margins = reach_margins(geometries, found)
         return cls(case, numbers, possible, geometries, workspaces, found, margins)
+
+    def missing_room(self, clearance: float) -> Array:
+        """Return how much is missing of what the drawn bodies need (p, 4), see `needs` [m]."""
+        k = np.array([g.magnification for g in self.geometries])
+        found = self.spans
+        zeta = np.stack([found.zeta_least, found.zeta_most], axis=-1)
+        return missing_room(
+            self.geometries, found.rho_least / (k - 1), zeta, found.diagonals(k), clearance
+        )
 
     def trials(self, poses: Poses, which: Sequence[int]) -> list[TrialRobot]:
         """Return some of the p robots with their masses."""
@@ -259,10 +312,29 @@ class Robots:
         geometries = [self.geometries[i] for i in which]
         if not geometries:
             return []
-        masses = resized_masses(case.reference, geometries, scale_bars=case.scale_bars)
+        masses = resized_masses(case.reference, geometries, case.bars)
         coefficients = resized_coefficients(case.reference, geometries, masses)
         rows = np.flatnonzero(self.possible)
         return [
             TrialRobot(poses, self.numbers[rows[i]], g, self.workspaces[i], m, c)
             for i, g, m, c in zip(which, geometries, masses, coefficients, strict=True)
         ]
+
+
+def _following(
+    case: SynthesisCase, geometries: Sequence[Geometry], found: Spans
+) -> dict[str, Array]:
+    """Return the lengths of guides and shafts that follow the workspace, (p,) of each [m]."""
+    k = np.array([g.magnification for g in geometries])
+    lengths = {}
+    if case.guide is Guide.FOLLOWS:
+        slider = found.rho_most / (k - 1)
+        length = slider + case.margin
+        if case.clear:
+            length = np.maximum(length, needed_guide(slider))
+        lengths["guide_link_length"] = length + SPARE
+    if case.shaft_follows and case.clear and SHAFT not in case.paths:
+        apart = max(b.low or 0.0 for b in case.requirements.bounds if b.quantity == CLEARANCE)
+        shaft = needed_shaft(case.reference, found.zeta_most, k)
+        lengths["shaft_length"] = shaft + apart + ABOVE_QUILL
+    return lengths

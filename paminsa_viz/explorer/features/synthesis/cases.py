@@ -10,7 +10,7 @@ from paminsa_viz.explorer.state.synthesis import (
     Range,
     SynthesisSettings,
 )
-from paminsa_viz.model import Design
+from paminsa_viz.model import BarLaw, Design
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.search.case import (
     DEFAULT_PATHS,
@@ -91,6 +91,8 @@ def case_of(
         tuple(SearchRange(path, *ends) for path, ends in ranges.items() if ends[0] != ends[1]),
         design.vary(dict(held)),
         objective=settings.objective,
+        bars=BarLaw(grow=settings.tubes_grow, tubes=settings.tube_masses),
+        allow_overlap=settings.allow_overlap,
         above_guides=settings.above_guides,
         margin=max([LEAST_MARGIN, *margins]),  # which a guide that follows has, too
         regimes=KINDS[settings.regimes],

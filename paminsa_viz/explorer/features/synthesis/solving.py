@@ -126,6 +126,7 @@ def search(job: SynthesisJob, progress: Progress) -> SearchResult:
         answer = synthesize(job.case, workers=workers, progress=shown)
         if answer.canceled and answer.regime is None:
             raise PaminsaError(STOPPED)
+        _ = answer.buildability  # worked out here, and kept with the answer
         built = None
         if answer.feasible and not progress(SEARCH_SHARE):
             built = tolerances(answer, workers, progress)
@@ -147,6 +148,8 @@ def find_front(job: SynthesisJob, workers: Workers, shown: ProgressReport) -> Se
     if not front.points:
         problem = "No robot meets all requirements; search one objective alone for the reasons."
         raise PaminsaError(STOPPED if front.canceled else problem)
+    for point in front.points:
+        _ = point.result.buildability
     return SearchResult(front.points[0].result, front=front)
 
 

@@ -73,6 +73,9 @@ RANGES = (
     _range(TALL, "height", "Height of the workspace", size=True),
     _setting("regimes", options={label: label for label in REGIMES}),
     _setting("above_guides"),
+    _setting("allow_overlap"),
+    _setting("tubes_grow"),
+    _setting("tube_masses"),
 )  # fmt: skip
 
 _START, _PROGRESS, _STOP = task_entries(

@@ -16,6 +16,7 @@ from paminsa_viz.model.parameters import Parameter
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement, Workspace
 from paminsa_viz.synthesis.answer.prices import STEP
+from paminsa_viz.synthesis.search.buildability import OVERLAP_ALLOWED, buildability_rows
 from paminsa_viz.synthesis.search.case import ObjectiveLimit
 from paminsa_viz.synthesis.search.objectives import find_objective
 from paminsa_viz.synthesis.search.result import BoundOutcome, SynthesisResult
@@ -87,6 +88,8 @@ def result_html(frame: Frame) -> str:
             "high": number(100 * built.fraction.high, 3),
             "count": built.fraction.samples, "missed": list(built.missed.items())[:3],
         },
+        drawn=() if result.buildability is None else buildability_rows(*result.buildability),
+        overlap="" if result.case.clear else OVERLAP_ALLOWED,
         lengths=changed_lengths(outcome.job.reference, result.design),
     )  # fmt: skip
 

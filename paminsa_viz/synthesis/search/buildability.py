@@ -1,0 +1,195 @@
+"""Whether a robot can be built as it is drawn, and how stiff it is, over a required workspace.
+
+One result (`Buildability`), and one table of it beside the reference's (`buildability_rows`), which
+the command, the report and the page print alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from paminsa_viz.clearance import clearance
+from paminsa_viz.dimensions.needs import needed_guide, needed_shaft
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.lumped import mass_vector
+from paminsa_viz.model.reach import check_reach
+from paminsa_viz.quantities.requirements import Range, Workspace
+from paminsa_viz.synthesis.search.extremes import OVER_POSES, Extent, least_over
+from paminsa_viz.synthesis.search.objectives import legs_and_platform
+from paminsa_viz.synthesis.search.region import SPARSE, reach_margins, spans
+from paminsa_viz.units import NONE, format_value
+
+OVERLAP_ALLOWED = "Overlap was allowed: the robot need not be one that can be built as it is drawn."
+"""What marks an answer for which it was not required that the bodies do not overlap."""
+
+BuildRow = tuple[str, str, str, bool]
+"""A row: what it is, of the robot, of the reference, and whether it is a fault of the robot."""
+
+RANDOM = 1000
+"""Poses of which the share that overlaps is counted."""
+
+HEIGHTS = 81
+"""Heights at which a reference is tried."""
+
+
+@dataclass(frozen=True, eq=False)
+class Buildability:
+    """How a robot is drawn, and how stiff it is, over a workspace.
+
+    Extremes are those of samples and a pattern search from the worst of them, over the poses that
+    can be taken; NaN where there is none.
+
+    Attributes:
+        center: Center of the workspace [m].
+        within_reach: Share of the poses that can be taken.
+        clearance: Least distance of two bodies as they are drawn, negative where they overlap [m].
+        bodies: Names of the two.
+        worst: The pose where it is (4,) [m, m, rad, m].
+        overlapping: Share of the poses in which bodies overlap, of those that can be taken.
+        stiffness: Least stiffness in the softest horizontal direction [N/m].
+        frequency: Least first natural frequency, motors locked [Hz].
+        guide, needed_guide: Length of B10, and the least one that carries the whole slider [m].
+        shaft, needed_shaft: Length of B2, and the least one that keeps the arms above the drives,
+            or with the upper knee above the platform [m].
+        moving_mass: Mass of the platform and of all legs with their counterweights [kg].
+    """
+
+    center: tuple[float, float, float]
+    within_reach: float
+    clearance: float
+    bodies: tuple[str, str]
+    worst: Array
+    overlapping: float
+    stiffness: float
+    frequency: float
+    guide: float
+    needed_guide: float
+    shaft: float
+    needed_shaft: float
+    moving_mass: float
+
+    @property
+    def clear(self) -> bool:
+        """Whether no two bodies overlap, and guide and shaft are long enough."""
+        long = self.guide >= self.needed_guide and self.shaft >= self.needed_shaft
+        return self.clearance > 0 and self.overlapping == 0 and long
+
+    def data(self) -> dict[str, object]:
+        """Return it as data for JSON, in SI units."""
+        return {
+            "workspace_center_m": self.center, "within_reach": self.within_reach,
+            "clearance_m": self.clearance, "nearest_bodies": self.bodies,
+            "nearest_at": self.worst.tolist(), "overlapping": self.overlapping,
+            "stiffness_horizontal_N_per_m": self.stiffness, "frequency_1_Hz": self.frequency,
+            "guide_m": self.guide, "needed_guide_m": self.needed_guide,
+            "shaft_m": self.shaft, "needed_shaft_m": self.needed_shaft,
+            "moving_mass_kg": self.moving_mass,
+        }  # fmt: skip
+
+
+def best_height(design: Design, workspace: Workspace, theta: Range) -> Workspace:
+    """Return a workspace at the height where a robot has the largest margin of reach."""
+    bars = design.geometry.crank_length + design.geometry.coupler_length
+    side = -design.geometry.knee.sign
+    far, near = side * (bars + workspace.size[2]), side * 0.5 * workspace.size[2]
+    x, y, _ = workspace.center
+    heights = np.linspace(far, near, HEIGHTS) - design.geometry.platform_joint_height
+    placed = [replace(workspace, center=(x, y, float(z))) for z in heights]
+    robots = [design.geometry] * len(placed)
+    margins = reach_margins(robots, spans(robots, placed, theta))
+    return placed[int(np.argmax(margins.min(axis=1)))]
+
+
+def buildability(design: Design, workspace: Workspace, theta: Range) -> Buildability:
+    """Return whether a robot can be built as it is drawn, and how stiff it is.
+
+    Args:
+        design: The robot.
+        workspace: The workspace, its height known.
+        theta: Least and largest heading [rad].
+    """
+    extent, geometry = Extent(workspace, theta), design.geometry
+    pose = extent.random(RANDOM)
+    reach = check_reach(geometry, pose).ok
+    overlaps = clearance(design, pose[reach]).least < 0
+
+    def least(quantity: str, starts: int) -> tuple[float, Array]:
+        def values(poses: Array) -> Array:
+            ok = check_reach(geometry, poses).ok
+            found = np.full(len(poses), np.inf)
+            found[ok] = OVER_POSES[quantity](design, poses[ok])
+            return found
+
+        found = least_over(values, extent, SPARSE.finer(2 if starts > 2 else 1), starts=starts)
+        # rounding is no overlap
+        value = round(found.value, 9) + 0.0 if np.isfinite(found.value) else np.nan
+        return value, found.pose
+
+    apart, worst = least("clearance", 6)
+    bodies = ("", "")
+    if np.isfinite(apart):
+        found = clearance(design, worst)
+        bodies = found.pairs[int(found.pair)]
+    ranges = spans([geometry], [workspace], theta)
+    k = np.array([geometry.magnification])
+    x, y, z = (float(place or 0.0) for place in workspace.center)
+    shaft = needed_shaft(design, ranges.zeta_most, k)
+    return Buildability(
+        center=(x, y, z),
+        within_reach=float(reach.mean()),
+        clearance=apart,
+        bodies=bodies,
+        worst=worst,
+        overlapping=float(overlaps.mean()) if len(overlaps) else float("nan"),
+        stiffness=least("stiffness_horizontal", 4)[0],
+        frequency=least("frequency_1", 1)[0],
+        guide=geometry.guide_link_length,
+        needed_guide=float(needed_guide(ranges.rho_most / (k - 1))[0]),
+        shaft=geometry.shaft_length,
+        needed_shaft=float(shaft[0]),
+        moving_mass=legs_and_platform(mass_vector(design), design),
+    )
+
+
+def buildability_rows(found: Buildability, reference: Buildability) -> tuple[BuildRow, ...]:
+    """Return the table of a robot beside the reference."""
+
+    def value(number: float, unit: str) -> str:
+        return format_value(number, unit) if np.isfinite(number) else NONE
+
+    def share(number: float) -> str:
+        return f"{100 * number:.3g} %" if np.isfinite(number) else NONE
+
+    def length(own: float, needed: float) -> str:
+        return f"{value(own, 'm')}, needed {value(needed, 'm')}"
+
+    def both(one: Buildability) -> str:
+        return " and ".join(one.bodies) if one.bodies[0] else NONE
+
+    def row(what: str, text: Callable[[Buildability], str], fault: bool = False) -> BuildRow:
+        return what, text(found), text(reference), fault
+
+    overlaps = not found.clearance > 0
+    return (
+        row("Least clearance as drawn", lambda b: value(b.clearance, "m"), overlaps),
+        row("Between", both, overlaps),
+        row("Poses that overlap", lambda b: share(b.overlapping), found.overlapping > 0),
+        row("Least horizontal stiffness", lambda b: value(b.stiffness, "N/m")),
+        row(
+            "Least first natural frequency", lambda b: value(b.frequency, "Hz"),
+            not np.isfinite(found.frequency),
+        ),
+        row(
+            "Guide B10", lambda b: length(b.guide, b.needed_guide), found.guide < found.needed_guide
+        ),
+        row(
+            "Shaft B2", lambda b: length(b.shaft, b.needed_shaft), found.shaft < found.needed_shaft
+        ),
+        row("Moving mass", lambda b: value(b.moving_mass, "kg")),
+        row("Center of the workspace, z", lambda b: value(b.center[2], "m")),
+        row("Poses within reach", lambda b: share(b.within_reach), found.within_reach < 1),
+    )  # fmt: skip

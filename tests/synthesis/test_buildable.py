@@ -1,0 +1,295 @@
+"""Robots that can be built: drawn bodies that do not overlap, bars that grow, what answers say."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from paminsa_viz.clearance import clearance, pair_clearance, shapes_of
+from paminsa_viz.dimensions import needs
+from paminsa_viz.elastostatics import platform_stiffness
+from paminsa_viz.model import APPENDIX_4, BarLaw, Geometry, KneeBranch, inverse_kinematics, resized
+from paminsa_viz.model.design import Design
+from paminsa_viz.quantities.requirements import Requirement, Workspace, WorkspaceShape
+from paminsa_viz.report.blocks import Note, Table
+from paminsa_viz.report.synthesis_section import synthesis_blocks
+from paminsa_viz.synthesis import (
+    Buildability,
+    Effort,
+    Evaluator,
+    Regime,
+    SynthesisCase,
+    SynthesisResult,
+    buildability,
+    synthesize,
+)
+from paminsa_viz.synthesis.search.buildability import OVERLAP_ALLOWED, buildability_rows
+from paminsa_viz.synthesis.search.evaluation import REFUSED
+from paminsa_viz.synthesis.search.extremes import Extent, least_over
+from paminsa_viz.synthesis.search.region import SPARSE
+from paminsa_viz.synthesis.search.trial import Poses, TrialRobot
+from tests.synthesis.search_cases import CELL, CYLINDER, TURN
+from tests.synthesis.test_trials import GOOD, random_numbers
+
+BUILDABLE = replace(CYLINDER, allow_overlap=False, effort=Effort(60, 6), regimes=(Regime.SMALLER,))
+
+lengths = st.fixed_dictionaries(
+    {
+        "magnification": st.floats(1.6, 5.0),
+        "base_radius": st.floats(0.15, 0.6),
+        "platform_radius": st.floats(0.06, 0.2),
+        "crank_length": st.floats(0.2, 0.8),
+        "coupler_length": st.floats(0.2, 0.9),
+        "shaft_length": st.floats(0.05, 0.8),
+        "knee": st.sampled_from(KneeBranch),
+    }
+)
+
+
+def reachable(geometry: Geometry, count: int) -> np.ndarray:
+    """Random poses that can be taken, on the platform's side of the guides."""
+    rng = np.random.default_rng(0)
+    bars = geometry.crank_length + geometry.coupler_length
+    z = -geometry.knee.sign * rng.uniform(0.02, 1.0, count) * bars
+    xy, theta = rng.uniform(-0.2, 0.2, (count, 2)), rng.uniform(-0.6, 0.6, count)
+    pose = np.column_stack([xy, theta, z - geometry.platform_joint_height])
+    return pose[inverse_kinematics(geometry, pose).reach.ok]
+
+
+@settings(max_examples=25, deadline=None)
+@given(lengths=lengths)
+def test_cheap_bounds_exclude_no_robot_that_the_bodies_accept(lengths: dict) -> None:
+    try:
+        geometry = replace(APPENDIX_4.geometry, guide_link_length=1.0, **lengths)
+    except ValueError:
+        return
+    design = replace(APPENDIX_4, geometry=geometry)
+    pose = reachable(geometry, 60)
+    found = inverse_kinematics(geometry, pose)
+    k = geometry.magnification
+    rho = np.linalg.norm((found.points[5] - found.points[3])[..., :2], axis=-1)
+    zeta = np.abs(found.points[5][..., 0, 2])
+    apart = np.linalg.norm(found.points[8] - found.points[5], axis=-1)
+    missing = needs.missing_room(
+        [geometry] * len(pose), rho.min(axis=1) / (k - 1), np.stack([zeta, zeta], axis=1),
+        np.stack([apart.min(axis=1), apart.max(axis=1)], axis=1), 0.001,
+    )  # fmt: skip
+    broken = (missing > 1e-9).any(axis=1)
+    assert (clearance(design, pose[broken]).least < 0.001).all()
+    # ... and each by its own two bodies
+    shapes = shapes_of(design)
+    for column, (one, other) in enumerate(
+        (("slider", "joint 1"), ("joint 3", "joint 1"), ("arm B1", "joint 1"), ("B4", "B7"))
+    ):
+        which = np.flatnonzero(missing[:, column] > 1e-9)[:2]
+        if len(which):
+            pairs = [{f"{one} of leg {n}", f"{other} of leg {n}"} for n in (1, 2, 3)]
+            columns = [i for i, pair in enumerate(shapes.names) if set(pair) in pairs]
+            own = pair_clearance(design, pose[which])[:, columns].min(axis=1)
+            assert (own <= np.maximum(0.001 - missing[which, column], 0.0) + 1e-9).all()
+
+
+@settings(max_examples=12, deadline=None)
+@given(lengths=lengths)
+def test_plate_kernel_is_no_more_than_the_distance_of_the_bodies(lengths: dict) -> None:
+    try:
+        geometry = replace(APPENDIX_4.geometry, guide_link_length=1.0, **lengths)
+    except ValueError:
+        return
+    design = replace(APPENDIX_4, geometry=geometry)
+    names = shapes_of(design).names
+    platform = [i for i, p in enumerate(names) if "the platform" in p and "B4" in p[0] + p[1]]
+    assert len(platform) == 3
+    for pose in reachable(geometry, 6):
+        space = Workspace(WorkspaceShape.BOX, (1e-9, 1e-9, 1e-9), tuple(pose[[0, 1, 3]]))
+        case = replace(
+            CYLINDER, ranges=CYLINDER.ranges[:5],
+            requirements=replace(CYLINDER.requirements, workspace=space),
+        )  # fmt: skip
+        masses = np.zeros(28)
+        trial = TrialRobot(Poses(case), np.zeros(0), geometry, space, masses, np.zeros(18))
+        cheap = trial.plate_distance((pose[2], pose[2]), 0.001)
+        if cheap < 0.001:
+            exact = pair_clearance(design, pose)[platform].min()
+            assert exact <= max(cheap, 0.0) + 1e-6
+
+
+@cache
+def short() -> SynthesisResult:
+    return synthesize(BUILDABLE)
+
+
+def both(result: SynthesisResult) -> tuple[Buildability, Buildability]:
+    """The robot and the reference."""
+    found = result.buildability
+    assert found is not None
+    return found
+
+
+@pytest.mark.slow
+def test_answer_is_clear_at_random_poses_of_its_workspace() -> None:
+    result = short()
+    assert result.feasible
+    extent = Extent(result.workspace, result.case.requirements.theta)
+    assert clearance(result.design, extent.random(1000, seed=7)).least.min() > 0
+    robot, reference = both(result)
+    assert robot.clear
+    assert robot.overlapping == 0
+    assert 0.001 <= robot.clearance < 0.02
+    assert result.objective > 0.62  # 0.482 with overlap
+    assert 0.4 < reference.guide / 0.3635 <= 1
+    # what overlap is worth: the same search finds a smaller robot that cannot be built
+    other = synthesize(replace(CYLINDER, effort=BUILDABLE.effort, regimes=BUILDABLE.regimes))
+    assert other.objective < 0.8 * result.objective
+    worse, _ = both(other)
+    assert not worse.clear
+    assert worse.overlapping > 0.5
+    assert worse.clearance < -0.02
+    assert {"slider of leg", "joint 1 of leg", "B4 of leg", "the platform"} & {
+        name.rstrip("123 ") for name in worse.bodies
+    }
+
+
+@pytest.mark.slow
+def test_answer_says_on_all_ways_whether_it_can_be_built() -> None:
+    result = short()
+    assert result.case.title == "synthesis" == result.design.name
+    blocks = synthesis_blocks(result)
+    assert OVERLAP_ALLOWED not in [b.text for b in blocks if isinstance(b, Note)]
+    rows = buildability_rows(*both(result))
+    (table,) = [b for b in blocks if isinstance(b, Table) and b.head[-1] == "Reference"]
+    assert [row.cells for row in table.rows] == [row[:3] for row in rows]
+    assert not any(fault for *_, fault in rows)
+    data = json.loads(json.dumps(both(result)[0].data()))
+    assert data["clearance_m"] == both(result)[0].clearance
+    marked = replace(result, case=replace(CYLINDER, name="c"))
+    assert OVERLAP_ALLOWED in [b.text for b in synthesis_blocks(marked) if isinstance(b, Note)]
+    assert marked.case.title == "c, overlap allowed"
+
+
+def test_faults_of_a_robot_are_named() -> None:
+    # too short a guide, and joint 8 nearer to its axis than the slider is long
+    space = Workspace(WorkspaceShape.CYLINDER, (0.3, 0.3, 0.1), (0.0, 0.0, -0.55))
+    short_guide = APPENDIX_4.vary({"geometry.guide_link_length": 0.22})
+    found = buildability(short_guide, space, (-0.1, 0.1))
+    assert found.guide < found.needed_guide
+    assert found.needed_shaft < found.shaft
+    assert not found.clear
+    rows = {what: fault for what, _, _, fault in buildability_rows(found, found)}
+    assert rows["Guide B10"]
+    assert not rows["Shaft B2"]
+
+
+@pytest.mark.parametrize("case", [CYLINDER, CELL])
+def test_costs_that_do_not_matter_are_not_worked_out(case: SynthesisCase) -> None:
+    numbers = random_numbers(case, 400)
+    near = np.array(GOOD["cell" if case is CELL else "cylinder"][1])
+    numbers[:200] = near * (1 + 0.001 * np.random.default_rng(1).normal(size=(200, 6)))
+    evaluator = Evaluator(case, Regime.SMALLER)
+    whole = np.array(evaluator.costs(list(numbers)))
+    assert (whole < REFUSED).sum() > 5
+    for most in (np.median(whole[whole < REFUSED]), 2 * REFUSED):
+        found = np.array(evaluator.costs(list(numbers), [most] * len(numbers)))
+        assert (found[whole <= most] == whole[whole <= most]).all()
+        assert (found[whole > most] > most).all()
+
+
+def test_least_value_is_found_between_samples_and_on_the_boundary() -> None:
+    space = Workspace(WorkspaceShape.CYLINDER, (0.4, 0.4, 0.2), (0.0, 0.0, -0.5))
+    extent = Extent(space, (-TURN, TURN))
+    inside = np.array([0.07, -0.05, 0.31, -0.46])
+    found = least_over(lambda p: ((p - inside) ** 2).sum(axis=-1), extent, SPARSE)
+    assert found.pose == pytest.approx(inside, abs=1e-3)
+    assert found.value < 1e-6
+    outside = np.array([0.5, 0.3, 2.0, -1.0])
+    found = least_over(lambda p: ((p - outside) ** 2).sum(axis=-1), extent, SPARSE)
+    edge = 0.2 * outside[:2] / np.linalg.norm(outside[:2])
+    assert found.pose == pytest.approx([*edge, TURN, -0.6], abs=1e-3)
+    for pose in extent.random(200), extent.clipped(np.random.default_rng(0).normal(size=(50, 4))):
+        assert (np.hypot(pose[:, 0], pose[:, 1]) <= 0.2 + 1e-12).all()
+        assert (np.abs(pose[:, 2]) <= TURN).all()
+        assert (np.abs(pose[:, 3] + 0.5) <= 0.1).all()
+    upper = extent.within((-0.45, 1.0))
+    assert upper is not None
+    assert upper.heights == pytest.approx((-0.45, -0.4))
+    assert extent.within((0.0, 1.0)) is None
+
+
+def similar(design: Design, ratio: float, law: BarLaw) -> Design:
+    """The design with all its lengths longer by one ratio."""
+    names = (
+        "base_radius", "platform_radius", "arm_length", "shaft_length", "crank_length",
+        "coupler_length", "platform_joint_height", "guide_link_length",
+    )  # fmt: skip
+    longer = {f"geometry.{n}": ratio * getattr(design.geometry, n) for n in names}
+    return resized(design, longer, law)
+
+
+@pytest.mark.parametrize("ratio", [0.7, 2.0])
+def test_stiffness_of_similar_robots_grows_with_the_length_where_tubes_do(ratio: float) -> None:
+    # of similar bodies of one material, forces for a given strain grow with the square of lengths,
+    # so that force over displacement grows with the length, moment over rotation with its cube
+    stiff = {"elastic.drive_rotary": 1e18, "elastic.drive_linear": 1e18}
+    design = APPENDIX_4.vary(stiff)
+    pose = np.array([0.05, -0.03, 0.2, -0.5])
+    scaled = pose * [ratio, ratio, 1.0, ratio]
+    before = platform_stiffness(design, pose).matrix
+    power = np.array([[1, 2], [2, 3]]).repeat(3, axis=0).repeat(3, axis=1)
+    grown = similar(design, ratio, BarLaw(grow=True))
+    after = platform_stiffness(grown, scaled).matrix
+    assert after == pytest.approx(before * ratio**power, rel=1e-6, abs=1e-6 * np.abs(after).max())
+    # with the same cross section it falls, as bending does with the cube of the length
+    kept = platform_stiffness(similar(design, ratio, BarLaw()), scaled)
+    soft = kept.horizontal / platform_stiffness(design, pose).horizontal
+    assert (soft < ratio) == (ratio > 1)
+    assert soft == pytest.approx(ratio**-3, rel=0.5)
+
+
+def test_masses_of_tubes_follow_from_section_and_length() -> None:
+    ratio = 1.5
+    changes = {"geometry.crank_length": ratio * 0.42, "geometry.arm_length": ratio * 0.308}
+    tube = resized(APPENDIX_4, changes, BarLaw(tubes=True))
+    e = APPENDIX_4.elastic
+    area = np.pi / 4 * (e.b8_outer**2 - e.b8_inner**2)
+    mass = 2700.0 * area * ratio * 0.42
+    assert tube.links.b8 == pytest.approx(mass)
+    squares = e.b8_outer**2 + e.b8_inner**2
+    assert tube.inertias.b8_axial == pytest.approx(mass * squares / 8)
+    across = mass * ((ratio * 0.42) ** 2 / 12 + squares / 16)
+    assert tube.inertias.b8_transverse == pytest.approx(across)
+    grown = resized(APPENDIX_4, changes, BarLaw(grow=True, tubes=True))
+    assert grown.links.b8 == pytest.approx(ratio**2 * mass)
+    assert grown.links.b1 == pytest.approx(ratio**2 * tube.links.b1)
+    assert grown.elastic.b1_outer == pytest.approx(ratio * e.b1_outer)
+    assert grown.elastic.b4_outer == e.b4_outer
+    in_proportion = resized(APPENDIX_4, changes, BarLaw(grow=True))
+    assert in_proportion.links.b1 == pytest.approx(ratio**3 * APPENDIX_4.links.b1)
+    assert in_proportion.inertias.b8_transverse == pytest.approx(
+        ratio**5 * APPENDIX_4.inertias.b8_transverse
+    )
+    given = APPENDIX_4.vary({"elastic.b8_area": 1e-4, "elastic.b8_torsion": 1e-8})
+    section = resized(given, changes, BarLaw(grow=True)).elastic.section("b8")
+    assert section.area == pytest.approx(ratio**2 * 1e-4)
+    assert section.torsion == pytest.approx(ratio**4 * 1e-8)
+
+
+@pytest.mark.slow
+def test_stiffness_can_be_required_and_takes_tubes_that_grow() -> None:
+    low = Requirement("stiffness_horizontal", low=2e4)
+    required = replace(CYLINDER.requirements, bounds=(*CYLINDER.requirements.bounds, low))
+    case = replace(
+        CYLINDER, requirements=required, effort=Effort(25, 4), regimes=(Regime.SMALLER,),
+        bars=BarLaw(grow=True),
+    )  # fmt: skip
+    result = synthesize(case, relax=False)
+    assert result.feasible
+    robot, _ = both(result)
+    assert robot.stiffness >= 2e4 * 0.97
+    pose = Extent(result.workspace, (-TURN, TURN)).random(300, seed=3)
+    assert platform_stiffness(result.design, pose).horizontal.min() > 2e4 * 0.97
