@@ -102,7 +102,10 @@ class _Surface:
 
         rng = np.random.default_rng(_SEED)
         step = float(nodes.x[1] - nodes.x[0])
-        near = np.asarray(ndimage.binary_dilation(inside, np.ones((3, 3, 3), np.bool_))) & ~apart
+        near = (
+            np.asarray(ndimage.binary_dilation(inside, np.ones((3, 3, 3), np.bool_)), np.bool_)
+            & ~apart
+        )
         edge = (np.abs(depth) < _BAND * step) & near
         share = np.clip(0.5 + depth / step, 0.0, 1.0)[edge]
         index = np.argwhere(edge)
@@ -187,7 +190,7 @@ def _uncertain(nodes: Nodes) -> float:
     cube = np.ones((3, 3, 3), np.bool_)
     parts = np.zeros(nodes.apart.shape, np.int32)
     ndimage.label(nodes.apart, cube, output=parts)
-    close = np.asarray(ndimage.binary_dilation(nodes.inside, cube, _NECK))
+    close = np.asarray(ndimage.binary_dilation(nodes.inside, cube, _NECK), np.bool_)
     near = np.unique(parts[close])
     return float(np.isin(parts, near[near > 0]).sum())
 
