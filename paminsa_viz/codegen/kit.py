@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from importlib.resources import files
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz import __version__
 from paminsa_viz.actuation.transmission import transmission_indices
@@ -174,7 +176,7 @@ def test_vectors(design: Design) -> str:
     def flat(matrix: Array) -> Array:
         return np.where(ok, matrix.reshape(len(pose), 16), np.nan)
 
-    columns: dict[str, Array] = {
+    columns: dict[str, NDArray[Any]] = {
         "pose": pose,
         "c": cos[:, None],
         "s": sin[:, None],

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from paminsa_viz.clearance import (
     NearestPoints,
-    PairGroup,
     clearance_reason,
-    nearest_points,
 )
 from paminsa_viz.explorer.state.clearance import MotionJob, PoseJob
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.plots.clearance_series import MotionClearance, motion_clearance
+from paminsa_viz.plots.clearance_series import MotionClearance
 from paminsa_viz.trajectory import TrajectoryAnalysis
 
 
@@ -47,20 +45,3 @@ def reason(state: State) -> tuple[float, str]:
         return float("nan"), ""
     required = state.clearance_view.required
     return found.distance, clearance_reason(found.distance, found.names, required)
-
-
-def set_pairs(state: State, group: PairGroup, checked: bool) -> State:
-    """Check a group of pairs, or no longer."""
-    before = state.clearance_view.pairs
-    pairs = before | {group} if checked else before - {group}
-    return state.updated("clearance_view", pairs=frozenset(pairs))
-
-
-def find_nearest(job: PoseJob, _: object) -> NearestPoints | None:
-    """Find the nearest bodies."""
-    return nearest_points(job.design, job.pose, job.pairs)
-
-
-def find_along(job: MotionJob, _: object) -> MotionClearance:
-    """Find the clearance along a motion."""
-    return motion_clearance(job.analysis, job.pairs)

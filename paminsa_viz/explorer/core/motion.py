@@ -6,12 +6,10 @@ import math
 from dataclasses import replace
 from typing import Any
 
-from paminsa_viz.explorer.core import planning, tasks
+from paminsa_viz.explorer.core import planning
 from paminsa_viz.explorer.core.actions import change_document, with_document
 from paminsa_viz.explorer.core.planning import Planned
-from paminsa_viz.explorer.core.simulated import shown_simulation
 from paminsa_viz.explorer.state.motion import (
-    SIMULATED,
     Kind,
     Pose,
     Timing,
@@ -19,11 +17,9 @@ from paminsa_viz.explorer.state.motion import (
     require_possible,
     started,
 )
-from paminsa_viz.explorer.state.outcome import Outcome
-from paminsa_viz.explorer.state.simulation import SimulationJob, make_job
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput
-from paminsa_viz.trajectory import PRESET, Simulation, Trajectory
+from paminsa_viz.trajectory import PRESET, Trajectory
 
 
 def planned(state: State) -> Planned:
@@ -170,52 +166,3 @@ def advance_time(state: State, passed: float) -> State:
         return state
     playback = advanced(state.playback, passed, duration(state))
     return show_time(replace(state, playback=playback), playback.time)
-
-
-def wanted_job(state: State) -> SimulationJob:
-    """Return the simulation of the current state.
-
-    Raises:
-        InvalidInput: If there is no motion, or it is too long.
-    """
-    document = state.document
-    settings = state.simulating.settings
-    return make_job(document.design, planned(state).trajectory, settings)
-
-
-def simulate(state: State) -> State:
-    """Start a simulation of the current state, and for its curves.
-
-    Raises:
-        InvalidInput: If there is nothing to simulate, or one runs already.
-    """
-    if state.simulating.running is not None:
-        raise InvalidInput("simulation", "the last one still runs")
-    if state.plots.plot not in SIMULATED:
-        state = state.updated("plots", plot="errors")
-    return tasks.start(state, "simulating", wanted_job(state))
-
-
-def simulation_is_current(state: State) -> bool:
-    """Whether the last simulation is one of the current design, motion and settings."""
-    outcome = state.simulating.outcome
-    try:
-        return outcome is not None and outcome.job == wanted_job(state)
-    except InvalidInput:
-        return False
-
-
-def receive_simulation(state: State, outcome: Outcome[SimulationJob, Simulation]) -> State:
-    """Take over the outcome of the job that runs, and play it; that of an older one is dropped."""
-    received = tasks.receive(state, "simulating", outcome)
-    if received is state:
-        return state
-    if shown_simulation(received.document, received.simulating) is None:
-        return with_document(received, received.document)
-    return play(received.updated("playback", time=0.0))
-
-
-def show_simulation(state: State, shown: bool) -> State:
-    """Let the robot in the scene move as simulated, or as planned."""
-    changed = state.updated("simulating", shown=shown)
-    return with_document(changed, changed.document)

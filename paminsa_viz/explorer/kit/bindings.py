@@ -15,9 +15,8 @@ from typing import Any
 
 from paminsa_viz.explorer.core.actions import Action
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.core.session import Session, View
 from paminsa_viz.explorer.kit.entries import (
-    BackgroundJob,
     Button,
     ButtonGroup,
     Custom,
@@ -26,14 +25,14 @@ from paminsa_viz.explorer.kit.entries import (
     Folder,
     Html,
     Message,
-    Progress,
+    ProgressBar,
     Run,
     Tabs,
     Upload,
+    Worker,
     given,
 )
 from paminsa_viz.explorer.kit.inputs import Dropdown, Input, Pair, Slider
-from paminsa_viz.explorer.kit.task import JobRunner
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import PaminsaError
 
@@ -65,7 +64,7 @@ class Panel:
         self._session, self._gui = session, session.client.gui
         self.handles: dict[str, Any] = {}
         self._tab = tab
-        self._jobs: list[JobRunner] = []
+        self._jobs: list[View] = []
         self._draws: list[Draw] = []
         self._build_all(entries)
 
@@ -86,8 +85,8 @@ class Panel:
         if isinstance(entry, Custom):
             self._draws.append(entry.make(self._session).draw)
             return
-        if isinstance(entry, BackgroundJob):
-            self._jobs.append(JobRunner(self._session, entry))
+        if isinstance(entry, Worker):
+            self._jobs.append(entry.make(self._session))
             return
         if isinstance(entry, Message):
             self._session.bridge.on(entry.key, partial(entry.receive, self._session))
@@ -145,7 +144,7 @@ class Panel:
                 handle = gui.add_html("" if callable(content) else content, **place)
                 if callable(content):
                     self._follow_frame(handle, "content", content, entry.idle)
-            case Progress():
+            case ProgressBar():
                 handle = gui.add_progress_bar(0.0, animated=True, **place)
                 self._follow(handle, "value", lambda state: 100 * entry.read(state))
             case Folder():

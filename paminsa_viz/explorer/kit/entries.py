@@ -10,11 +10,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, TypeAlias, TypeVar
 
-from paminsa_viz import progress
 from paminsa_viz.explorer.core.actions import Action
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session, View
-from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.state import State
 
 T = TypeVar("T")
@@ -131,7 +129,7 @@ class Html(Entry):
 
 
 @dataclass(frozen=True)
-class Progress(Entry):
+class ProgressBar(Entry):
     """A bar.
 
     Attributes:
@@ -181,26 +179,17 @@ class Custom(Entry):
 
 
 @dataclass(frozen=True)
-class BackgroundJob(Entry):
-    """What is computed in the background, on a thread of its own.
+class Worker(Entry):
+    """What runs the jobs of a task or a follower, see `paminsa_viz.explorer.kit.task`.
 
-    Its key is a place in the state: of the task that runs its jobs, or of the outcome of the job
-    that follows what is shown.
+    It follows the state whether or not its tab is open.
 
     Attributes:
-        find: Finds the result of a job; called on the job's thread.
-        receive: Takes an outcome over into the state, where that is more than to keep it.
-        wanted: The job that follows what is shown, or None for none; without it, jobs are started.
-        idle: Whether a job that has just changed waits until nothing is dragged.
-        undo: Whether what an outcome changes can be undone.
+        make: Builds it; it puts nothing on the page.
     """
 
     _: KW_ONLY
-    find: Callable[[Any, progress.Progress], Any]
-    receive: Callable[[State, Outcome], State] | None = None
-    wanted: Callable[[Frame], Any] | None = None
-    idle: Given[bool] = False
-    undo: bool = False
+    make: Callable[[Session], View]
 
 
 @dataclass(frozen=True)

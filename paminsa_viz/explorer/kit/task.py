@@ -1,132 +1,363 @@
-"""Runs the tasks of a session on threads of their own, and the buttons that start and stop them."""
+"""Tasks in the background: what is started by a button, and what follows what is shown.
+
+A `Task` or a `Follower` is all that a feature says of a job: its place in the state, the job of a
+state, and what finds the result. Buttons, progress, threads, and whether a result still holds
+follow from it.
+"""
 
 from __future__ import annotations
 
 import logging
 import threading
 import time
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import KW_ONLY, dataclass, fields, replace
 from functools import partial
-from operator import attrgetter
-from typing import Any
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from paminsa_viz.explorer.core import threads
 from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.session import IDLE_DELAY, Session
-from paminsa_viz.explorer.core.tasks import keep, progress, receive, running, stop
-from paminsa_viz.explorer.kit.entries import BackgroundJob, Button, Condition, Progress, given
-from paminsa_viz.explorer.state import outcome as tasks
-from paminsa_viz.explorer.state.outcome import Outcome
+from paminsa_viz.explorer.kit.changes import changed_names, sentence
+from paminsa_viz.explorer.kit.entries import Button, Given, ProgressBar, Worker, given
+from paminsa_viz.explorer.kit.text import status
+from paminsa_viz.explorer.state.outcome import Outcome, TaskState, solve
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.model import PaminsaError
+from paminsa_viz.model import InvalidInput, PaminsaError
+from paminsa_viz.progress import Progress
 
 log = logging.getLogger(__name__)
 
+Job = TypeVar("Job")
+Result = TypeVar("Result")
 
-class JobRunner:
-    """A view that runs the newest job that is wanted; what comes of it is an action of the session.
 
-    One job runs at a time, and of those that wait only the newest. A job that is no longer wanted
-    is asked to stop, and its outcome is dropped.
+@dataclass(frozen=True)
+class Task(Generic[Job, Result]):
+    """What is started by a button, runs on a thread, and leaves an outcome in the state.
 
     Attributes:
-        wanted: The job that was requested last, or None.
+        place: Where the state holds it.
+        job: The job of a state, with all that its result depends on; may raise `PaminsaError`.
+        find: Finds the result of a job; called on the thread.
+        receive: Takes an outcome over, where that is more than to keep it; the task has ended.
+        kept: Where the outcome is, if not at the place itself.
+        own: Whether a job at the place is one of this task, where several share the place.
+        again: The job that would find an outcome anew; `job` of the state if None.
+        undo: Whether what an outcome changes can be undone.
     """
 
-    def __init__(self, session: Session, entry: BackgroundJob) -> None:
-        """Prepare for jobs of one kind."""
-        self._session, self._entry = session, entry
+    place: Place[Any]
+    job: Callable[[State], Job]
+    find: Callable[[Job, Progress], Result]
+    _: KW_ONLY
+    receive: Callable[[State, Outcome[Job, Result]], State] | None = None
+    kept: Callable[[State], Outcome[Job, Result] | None] | None = None
+    own: Callable[[Job], bool] = lambda job: True
+    again: Callable[[State, Outcome[Job, Result]], Job] | None = None
+    undo: bool = False
+
+    def start(self, state: State) -> State:
+        """Start the job of a state; what runs at the place is not wanted any more.
+
+        Raises:
+            PaminsaError: If there is none.
+        """
+        return self.place.write(state, self._at(state).started(self.job(state)))
+
+    def stop(self, state: State) -> State:
+        """End the run, without an outcome."""
+        return self.place.write(state, self._at(state).ended())
+
+    def forget(self, state: State) -> State:
+        """End the run, and forget the last outcome."""
+        return self.place.write(state, replace(self._at(state).ended(), outcome=None))
+
+    def runs(self, state: State) -> bool:
+        """Whether a job of the task runs."""
+        job = self._at(state).running
+        return job is not None and self.own(job)
+
+    def outcome(self, state: State) -> Outcome[Job, Result] | None:
+        """Return what came of the last job, or None."""
+        return self._at(state).outcome if self.kept is None else self.kept(state)
+
+    def result(self, state: State) -> Result | None:
+        """Return what the last job found, or None."""
+        outcome = self.outcome(state)
+        return None if outcome is None else outcome.result
+
+    def required(self, state: State, what: str, problem: str) -> Result:
+        """Return what the last job found.
+
+        Raises:
+            InvalidInput: If there is nothing.
+        """
+        found = self.result(state)
+        if found is None:
+            raise InvalidInput(what, problem)
+        return found
+
+    def changes(self, state: State) -> tuple[str, ...]:
+        """Return what the last outcome depends on that has changed since, in words."""
+        outcome = self.outcome(state)
+        if outcome is None:
+            return ()
+        try:
+            now = self.job(state) if self.again is None else self.again(state, outcome)
+        except InvalidInput as error:  # there is no such job by now
+            return (error.argument,)
+        except PaminsaError:
+            return ("what it was made of",)
+        return changed_names(outcome.job, now)
+
+    def now(self, state: State) -> Job | None:
+        """Return the job of a state, or None if there is none."""
+        try:
+            return self.job(state)
+        except PaminsaError:
+            return None
+
+    def is_stale(self, state: State) -> bool:
+        """Whether there is an outcome that is not of the state by now."""
+        return bool(self.changes(state))
+
+    def stale_text(self, state: State) -> str:
+        """Return what has changed since the last outcome, as a sentence; empty if it holds."""
+        return sentence(self.changes(state))
+
+    def text(self, state: State, testid: str, running: str, failed: str) -> str | None:
+        """Return that the task runs, or why there is nothing; None where a result is to be shown.
+
+        It is empty as long as nothing was started.
+
+        Args:
+            state: The state.
+            testid: Name for tests.
+            running: Said while it runs.
+            failed: Title above the reason.
+        """
+        outcome = self.outcome(state)
+        if self.runs(state):
+            return status(testid, "plain", running)
+        if outcome is None:
+            return ""
+        if outcome.result is None:
+            return status(testid, "bad", failed, outcome.problem, self.stale_text(state))
+        return None
+
+    def buttons(self, start: Button) -> tuple[Button, ProgressBar, Button]:
+        """Return its button and, while it runs, its progress and a button that stops it."""
+        key = start.key
+
+        def can_start(state: State) -> bool:
+            return not self.runs(state) and (start.visible is None or start.visible(state))
+
+        return (
+            replace(start, visible=can_start),
+            ProgressBar(
+                f"{key}.progress", visible=self.runs, read=lambda state: self._at(state).done
+            ),
+            Button(
+                f"{key}.stop", "Stop", color="gray", visible=self.runs, undo=False,
+                effect=self.stop,
+            ),
+        )  # fmt: skip
+
+    @property
+    def worker(self) -> Worker:
+        """The entry that runs its jobs; of tasks that share a place, one has to be on the page."""
+        return Worker(self.place.path, make=partial(TaskRunner, task=self))
+
+    def report(self, state: State, ticket: int, done: float, **known: Any) -> State:
+        """Take over what part of a run is done and what is known, if it is still wanted.
+
+        Of what is known, that counts which the place has room for.
+        """
+        own = self._at(state)
+        if not own.runs(ticket):
+            return state
+        room = {item.name for item in fields(own)}
+        kept = {name: value for name, value in known.items() if name in room}
+        return self.place.write(state, replace(own, done=done, **kept))
+
+    def deliver(self, state: State, ticket: int, outcome: Outcome[Job, Result]) -> State:
+        """Take over the outcome of a run; that of an older one is dropped."""
+        own = self._at(state)
+        if not own.runs(ticket):
+            return state
+        if self.receive is not None:
+            return self.receive(self.place.write(state, own.ended()), outcome)
+        return self.place.write(state, replace(own.ended(), outcome=outcome))
+
+    def _at(self, state: State) -> TaskState[Job, Result]:
+        return self.place.read(state)
+
+
+@dataclass(frozen=True)
+class Follower(Generic[Job, Result]):
+    """What follows what is shown: whenever it is another job, that one is run.
+
+    Attributes:
+        place: Where the state holds the last outcome.
+        wanted: The job of a frame, or None for none.
+        find: Finds the result of a job; called on a thread.
+        receive: Takes an outcome over, where that is more than to keep it.
+        idle: Whether a job that has just changed waits until nothing is dragged.
+    """
+
+    place: Place[Outcome[Job, Result] | None]
+    wanted: Callable[[Frame], Job | None]
+    find: Callable[[Job, Progress], Result]
+    _: KW_ONLY
+    receive: Callable[[State, Outcome[Job, Result]], State] | None = None
+    idle: Given[bool] = False
+
+    @property
+    def worker(self) -> Worker:
+        """The entry that runs its jobs."""
+        return Worker(self.place.path, make=partial(FollowerRunner, follower=self))
+
+    def deliver(self, state: State, outcome: Outcome[Job, Result]) -> State:
+        """Take over an outcome."""
+        if self.receive is not None:
+            return self.receive(state, outcome)
+        return self.place.write(state, outcome)
+
+
+class Run(NamedTuple):
+    """A run of a job; two of the same job are told apart by their tickets."""
+
+    ticket: int
+    job: Any
+
+
+class Background:
+    """Runs the newest run that is requested, on a thread.
+
+    One runs at a time, and of those that wait only the newest.
+
+    Attributes:
+        wanted: The run that was requested last, or None.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        find: Callable[[Any, Progress], Any],
+        deliver: Callable[[Run, Outcome], None],
+        report: Callable[..., bool],
+        closed: Callable[[], bool],
+    ) -> None:
+        """Prepare for jobs of one kind.
+
+        Args:
+            name: What it is of, for the log.
+            find: Finds the result of a job.
+            deliver: Called with a run that is still wanted and its outcome.
+            report: Called with a run that is still wanted, what part of it is done, and what is
+                known; returns whether to stop.
+            closed: Whether nothing is wanted any more.
+        """
+        self._name, self._find, self._closed = name, find, closed
+        self._deliver, self._report = deliver, report
         self._lock = threading.Lock()
-        self.wanted: Any = None
-        self._waiting: Any = None
+        self.wanted: Run | None = None
+        self._waiting: Run | None = None
         self._busy = False
-        self._seen: Any = None
-        self._since = 0.0
 
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Run the job that is wanted, unless it can wait or its outcome is known."""
-        entry, state = self._entry, frame.state
-        if entry.wanted is None:
-            self.request(running(state, entry.key))
-            return
-        job, known, now = entry.wanted(frame), attrgetter(entry.key)(state), time.monotonic()
-        if job != self._seen:
-            self._seen, self._since = job, now
-        changing = dragging and job != self.wanted and now - self._since < IDLE_DELAY
-        waits = changing and given(entry.idle, state)
-        self.request(None if waits or (known is not None and known.job == job) else job)
-
-    def request(self, job: Any) -> None:
-        """Run a job, unless it was the last one requested; with None, cancel what runs."""
+    def request(self, run: Run | None) -> None:
+        """Run a job, unless it is the run requested last; with None, cancel what runs."""
         with self._lock:
-            if job == self.wanted:
+            if run is self.wanted or (run and self.wanted and run.ticket == self.wanted.ticket):
                 return
-            self.wanted = self._waiting = job
-            if job is None or self._busy:
+            self.wanted = self._waiting = run
+            if run is None or self._busy:
                 return
             self._busy = True
         threads.start(self._work)
 
     def _work(self) -> None:
-        entry = self._entry
         while True:
             with self._lock:
-                job, self._waiting = self._waiting, None
-                if job is None or self._session.closed:
+                run, self._waiting = self._waiting, None
+                if run is None or self._closed():
                     self._busy = False
                     return
             try:
-                outcome = tasks.solve(entry.find, job, partial(self._report, job))
+                outcome = solve(self._find, run.job, partial(self._progress, run))
             except Exception:
-                log.exception("a job in the background failed: %s", entry.key)
+                log.exception("a job in the background failed: %s", self._name)
                 error = PaminsaError("it failed; details are in the program's log")
-                outcome = Outcome(job, error=error)
-            if self.wanted == job:
-                action = partial(self._deliver, outcome)
-                self._session.dispatch(f"{entry.key}.result", action, step=entry.undo)
+                outcome = Outcome(run.job, error=error)
+            if self.wanted is run:
+                self._deliver(run, outcome)
 
-    def _deliver(self, outcome: Outcome, state: State) -> State:
-        if self._entry.receive is not None:
-            return self._entry.receive(state, outcome)
-        take_over = receive if self._entry.wanted is None else keep
-        return take_over(state, self._entry.key, outcome)
-
-    def _report(self, job: Any, done: float, /, **known: Any) -> bool:
-        stopping = False
-        if self._entry.wanted is None and self.wanted == job:
-            action = partial(progress, path=self._entry.key, job=job, done=done, **known)
-            self._session.dispatch(
-                f"{self._entry.key}.progress", action, step=False, overtakes=True
-            )
-            stopping = attrgetter(self._entry.key)(self._session.state).stopping
-        return stopping or self._session.closed or self.wanted != job
+    def _progress(self, run: Run, done: float, /, **known: Any) -> bool:
+        gone = self._closed() or self.wanted is not run
+        return gone or self._report(run, done, **known)
 
 
-def is_running(path: str) -> Condition:
-    """Return the condition that a job of a task runs."""
-    return lambda state: running(state, path) is not None
+class TaskRunner:
+    """A view that runs what a task has started; what comes of it is an action of the session."""
+
+    def __init__(self, session: Session, task: Task[Any, Any]) -> None:
+        """Prepare for the jobs of a task."""
+        self._session, self._task = session, task
+        self.background = Background(
+            task.place.path, task.find, self._deliver, self._report, lambda: session.closed
+        )
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Run what was started, and cancel what was stopped."""
+        own = self._task.place.read(frame.state)
+        self.background.request(None if own.running is None else Run(own.ticket, own.running))
+
+    def _deliver(self, run: Run, outcome: Outcome) -> None:
+        action = partial(self._task.deliver, ticket=run.ticket, outcome=outcome)
+        self._session.dispatch(f"{self._task.place.path}.result", action, step=self._task.undo)
+
+    def _report(self, run: Run, done: float, **known: Any) -> bool:
+        own = self._task.place.read(self._session.state)  # a view may be late to say so
+        if not own.runs(run.ticket):
+            return True
+        action = partial(self._task.report, ticket=run.ticket, done=done, **known)
+        source = f"{self._task.place.path}.progress"
+        self._session.dispatch(source, action, step=False, overtakes=True)
+        return own.stopping
 
 
-def task_entries(
-    path: str, start: Button, runs: Condition | None = None
-) -> tuple[Button, Progress, Button]:
-    """Return a task's button and, while it runs, its progress and a button that stops it.
+class FollowerRunner:
+    """A view that runs the job of what is shown, unless it can wait or its outcome is known."""
 
-    Args:
-        path: The task's place in the state.
-        start: The button that starts it.
-        runs: Whether what the button started runs, where the task has several kinds of jobs.
-    """
-    runs, key = runs or is_running(path), start.key
+    def __init__(self, session: Session, follower: Follower[Any, Any]) -> None:
+        """Prepare for the jobs of a follower."""
+        self._session, self._follower = session, follower
+        self._ticket = 0
+        self._seen: Any = None
+        self._since = 0.0
+        self.background = Background(
+            follower.place.path, follower.find, self._deliver, lambda run, done, **known: False,
+            lambda: session.closed,
+        )  # fmt: skip
 
-    def can_start(state: State) -> bool:
-        return not runs(state) and (start.visible is None or start.visible(state))
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Request the job that is wanted."""
+        follower, state = self._follower, frame.state
+        job, known, now = follower.wanted(frame), follower.place.read(state), time.monotonic()
+        if job != self._seen:
+            self._seen, self._since = job, now
+        last = self.background.wanted
+        requested = last is not None and last.job == job
+        changing = dragging and not requested and now - self._since < IDLE_DELAY
+        waits = changing and given(follower.idle, state)
+        if job is None or waits or (known is not None and known.job == job):
+            self.background.request(None)
+        elif not requested:
+            self._ticket += 1
+            self.background.request(Run(self._ticket, job))
 
-    return (
-        replace(start, visible=can_start),
-        Progress(f"{key}.progress", visible=runs, read=attrgetter(f"{path}.done")),
-        Button(
-            f"{key}.stop", "Stop", color="gray", visible=runs, undo=False,
-            effect=partial(stop, path=path),
-        ),
-    )  # fmt: skip
+    def _deliver(self, run: Run, outcome: Outcome) -> None:
+        action = partial(self._follower.deliver, outcome=outcome)
+        self._session.dispatch(f"{self._follower.place.path}.result", action, step=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 from paminsa_viz.balancing import (
@@ -109,6 +109,22 @@ class BalanceSettings(Settings):
         step=0.1, unit=PERCENT,
     )  # fmt: skip
 
+    def of(self, kind: BalanceKind) -> BalanceSettings:
+        """Return those that a task depends on, the others as they are at first."""
+        start = BalanceSettings()
+        match kind:
+            case BalanceKind.PAPER:
+                return start
+            case BalanceKind.OPTIMUM:
+                return replace(self, variation=start.variation)
+            case BalanceKind.FRONT:
+                return replace(
+                    self, goal=start.goal, exact=start.exact, motion_weight=start.motion_weight,
+                    variation=start.variation,
+                )  # fmt: skip
+            case BalanceKind.SENSITIVITY:
+                return replace(start, variation=self.variation)
+
     @property
     def possible(self) -> bool:
         slots = (self.slot_b8, self.slot_b3)
@@ -151,7 +167,7 @@ def changes_of(settings: BalanceSettings, design: Design) -> Changes:
     return Changes(tuple(masses), settings.counterweight_ranges)
 
 
-class Task(Enum):
+class BalanceKind(Enum):
     """What is computed."""
 
     PAPER = "the paper's balance"
@@ -170,7 +186,7 @@ class BalanceJob(PlaneJob):
         problem: Why there is no motion.
     """
 
-    task: Task
+    task: BalanceKind
     trajectory: Trajectory | None
     problem: str
 

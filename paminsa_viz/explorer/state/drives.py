@@ -10,8 +10,7 @@ from paminsa_viz.actuation.selection import ROTARY, DriveFigures, Selection
 from paminsa_viz.actuation.sizing import Order
 from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.settings import Settings, setting
-from paminsa_viz.model import NO_DRIVES, Design
-from paminsa_viz.trajectory import Trajectory
+from paminsa_viz.model import Design
 
 MOST_MOTIONS = 12
 """Most motions of a cycle."""
@@ -68,10 +67,9 @@ class DriveJob:
     duties: tuple[Duty, ...]
     settings: DriveSettings
 
-    def serves(self, design: Design, trajectory: Trajectory | None) -> bool:
-        """Whether its result is that of a design while a motion is the current one."""
-        current = bool(self.settings.cycle) or trajectory is self.duties[0].trajectory
-        return current and self.design == replace(design, drives=NO_DRIVES)
+    def same_robot(self, other: DriveJob) -> bool:
+        """Whether another search is for the same robot on the same motions."""
+        return (self.design, self.duties) == (other.design, other.duties)
 
 
 @dataclass(frozen=True, eq=False)

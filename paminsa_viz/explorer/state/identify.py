@@ -62,6 +62,23 @@ class IdentifySettings(Settings):
         super().__post_init__()
         parse_gains(self.gains)
 
+    @property
+    def of_log(self) -> IdentifySettings:
+        """Those that an identification depends on, the others as they are at first."""
+        start = IdentifySettings()
+        return replace(
+            self, period=start.period, harmonics=start.harmonics, periods=start.periods,
+            seconds=start.seconds,
+        )  # fmt: skip
+
+    @property
+    def of_excitation(self) -> IdentifySettings:
+        """Those that the search for a motion depends on, the others as they are at first."""
+        return IdentifySettings(
+            period=self.period, harmonics=self.harmonics, periods=self.periods,
+            seconds=self.seconds,
+        )  # fmt: skip
+
 
 def parse_gains(text: str) -> tuple[float, ...] | None:
     """Return four gains of a text, None if it is empty.
@@ -118,15 +135,3 @@ class Identifying(TaskState[IdentifyJob, "Findings"]):
     loaded: Log | None = None
     actuator: int = 0
     excitation: TaskState[ExcitationJob, Excitation] = TaskState()
-
-    def stale(self, design: Design) -> bool:
-        """Whether design, logs or settings have changed since the last identification."""
-        if self.outcome is None or self.log is None:
-            return self.outcome is not None
-        job, now = self.outcome.job, self.settings
-        searched = replace(
-            job.settings, period=now.period, harmonics=now.harmonics, periods=now.periods,
-            seconds=now.seconds,
-        )  # fmt: skip
-        wanted = IdentifyJob(design, self.log, self.other, self.loaded, now)
-        return replace(job, settings=searched) != wanted

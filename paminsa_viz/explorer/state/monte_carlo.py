@@ -30,14 +30,6 @@ class MonteCarloJob:
     robots: int
     seed: int
 
-    def serves(self, design: Design, pose: Pose) -> bool:
-        """Whether its result is that of a design at a pose; only lengths and tolerances count."""
-        return self.pose == pose and _lengths(self.design) == _lengths(design)
-
-
-def _lengths(design: Design) -> tuple[object, ...]:
-    return design.geometry, design.deviations, design.tolerances
-
 
 @dataclass(frozen=True)
 class Manufacture(TaskState[MonteCarloJob, MonteCarlo]):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Generic, TypeVar
+from dataclasses import dataclass, replace
+from typing import Generic, Self, TypeVar
 
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.progress import Progress, go_on
@@ -42,12 +42,14 @@ class TaskState(Generic[Job, Result]):
 
     Attributes:
         running: The job that runs, or None.
+        ticket: Number of the last run: what a run says counts as long as this is its number.
         done: What part of it is done, 0 to 1.
         stopping: Whether it was asked to end with what it has so far.
         outcome: What came of the last one, or None.
     """
 
     running: Job | None = None
+    ticket: int = 0
     done: float = 0.0
     stopping: bool = False
     outcome: Outcome[Job, Result] | None = None
@@ -56,6 +58,18 @@ class TaskState(Generic[Job, Result]):
     def result(self) -> Result | None:
         """What the last job found, or None."""
         return None if self.outcome is None else self.outcome.result
+
+    def runs(self, ticket: int) -> bool:
+        """Whether a run is the one that is wanted."""
+        return self.running is not None and self.ticket == ticket
+
+    def started(self, job: Job) -> Self:
+        """Return the task with a run of a job, even of the same as before."""
+        return replace(self, running=job, ticket=self.ticket + 1, done=0.0, stopping=False)
+
+    def ended(self) -> Self:
+        """Return the task with nothing that runs; the last outcome stays."""
+        return replace(self, running=None)
 
 
 def solve(

@@ -103,6 +103,9 @@ class LargestJob:
         return same and self.design == document.design
 
 
+LargestOutcome = Outcome[LargestJob, "LargestWorkspace"]
+
+
 @dataclass(frozen=True)
 class LargestState(TaskState[LargestJob, "LargestWorkspace"]):
     """The search for the largest workspace, and what a person set for it."""

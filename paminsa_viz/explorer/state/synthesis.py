@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from paminsa_viz.explorer.state.outcome import TaskState
+from paminsa_viz.explorer.state.outcome import Outcome, TaskState
 from paminsa_viz.explorer.state.settings import Settings, setting
 from paminsa_viz.model import Design
 
@@ -151,6 +151,9 @@ class SearchResult:
     answer: SynthesisResult
     built: BuildYield | None = None
     front: DesignFront | None = None
+
+
+SearchOutcome = Outcome[SynthesisJob, SearchResult]
 
 
 @dataclass(frozen=True)

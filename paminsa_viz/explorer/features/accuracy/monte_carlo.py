@@ -6,11 +6,11 @@ from typing import Any
 
 from viser import Icon
 
-from paminsa_viz.explorer.core import tasks
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.kit.entries import BackgroundJob, Button, Entry, Html
+from paminsa_viz.explorer.core.place import Place
+from paminsa_viz.explorer.kit.entries import Button, Entry, Html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
-from paminsa_viz.explorer.kit.task import task_entries
+from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.monte_carlo import Manufacture, MonteCarloJob
 from paminsa_viz.explorer.state.motion import Pose
@@ -32,10 +32,13 @@ SHOWN = (0, 1, 3, 2, 4, 5)
 def shown_lengths(frame: Frame) -> tuple[Design, Pose]:
     """Return what errors by manufacture depend on: lengths and tolerances, and the pose."""
     x, y, theta, z = frame.configuration.pose.tolist()
-    shown = frame.shown_design
-    legs: Any = dict(zip(LEG_NAMES, shown.deviations, strict=True))
-    design = Design(geometry=shown.geometry, tolerances=shown.tolerances, **legs)
-    return design, (x, y, theta, z)
+    return toleranced(frame.shown_design), (x, y, theta, z)
+
+
+def toleranced(design: Design) -> Design:
+    """Return a design with nothing of its own but lengths, their deviations, and tolerances."""
+    legs: Any = dict(zip(LEG_NAMES, design.deviations, strict=True))
+    return Design(geometry=design.geometry, tolerances=design.tolerances, **legs)
 
 
 def error_row(name: str, unit: str, *values: Any) -> tuple[str, str, list[str]]:
@@ -52,35 +55,6 @@ def error_row(name: str, unit: str, *values: Any) -> tuple[str, str, list[str]]:
     )
 
 
-def start(state: State) -> State:
-    """Draw robots at random, for the pose where the robot is."""
-    own, pose = state.manufacture, state.last_reachable.pose
-    return tasks.start(
-        state, "manufacture", MonteCarloJob(state.shown_design, pose, own.robots, own.seed)
-    )  # fmt: skip
-
-
-def monte_carlo_html(frame: Frame) -> str:
-    """Return what was found of random robots."""
-    outcome = frame.state.manufacture.outcome
-    if outcome is None:
-        return ""
-    rows, result, solved = [], outcome.result, 1.0
-    if result is not None:
-        half, most, nearly_all = (result.quantile(share) for share in (0.5, 0.95, 0.997))
-        solved = float(result.solved)
-        rows = [
-            error_row(NAMES[i], UNITS[i], half[i], most[i], nearly_all[i], result.rms[i])
-            for i in SHOWN
-        ]
-    design, pose = shown_lengths(frame)
-    return render(
-        "accuracy/robots.j2", rows=rows, problem=outcome.problem, job=outcome.job,
-        robots=0 if result is None else len(result.errors), solved=100 * solved,
-        stale=not outcome.job.serves(design, pose),
-    )  # fmt: skip
-
-
 def draw_robots(job: MonteCarloJob, progress: Progress) -> MonteCarlo:
     """Draw the robots.
 
@@ -93,18 +67,47 @@ def draw_robots(job: MonteCarloJob, progress: Progress) -> MonteCarlo:
     )  # fmt: skip
 
 
+def _job(state: State) -> MonteCarloJob:
+    """Return the job for the pose where the robot is: only lengths and tolerances count."""
+    own, pose = state.manufacture, state.last_reachable.pose
+    return MonteCarloJob(toleranced(state.shown_design), pose, own.robots, own.seed)
+
+
+DRAW = Task(Place(lambda state: state.manufacture), _job, draw_robots)
+"""Draws robots at random."""
+
+
+def monte_carlo_html(frame: Frame) -> str:
+    """Return what was found of random robots."""
+    outcome = DRAW.outcome(frame.state)
+    if outcome is None:
+        return ""
+    rows, result, solved = [], outcome.result, 1.0
+    if result is not None:
+        half, most, nearly_all = (result.quantile(share) for share in (0.5, 0.95, 0.997))
+        solved = float(result.solved)
+        rows = [
+            error_row(NAMES[i], UNITS[i], half[i], most[i], nearly_all[i], result.rms[i])
+            for i in SHOWN
+        ]
+    return render(
+        "accuracy/robots.j2", rows=rows, problem=outcome.problem, job=outcome.job,
+        robots=0 if result is None else len(result.errors), solved=100 * solved,
+        stale=DRAW.stale_text(frame.state),
+    )  # fmt: skip
+
+
 _setting = SettingInputs("manufacture", "manufacture", Manufacture)
 
 MONTE_CARLO: tuple[Entry, ...] = (
     _setting("robots", undo=False),
     _setting("seed", undo=False),
-    *task_entries(
-        "manufacture",
+    *DRAW.buttons(
         Button(
-            "manufacture.start", "Run Monte Carlo", icon=Icon.DICE, effect=start, undo=False,
+            "manufacture.start", "Run Monte Carlo", icon=Icon.DICE, effect=DRAW.start, undo=False,
             hint="Draws lengths within the tolerances and solves each robot, at this pose",
         ),
     ),
-    BackgroundJob("manufacture", find=draw_robots),
+    DRAW.worker,
     Html("manufacture.found", content=monte_carlo_html, idle=True),
 )  # fmt: skip

@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from paminsa_viz.explorer.core import motion as motions
-from paminsa_viz.explorer.core import tasks
 from paminsa_viz.explorer.core.actions import change_design, plane_job, with_design
+from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.features.balance.solving import run
-from paminsa_viz.explorer.state.balance import BalanceJob, Goal, Task
+from paminsa_viz.explorer.kit.task import Task
+from paminsa_viz.explorer.state.balance import (
+    Balanced,
+    BalanceJob,
+    BalanceKind,
+    Goal,
+    MassFront,
+)
 from paminsa_viz.explorer.state.outcome import Outcome, solve
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Design, InvalidInput
 from paminsa_viz.model.parameters import Counterweight
+
+AnyOutcome = Outcome[BalanceJob, Any]
 
 
 def change_settings(state: State, **changes: Any) -> State:
@@ -34,49 +45,48 @@ def choose_goal(state: State, goal: Goal) -> State:
     return change_settings(state, goal=goal, exact=goal.static)
 
 
-def make_job(state: State, task: Task) -> BalanceJob:
-    """Return a task for the current state."""
+def make_job(state: State, task: BalanceKind) -> BalanceJob:
+    """Return a task for the current state, with the settings that it depends on."""
     found = motions.planned(state)
-    return plane_job(
-        BalanceJob, state, state.balancing.settings, task, found.trajectory, found.problem
-    )
+    settings = state.balancing.settings.of(task)
+    return plane_job(BalanceJob, state, settings, task, found.trajectory, found.problem)
 
 
 def balance_now(state: State) -> State:
     """Balance as in the paper at once: it takes a few milliseconds.
 
     Raises:
-        InvalidInput: If another task runs.
+        InvalidInput: If a task runs.
     """
-    started = start(state, Task.PAPER)
-    job = started.balancing.running
-    return started if job is None else receive_result(started, solve(run, job))
+    _require_idle(state)
+    return receive_result(state, solve(run, make_job(state, BalanceKind.PAPER)))
 
 
-def start(state: State, task: Task) -> State:
+def start(state: State, task: BalanceKind) -> State:
     """Start a task.
 
     Raises:
         InvalidInput: If another one runs.
     """
+    _require_idle(state)
+    return TASKS[task].start(state)
+
+
+def _require_idle(state: State) -> None:
     if state.balancing.running is not None:
         raise InvalidInput("balance", "the last task still runs; stop it or wait")
-    return tasks.start(state, "balancing", make_job(state, task))
 
 
-def receive_result(state: State, outcome: Outcome[BalanceJob, Any]) -> State:
-    """Take over the outcome of the task that runs; that of an older one is dropped.
+def receive_result(state: State, outcome: AnyOutcome) -> State:
+    """Take over the outcome of a task.
 
     A better design is worked on from now on, the one before pinned to compare with, if that one was
     not changed in the meantime.
     """
     job, balanced = outcome.job, outcome.result
-    if state.balancing.running != job:
-        return state
-    state = state.updated("balancing", running=None)
-    if job.task is Task.FRONT:
+    if job.task is BalanceKind.FRONT:
         return state.updated("balancing", front=outcome)
-    if job.task is Task.SENSITIVITY:
+    if job.task is BalanceKind.SENSITIVITY:
         return state.updated("balancing", tornado=outcome)
     if balanced is not None and state.document.design != job.design:
         error = InvalidInput("design", "it was changed in the meantime; start again")
@@ -85,6 +95,34 @@ def receive_result(state: State, outcome: Outcome[BalanceJob, Any]) -> State:
     if balanced is None or balanced.after == state.document.design:
         return state
     return _compared(state, balanced.after, job.design)
+
+
+def _again(state: State, outcome: AnyOutcome) -> BalanceJob:
+    """Return a task anew; a design that it found and is worked on by now is no other one."""
+    found, design = outcome.result, state.document.design
+    job = make_job(state, outcome.job.task)
+    own = isinstance(found, Balanced) and design == found.after
+    own = own or (isinstance(found, MassFront) and design in found.designs)
+    return replace(job, design=outcome.job.design) if own else job
+
+
+def _task(kind: BalanceKind, kept: Callable[[State], AnyOutcome | None]) -> Task[BalanceJob, Any]:
+    kinds = (BalanceKind.PAPER, BalanceKind.OPTIMUM)
+    own = kinds if kind in kinds else (kind,)
+    return Task(
+        Place(lambda state: state.balancing), partial(make_job, task=kind), run,
+        receive=receive_result, kept=kept, own=lambda job: job.task in own, again=_again, undo=True,
+    )  # fmt: skip
+
+
+TASKS = {
+    BalanceKind.OPTIMUM: _task(BalanceKind.OPTIMUM, lambda state: state.balancing.outcome),
+    BalanceKind.FRONT: _task(BalanceKind.FRONT, lambda state: state.balancing.front),
+    BalanceKind.SENSITIVITY: _task(BalanceKind.SENSITIVITY, lambda state: state.balancing.tornado),
+}
+"""The tasks of the balance; one of them runs at a time."""
+
+OPTIMUM, FRONT, SENSITIVITY = TASKS.values()
 
 
 def choose_point(state: State, index: int) -> State:

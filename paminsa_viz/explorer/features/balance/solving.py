@@ -28,11 +28,11 @@ from paminsa_viz.explorer.core.maps import COARSE
 from paminsa_viz.explorer.state.balance import (
     Balanced,
     BalanceJob,
+    BalanceKind,
     BalanceSettings,
     Effect,
     Goal,
     MassFront,
-    Task,
     WeightClearance,
     changes_of,
 )
@@ -72,11 +72,11 @@ def run(job: BalanceJob, progress: Progress) -> Balanced | MassFront | Tornado:
     Raises:
         PaminsaError: If it has no solution.
     """
-    if job.task is Task.FRONT:
+    if job.task is BalanceKind.FRONT:
         return _front(job, progress)
-    if job.task is Task.SENSITIVITY:
+    if job.task is BalanceKind.SENSITIVITY:
         return _tornado(job)
-    found = balance(job.design) if job.task is Task.PAPER else _best(job)
+    found = balance(job.design) if job.task is BalanceKind.PAPER else _best(job)
     after = tidied(found.after)
     return Balanced(after, found, effects(job, after), weights_of(job, after))
 

@@ -7,19 +7,16 @@ from typing import Any
 
 from viser import Icon
 
-from paminsa_viz.explorer.core import actions, tasks
+from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.maps import hold_range, toggle_difference
 from paminsa_viz.explorer.features.balance import actions as balancing
 from paminsa_viz.explorer.features.balance import charts
 from paminsa_viz.explorer.features.balance import texts as text
 from paminsa_viz.explorer.features.balance.counterweights import COUNTERWEIGHTS
-from paminsa_viz.explorer.features.balance.solving import run
 from paminsa_viz.explorer.kit.chart import chart, chart_clicks
 from paminsa_viz.explorer.kit.entries import (
-    BackgroundJob,
     Button,
     ButtonGroup,
-    Condition,
     Entry,
     Folder,
     Html,
@@ -27,15 +24,14 @@ from paminsa_viz.explorer.kit.entries import (
 from paminsa_viz.explorer.kit.inputs import Dropdown, Pair, Slider, attribute
 from paminsa_viz.explorer.kit.robot_texts import gauge_html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
-from paminsa_viz.explorer.kit.task import is_running, task_entries
 from paminsa_viz.explorer.kit.text import note
 from paminsa_viz.explorer.state.balance import (
     SLOTS,
+    BalanceKind,
     BalanceSettings,
     CounterweightSlot,
     FreeMasses,
     Goal,
-    Task,
 )
 from paminsa_viz.explorer.state.settings import MILLIMETERS, PERCENT, PLAIN
 from paminsa_viz.explorer.state.state import State
@@ -43,17 +39,14 @@ from paminsa_viz.explorer.state.state import State
 _setting = SettingInputs(
     "balance", "balancing.settings", BalanceSettings, balancing.change_settings
 )
-_busy = is_running("balancing")
+
+
+def _busy(state: State) -> bool:
+    return state.balancing.running is not None
 
 
 def _idle(state: State) -> bool:
     return not _busy(state)
-
-
-def _running(task: Task) -> Condition:
-    return lambda state: (
-        state.balancing.running is not None and (state.balancing.running.task is task)
-    )
 
 
 def _slot(name: str, bar: str, joint: int) -> Pair:
@@ -103,11 +96,11 @@ SETTINGS = (
     ),
     Button(
         "balance.optimize", "Optimize", visible=_idle,
-        effect=partial(balancing.start, task=Task.OPTIMUM),
+        effect=partial(balancing.start, task=BalanceKind.OPTIMUM),
     ),
     Button(
         "balance.stop", "Stop", color="gray", visible=_busy,
-        effect=partial(tasks.stop, path="balancing"),
+        effect=balancing.OPTIMUM.stop,
     ),
 )  # fmt: skip
 
@@ -128,13 +121,11 @@ def _click(state: State, data: Any) -> State:
 FRONT = (
     chart_clicks(charts.FRONT, "balance.point", _click),
     Html("front.text", content=text.front_html),
-    *task_entries(
-        "balancing",
+    *balancing.FRONT.buttons(
         Button(
             "front.compute", "Compute the front",
-            effect=partial(balancing.start, task=Task.FRONT),
+            effect=partial(balancing.start, task=BalanceKind.FRONT),
         ),
-        _running(Task.FRONT),
     ),
     Folder(
         "front.place", visible=_has_front,
@@ -155,7 +146,7 @@ SENSITIVITY = (
     _setting("variation"),
     Button(
         "tornado.compute", "Compute", visible=_idle,
-        effect=partial(balancing.start, task=Task.SENSITIVITY),
+        effect=partial(balancing.start, task=BalanceKind.SENSITIVITY),
     ),
     Folder(
         "tornado.place", visible=lambda state: charts.shown_tornado(state) is not None,
@@ -171,7 +162,7 @@ SENSITIVITY = (
 )  # fmt: skip
 
 BALANCE: tuple[Entry, ...] = (
-    BackgroundJob("balancing", find=run, receive=balancing.receive_result, undo=True),
+    balancing.OPTIMUM.worker,
     Html("balance.gauge", content=gauge_html),
     Button(
         "balance", "Balance as in the paper", icon=Icon.SCALE, effect=balancing.balance_now,

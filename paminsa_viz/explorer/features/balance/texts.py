@@ -13,14 +13,15 @@ from markupsafe import Markup
 
 from paminsa_viz.balancing import ActiveConstraint, InfeasibleBounds
 from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.features.balance.actions import FRONT, OPTIMUM, SENSITIVITY
 from paminsa_viz.explorer.kit.robot_texts import weights_by_place
 from paminsa_viz.explorer.kit.text import render, status
 from paminsa_viz.explorer.state.balance import (
     Balanced,
+    BalanceKind,
     BalanceOutcome,
     Effect,
     Goal,
-    Task,
     WeightClearance,
 )
 from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
@@ -41,15 +42,15 @@ _SIDES = {"low": "≥", "high": "≤", "nearest": "lever ≥", "farthest": "leve
 
 def status_html(frame: Frame) -> str:
     """Return what came of the last optimization, in a line or two."""
-    balancing = frame.state.balancing
-    running, outcome = balancing.running, balancing.outcome
-    if running is not None and running.task in (Task.PAPER, Task.OPTIMUM):
+    state, outcome = frame.state, frame.state.balancing.outcome
+    if OPTIMUM.runs(state):
         return status("balance-status", "plain", "Optimizing …")
     if outcome is None:
         return render("balance/intro.j2")
     if outcome.error is not None:
         return problem_html(outcome.error)
-    return status("balance-status", *_headline(outcome, frame.state.document.design))
+    headline = _headline(outcome, state.document.design)
+    return status("balance-status", *headline, OPTIMUM.stale_text(state))
 
 
 def problem_html(problem: PaminsaError, testid: str = "balance-status") -> str:
@@ -86,7 +87,7 @@ def _headline(outcome: BalanceOutcome, current: Design) -> tuple[str, ...]:
 
 
 def _goal(outcome: BalanceOutcome) -> Goal:
-    return Goal.ADDED if outcome.job.task is Task.PAPER else outcome.job.settings.goal
+    return Goal.ADDED if outcome.job.task is BalanceKind.PAPER else outcome.job.settings.goal
 
 
 def variable_html(name: str) -> Markup:
@@ -189,18 +190,20 @@ def front_html(frame: Frame) -> str:
     balancing = frame.state.balancing
     if balancing.front is not None and balancing.front.error is not None:
         return problem_html(balancing.front.error, "front")
-    return render("balance/front.j2", count=len(balancing.points))
+    return render(
+        "balance/front.j2", count=len(balancing.points), stale=FRONT.stale_text(frame.state)
+    )
 
 
 def sensitivity_html(frame: Frame) -> str:
     """Return what the tornado chart is of, or that it is being computed, or why there is none."""
     balancing = frame.state.balancing
-    running, outcome = balancing.running, balancing.tornado
-    if running is not None and running.task is Task.SENSITIVITY:
+    outcome = balancing.tornado
+    if SENSITIVITY.runs(frame.state):
         return status("tornado", "plain", "Computing …")
     if outcome is not None and outcome.error is not None:
         return problem_html(outcome.error, "tornado")
     return render(
         "balance/sensitivity.j2", outcome=outcome, output=balancing.output,
-        current=frame.state.document.design,
+        stale=SENSITIVITY.stale_text(frame.state),
     )  # fmt: skip

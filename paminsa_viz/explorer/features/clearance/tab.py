@@ -5,11 +5,12 @@ from __future__ import annotations
 from paminsa_viz.clearance import PairGroup
 from paminsa_viz.explorer.core import clearance as clearing
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.kit.entries import BackgroundJob, Entry, Folder, Html
+from paminsa_viz.explorer.features.clearance.actions import ALONG_MOTION, OF_POSE, set_pairs
+from paminsa_viz.explorer.kit.entries import Entry, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Checkbox
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import note, status
-from paminsa_viz.explorer.state.clearance import ClearanceSettings, MotionJob
+from paminsa_viz.explorer.state.clearance import ClearanceSettings
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.units import format_value
 
@@ -35,7 +36,7 @@ def _switch(group: PairGroup) -> Checkbox:
         return group in state.clearance_view.pairs
 
     def apply(state: State, checked: bool) -> State:
-        return clearing.set_pairs(state, group, checked)
+        return set_pairs(state, group, checked)
 
     label = group.value[0].upper() + group.value[1:]
     return Checkbox(
@@ -44,18 +45,9 @@ def _switch(group: PairGroup) -> Checkbox:
     )  # fmt: skip
 
 
-def _motion_job(frame: Frame) -> MotionJob | None:
-    return None if frame.analysis is None else clearing.motion_job(frame.state, frame.analysis)
-
-
 CLEARANCE: tuple[Entry, ...] = (
-    BackgroundJob(
-        "clearing.pose", find=clearing.find_nearest, idle=True,
-        wanted=lambda frame: clearing.pose_job(frame.state),
-    ),
-    BackgroundJob(
-        "clearing.motion", find=clearing.find_along, wanted=_motion_job, idle=True
-    ),
+    OF_POSE.worker,
+    ALONG_MOTION.worker,
     Folder(
         "clearance", "Clearance between bodies", open=False,
         entries=(

@@ -13,15 +13,15 @@ from viser import Icon
 from paminsa_viz.actuation.catalog import CatalogError, read_catalog
 from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.actuation.selection import DriveFigures, size_design
-from paminsa_viz.explorer.core import actions, tasks
+from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.drives.charts import RPM, chart_figure, shown_drive
 from paminsa_viz.explorer.features.drives.solving import find_drives
 from paminsa_viz.explorer.kit.chart import chart
 from paminsa_viz.explorer.kit.entries import (
-    BackgroundJob,
     Button,
     ButtonGroup,
     Effect,
@@ -31,7 +31,7 @@ from paminsa_viz.explorer.kit.entries import (
 )
 from paminsa_viz.explorer.kit.inputs import Dropdown, attribute
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
-from paminsa_viz.explorer.kit.task import is_running
+from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.kit.text import note, render
 from paminsa_viz.explorer.state.drives import MOST_MOTIONS, DriveJob, DriveLists, DriveSettings
 from paminsa_viz.explorer.state.outcome import Outcome
@@ -41,16 +41,11 @@ from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.units import NONE, number
 
 
-def find(state: State) -> State:
-    """Start a search on the current motion.
-
-    Raises:
-        InvalidInput: If there is no motion.
-    """
+def _job(state: State) -> DriveJob:
     settings = state.driving.settings
     duties = settings.cycle or (_current(state)._replace(repeats=1.0),)
     bare = replace(state.document.design, drives=NO_DRIVES)
-    return tasks.start(state, "driving", DriveJob(bare, duties, settings))
+    return DriveJob(bare, duties, settings)
 
 
 def _current(state: State) -> Duty:
@@ -75,7 +70,11 @@ def add_motion(state: State) -> State:
 
 def receive(state: State, outcome: Outcome[DriveJob, DriveLists]) -> State:
     """Take over a result; the first of its drives is shown."""
-    return tasks.receive(state, "driving", outcome).updated("driving", row=0)
+    return state.updated("driving", outcome=outcome, row=0)
+
+
+SEARCH = Task(Place(lambda state: state.driving), _job, find_drives, receive=receive)
+"""Searches for drives for the cycle or, without one, the current motion."""
 
 
 def choose(state: State, row: int | None) -> State:
@@ -122,13 +121,11 @@ def list_html(frame: Frame) -> str:
     outcome, found = driving.outcome, driving.result
     if outcome is None or found is None:
         return ""
-    trajectory = motions.planned(frame.state).trajectory
     return render(
         "drives/list.j2", rows=driving.listed, chosen=driving.row,
         name=_name(frame.state, driving.actuator), advice=found.advice[driving.actuator],
         count=len(found.selection.rows[driving.actuator]),
-        stale=outcome.job.settings != driving.settings
-        or not outcome.job.serves(frame.state.document.design, trajectory),
+        stale=SEARCH.stale_text(frame.state),
     )  # fmt: skip
 
 
@@ -186,8 +183,9 @@ def own_html(frame: Frame) -> str:
     """Return the drives of the design and, on the motion of the search, their margins."""
     design, outcome = frame.state.document.design, frame.state.driving.outcome
     sized: tuple[DriveFigures | None, ...] = (None,) * 4
-    trajectory = motions.planned(frame.state).trajectory
-    if outcome is not None and outcome.result and outcome.job.serves(design, trajectory):
+    now = SEARCH.now(frame.state)
+    same = now is not None and outcome is not None and now.same_robot(outcome.job)
+    if same and outcome is not None and outcome.result is not None:
         sized = size_design(outcome.result.selection.cycle, design)
     rows = [
         (f"m{j + 1}", name, drive, one)
@@ -245,11 +243,11 @@ DRIVES = (
         color="gray", hint="A CSV file of motors, gears, screws and belts; see docs/drives.md",
     ),
     Button(
-        "drives.find", "Find drives", icon=Icon.ENGINE, effect=find, undo=False,
-        disabled=is_running("driving"),
+        "drives.find", "Find drives", icon=Icon.ENGINE, effect=SEARCH.start, undo=False,
+        disabled=SEARCH.runs,
         hint="Measures every pair of the catalog on the current motion",
     ),
-    BackgroundJob("driving", find=find_drives, receive=receive),
+    SEARCH.worker,
     Folder(
         "drives.found", visible=_found,
         entries=(

@@ -7,6 +7,7 @@ from dataclasses import replace
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.core.motion_results import MotionResults, MotionStore
+from paminsa_viz.explorer.features.motion.simulation import SIMULATION
 from paminsa_viz.explorer.kit.downloads import File, file_name, plain
 from paminsa_viz.explorer.state.motion import FIGURES, SIMULATED
 from paminsa_viz.explorer.state.state import State
@@ -149,7 +150,7 @@ def motion_figure(state: State, kind: str) -> File:
     """
     found, what = _motion_results(state), motion_figure_kind(state)
     sources, title = found.sources, None
-    if what == "tracking" and not motions.simulation_is_current(state):
+    if what == "tracking" and (SIMULATION.result(state) is None or SIMULATION.is_stale(state)):
         raise InvalidInput("simulation", "simulate the current motion first")
     if what == "clearance":  # what the page has may not be there yet
         sources = replace(sources, clearance=None)

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.explorer.core import motion as motions
-from paminsa_viz.explorer.core import tasks
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.motion_results import MotionStore
 from paminsa_viz.explorer.core.session import Session
@@ -99,13 +98,12 @@ class Recorder:
         times = instants(found.analysis.trajectory.duration)
         self._cancel.clear()
         try:
-            start = partial(tasks.start, path="recording", job=kind)
+            start = partial(_recording, kind)
             session.dispatch("recording", start, step=False)
             frames = self._frames(session, state, times, legend)
             content = ANIMATION_FORMATS[kind].encode(frames, float(times[1] - times[0]))
         finally:
-            stop = partial(tasks.stop, path="recording")
-            session.dispatch("recording", stop, step=False)
+            session.dispatch("recording", partial(_recording, None), step=False)
         return File(motion_name(state, found, "", kind), content)
 
     def _frames(
@@ -159,3 +157,9 @@ def _render(
             view.draw(frame, True)
     session.client.flush()
     return picture(session.client, size, legend)
+
+
+def _recording(kind: str | None, state: State) -> State:
+    """Return the state with a recording that has begun, or None for none."""
+    own = state.recording
+    return state.updated("", recording=own.ended() if kind is None else own.started(kind))

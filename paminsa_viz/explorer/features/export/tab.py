@@ -15,11 +15,11 @@ from paminsa_viz.explorer.features.export import exports, pictures
 from paminsa_viz.explorer.features.export.copying import COPIED, copy_run
 from paminsa_viz.explorer.features.export.recording import Recorder
 from paminsa_viz.explorer.kit.downloads import File, export, session_export
-from paminsa_viz.explorer.kit.entries import Button, ButtonGroup, Entry, Html, Progress, Run
+from paminsa_viz.explorer.kit.entries import Button, ButtonGroup, Entry, Html, ProgressBar, Run
 from paminsa_viz.explorer.kit.inputs import Dropdown, Number, attribute
-from paminsa_viz.explorer.kit.task import is_running
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
+from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.view import Appearance
 from paminsa_viz.files.tables import TABLE_FORMATS
 from paminsa_viz.plots.animations import ANIMATION_FORMATS
@@ -28,7 +28,10 @@ from paminsa_viz.quantities import QUANTITIES
 
 log = logging.getLogger(__name__)
 
-_recording = is_running("recording")
+
+def _recording(state: State) -> bool:
+    return state.recording.running is not None
+
 
 VIEW_SIZES: dict[str, tuple[int, int] | None] = {
     "as on the page": None,
@@ -184,7 +187,7 @@ def export_entries(
             for kind, each in ANIMATION_FORMATS.items()
             if each.missing
         ),
-        Progress(
+        ProgressBar(
             "export.recorded", read=lambda state: state.recording.done,
             visible=_recording,
         ),

@@ -34,7 +34,7 @@ class Example:
 
 
 def _with_springs(state: State) -> State:
-    return springs.start(state.updated("springing", settings=SpringSettings()))
+    return springs.FIT.start(state.updated("springing", settings=SpringSettings()))
 
 
 EXAMPLES: tuple[Example, ...] = (
@@ -78,5 +78,5 @@ def open_example(state: State, key: str) -> State:
     found = next((example for example in EXAMPLES if example.key == key), None)
     if found is None:
         raise InvalidInput("example", f"one of {', '.join(e.key for e in EXAMPLES)} is needed")
-    opened = actions.load_design(springs.clear(state), example_design(found.design))
+    opened = actions.load_design(springs.FIT.forget(state), example_design(found.design))
     return found.prepare(opened)

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from paminsa_viz.explorer.core import motion as motions
-from paminsa_viz.explorer.core import tasks
 from paminsa_viz.explorer.core.actions import with_design
+from paminsa_viz.explorer.core.place import Place
+from paminsa_viz.explorer.features.identify.solving import identify_logs, search_excitation
+from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.state.identify import EXPORT_RATE, ExcitationJob, IdentifyJob
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.example_logs import ExampleLog, example_log
@@ -21,39 +23,38 @@ PLACES = ("log", "other", "loaded")
 def use_log(state: State, place: str, log: Log) -> State:
     """Take a log; the first one is identified at once."""
     state = state.updated("identifying", **{place: log})
-    return identify(state) if state.identifying.log is not None else state
+    return IDENTIFY.start(state) if state.identifying.log is not None else state
 
 
 def use_examples(state: State) -> State:
     """Take the logs that come with the program."""
     logs = [example_log(kind) for kind in ExampleLog]
     state = state.updated("identifying", **dict(zip(PLACES, logs, strict=True)))
-    return identify(state.updated("identifying.settings", payload=2.0))
+    return IDENTIFY.start(state.updated("identifying.settings", payload=2.0))
 
 
 def close_logs(state: State) -> State:
     """Close the logs and what came of them."""
-    closed = state.updated("identifying", **dict.fromkeys(PLACES))
-    return closed.updated("identifying", running=None, outcome=None)
+    return IDENTIFY.forget(state.updated("identifying", **dict.fromkeys(PLACES)))
 
 
-def identify(state: State) -> State:
-    """Start an identification.
-
-    Raises:
-        InvalidInput: If there is no log.
-    """
+def _identify_job(state: State) -> IdentifyJob:
     own = state.identifying
     if own.log is None:
         raise InvalidInput("log", "open one first")
-    job = IdentifyJob(state.document.design, own.log, own.other, own.loaded, own.settings)
-    return tasks.start(state, "identifying", job)
+    settings = own.settings.of_log
+    return IdentifyJob(state.document.design, own.log, own.other, own.loaded, settings)
 
 
-def search(state: State) -> State:
-    """Start a search for a motion."""
-    job = ExcitationJob(state.document.design, state.identifying.settings)
-    return tasks.start(state, "identifying.excitation", job)
+IDENTIFY = Task(Place(lambda state: state.identifying), _identify_job, identify_logs)
+"""Identifies the design's parameters from the open logs."""
+
+SEARCH = Task(
+    Place(lambda state: state.identifying.excitation),
+    lambda state: ExcitationJob(state.document.design, state.identifying.settings.of_excitation),
+    search_excitation,
+)
+"""Searches for a motion to record a log with."""
 
 
 def findings(state: State) -> Findings:
@@ -62,10 +63,7 @@ def findings(state: State) -> Findings:
     Raises:
         InvalidInput: If there is nothing.
     """
-    found = state.identifying.result
-    if found is None:
-        raise InvalidInput("log", "nothing has been identified yet")
-    return found
+    return IDENTIFY.required(state, "log", "nothing has been identified yet")
 
 
 def use_design(state: State) -> State:
@@ -93,7 +91,5 @@ def use_excitation(state: State) -> State:
     Raises:
         InvalidInput: If there is none.
     """
-    found = state.identifying.excitation.result
-    if found is None:
-        raise InvalidInput("motion", "none has been found yet")
+    found = SEARCH.required(state, "motion", "none has been found yet")
     return motions.use_table(state, found.plan.sample(EXPORT_RATE))

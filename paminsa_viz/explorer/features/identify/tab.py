@@ -12,11 +12,9 @@ from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.identify import actions
 from paminsa_viz.explorer.features.identify import texts as text
 from paminsa_viz.explorer.features.identify.files import excitation_csv, identification_table
-from paminsa_viz.explorer.features.identify.solving import identify_logs, search_excitation
 from paminsa_viz.explorer.kit.curves import LOWEST, MotionChart
 from paminsa_viz.explorer.kit.downloads import export
 from paminsa_viz.explorer.kit.entries import (
-    BackgroundJob,
     Button,
     ButtonGroup,
     Custom,
@@ -28,7 +26,6 @@ from paminsa_viz.explorer.kit.entries import (
 )
 from paminsa_viz.explorer.kit.inputs import Dropdown, attribute
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
-from paminsa_viz.explorer.kit.task import is_running, task_entries
 from paminsa_viz.explorer.state.identify import IdentifySettings, parse_gains
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.errors import TableFileError
@@ -119,12 +116,12 @@ IDENTIFY: tuple[Entry, ...] = (
         ),
     ),
     Button(
-        "identify.run", "Identify", icon=Icon.ZOOM_CHECK, effect=actions.identify, undo=False,
+        "identify.run", "Identify", icon=Icon.ZOOM_CHECK, effect=actions.IDENTIFY.start, undo=False,
         visible=lambda state: state.identifying.log is not None,
-        disabled=is_running("identifying"),
+        disabled=actions.IDENTIFY.runs,
         hint="Fit the log again, with these settings and this design’s lengths",
     ),
-    BackgroundJob("identifying", find=identify_logs),
+    actions.IDENTIFY.worker,
     Html("identify.status", content=text.status_html),
     Folder(
         "identify.found", visible=_found,
@@ -164,15 +161,14 @@ IDENTIFY: tuple[Entry, ...] = (
         "identify.excitation", "Motion for a log",
         entries=(
             *map(_setting, ("period", "harmonics", "seconds")),
-            *task_entries(
-                "identifying.excitation",
+            *actions.SEARCH.buttons(
                 Button(
                     "identify.search", "Find the best motion", icon=Icon.WAVE_SINE,
-                    effect=actions.search, undo=False,
+                    effect=actions.SEARCH.start, undo=False,
                     hint="A D-optimal multi-sine within the drives’ limits and κ ≤ 5",
                 ),
             ),
-            BackgroundJob("identifying.excitation", find=search_excitation),
+            actions.SEARCH.worker,
             Html("identify.excited", content=text.excitation_html, idle=True),
             ButtonGroup(
                 "identify.motion", "Motion", visible=_has_motion,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.features.identify.actions import IDENTIFY, SEARCH
 from paminsa_viz.explorer.kit.text import note, render, status
 from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.results import Estimate
@@ -24,21 +25,15 @@ def logs_html(frame: Frame) -> str:
 
 def status_html(frame: Frame) -> str:
     """Return how the identification went, in a box."""
-    own, design = frame.state.identifying, frame.state.document.design
-    outcome, found = own.outcome, own.result
-    if own.running is not None:
-        return status("identify-status", "plain", "Identifying …")
-    if outcome is None:
-        return ""
-    if found is None:
-        return status("identify-status", "bad", "Not identified", outcome.problem)
+    state, found = frame.state, IDENTIFY.result(frame.state)
+    if found is None or IDENTIFY.runs(state):
+        return IDENTIFY.text(state, "identify-status", "Identifying …", "Not identified") or ""
     lines = [f"{cause.text}: {_size(cause)}" for cause in found.causes.named]
     if found.identification.identity.holds is False:
         lines.append("the masses' identity fails: a spring, or another law")
     good = not lines
     title = "Masses and friction explain the log" if good else "The model lacks something"
-    if own.stale(design):
-        lines.append("design, logs or settings have changed since")
+    lines.append(IDENTIFY.stale_text(state))
     return status("identify-status", "ok" if good else "warn", title, *lines)
 
 
@@ -145,4 +140,6 @@ def excitation_html(frame: Frame) -> str:
         )
         for row in found.limits
     ]  # fmt: skip
-    return render("identify/excitation.j2", found=found, rows=rows)
+    return render(
+        "identify/excitation.j2", found=found, rows=rows, stale=SEARCH.stale_text(frame.state)
+    )

@@ -11,7 +11,9 @@ from paminsa_viz.elastostatics.bar_loads import bar_loads, utilization
 from paminsa_viz.elastostatics.joint_forces import JointForces, joint_forces
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
 from paminsa_viz.elastostatics.sideways import sideways_forces
+from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.planning import planned
+from paminsa_viz.explorer.kit.task import Follower
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.model.arrays import Array
@@ -58,6 +60,15 @@ def find_loads(analysis: TrajectoryAnalysis, _: object) -> MotionLoads:
     for name in ("bar_peak", "utilization"):
         getattr(loads, name)  # computed here, on the job's thread
     return loads
+
+
+ALONG_MOTION = Follower(
+    Place(lambda state: state.loads.outcome),
+    lambda frame: frame.analysis if frame.state.loads.along else None,
+    find_loads,
+    idle=True,
+)
+"""Finds the loads along the current motion while they are wanted."""
 
 
 @dataclass(frozen=True)

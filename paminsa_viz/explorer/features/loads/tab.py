@@ -18,8 +18,8 @@ from paminsa_viz.explorer.features.loads.charts import (
     shown_section,
 )
 from paminsa_viz.explorer.features.loads.solving import (
+    ALONG_MOTION,
     bars_at,
-    find_loads,
     forces_at,
     found,
     instant,
@@ -29,7 +29,7 @@ from paminsa_viz.explorer.features.loads.solving import (
 from paminsa_viz.explorer.kit import downloads as exports
 from paminsa_viz.explorer.kit.chart import chart
 from paminsa_viz.explorer.kit.downloads import export
-from paminsa_viz.explorer.kit.entries import BackgroundJob, ButtonGroup, Effect, Entry, Html
+from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Entry, Html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import note, render
 from paminsa_viz.explorer.state.loads import LoadsState
@@ -185,10 +185,7 @@ LOADS: tuple[Entry, ...] = (
     _setting("bar"),
     chart("loads.sections", shown_section, section_figure, 0.85),
     _setting("along"),
-    BackgroundJob(
-        "loads.outcome", find=find_loads, idle=True,
-        wanted=lambda frame: frame.analysis if frame.state.loads.along else None,
-    ),
+    ALONG_MOTION.worker,
     Html("loads.motion", content=motion, idle=True),
     _setting("joint", visible=lambda state: found(state) is not None),
     chart("loads.curves", shown_curves, curves_figure, 0.55),

@@ -13,13 +13,14 @@ from paminsa_viz.explorer.browser.bridge import Slots, marker
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.motion_results import MotionResults
+from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.session import Session
-from paminsa_viz.explorer.features.motion.solving import ask_engine
+from paminsa_viz.explorer.features.motion.engine import ask_engine
 from paminsa_viz.explorer.features.motion.tab import ACTUATORS, status_line
 from paminsa_viz.explorer.kit.bindings import Panel
 from paminsa_viz.explorer.kit.curves import PLACE, MotionChart, TimeCursor
-from paminsa_viz.explorer.kit.entries import BackgroundJob
 from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, attribute
+from paminsa_viz.explorer.kit.task import Follower
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.motion import COMPARED, PLOTS, SIMULATED
 from paminsa_viz.explorer.state.simulation import EngineRequest, serves
@@ -64,8 +65,12 @@ def wanted_answer(frame: Frame) -> EngineRequest | None:
     return EngineRequest(frame.analysis, plots.checker)
 
 
+ENGINE = Follower(Place(lambda state: state.engine_answer), wanted_answer, ask_engine, idle=True)
+"""Asks an engine for the torques along the motion that is shown."""
+
+
 INPUTS = (
-    BackgroundJob("engine_answer", find=ask_engine, wanted=wanted_answer, idle=True),
+    ENGINE.worker,
     Dropdown(
         "plots.plot", "show", options=PLOTS, order=5, hint="What is plotted along the motion",
         **attribute("plots.plot"),

@@ -12,11 +12,10 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.motion import point_entries as motion_points
 from paminsa_viz.explorer.features.motion.crossing import chart_html, crossing_html
 from paminsa_viz.explorer.features.motion.description import DESCRIPTION
-from paminsa_viz.explorer.features.motion.solving import run
-from paminsa_viz.explorer.kit.entries import BackgroundJob, Button, Entry, Folder, Html, Message
+from paminsa_viz.explorer.features.motion.simulation import SIMULATION, show_simulation, simulate
+from paminsa_viz.explorer.kit.entries import Button, Entry, Folder, Html, Message
 from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, Slider, attribute
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
-from paminsa_viz.explorer.kit.task import is_running
 from paminsa_viz.explorer.kit.text import note, render, status
 from paminsa_viz.explorer.scene.path import hue_gradient, path_scale
 from paminsa_viz.explorer.state.motion import SPEEDS
@@ -132,31 +131,32 @@ def simulation_html(frame: Frame) -> str:
             level, title = "ok", f"Ran to the end, {simulation.t[-1]:.3f} s"
             if simulation.stopped is not None:
                 level, title = "bad", f"Stopped {simulation.stopped.explanation}"
-            if not motions.simulation_is_current(frame.state):
+            stale = SIMULATION.stale_text(frame.state)
+            if stale:
                 level = "warn" if simulation.stopped is None else level
-                lines.append("of an earlier design, motion or setting: simulate again")
+                lines.append(stale)
     return status("simulation", level, title, *lines)
 
 
 _setting = SettingInputs("simulation", "simulating.settings", SimulationSettings)
 
-SIMULATION: tuple[Entry, ...] = (
+SIMULATING: tuple[Entry, ...] = (
     _setting("control"),
     _setting("bandwidth", visible=_has_feedback),
     _setting("damping", visible=_has_feedback),
     *map(_setting, ("payload_mismatch", "initial_error", "knows_friction")),
     Button(
-        "simulation", "Simulate", icon=Icon.PLAYER_TRACK_NEXT, effect=motions.simulate,
-        disabled=is_running("simulating"),
+        "simulation", "Simulate", icon=Icon.PLAYER_TRACK_NEXT, effect=simulate,
+        disabled=SIMULATION.runs,
     ),
-    BackgroundJob("simulating", find=run, receive=motions.receive_simulation, undo=True),
+    SIMULATION.worker,
     Html("simulation.outcome", content=simulation_html),
     Checkbox(
         "simulation.shown", "Play it in the scene",
         hint="The robot moves as simulated, next to a translucent one where it should be; without "
         "it, it moves as planned",
         visible=lambda state: state.simulating.outcome is not None,
-        read=lambda state: state.simulating.shown, apply=motions.show_simulation,
+        read=lambda state: state.simulating.shown, apply=show_simulation,
     ),
 )  # fmt: skip
 
@@ -187,6 +187,6 @@ MOTION: tuple[Entry, ...] = (
             Html("motion.legend", content=_legend_html),
         ),
     ),
-    Folder("motion.simulation", "Simulation", open=False, entries=SIMULATION),
+    Folder("motion.simulation", "Simulation", open=False, entries=SIMULATING),
 )  # fmt: skip
 """Status and playback, the motion, its duration, its path, and its simulation."""

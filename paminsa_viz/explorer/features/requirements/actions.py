@@ -7,12 +7,13 @@ from dataclasses import replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
-from paminsa_viz.explorer.core import tasks
 from paminsa_viz.explorer.core.actions import change_document
+from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS, require_possible
 from paminsa_viz.explorer.features.requirements.suggestions import default_workspace, suggested
+from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.state.document import Document
-from paminsa_viz.explorer.state.requirements import LargestJob
+from paminsa_viz.explorer.state.requirements import LargestJob, LargestOutcome
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.model.reach import home_pose
@@ -219,8 +220,8 @@ def proportions(document: Document, shape: WorkspaceShape, free: bool) -> Worksp
     return Workspace(shape, (x, x if shape is WorkspaceShape.CYLINDER else y, z), center)
 
 
-def start_largest(state: State) -> State:
-    """Search for the largest workspace that is proven.
+def largest_job(state: State) -> LargestJob:
+    """Return the search for the largest workspace that is proven.
 
     Raises:
         InvalidInput: If nothing is required.
@@ -228,11 +229,10 @@ def start_largest(state: State) -> State:
     document, asked = state.document, state.requiring.largest
     if not document.requirements.bounds:
         raise InvalidInput("requirements", "add one first: nothing but reach bounds the workspace")
-    job = LargestJob(
-        document.design, document.requirements,
+    return LargestJob(
+        document.design, replace(document.requirements, workspace=None),
         proportions(document, asked.shape, asked.free), asked.growth, asked.seconds,
     )  # fmt: skip
-    return tasks.start(state, "requiring.largest", job)
 
 
 def find_largest(job: LargestJob, progress: Progress) -> LargestWorkspace:
@@ -244,6 +244,20 @@ def find_largest(job: LargestJob, progress: Progress) -> LargestWorkspace:
         job.design, job.requirements, job.workspace, growth=Growth[job.growth],
         time_limit=job.seconds, progress=progress,
     )  # fmt: skip
+
+
+def _largest_again(state: State, outcome: LargestOutcome) -> LargestJob:
+    """Return the search anew; a workspace that was found and is required by now is no other one."""
+    proven, required = state.requiring.largest.proven, state.document.requirements.workspace
+    job = largest_job(state)
+    used = proven is not None and required == Workspace(*proven)
+    return replace(job, workspace=outcome.job.workspace) if used else job
+
+
+LARGEST = Task(
+    Place(lambda state: state.requiring.largest), largest_job, find_largest, again=_largest_again
+)
+"""Searches for the largest workspace that is proven."""
 
 
 def use_largest(state: State) -> State:

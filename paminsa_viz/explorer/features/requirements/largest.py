@@ -6,10 +6,9 @@ from viser import Icon
 
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.requirements import actions
-from paminsa_viz.explorer.kit.entries import BackgroundJob, Button, Html
+from paminsa_viz.explorer.kit.entries import Button, Html
 from paminsa_viz.explorer.kit.robot_texts import workspace_text
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
-from paminsa_viz.explorer.kit.task import task_entries
 from paminsa_viz.explorer.kit.text import note, render
 from paminsa_viz.explorer.state.requirements import LargestState
 from paminsa_viz.explorer.state.state import State
@@ -36,7 +35,7 @@ def result_html(frame: Frame) -> str:
     return render(
         "requirements/largest.j2", text="" if workspace is None else workspace_text(workspace),
         place=place, gap=format_value(found.gap, "m", 2), seconds=number(found.seconds, 2),
-        cause=cause_text(found), stale=not outcome.job.serves(frame.state.document),
+        cause=cause_text(found), stale=actions.LARGEST.stale_text(frame.state),
         rows=[_row(item) for item in found.proof.evidence],
     )  # fmt: skip
 
@@ -74,11 +73,10 @@ LARGEST_WORKSPACE = (
     _setting("growth", options={growth.value: growth.name for growth in Growth}),
     _setting("free"),
     _setting("seconds"),
-    *task_entries(
-        "requiring.largest",
+    *actions.LARGEST.buttons(
         Button(
             "largest.start", "Find the largest", icon=Icon.CERTIFICATE, undo=False,
-            effect=actions.start_largest,
+            effect=actions.LARGEST.start,
             hint="Reach and singularities in closed form, condition number, torques and F₄ by "
             "interval bisection",
         ),
@@ -87,5 +85,5 @@ LARGEST_WORKSPACE = (
     Button(
         "largest.use", "Use as required workspace", visible=_is_proven, effect=actions.use_largest,
     ),
-    BackgroundJob("requiring.largest", find=actions.find_largest),
+    actions.LARGEST.worker,
 )  # fmt: skip

@@ -6,7 +6,6 @@ from functools import partial
 from typing import Any
 
 from paminsa_viz.explorer.core import actions as poses
-from paminsa_viz.explorer.core.requirements import find_volume, receive, wanted_volume
 from paminsa_viz.explorer.core.saved_requirements import asked
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.requirements import actions
@@ -14,8 +13,8 @@ from paminsa_viz.explorer.features.requirements import texts as text
 from paminsa_viz.explorer.features.requirements.inputs import DEGREES, EDIT, has_selected
 from paminsa_viz.explorer.features.requirements.largest import LARGEST_WORKSPACE
 from paminsa_viz.explorer.features.requirements.suggestions import default_workspace
+from paminsa_viz.explorer.features.requirements.volumes import VOLUMES
 from paminsa_viz.explorer.kit.entries import (
-    BackgroundJob,
     ButtonGroup,
     Condition,
     Effect,
@@ -191,11 +190,5 @@ REQUIREMENTS = (
         "requirements.largest", "Largest workspace", entries=LARGEST_WORKSPACE, open=False,
         visible=lambda state: bool(state.document.requirements.bounds),
     ),
-    *(
-        BackgroundJob(
-            f"requiring.{name}", find=find_volume, receive=receive, idle=fine,
-            wanted=partial(wanted_volume, fine=fine),
-        )
-        for name, fine in (("quick", False), ("fine", True))
-    ),
+    *(follower.worker for follower in VOLUMES),
 )  # fmt: skip

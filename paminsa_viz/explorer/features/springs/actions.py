@@ -10,29 +10,15 @@ from paminsa_viz.balancing import (
     fit_springs,
     spring_torques,
 )
-from paminsa_viz.explorer.core import tasks
 from paminsa_viz.explorer.core.actions import plane_job
+from paminsa_viz.explorer.core.place import Place
+from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.state.plane import PlaneJob
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model.arrays import Array
 
 CELLS = 41
 """Poses along each side of the map that springs are fitted on."""
-
-
-def wanted(state: State) -> PlaneJob:
-    """Return the fit of the current state."""
-    return plane_job(PlaneJob, state, state.springing.settings)
-
-
-def start(state: State) -> State:
-    """Start the fit of the current state."""
-    return tasks.start(state, "springing", wanted(state))
-
-
-def clear(state: State) -> State:
-    """Forget the springs."""
-    return state.updated("springing", running=None, outcome=None)
 
 
 def fit(job: PlaneJob, _: object) -> SpringFit:
@@ -42,6 +28,14 @@ def fit(job: PlaneJob, _: object) -> SpringFit:
         PaminsaError: If there are none, or no pose to fit them on.
     """
     return fit_springs(job.design, [job.settings.place], job.poses(CELLS))
+
+
+FIT = Task(
+    Place(lambda state: state.springing),
+    lambda state: plane_job(PlaneJob, state, state.springing.settings),
+    fit,
+)
+"""Fits the springs of the current settings to the current design."""
 
 
 def relieved(state: State, torques: Array) -> Array | None:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.springs import actions as springs
-from paminsa_viz.explorer.kit.entries import BackgroundJob, Button, Entry, Html
+from paminsa_viz.explorer.kit.entries import Button, Entry, Html
 from paminsa_viz.explorer.kit.inputs import Pair
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
-from paminsa_viz.explorer.kit.task import is_running
-from paminsa_viz.explorer.kit.text import render, status
+from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.settings import MILLIMETERS
 from paminsa_viz.explorer.state.springs import LENGTHS, SpringSettings, SpringsFrom
 from paminsa_viz.explorer.state.state import State
@@ -21,14 +20,10 @@ GAP = 1e-6
 def springs_html(frame: Frame) -> str:
     """Return the springs that were found, and torques without and with them."""
     state = frame.state
-    springing, held = state.springing, springs.relieved(state, frame.torques)
-    outcome, fit = springing.outcome, springing.result
-    if springing.running is not None:
-        return status("springs", "plain", "Fitting …")
-    if outcome is None:
-        return render("springs/result.j2", rows=[], facts=[], lines=[])
-    if fit is None or held is None:
-        return status("springs", "bad", "No springs", outcome.problem)
+    fit, held = springs.FIT.result(state), springs.relieved(state, frame.torques)
+    if fit is None or held is None or springs.FIT.runs(state):
+        empty = render("springs/result.j2", rows=[], facts=[], lines=[])
+        return springs.FIT.text(state, "springs", "Fitting …", "No springs") or empty
     (spring,) = fit.springs
     low, high = fit.reach[0]
     facts = [
@@ -43,8 +38,7 @@ def springs_html(frame: Frame) -> str:
     ]
     better = f" by more than {number(fit.gap, 2)} N·m" if fit.gap > GAP else ""
     lines = [f"Certified: no other stiffness and free length is better{better}."]
-    if outcome.job != springs.wanted(state):
-        lines.append("Fitted to another design, θ, z or setting: fit again.")
+    lines += filter(None, [springs.FIT.stale_text(state)])
     return render("springs/result.j2", rows=rows, facts=facts, lines=lines)
 
 
@@ -55,7 +49,7 @@ def _free_lengths(state: State) -> tuple[float, float]:
 _setting = SettingInputs("springs", "springing.settings", SpringSettings)
 
 SPRINGS: tuple[Entry, ...] = (
-    BackgroundJob("springing", find=springs.fit),
+    springs.FIT.worker,
     Html("springs.text", content=springs_html),
     _setting("start"),
     _setting("height"),
@@ -71,13 +65,13 @@ SPRINGS: tuple[Entry, ...] = (
         hint="Shortest and longest that is possible; both zero for a spring of free length zero",
     ),
     Button(
-        "springs.fit", "Fit springs", effect=springs.start, undo=False,
-        disabled=is_running("springing"),
+        "springs.fit", "Fit springs", effect=springs.FIT.start, undo=False,
+        disabled=springs.FIT.runs,
         hint="Stiffness and free length for the least peak of M1–M3 on the map at this θ and z, "
         "over poses that count; certified",
     ),
     Button(
-        "springs.clear", "Remove the springs", effect=springs.clear, color="gray", undo=False,
+        "springs.clear", "Remove the springs", effect=springs.FIT.forget, color="gray", undo=False,
         visible=lambda state: state.springing.outcome is not None,
     ),
 )  # fmt: skip

@@ -12,11 +12,13 @@ from paminsa_viz.elastostatics.sections import tube_fits
 from paminsa_viz.elastostatics.stiffness import SHARE_LABELS
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.features.stiffness.solving import MODES, analyze_elasticity
 from paminsa_viz.explorer.kit.design_numbers import is_changed, slider
-from paminsa_viz.explorer.kit.entries import BackgroundJob, ButtonGroup, Effect, Entry, Folder, Html
+from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Entry, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
+from paminsa_viz.explorer.kit.task import Follower
 from paminsa_viz.explorer.kit.text import note, render
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.stiffness import CASES, ElasticJob, ElasticView
@@ -141,6 +143,11 @@ def _job(frame: Frame) -> ElasticJob:
     return ElasticJob(frame.shown_design, state.last_reachable.pose, state.elastic_view.case)
 
 
+ANALYSIS = Follower(
+    Place(lambda state: state.elastic_view.outcome), _job, analyze_elasticity, idle=can_wait
+)
+
+
 def result_html(frame: Frame) -> str:
     """Return stiffness, deflection and frequencies at the pose, or why there are none."""
     outcome = frame.state.elastic_view.outcome
@@ -250,8 +257,6 @@ STIFFNESS = (
         ),
     ),
     Html("stiffness.sections", content=sections_html, idle=True),
-    BackgroundJob(
-        "elastic_view.outcome", find=analyze_elasticity, wanted=_job, idle=can_wait
-    ),
+    ANALYSIS.worker,
 )  # fmt: skip
 """The tab's entries."""

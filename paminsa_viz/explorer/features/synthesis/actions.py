@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from paminsa_viz.explorer.core import tasks
 from paminsa_viz.explorer.core.actions import load_design, move, stop_following, with_document
-from paminsa_viz.explorer.state.outcome import Outcome
+from paminsa_viz.explorer.core.place import Place
+from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.synthesis import (
     BestSoFar,
     PriceJob,
     Range,
+    SearchOutcome,
     SearchResult,
     Shown,
     SynthesisJob,
 )
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.progress import Progress
+
+if TYPE_CHECKING:
+    from paminsa_viz.synthesis.answer.prices import RequirementPrice
 
 
 def set_range(state: State, path: str, ends: Range) -> State:
@@ -31,8 +37,8 @@ def set_range(state: State, path: str, ends: Range) -> State:
     return state.updated("synthesizing.settings", ranges=(*kept, (path, ends)))
 
 
-def start(state: State) -> State:
-    """Start a search.
+def search_job(state: State) -> SynthesisJob:
+    """Return the search of a state.
 
     Raises:
         InvalidInput: If something is missing, such as a workspace.
@@ -47,22 +53,53 @@ def start(state: State) -> State:
     case = case_of(settings, document.design, document.requirements)
     if settings.against == settings.objective:
         raise InvalidInput("objective", "two different ones are needed for a Pareto front")
-    job = SynthesisJob(case, settings.effort, document.design, settings.against)
-    return tasks.start(state, "synthesizing", job).updated("synthesizing", best=BestSoFar())
+    return SynthesisJob(case, settings.effort, document.design, settings.against)
+
+
+def receive(state: State, outcome: SearchOutcome) -> State:
+    """Take over a result; of a front, its first point is shown."""
+    return state.updated("synthesizing", outcome=outcome, best=None, point=0)
+
+
+def _again(state: State, outcome: SearchOutcome) -> SynthesisJob:
+    """Return the search anew; a robot that it found and is worked on by now is no other one."""
+    found, job, document = state.synthesizing.answer, outcome.job, state.document
+    requirements = document.requirements
+    if found is not None and document.design == found.design:
+        if requirements.workspace == found.workspace:
+            requirements = replace(requirements, workspace=job.case.requirements.workspace)
+        changed = replace(document, design=job.reference, requirements=requirements)
+        state = replace(state, document=changed)
+    return search_job(state)
+
+
+def _search(job: SynthesisJob, progress: Progress) -> SearchResult:
+    from paminsa_viz.explorer.features.synthesis.solving import search  # loads the search
+
+    return search(job, progress)
+
+
+SEARCH = Task(
+    Place(lambda state: state.synthesizing), search_job, _search, receive=receive, again=_again
+)
+"""Searches for a robot that meets the requirements."""
+
+
+def start(state: State) -> State:
+    """Start a search.
+
+    Raises:
+        InvalidInput: If something is missing, such as a workspace.
+    """
+    return SEARCH.start(state).updated("synthesizing", best=BestSoFar())
 
 
 def stop(state: State) -> State:
     """End the search with the best robot so far; at once if there is none, or if asked again."""
     best = state.synthesizing.best
     if state.synthesizing.stopping or best is None or not best.feasible:
-        return tasks.stop(state, "synthesizing")
+        return SEARCH.stop(state)
     return state.updated("synthesizing", stopping=True)
-
-
-def receive(state: State, outcome: Outcome[SynthesisJob, SearchResult]) -> State:
-    """Take over a result; of a front, its first point is shown."""
-    received = tasks.receive(state, "synthesizing", outcome)
-    return state if received is state else received.updated("synthesizing", best=None, point=0)
 
 
 def choose_point(state: State, index: int) -> State:
@@ -72,17 +109,21 @@ def choose_point(state: State, index: int) -> State:
     return state.updated("synthesizing", point=index) if 0 <= index < count else state
 
 
-def start_prices(state: State) -> State:
-    """Work out what the requirements of the answer that is shown cost.
-
-    Raises:
-        InvalidInput: If there is none.
-    """
+def _price_job(state: State) -> PriceJob:
     answer = state.synthesizing.answer
     if answer is None or not answer.feasible:
         raise InvalidInput("synthesis", "no robot has been found yet")
-    job = PriceJob(answer, state.synthesizing.settings.effort)
-    return tasks.start(state, "synthesizing.prices", job)
+    return PriceJob(answer, state.synthesizing.settings.effort)
+
+
+def _find_prices(job: PriceJob, progress: Progress) -> tuple[RequirementPrice, ...]:
+    from paminsa_viz.explorer.features.synthesis.solving import find_prices  # loads the search
+
+    return find_prices(job, progress)
+
+
+PRICES = Task(Place(lambda state: state.synthesizing.prices), _price_job, _find_prices)
+"""Works out what the requirements of the answer that is shown cost."""
 
 
 def open_result(state: State) -> State:

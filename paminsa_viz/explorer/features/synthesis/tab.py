@@ -16,12 +16,10 @@ from paminsa_viz.explorer.features.synthesis.charts import (
     front_figure,
     shown_front,
 )
-from paminsa_viz.explorer.features.synthesis.solving import find_prices, search
 from paminsa_viz.explorer.kit.chart import chart, chart_clicks
-from paminsa_viz.explorer.kit.entries import BackgroundJob, Button, Folder, Html
+from paminsa_viz.explorer.kit.entries import Button, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Pair, Slider
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
-from paminsa_viz.explorer.kit.task import task_entries
 from paminsa_viz.explorer.state.settings import MILLIMETERS, PLAIN
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.synthesis import REGIMES, Range, SynthesisSettings
@@ -78,8 +76,7 @@ RANGES = (
     _setting("tube_masses"),
 )  # fmt: skip
 
-_START, _PROGRESS, _STOP = task_entries(
-    "synthesizing",
+_START, _PROGRESS, _STOP = actions.SEARCH.buttons(
     Button(
         "synthesize", "Search", icon=Icon.SEARCH, effect=actions.start, undo=False,
         hint="Searches lengths that meet all requirements with the best objective",
@@ -130,16 +127,15 @@ SYNTHESIZE = (
         effect=actions.open_result,
         hint="The design that the search began with becomes the reference; undo goes back",
     ),
-    *task_entries(
-        "synthesizing.prices",
+    *actions.PRICES.buttons(
         Button(
             "synthesize.prices", "What requirements cost", color="gray", undo=False,
-            effect=actions.start_prices, visible=text.has_robot,
+            effect=actions.PRICES.start, visible=text.has_robot,
             hint="Searches again near the answer with each active requirement relaxed and "
             "tightened",
         ),
     ),
     Html("synthesize.price_list", content=text.prices_html),
-    BackgroundJob("synthesizing", find=search, receive=actions.receive),
-    BackgroundJob("synthesizing.prices", find=find_prices),
+    actions.SEARCH.worker,
+    actions.PRICES.worker,
 )  # fmt: skip

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.features.synthesis.actions import PRICES, SEARCH
 from paminsa_viz.explorer.features.synthesis.cases import case_of
 from paminsa_viz.explorer.kit.design_numbers import is_changed
 from paminsa_viz.explorer.kit.robot_texts import workspace_text
@@ -91,6 +92,7 @@ def result_html(frame: Frame) -> str:
         drawn=() if result.buildability is None else buildability_rows(*result.buildability),
         overlap="" if result.case.clear else OVERLAP_ALLOWED,
         lengths=changed_lengths(outcome.job.reference, result.design),
+        stale=SEARCH.stale_text(frame.state),
     )  # fmt: skip
 
 
@@ -145,7 +147,10 @@ def prices_html(frame: Frame) -> str:
         for one in outcome.result
     ]  # fmt: skip
     steps = f"{100 * STEP:g} %"
-    return render("synthesis/prices.j2", rows=rows, step=steps, objective=objective.label)
+    return render(
+        "synthesis/prices.j2", rows=rows, step=steps, objective=objective.label,
+        stale=PRICES.stale_text(frame.state),
+    )  # fmt: skip
 
 
 def nearest(result: SynthesisResult) -> list[str]:

@@ -11,7 +11,12 @@ from paminsa_viz.balancing.tolerance import (
     length_tolerance,
     mass_tolerance,
 )
+from paminsa_viz.explorer.core.actions import plane_job
+from paminsa_viz.explorer.core.place import Place
+from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.state.plane import PlaneJob
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.explorer.state.tolerances import ToleranceSettings
 from paminsa_viz.model import Design
 
 CELLS = 21
@@ -29,4 +34,13 @@ def of_masses(design: Design, pose: tuple[float, ...], mass: float) -> MassToler
 
 def draw_robots(job: PlaneJob, _: object) -> LengthTolerance:
     """Draw robots within the tolerance of lengths, the settings of the job."""
-    return length_tolerance(job.design, job.settings, job.poses(CELLS), samples=ROBOTS)
+    return length_tolerance(job.design, job.settings.length, job.poses(CELLS), samples=ROBOTS)
+
+
+def _job(state: State) -> PlaneJob:
+    settings = ToleranceSettings(length=state.tolerating.settings.length)
+    return plane_job(PlaneJob, state, settings)
+
+
+DRAW = Task(Place(lambda state: state.tolerating), _job, draw_robots)
+"""Draws robots of the current design."""

@@ -2,31 +2,16 @@
 
 from __future__ import annotations
 
-from paminsa_viz.explorer.core import tasks
-from paminsa_viz.explorer.core.actions import plane_job
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.features.tolerances.actions import draw_robots, of_masses
-from paminsa_viz.explorer.kit.entries import BackgroundJob, Button, Entry, Html
+from paminsa_viz.explorer.features.tolerances.actions import DRAW, of_masses
+from paminsa_viz.explorer.kit.entries import Button, Entry, Html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
-from paminsa_viz.explorer.kit.task import is_running
-from paminsa_viz.explorer.kit.text import render, status
-from paminsa_viz.explorer.state.plane import PlaneJob
-from paminsa_viz.explorer.state.state import State
+from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.tolerances import ToleranceSettings
 from paminsa_viz.model import PARAMETER
 
 LEADING = 3
 """Masses that are named, by their share in the variance."""
-
-
-def wanted(state: State) -> PlaneJob:
-    """Return the sample of the current state."""
-    return plane_job(PlaneJob, state, state.tolerating.settings.length)
-
-
-def start(state: State) -> State:
-    """Draw robots of the current state."""
-    return tasks.start(state, "tolerating", wanted(state))
 
 
 def masses_html(frame: Frame) -> str:
@@ -52,30 +37,25 @@ def _symbol(path: str) -> str:
 
 def lengths_html(frame: Frame) -> str:
     """Return the spread of the peak torque from the tolerance of lengths."""
-    tolerating = frame.state.tolerating
-    outcome, found = tolerating.outcome, tolerating.result
-    if tolerating.running is not None:
-        return status("tolerance", "plain", "Computing …")
-    if outcome is None:
-        return ""
-    if found is None:
-        return status("tolerance", "bad", "No sample", outcome.problem)
+    state, found = frame.state, DRAW.result(frame.state)
+    if found is None or DRAW.runs(state):
+        return DRAW.text(state, "tolerance", "Computing …", "No sample") or ""
     return render(
         "tolerances/lengths.j2", found=found, robots=found.peaks.size,
-        lost=int((found.lost > 0).sum()), stale=outcome.job != wanted(frame.state),
+        lost=int((found.lost > 0).sum()), stale=DRAW.stale_text(state),
     )  # fmt: skip
 
 
 _setting = SettingInputs("tolerance", "tolerating.settings", ToleranceSettings)
 
 TOLERANCES: tuple[Entry, ...] = (
-    BackgroundJob("tolerating", find=draw_robots),
+    DRAW.worker,
     _setting("mass"),
     Html("tolerance.masses", content=masses_html, idle=True),
     _setting("length"),
     Button(
-        "tolerance.draw", "Draw robots", effect=start, undo=False,
-        disabled=is_running("tolerating"),
+        "tolerance.draw", "Draw robots", effect=DRAW.start, undo=False,
+        disabled=DRAW.runs,
         hint="200 robots within the tolerance of lengths, on the map at this θ and z",
     ),
     Html("tolerance.lengths", content=lengths_html, idle=True),

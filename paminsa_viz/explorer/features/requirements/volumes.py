@@ -1,0 +1,72 @@
+"""The volume where all requirements hold, coarse and fine: found whenever they have changed."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from paminsa_viz.explorer.core.causes import conflict_text, surface_parts
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.place import Place
+from paminsa_viz.explorer.core.saved_requirements import asked
+from paminsa_viz.explorer.kit.task import Follower
+from paminsa_viz.explorer.state.requirements import VolumeJob, VolumeOutcome, VolumeResult
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model import PaminsaError
+from paminsa_viz.progress import Canceled, Progress
+from paminsa_viz.synthesis.volume.check import check_requirements
+from paminsa_viz.synthesis.volume.grid import COARSE, FINE
+from paminsa_viz.synthesis.volume.solve import solve_volume
+
+VOLUME_SHARE = 0.6
+"""Part of a fine job that the volume takes; the check and the surface take the rest."""
+
+
+def find_volume(job: VolumeJob, progress: Progress) -> VolumeResult:
+    """Find the volume and what holds.
+
+    Raises:
+        PaminsaError: If the requirements cannot be checked, or the work was stopped.
+    """
+    try:
+        volume = solve_volume(
+            job.design, job.requirements, resolution=FINE if job.fine else COARSE,
+            progress=lambda done, /, **_: progress(VOLUME_SHARE * done),
+        )  # fmt: skip
+        check = check_requirements(
+            job.design, job.requirements, fine=job.fine, volume=volume,
+            progress=lambda done, /, **_: progress(VOLUME_SHARE + (1 - VOLUME_SHARE) * done),
+        )  # fmt: skip
+    except Canceled:
+        raise PaminsaError("canceled") from None
+    surface = surface_parts(volume) if job.fine else ()
+    workspace = None if volume.empty else job.requirements.workspace
+    conflict = "" if check.holds else conflict_text(volume, workspace)
+    return VolumeResult(volume, check, surface, conflict)
+
+
+def receive(state: State, outcome: VolumeOutcome) -> State:
+    """Take over a result, unless something else is required by now."""
+    if not outcome.job.serves(state.document) or not asked(state.document.requirements):
+        return state
+    name = "fine" if outcome.job.fine else "quick"
+    return state.updated("requiring", **{name: outcome})
+
+
+def wanted_volume(frame: Frame, *, fine: bool) -> VolumeJob | None:
+    """Return the job of what is shown; none while a search needs all cores, and shows others."""
+    document, searching = frame.state.document, frame.state.synthesizing.running is not None
+    if searching or not asked(document.requirements):
+        return None
+    return VolumeJob(document.design, document.requirements, fine)
+
+
+VOLUMES = (
+    Follower(
+        Place(lambda state: state.requiring.quick), partial(wanted_volume, fine=False),
+        find_volume, receive=receive,
+    ),
+    Follower(
+        Place(lambda state: state.requiring.fine), partial(wanted_volume, fine=True),
+        find_volume, receive=receive, idle=True,
+    ),
+)  # fmt: skip

@@ -1,0 +1,109 @@
+"""The tab of loads: tables, diagrams, the motion table, files, and poses without numbers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
+from paminsa_viz.elastostatics.sideways import sideways_forces
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.features.loads import charts as chart
+from paminsa_viz.explorer.features.loads import tab
+from paminsa_viz.explorer.features.loads.solving import ALONG_MOTION, find_loads, instant
+from paminsa_viz.explorer.state.motion import Kind
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.model import APPENDIX_4, InvalidInput
+from paminsa_viz.model.singularity import singular_rotation
+from paminsa_viz.units import number
+
+
+def known(shown: tuple[Any, ...] | None) -> tuple[Any, ...]:
+    assert shown is not None
+    return shown
+
+
+def along() -> State:
+    state = motions.choose_kind(initial_state().updated("loads", along=True), Kind.ARCH)
+    analysis = compute(state).analysis
+    assert analysis is not None
+    return ALONG_MOTION.deliver(state, solve(find_loads, analysis))
+
+
+def test_tables_are_those_of_the_pose_and_the_leg() -> None:
+    state = actions.move(initial_state(), x=0.05, theta=0.3).updated("loads", leg=2)
+    frame = compute(state)
+    forces = joint_forces(APPENDIX_4, state.document.pose)
+    text = tab.joints(frame)
+    assert number(float(forces.of("4")[2, 2]), 3) in text
+    assert number(float(forces.of("5")[2, 1]), 3) in text
+    sideways = sideways_forces(APPENDIX_4, state.document.pose).force
+    assert f"<td>{number(float(sideways[2, JOINT_INDEX['9']]), 3)}</td>" in text
+    assert text.count("<td>–</td>") == 0
+    assert number(float(forces.axial), 3) in text
+    assert "statically indeterminate" in tab.intro(frame)
+    assert tab.bars(frame).count("<tr") == 8
+    data = chart.section_figure(*known(chart.shown_section(state)))["data"]
+    assert [trace["yaxis"] for trace in data] == ["y", "y2", "y3"]
+    assert data[0]["x"][-1] > 100
+
+
+def test_poses_without_numbers_say_why() -> None:
+    theta = singular_rotation(APPENDIX_4.geometry)
+    for changed in (
+        actions.move(initial_state(), x=0.9),
+        actions.move(initial_state(), theta=theta),
+    ):
+        frame = compute(changed)
+        assert "No joint forces" in tab.intro(frame)
+        assert not tab.joints(frame) + tab.bars(frame)
+        assert chart.shown_section(changed) is None
+        with pytest.raises(InvalidInput, match="pose"):
+            tab.file(changed, "Joints")
+
+
+def test_a_motion_that_is_followed_shows_its_instant() -> None:
+    state = motions.scrub(motions.choose_kind(initial_state(), Kind.ARCH), 0.3)
+    at = instant(state)
+    assert at.time == pytest.approx(0.3)
+    assert np.abs(at.velocity).max() > 0.01
+    assert "0.30 s" in tab.intro(compute(state))
+    assert tab.joints(compute(state)).count("<td>–</td>") == 9
+    moved = actions.move(state, x=0.02)
+    assert instant(moved).time is None
+
+
+def test_the_motion_table_is_of_the_current_motion() -> None:
+    state = along()
+    frame = compute(state)
+    loads = state.loads.outcome.result  # type: ignore[union-attr]
+    assert loads is not None
+    text = tab.motion(frame)
+    assert number(float(loads.peak[0, 8]), 3) in text
+    assert number(float(loads.equivalent[0, 8]), 3) in text
+    figure = chart.curves_figure(*known(chart.shown_curves(state)))
+    assert len(figure["data"]) == 3
+    assert figure["layout"]["yaxis"]["title"]["text"] == "F at joint 2 [N]"
+    heavier = actions.vary(state, {"payload.mass": 2.0})
+    assert "Computing" in tab.motion(compute(heavier))
+    assert chart.shown_curves(heavier) is None
+    assert not tab.motion(compute(state.updated("loads", along=False)))
+
+
+def test_files_hold_what_is_shown() -> None:
+    state = along()
+    assert set(tab.files(initial_state())) == {"Joints", "Bar"}
+    names = list(tab.files(state))
+    assert names == ["Joints", "Bar", "Bearings", "Samples"]
+    files = [tab.file(state, name) for name in names]
+    assert len({file.name for file in files}) == 4
+    for file, word in zip(files, ("vertical_N", "leg2_M_Nm", "equivalent_N", "t_s"), strict=True):
+        assert file.name.endswith(".csv")
+        assert word in file.content.decode()
+    with pytest.raises(InvalidInput, match="motion"):
+        tab.file(initial_state(), "Bearings")

@@ -1,0 +1,110 @@
+"""A simulation in the scene: the robot moves as simulated, a ghost as it should."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+import trimesh
+import viser
+
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.simulated import wanted_pose
+from paminsa_viz.explorer.features.motion import simulation as simulations
+from paminsa_viz.explorer.scene.bodies import node_name
+from paminsa_viz.explorer.scene.context import SceneContext
+from paminsa_viz.explorer.scene.ghost import OPACITY, WantedPose, translucent
+from paminsa_viz.explorer.state.simulation import SimulationSettings
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.meshes.bodies import body_glb
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.trajectory import Simulation
+from tests.support.raw_page import RawPage
+from tests.support.tasks import finished
+
+
+@pytest.fixture(scope="module")
+def simulated() -> State:
+    """The preset motion, simulated with the settings of the start."""
+    state = simulations.simulate(initial_state())
+    assert state.simulating.running is not None
+    return finished(simulations.SIMULATION, state)
+
+
+def simulation(state: State) -> Simulation:
+    found = state.simulating.result
+    assert found is not None
+    return found
+
+
+def test_start_has_something_to_see(simulated: State) -> None:
+    assert SimulationSettings().payload_mismatch > 0
+    assert simulation(simulated).distance.max() > 0.02
+    assert simulation(simulated).stopped is None
+    assert simulated.playback.playing
+    assert simulated.playback.time == 0.0
+
+
+def test_robot_is_where_it_was_simulated_and_the_ghost_where_it_should_be(simulated: State) -> None:
+    found = simulation(simulated)
+    for index in (0, found.t.size // 2, found.t.size - 1):
+        state = motions.scrub(simulated, float(found.t[index]))
+        np.testing.assert_allclose(state.last_reachable.pose, found.pose[index], atol=1e-9)
+        wanted = wanted_pose(state)
+        assert wanted is not None
+        np.testing.assert_allclose(wanted, found.wanted.pose[index], atol=1e-9)
+    away = np.linalg.norm(np.subtract(state.last_reachable.pose, wanted)[[0, 1, 3]])
+    assert away == pytest.approx(found.distance[-1], rel=1e-9)
+
+
+def test_motion_is_shown_where_the_simulation_is_not(simulated: State) -> None:
+    state = motions.scrub(simulated, 0.6)
+    planned = motions.planned(state).trajectory
+    assert planned is not None
+    for other in (
+        simulations.show_simulation(state, False),
+        actions.vary(state, {"links.b4": 0.9}),
+        motions.scrub(motions.choose_preset(state, "circle"), 0.6),
+    ):
+        trajectory = motions.planned(other).trajectory
+        assert trajectory is not None
+        assert wanted_pose(other) is None
+        np.testing.assert_allclose(other.last_reachable.pose, trajectory.at(0.6).pose, atol=1e-12)
+    assert wanted_pose(actions.move(state, x=0.0)) is None
+
+
+def test_ghost_is_drawn_at_the_wanted_pose(server: viser.ViserServer, simulated: State) -> None:
+    page = RawPage(server)
+    scene = page.client.scene
+    view = WantedPose(SceneContext(scene))
+    view.draw(compute(initial_state()), False)
+    nodes = scene._handle_from_node_name
+    assert "/wanted" not in nodes
+    state = motions.scrub(simulated, 0.7)
+    view.draw(compute(state), False)
+    wanted = wanted_pose(state)
+    assert wanted is not None
+    platform = nodes[node_name("platform", "/wanted")]
+    np.testing.assert_allclose(platform.position, np.array(wanted)[[0, 1, 3]], atol=1e-6)
+    assert nodes["/wanted"].visible
+    assert "/wanted/m1" not in nodes
+    for hidden in (actions.set_layers(state, wanted_pose=False), actions.go_home(state)):
+        view.draw(compute(hidden), False)
+        assert not nodes["/wanted"].visible
+    page.socket.close()
+
+
+@pytest.mark.parametrize("fine", [False, True])
+def test_translucent_body_has_the_same_shape(fine: bool) -> None:
+    solid = body_glb("leg1/b4", APPENDIX_4.geometry, fine=fine)
+    clear = translucent(solid)
+    shapes = [trimesh.load(io.BytesIO(glb), file_type="glb").dump() for glb in (solid, clear)]
+    for before, after in zip(*shapes, strict=True):
+        np.testing.assert_array_equal(before.vertices, after.vertices)
+        np.testing.assert_array_equal(before.faces, after.faces)
+    count = clear.count(b'"alphaMode":"BLEND"')
+    assert count == clear.count(b'"baseColorFactor"') > 0
+    assert clear.count(f",{OPACITY}]".encode()) == count

@@ -1,0 +1,131 @@
+"""The sliders of the pose: their ranges, and how they show poses beyond them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import viser
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.dimensions.layout import layout
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import Frame, compute
+from paminsa_viz.explorer.core.place import Place
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.pose.tab import GRAIN, POSE, heights, holding, pose_limits
+from paminsa_viz.explorer.kit.bindings import Panel
+from paminsa_viz.explorer.kit.task import Follower
+from paminsa_viz.explorer.state.state import initial_state
+from paminsa_viz.model import APPENDIX_4, KneeBranch, check_reach
+from paminsa_viz.model.reach import home_pose
+from tests.support.desk import Desk
+from tests.support.raw_page import RawPage
+from tests.support.samples import random_design, with_knee
+
+PANEL = POSE
+HOME = -552.0
+ENDS = (-830.0, -230.0)
+
+
+@given(seed=st.integers(0, 10**6), knee=st.sampled_from(KneeBranch))
+def test_heights_are_clear_of_the_frame_or_next_to_home(seed: int, knee: KneeBranch) -> None:
+    geometry = with_knee(random_design(np.random.default_rng(seed)).geometry, knee)
+    low, high = heights(geometry)
+    place, home = layout(geometry), 1e3 * home_pose(geometry)[3]
+    clear = 1e3 * place.platform_low, 1e3 * place.platform_high
+    assert low <= home <= high
+    assert high - low >= GRAIN
+    assert low > min(clear[0], home) - 2 * GRAIN
+    assert high < max(clear[1], home) + 2 * GRAIN
+    if clear[0] + 2 * GRAIN < home < clear[1] - 2 * GRAIN:
+        assert clear[0] <= low < high <= clear[1]
+
+
+@pytest.mark.parametrize("knee", KneeBranch)
+def test_ends_of_the_sliders_are_within_reach_at_the_center(knee: KneeBranch) -> None:
+    geometry = with_knee(APPENDIX_4.geometry, knee)
+    _, _, turns, lifts = pose_limits(geometry)
+    poses = [(0.0, 0.0, np.radians(theta), 1e-3 * z) for theta in turns for z in lifts]
+    assert check_reach(geometry, poses).ok.all()
+
+
+@given(value=st.floats(-1e9, 1e9, allow_subnormal=False))
+def test_range_grows_to_the_value_and_no_further(value: float) -> None:
+    low, high = holding(ENDS, value)
+    assert low <= value <= high
+    assert low == ENDS[0] or value - GRAIN <= low < ENDS[0]
+    assert high == ENDS[1] or ENDS[1] < high <= value + GRAIN
+    assert holding((low, high), value) == (low, high)
+
+
+def shown(desk: Desk, name: str = "z") -> tuple[float, float, float]:
+    """Return value and ends of a slider, in mm."""
+    slider = desk.handle(f"pose.{name}")
+    return slider.value, slider.min, slider.max
+
+
+def test_height_beyond_the_slider_can_be_typed(desk: Desk) -> None:
+    desk.until(lambda: shown(desk) == (HOME, *ENDS))
+    desk.set("pose.z", -904.5)
+    desk.until(lambda: desk.state.last_reachable.pose[3] == pytest.approx(-0.9045))
+    desk.until(lambda: shown(desk)[1:] == (-910.0, ENDS[1]))
+    desk.set("pose.z", -600.0)  # still dragged: the range stays as it is
+    desk.until(lambda: desk.state.last_reachable.pose[3] == pytest.approx(-0.6))
+    assert shown(desk)[1:] == (-910.0, ENDS[1])
+    desk.dispatch(actions.go_home)
+    desk.until(lambda: shown(desk) == (HOME, *ENDS))
+
+
+def test_poses_from_elsewhere_are_shown(desk: Desk) -> None:
+    far = replace(desk.state.document, pose=(2.0, -3.0, 4.0, 5.0))
+    desk.dispatch(lambda s: actions.restore(s, far))
+    desk.until(lambda: shown(desk)[0] == 5000.0 <= shown(desk)[2])  # the ends come after it
+    for name in ("x", "y", "theta", "z"):
+        value, low, high = shown(desk, name)
+        assert low <= value <= high
+    desk.session.undo()
+    desk.until(lambda: shown(desk) == (HOME, *ENDS))
+    assert shown(desk, "x") == (0.0, -550.0, 550.0)
+
+
+def test_range_follows_knee_and_lengths(desk: Desk) -> None:
+    desk.set("pose.knee", "upper knee (mirrored)")
+    mirrored = heights(with_knee(APPENDIX_4.geometry, KneeBranch.UPPER))
+    desk.until(lambda: shown(desk)[1:] == mirrored)
+    assert mirrored[0] <= shown(desk)[0] <= mirrored[1]
+    desk.dispatch(lambda s: actions.vary(s, {"geometry.crank_length": 0.5}))
+    longer = heights(desk.design.geometry)
+    assert longer != mirrored
+    desk.until(lambda: shown(desk)[1:] == longer)
+
+
+def test_pose_that_other_lengths_put_out_of_range_is_kept(desk: Desk) -> None:
+    desk.dispatch(lambda s: actions.move(s, z=-0.82))
+    desk.dispatch(lambda s: actions.vary(s, {"geometry.shaft_length": 0.4}))
+    low, high = heights(desk.design.geometry)
+    assert low > -820.0
+    desk.until(lambda: shown(desk) == (-820.0, -820.0, high))
+
+
+def test_in_a_closed_tab_only_jobs_follow_a_drag(server: viser.ViserServer) -> None:
+    """What is shown there waits until the page is idle, or the tab is opened."""
+    session = Session(RawPage(server).client, initial_state())
+    asked: list[Frame] = []
+    job = Follower(Place(lambda state: state.engine_answer), asked.append, lambda job, _: job)
+    panel = Panel(session, (*POSE, job.worker), "Pose")
+    x = panel.handles["pose.x"]
+
+    def shown(place: float, *, dragging: bool) -> float:
+        panel.draw(compute(actions.move(session.state, x=1e-3 * place)), dragging)
+        return x.value
+
+    assert shown(1.0, dragging=True) == 1.0  # the page has not said what is open
+    session.open_tabs = frozenset({"Design"})
+    assert shown(2.0, dragging=True) == 1.0
+    assert shown(3.0, dragging=False) == 3.0
+    session.open_tabs = frozenset({"Pose", "Torque maps"})
+    assert shown(4.0, dragging=True) == 4.0
+    assert len(asked) == 4

@@ -1,0 +1,170 @@
+"""The tab Requirements: marks and margins that follow the design, the volume, and what is empty."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.explorer.core import actions as designs
+from paminsa_viz.explorer.core.causes import surface_parts
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.maps import MapStore
+from paminsa_viz.explorer.core.requirements import current_check, is_quick, placed_workspace
+from paminsa_viz.explorer.features.requirements import actions
+from paminsa_viz.explorer.features.requirements import texts as text
+from paminsa_viz.explorer.features.requirements.tab import REQUIREMENTS, go_to_worst
+from paminsa_viz.explorer.features.requirements.volumes import find_volume, receive
+from paminsa_viz.explorer.state.outcome import Outcome, solve
+from paminsa_viz.explorer.state.requirements import VolumeJob
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.strip import strip_html
+from paminsa_viz.quantities.requirements import Requirement
+from tests.support.desk import Desk
+
+PANEL = REQUIREMENTS
+
+
+@pytest.fixture
+def asked() -> State:
+    """The suggested requirements of Appendix 4."""
+    return actions.suggest(initial_state())
+
+
+def solved(state: State, *, fine: bool = False) -> State:
+    document = state.document
+    job = VolumeJob(document.design, document.requirements, fine)
+    return receive(state, solve(find_volume, job))
+
+
+def test_marks_follow_the_design(asked: State) -> None:
+    assert "✗" not in text.list_html(compute(asked))
+    smaller = designs.vary(asked, {"geometry.base_radius": 0.22})
+    shown = text.list_html(compute(smaller))
+    check = current_check(smaller)
+    assert check is not None
+    assert shown.count("✗") == sum(not item.holds for item in check.items) > 0
+    assert strip_html(compute(smaller)).count("✗") == shown.count("✗")
+    assert 'title="Over the required workspace and all headings' in strip_html(compute(smaller))
+    assert "requirements-strip" not in strip_html(compute(initial_state()))
+
+
+def test_ends_in_the_wrong_order_are_refused_as_they_were_typed(desk: Desk, asked: State) -> None:
+    before = asked.document.requirements.theta
+    desk.dispatch(lambda state: replace(state, document=asked.document))
+    desk.set("requirements.headings", [40.0, 30.0])
+    desk.noticed("θ [°]: the least and then the largest is needed, not 40 and 30")
+    assert desk.state.document.requirements.theta == before
+
+
+def test_a_worst_value_leads_to_its_pose(asked: State) -> None:
+    check = current_check(asked)
+    assert check is not None
+    for place, item in (("0", check.items[2]), ("reach", check.items[0])):
+        there = go_to_worst(asked, place)
+        assert item.pose is not None
+        assert there.last_reachable.pose == pytest.approx(item.pose)
+    assert go_to_worst(asked, "99") is asked
+    assert go_to_worst(initial_state(), "0") == initial_state()
+
+
+def test_a_volume_says_what_it_is_of_and_which_requirement_takes_how_much(asked: State) -> None:
+    state = solved(asked)
+    shown = text.volume_html(compute(state))
+    volume = state.requiring.quick.result.volume  # type: ignore[union-attr]
+    assert volume is not None
+    assert f"{1e3 * volume.volume:.4g}" in shown
+    assert "(coarse)" in shown
+    for bound in state.document.requirements.bounds:
+        assert bound.entry.symbol in shown
+    other = designs.vary(state, {"geometry.base_radius": 0.36})
+    assert "Computing" in text.volume_html(compute(other))
+    assert receive(other, state.requiring.quick) is other  # type: ignore[arg-type]
+
+
+def test_an_empty_volume_names_what_empties_it(asked: State) -> None:
+    bounds = asked.document.requirements.bounds
+    one = solved(actions.change(asked, bounds=(*bounds, Requirement("condition", high=1.01))))
+    assert "κ ≤ 1.01 holds nowhere" in text.volume_html(compute(one))
+    # Each of the two holds somewhere, and a third one everywhere.
+    torque, least = Requirement("max_torque", high=1.0), Requirement("max_torque", low=2.0)
+    pair = solved(actions.change(asked, bounds=(bounds[0], torque, least)))
+    shown = text.volume_html(compute(pair))
+    assert "hold nowhere together. Nearest bound" in shown
+
+
+def test_a_free_workspace_is_placed_by_the_volume(asked: State) -> None:
+    workspace = asked.document.requirements.workspace
+    assert workspace is not None
+    assert is_quick(asked.document.requirements)
+    free = actions.set_workspace(asked, center=(0.0, 0.0, None))
+    assert not is_quick(free.document.requirements)
+    assert placed_workspace(free) is None
+    placed = placed_workspace(solved(free))
+    assert placed is not None
+    assert placed[1] == workspace.size
+    assert placed[2][:2] == (0.0, 0.0)
+    assert -1.0 < placed[2][2] < 0.0
+
+
+def test_maps_are_hatched_where_a_requirement_breaks_at_their_heading_and_height(
+    asked: State,
+) -> None:
+    state = designs.move(
+        actions.change(asked, bounds=(Requirement("condition", high=4.0),)), theta=0.2
+    )
+    data = MapStore().data(state, 41, ("condition",))
+    assert data.outside is not None
+    reached = data.status == 0
+    assert ((data.outside.code > 0) == (reached & ~(data.values[0] <= 4.0))).all()
+    assert {text for text, _ in data.outside.present()} == {"singularity", "κ ≤ 4"}
+    beyond = designs.move(state, theta=1.0)  # a heading that is not required
+    outside = MapStore().data(beyond, 41).outside
+    assert outside is not None
+    assert not outside.code.any()
+    assert MapStore().data(state.updated("map_view", hatched=False), 41).outside is None
+    assert MapStore().data(initial_state(), 41).outside is None
+
+
+def test_the_surface_is_closed_and_in_the_colors_of_its_causes(asked: State) -> None:
+    volume = solved(asked).requiring.quick.result.volume  # type: ignore[union-attr]
+    assert volume is not None
+    parts = surface_parts(volume)
+    content = 0.0
+    for part in parts:
+        a, b, c = (part.vertices[part.faces[:, i]] for i in range(3))
+        content += float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
+    assert abs(content) == pytest.approx(volume.volume, rel=1e-3)
+    assert len({part.color for part in parts}) == len(parts) > 1
+
+
+def test_requirements_are_added_and_changed_on_the_page(desk: Desk) -> None:
+    desk.set("requirements.buttons", "Suggested set")
+    desk.until(lambda: len(desk.state.document.requirements.bounds) == 4)
+    desk.until(lambda: desk.state.requiring.quick is not None)
+    desk.set("requirements.value", 1.01)
+    desk.until(lambda: desk.state.document.requirements.bounds[0].high == 1.01)
+    desk.until(lambda: "✗" in desk.handle("requirements.list").content)
+    desk.until(lambda: "empty" in desk.handle("requirements.volume_text").content)
+    desk.set("requirements.quantity", "determinant")
+    desk.until(lambda: desk.state.document.requirements.bounds[0].quantity == "determinant")
+    desk.set("requirements.buttons", "Remove")
+    desk.until(lambda: len(desk.state.document.requirements.bounds) == 3)
+    assert not desk.notices
+
+
+def test_a_largest_workspace_is_stale_once_what_it_is_of_has_changed() -> None:
+    state = actions.suggest(initial_state())
+    job = actions.largest_job(state)
+    placed = replace(job.workspace, center=(0.0, 0.0, -0.5))
+    found: Any = SimpleNamespace(workspace=placed)
+    kept = state.updated("requiring.largest", outcome=Outcome(job, found))
+    assert actions.LARGEST.changes(kept) == ()
+    assert actions.LARGEST.changes(actions.use_largest(kept)) == ()
+    other = actions.set_workspace(kept, size=(0.3, 0.3, 0.9))
+    assert actions.LARGEST.changes(other) == ("size",)
+    assert actions.LARGEST.changes(kept.updated("requiring.largest", seconds=60.0)) == ("seconds",)
+    assert actions.LARGEST.changes(actions.clear(kept)) == ("requirements",)

@@ -1,0 +1,257 @@
+"""The tab Synthesize: what is asked, what is missing, a search that is adopted, what is shown."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.explorer.core import actions as designs
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.requirements import current_check
+from paminsa_viz.explorer.features.requirements import actions as requirements
+from paminsa_viz.explorer.features.synthesis import actions, cases, solving
+from paminsa_viz.explorer.features.synthesis import texts as text
+from paminsa_viz.explorer.features.synthesis.charts import clicked_point, front_figure, shown_front
+from paminsa_viz.explorer.features.synthesis.solving import search
+from paminsa_viz.explorer.features.synthesis.tab import SYNTHESIZE
+from paminsa_viz.explorer.state.outcome import Outcome, solve
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.state.synthesis import BestSoFar, EffortChoice, SearchResult, Shown
+from paminsa_viz.model import APPENDIX_4, InvalidInput
+from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
+from paminsa_viz.synthesis.answer.prices import RequirementPrice
+from paminsa_viz.synthesis.search.case import Effort, Regime
+from paminsa_viz.synthesis.search.front import DesignFront, FrontPoint
+from paminsa_viz.synthesis.search.result import SynthesisResult
+from tests.support.desk import Desk
+from tests.support.tasks import delivered
+
+PANEL = SYNTHESIZE
+
+EASY = (Requirement("condition", high=10.0),)
+
+
+@pytest.fixture
+def asked() -> State:
+    """A small cylinder about home with a bound on the condition number."""
+    state = requirements.choose_shape(initial_state(), WorkspaceShape.CYLINDER)
+    state = requirements.change(state, bounds=EASY, theta=(-0.3, 0.3))
+    return requirements.set_workspace(state, size=(0.1, 0.1, 0.1))
+
+
+def test_what_is_missing_is_said_before_the_search() -> None:
+    bare = initial_state()
+    assert "required workspace is needed" in text.intro_html(compute(bare))
+    with pytest.raises(InvalidInput, match="workspace"):
+        actions.start(bare)
+
+
+def test_ranges_are_about_the_design_and_equal_ends_hold_a_length(asked: State) -> None:
+    path = "geometry.base_radius"
+    held = actions.set_range(asked, path, (0.3, 0.3))
+    document, settings = held.document, held.synthesizing.settings
+    case = cases.case_of(settings, document.design, document.requirements)
+    assert path not in case.paths
+    assert case.reference.geometry.base_radius == 0.3
+    other = cases.case_of(asked.synthesizing.settings, document.design, document.requirements)
+    low, high = other.bounds[other.paths.index(path)]
+    assert low < APPENDIX_4.geometry.base_radius < high
+    with pytest.raises(InvalidInput):
+        actions.set_range(asked, path, (0.3, 0.2))
+
+
+def test_a_required_margin_of_reach_is_that_of_the_guides_too(asked: State) -> None:
+    state = requirements.change(asked, bounds=(Requirement("reach_margin", low=0.02),))
+    document = state.document
+    case = cases.case_of(state.synthesizing.settings, document.design, document.requirements)
+    assert case.margin == 0.02
+
+
+@pytest.mark.slow
+def test_a_short_search_is_adopted_with_the_design_before_as_reference(
+    asked: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(cases.EFFORTS, EffortChoice.QUICK, Effort(10, 6))
+    started = actions.start(asked)
+    job = started.synthesizing.running
+    assert job is not None
+    seen: list[BestSoFar] = []
+    done: list[float] = []
+
+    def report(part: float, /, **known: Any) -> bool:
+        done.append(part)
+        seen.extend(known.values())
+        return False
+
+    outcome = solve(search, job, report)
+    assert outcome.problem == ""
+    assert done == sorted(done)
+    assert seen
+    state = delivered(actions.SEARCH, told(started, seen[-1]), outcome)
+    found = outcome.result.answer  # type: ignore[union-attr]
+    assert found.feasible
+    shown = text.result_html(compute(state))
+    assert "footprint" in shown
+    assert "robots built within tolerances" in shown
+    opened = actions.open_result(state)
+    assert opened.document.design == found.design
+    assert opened.document.reference == APPENDIX_4
+    assert opened.last_reachable.geometry == found.design.geometry
+    check = current_check(opened)
+    assert check is not None
+    assert check.holds
+
+
+def told(state: State, best: BestSoFar) -> State:
+    """Return the state once its search has told of the best robot so far."""
+    return actions.SEARCH.report(state, state.synthesizing.ticket, 0.5, best=best)
+
+
+def answer(state: State, radius: float, objective: float) -> SynthesisResult:
+    """Return an answer of a made-up search."""
+    job = actions.start(state).synthesizing.running
+    assert job is not None
+    return SynthesisResult(
+        case=job.case, design=APPENDIX_4.vary({"geometry.base_radius": radius}),
+        workspace=replace(job.case.workspace, center=(0.0, 0.0, -0.55)), regime=Regime.SMALLER,
+        feasible=True, objective=objective, outcomes=(), states=(), refused={}, relaxed=(),
+        canceled=False, poses=1,
+    )  # fmt: skip
+
+
+def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
+    with pytest.raises(InvalidInput, match="different"):
+        actions.start(asked.updated("synthesizing.settings", against="footprint"))
+    started = actions.start(asked.updated("synthesizing.settings", against="moving_mass"))
+    job = started.synthesizing.running
+    assert job is not None
+    assert shown_front(started) is None
+    points = tuple(
+        FrontPoint((size, mass), answer(asked, radius, size))
+        for size, mass, radius in ((0.4, 20.0, 0.3), (0.5, 18.0, 0.33), (0.6, 17.0, 0.36))
+    )
+    front = DesignFront(("footprint", "moving_mass"), points, 0, 4, 0, canceled=False)
+    state = delivered(
+        actions.SEARCH, started, Outcome(job, SearchResult(points[0].result, front=front))
+    )
+    shown = shown_front(state)
+    assert shown is not None
+    figure = front_figure(*shown)
+    x, y = (figure["data"][0][axis] for axis in "xy")
+    assert np.allclose(x, [400.0, 500.0, 600.0])
+    assert clicked_point({"x": x[1], "y": y[1]}, state) == 1
+    assert clicked_point({"x": 1e9, "y": y[1]}, state) is None
+    assert clicked_point({"x": "no"}, state) is None
+    chosen = actions.choose_point(state, 1)
+    assert shown_front(chosen) != shown_front(state)
+    assert "moving mass 18 kg" in text.result_html(compute(chosen))
+    opened = actions.open_result(chosen)
+    assert opened.document.design == points[1].result.design
+    assert "Changed since" not in text.result_html(compute(opened))
+    assert actions.SEARCH.changes(designs.vary(opened, {"gravity": 9.0})) != ()
+    other = chosen.updated("synthesizing.settings", seed=5)
+    assert "Changed since: seed." in text.result_html(compute(other))
+    assert actions.choose_point(state, 99) is state
+
+
+def test_prices_are_of_the_answer_that_is_shown(asked: State) -> None:
+    started = actions.start(asked)
+    job = started.synthesizing.running
+    assert job is not None
+    state = delivered(actions.SEARCH, started, Outcome(job, SearchResult(answer(asked, 0.3, 0.4))))
+    pricing = actions.PRICES.start(state)
+    price_job = pricing.synthesizing.prices.running
+    assert price_job is not None
+    found = RequirementPrice("κ ≤ 10", "1", 10.0, 0.2, 0.42, 0.39, 0.075)
+    priced = delivered(actions.PRICES, pricing, Outcome(price_job, (found,)))
+    shown = text.prices_html(compute(priced))
+    assert "−10 mm" in shown  # relaxed
+    assert "20 mm" in shown  # tightened
+    again = priced.updated("synthesizing", running=job)
+    other = delivered(actions.SEARCH, again, Outcome(job, SearchResult(answer(asked, 0.31, 0.41))))
+    assert text.prices_html(compute(other)) == ""
+    with pytest.raises(InvalidInput):
+        actions.PRICES.start(asked)
+
+
+def test_a_search_without_an_answer_says_why_and_cannot_be_opened(asked: State) -> None:
+    # No robot with R_pl < R_b can turn by 90 degrees.
+    state = requirements.change(asked, theta=(-1.6, 1.6))
+    state = state.updated("synthesizing.settings", regimes="R_pl < R_b")
+    started = actions.start(state)
+    job = started.synthesizing.running
+    assert job is not None
+    received = delivered(actions.SEARCH, started, solve(search, job))
+    shown = text.result_html(compute(received))
+    assert "No robot meets all requirements" in shown
+    assert "is excluded" in shown
+    with pytest.raises(InvalidInput, match="no robot"):
+        actions.open_result(received)
+
+
+def test_the_best_so_far_takes_the_robots_place_only_while_it_is_asked_for(asked: State) -> None:
+    started = actions.start(asked.updated("synthesizing.settings", shown=Shown.ROBOT))
+    job = started.synthesizing.running
+    assert job is not None
+    assert actions.previewed(started) is started
+    design = APPENDIX_4.vary({"geometry.base_radius": 0.4})
+    best = BestSoFar(10, 0.4, True, design, (0.0, 0.0, -0.5))
+    searching = told(started, best)
+    shown = actions.previewed(searching)
+    assert shown.document.design == design
+    assert shown.last_reachable.pose == (0.0, 0.0, 0.0, -0.5)
+    assert searching.document == started.document
+    changed = designs.vary(searching, {"payload.mass": 1.0})
+    assert actions.previewed(changed) is changed
+    ghost = searching.updated("synthesizing.settings", shown=Shown.GHOST)
+    assert actions.previewed(ghost) is ghost
+    stopped = actions.SEARCH.stop(searching)
+    assert actions.previewed(stopped) is stopped
+    assert actions.SEARCH.report(stopped, stopped.synthesizing.ticket, 0.5, best=best) is stopped
+    assert np.isnan(replace(best, cost=np.nan).cost)
+
+
+def test_settings_are_set_on_the_page_and_a_search_can_be_stopped(desk: Desk, asked: State) -> None:
+    desk.dispatch(lambda state: replace(state, document=asked.document))
+    desk.set("synthesize.seed", 3)
+    desk.until(lambda: desk.state.synthesizing.settings.seed == 3)
+    desk.set("synthesize.geometry.base_radius", [200.0, 300.0])
+    desk.until(
+        lambda: ("geometry.base_radius", (0.2, 0.3)) in desk.state.synthesizing.settings.ranges
+    )
+    desk.set("synthesize", True)
+    desk.until(lambda: desk.state.synthesizing.running is not None)
+    desk.set("synthesize.stop", True)
+    desk.until(lambda: desk.state.synthesizing.running is None)
+    assert not desk.notices
+
+
+def test_a_stopped_search_gives_the_best_robot_so_far(
+    desk: Desk, asked: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(solving, "PERIOD", 0.0)
+    desk.dispatch(lambda state: replace(state, document=asked.document))
+    desk.set("synthesize", True)
+    desk.until(lambda: (best := desk.state.synthesizing.best) and best.feasible)
+    desk.set("synthesize.stop", True)
+    desk.until(lambda: desk.state.synthesizing.running is None)
+    answer = desk.state.synthesizing.answer
+    assert answer is not None
+    assert answer.canceled
+    assert np.isfinite(answer.objective)
+    assert ", stopped" in text.result_html(compute(desk.state))
+
+
+def test_a_search_without_a_robot_so_far_is_stopped_at_once(asked: State) -> None:
+    started = actions.start(asked)
+    assert actions.stop(started).synthesizing.running is None
+    found = started.updated("synthesizing", best=BestSoFar(feasible=True))
+    once = actions.stop(found)
+    assert once.synthesizing.running is found.synthesizing.running
+    assert "Stopping" in text.best_html(compute(once))
+    assert actions.stop(once).synthesizing.running is None
+    again = actions.start(actions.stop(once))
+    assert "Starting" in text.best_html(compute(again))

@@ -1,0 +1,297 @@
+"""Every input of every panel: what it shows, takes, refuses and undoes."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections import Counter
+from collections.abc import Callable, Coroutine, Iterator, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+import viser
+
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.maps import MapStore
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.features.export.tab import export_entries
+from paminsa_viz.explorer.features.maps.tab import single_entries, torque_entries
+from paminsa_viz.explorer.features.motion.plots import INPUTS as PLOT_INPUTS
+from paminsa_viz.explorer.kit import bindings
+from paminsa_viz.explorer.kit.bindings import Binding, same
+from paminsa_viz.explorer.kit.entries import Entry, Worker, given
+from paminsa_viz.explorer.kit.inputs import (
+    Checkbox,
+    Dropdown,
+    Input,
+    Number,
+    Pair,
+    Slider,
+    TextBox,
+    in_unit,
+)
+from paminsa_viz.explorer.state.motion import Kind
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.tabs import TABS
+from paminsa_viz.model import InvalidInput
+from tests.support.desk import SilentPage, desk_with, stop
+from tests.support.raw_page import eventually
+
+
+def inputs_in(entries: Sequence[Entry]) -> Iterator[Input]:
+    """Yield all inputs of a table, those in folders and tabs as well."""
+    for entry in entries:
+        if isinstance(entry, Input):
+            yield entry
+        for inner in (getattr(entry, "entries", ()), *getattr(entry, "tabs", {}).values()):
+            yield from inputs_in(inner)
+
+
+def name(entry: Input, state: State) -> str:
+    """Return what messages call an input."""
+    return given(entry.label, state) or entry.key
+
+
+TAB = {tab.name: tuple(tab.entries()) for tab in TABS}
+NO_PICTURE: Any = SimpleNamespace(scales=())
+PANELS: dict[str, tuple[Entry, ...]] = {
+    "pose": TAB["Pose"],
+    "design": TAB["Design"],
+    "balance": TAB["Balance"],
+    "motion": TAB["Motion"],
+    "plots": PLOT_INPUTS,
+    "drives": TAB["Drives"],
+    "loads": TAB["Loads"],
+    "accuracy": TAB["Accuracy"],
+    "stiffness": TAB["Stiffness"],
+    "view": TAB["View"],
+    "export": tuple(export_entries(MapStore())),
+    "file": TAB["File"],
+    "torque maps": torque_entries("torque maps", NO_PICTURE),
+    "single map": single_entries("single map", NO_PICTURE),
+}
+EACH_PANEL = pytest.mark.parametrize("panel", PANELS)
+JUNK: dict[type[Input], list[Any]] = {
+    Slider: [math.nan, math.inf, 10**400, "1", None, True, [1.0]],
+    Number: [math.nan, -math.inf, 10**400, "1", None, False, [1.0]],
+    Pair: [[1.0, math.nan], [1.0], [1.0, 2.0, 3.0], [True, 1.0], "ab", None],
+    Checkbox: [1, "on", None],
+    Dropdown: ["no such text", 3, None],
+    TextBox: [3, None],
+}
+ONE_WAY = {"balance.point", "weights.add"}
+"""Inputs that show no value of the state: a step to a design of the front, an action."""
+
+
+@pytest.fixture(scope="module")
+def state() -> State:
+    """A state in which as many inputs as possible have something to show."""
+    state = actions.pin_reference(actions.move(initial_state(), x=0.02, theta=0.3))
+    state = balancing.add_counterweight(state, "b8", 8)
+    return motions.choose_kind(state, Kind.ARCH)
+
+
+def ends(entry: Input, state: State) -> list[tuple[Any, Any]]:
+    """Return the lowest and highest values of a number's range, and values beyond them."""
+    if isinstance(entry, (Slider, Number)):
+        slider = isinstance(entry, Slider)
+        low, high = given(entry.range, state) if slider else in_unit(entry.range, entry.unit)
+        return [(end, end + sign) for end, sign in ((low, -1.0), (high, 1.0)) if end is not None]
+    if isinstance(entry, Pair) and None not in sum(entry.range, ()):
+        low, high = zip(*map(in_unit, entry.range, entry.units), strict=True)
+        return [(low, (low[0], low[1] - 1.0)), (high, (high[0] + 1.0, high[1]))]
+    return []
+
+
+def another(entry: Input, state: State) -> Any:
+    """Return a possible value that the input does not show."""
+    if isinstance(entry, Checkbox):
+        return not entry.shown(state)
+    if isinstance(entry, Dropdown):
+        shown = entry.shown(state)
+        return next((text for text in given(entry.options, state) if text != shown), shown)
+    if isinstance(entry, TextBox):
+        return {"file.name": "light arms"}.get(entry.key, entry.shown(initial_state()))
+    if entry.key.endswith(".ends"):
+        return (-2.5, 4.0)
+    if entry.key.startswith("weights."):
+        return (150.0, 2.5)
+    if isinstance(entry, Pair):
+        return next(end for end, _ in ends(entry, state) if end != entry.shown(state))
+    assert isinstance(entry, (Slider, Number))
+    value, high = entry.shown(state), ends(entry, state)[-1][0]
+    return value + entry.step if value < high else value - entry.step
+
+
+@EACH_PANEL
+def test_input_takes_back_what_it_shows(panel: str, state: State) -> None:
+    for entry in inputs_in(PANELS[panel]):
+        if entry.key not in ONE_WAY:
+            shown = entry.shown(state)
+            after = entry.apply(state, entry.parse(state, shown))
+            assert same(entry.shown(after), shown), entry.key
+
+
+@EACH_PANEL
+def test_value_of_another_kind_is_refused_by_name(panel: str, state: State) -> None:
+    for entry in inputs_in(PANELS[panel]):
+        for value in JUNK[type(entry)]:
+            with pytest.raises(InvalidInput) as error:
+                entry.parse(state, value)
+            assert error.value.argument == name(entry, state) != ""
+
+
+@EACH_PANEL
+def test_ends_of_a_range_are_possible_and_no_number_beyond_them(panel: str, state: State) -> None:
+    for entry in inputs_in(PANELS[panel]):
+        if entry.key in ONE_WAY:
+            continue
+        for end, beyond in ends(entry, state):
+            after = entry.apply(state, entry.parse(state, end))
+            assert entry.shown(after) == pytest.approx(end, rel=1e-12, abs=5e-4)
+            if not isinstance(entry, Slider):
+                with pytest.raises(InvalidInput) as error:
+                    entry.parse(state, beyond)
+                assert error.value.argument == name(entry, state)
+            elif entry.fit is None:
+                step = math.copysign(entry.step, beyond - end)
+                assert entry.parse(state, end + step) == entry.parse(state, end)
+                with pytest.raises(InvalidInput, match="is possible"):
+                    entry.parse(state, end + 2 * step)
+            else:
+                assert entry.parse(state, beyond) == entry.unit.to_si(beyond)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("balance.max_increase", -1.0),
+        ("balance.max_decrease", 150.0),
+        ("balance.slot_b8", (2000.0, 1.0)),
+        ("balance.slot_b3", (100.0, -1.0)),
+        ("balance.max_added", 1e6),
+        ("balance.variation", 60.0),
+        ("export.width", 1e6),
+        ("export.dpi", 1e9),
+        ("motion.radius", 0.0),
+        ("simulation.bandwidth", 1e4),
+    ],
+)
+def test_absurd_setting_is_refused(key: str, value: object, state: State) -> None:
+    entries = {entry.key: entry for panel in PANELS.values() for entry in inputs_in(panel)}
+    with pytest.raises(InvalidInput, match=r"is possible|is needed"):
+        entries[key].parse(state, value)
+
+
+@EACH_PANEL
+def test_every_choice_is_shown_once_it_is_made(panel: str, state: State) -> None:
+    for entry in inputs_in(PANELS[panel]):
+        if isinstance(entry, Dropdown) and entry.key not in ONE_WAY:
+            for text in given(entry.options, state):
+                assert entry.shown(entry.apply(state, entry.parse(state, text))) == text
+
+
+def test_keys_and_labels_tell_inputs_apart(state: State) -> None:
+    keys = Counter(entry.key for entries in PANELS.values() for entry in inputs_in(entries))
+    assert {key for key, count in keys.items() if count > 1} == {"layers.path"}  # in two panels
+    for entries in PANELS.values():
+        names = Counter(name(entry, state) for entry in inputs_in(entries))
+        assert max(names.values()) == 1, names.most_common(1)
+
+
+@pytest.mark.parametrize(
+    "panel",
+    [
+        *(name for name in PANELS if name != "design"),
+        pytest.param("design", marks=pytest.mark.slow),
+    ],
+)
+def test_each_input_sets_the_state_and_undo_takes_it_back(
+    server: viser.ViserServer, panel: str, state: State
+) -> None:
+    entries = [entry for entry in PANELS[panel] if not isinstance(entry, Worker)]
+    with desk_with(server, entries) as desk:
+        for entry in inputs_in(entries):
+            if entry.key in ONE_WAY or (entry.key.startswith("weights.") and entry.key[-1] != "0"):
+                continue
+            desk.dispatch(lambda _: state)
+            desk.until(lambda e=entry: desk.handle(e.key).value == e.shown(state))
+            value = another(entry, state)
+            expected = entry.apply(state, entry.parse(state, value))
+            desk.set(entry.key, value)
+            desk.until(lambda e=entry, s=expected: e.read(desk.state) == e.read(s))
+            assert desk.state == expected
+            if expected.document != state.document and entry.undo:
+                desk.session.undo()
+                desk.until(lambda: desk.state.document == state.document)
+                assert not desk.notices
+
+
+@pytest.fixture
+def session() -> Iterator[Session]:
+    page: Any = SilentPage()
+    started = Session(page, initial_state())
+    started.start()
+    yield started
+    stop(started)
+
+
+class FakeInput:
+    """Stands in for an input of the page: its value is set at once, its callback comes later."""
+
+    value = 0.0
+
+    def __init__(self, session: Session, apply: Callable[[State, float], State]) -> None:
+        entry = Slider(
+            "x", range=(-1.0, 1.0), step=0.001, read=lambda s: s.document.pose[0], apply=apply
+        )
+        binding = Binding(session, entry, self)
+        view: Any = SimpleNamespace(draw=lambda frame, dragging: binding.draw(frame.state))
+        session.immediate.append(view)
+
+    def on_update(self, callback: Callable[[Any], Coroutine[Any, Any, None]]) -> None:
+        self.callback = callback
+
+    def receive(self, value: float) -> None:
+        """Do what the server does with a value from the page, in one go on its event loop."""
+        self.value = value
+        with pytest.raises(StopIteration):  # at its end; a browser test may have a loop that runs
+            self.callback(SimpleNamespace(client=self)).send(None)
+
+
+def test_value_that_the_worker_writes_over_as_it_arrives_is_kept(session: Session) -> None:
+    handle = FakeInput(session, lambda state, value: actions.move(state, x=value))
+    drawing, arrived = threading.Event(), threading.Event()
+
+    def write_over(state: State) -> State:
+        drawing.set()
+        assert arrived.wait(10)
+        handle.value = 0.0  # the write of a frame that was drawn before
+        return state
+
+    session.dispatch("worker", write_over)
+    assert drawing.wait(10)
+    handle.receive(0.07)
+    arrived.set()
+    eventually(lambda: session.state.document.pose[0] == 0.07)
+    eventually(lambda: handle.value == 0.07)
+    session.undo()
+    eventually(lambda: handle.value == 0.0)
+
+
+@pytest.mark.parametrize("wrong", [0.07, math.nan, math.inf])
+def test_input_is_set_back_after_a_refused_value(
+    session: Session, wrong: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(state: State, value: float) -> State:
+        raise InvalidInput("x", "it is not liked")
+
+    monkeypatch.setattr(bindings, "TYPING_TIMEOUT", 0.05)
+    handle = FakeInput(session, refuse)
+    session.submit(lambda: handle.receive(wrong))  # so that nothing is drawn in between
+    eventually(lambda: session.client.notices)
+    eventually(lambda: handle.value == 0.0)
+    assert len(session.client.notices) == 1
