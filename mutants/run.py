@@ -60,6 +60,7 @@ class Copy:
         ).stdout.strip()  # fmt: skip
         if not Path(place).is_relative_to(self.folder):
             raise SystemExit(f"the tests would import {place}, not the copy")
+        output = ""
         for step in _STEPS:
             for _ in range(2):  # the first one compiles
                 began = time.monotonic()
@@ -144,7 +145,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             parser.error(f"{room}: a folder of paminsa_viz and of tests is needed")
     reasons, counts = equivalent(), Counter[tuple[str, str]]()
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder, contextlib.ExitStack() as stack:
-        writer = None
+        file = writer = None
         if given.out is not None:
             file = stack.enter_context(given.out.open("a", newline=""))
             writer = csv.writer(file)
@@ -168,7 +169,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
                     verdict, detail = ("survived", "") if killer is None else ("killed", killer)
                 counts[room, verdict] += 1
                 print(f"{verdict:10} {text}  {detail}", flush=True)
-                if writer is not None:
+                if writer is not None and file is not None:
                     row = (room, given.seed, number, place, mutant.before, mutant.after)
                     writer.writerow((*row, verdict, detail))
                     file.flush()

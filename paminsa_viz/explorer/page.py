@@ -23,6 +23,7 @@ from paminsa_viz.explorer.kit.bindings import Panel
 from paminsa_viz.explorer.scene.build import build_views
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.state.stiffness import MODE_NODE
 from paminsa_viz.explorer.strip import STRIP
 from paminsa_viz.explorer.tabs import TABS, build_rest, fill
 from paminsa_viz.model import Design
@@ -119,7 +120,7 @@ def build(
         if has_graphics_card(renderer):
             session.dispatch("graphics", lambda state: actions.set_layers(state, fine=True))
         else:
-            bridge.call("renderOnDemand")
+            bridge.call("renderOnDemand", MODE_NODE)
 
     def take_window(data: object) -> None:
         found = [finite(one) for one in data] if isinstance(data, list) else []

@@ -155,3 +155,17 @@ def test_the_load_on_the_platform_is_driven_and_held() -> None:
     for j, load in enumerate(loaded):
         np.testing.assert_allclose(load.torque, analyze(pushed, motion).torque[:, j], rtol=1e-12)
     assert abs(loaded[0].held - bare[0].held) > 1.0
+
+
+def test_a_motion_may_start_at_any_time() -> None:
+    """Its time in a cycle, its dwell and its mean square do not depend on what its clock shows."""
+    motion = PRESET["arch"].build(APPENDIX_4.geometry).sample(300)
+    later = replace(motion, t=motion.t + 7.0)
+    first, second = (
+        duty_cycle(APPENDIX_4, [Duty(each, 2.0, 0.5)]).loads[0] for each in (motion, later)
+    )
+    assert second.period == pytest.approx(first.period, rel=1e-12)
+    assert first.period == pytest.approx(2.0 * (motion.t[-1] - motion.t[0] + 0.5), rel=1e-12)
+    for a, b in zip(first.passages, second.passages, strict=True):
+        assert b.t[0] == 0.0
+        np.testing.assert_allclose(b.t, a.t, atol=1e-12)

@@ -44,6 +44,16 @@ PACKAGE = Path(bridges.__file__).parents[2]
 NOT_PUBLIC = re.compile(r"\._impl\b|_websock|viser\._|__viser|[Mm]antine|_fullLayout|js-plotly")
 
 
+def test_scripts_are_told_the_places_of_the_scene() -> None:
+    """They stand once, where the scene is built; a path of a page's address ends with a name."""
+    scripts = (PACKAGE / "explorer" / "browser").glob("*.js")
+    found = {
+        path.name: re.findall(r"[\"'`](/[a-z_]+/[a-z_/]*)[\"'`]", path.read_text())
+        for path in scripts
+    }
+    assert {name: paths for name, paths in found.items() if paths} == {}
+
+
 def test_only_browser_and_server_know_names_that_are_not_public() -> None:
     allowed = [PACKAGE / "explorer" / name for name in ("browser", "server")]
     found = {

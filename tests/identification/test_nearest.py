@@ -102,3 +102,18 @@ def test_friction_and_rotors_go_to_the_drives() -> None:
     assert design.actuator_friction.viscous[0] == pytest.approx(0.34, rel=0.2)
     assert design.actuator_friction.coulomb[3] == pytest.approx(8.0, rel=0.3)
     assert found.estimate("ΔJ_1").value == pytest.approx(-8e-3, abs=4e-3)
+
+
+def test_rotors_keep_their_mean_and_differ_as_the_log_says() -> None:
+    """Only differences of M1..M3 are told: with all well above zero their mean is the design's."""
+    drives = tuple(
+        Drive(name="d", rotor_inertia=inertia, gear_ratio=20.0) for inertia in (1e-4, 2e-4, 4.5e-4)
+    )
+    design = replace(BUILT, drives=(*drives, None))
+    settings = replace(QUICK, rotors=True)
+    found = identify(simulated(1, design, noise_seed=None, rate=250.0), design, settings)
+    before = np.array(design.drive_inertia[:3])
+    told = [found.estimate(name).value for name in ("ΔJ_1", "ΔJ_2")]
+    after = np.array(nearest_masses(found).design.drive_inertia[:3])
+    assert after.mean() == pytest.approx(before.mean(), rel=1e-9)
+    np.testing.assert_allclose(after[:2] - after.mean(), told, atol=1e-12)

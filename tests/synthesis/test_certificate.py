@@ -14,8 +14,9 @@ from paminsa_viz.model import APPENDIX_4, Design, check_reach, measure_singulari
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.proof.certificate import prove
-from paminsa_viz.synthesis.proof.evidence import Proof, Verdict
+from paminsa_viz.synthesis.proof.evidence import Proof, Verdict, part_of
 from paminsa_viz.synthesis.proof.families import Method
+from paminsa_viz.synthesis.proof.regions import PoseRegion
 from tests.synthesis.certificate_robots import random_poses, robots
 from tests.synthesis.robots import NEEDED, TURN, cylinder
 
@@ -216,3 +217,20 @@ def test_a_workspace_with_a_center_is_needed() -> None:
         prove(APPENDIX_4, NEEDED)
     with pytest.raises(InvalidInput, match="three numbers"):
         prove(APPENDIX_4, NEEDED, Workspace(WorkspaceShape.BOX, (0.1, 0.1, 0.1)))
+
+
+@given(st.floats(-0.9, -0.3), st.floats(0.02, 0.3), st.floats(-1.2, 0.0), st.floats(0.0, 0.6))
+def test_a_requirement_is_about_the_heights_of_its_range_in_the_region(
+    middle: float, half: float, low: float, width: float
+) -> None:
+    bound = Requirement("condition", None, 10.0, z=(low, low + width))
+    requirements = Requirements((bound,), (-TURN, TURN))
+    center = (0.01, -0.02, middle)
+    region = PoseRegion(WorkspaceShape.CYLINDER, center, (0.1, 0.1, half), (-TURN, TURN))
+    part = part_of(requirements, bound, region)
+    ends = max(low, middle - half), min(low + width, middle + half)
+    if part is None:
+        assert ends[0] > ends[1]
+        return
+    assert (part.low[2], part.high[2]) == pytest.approx(ends, abs=1e-12)
+    assert (part.low[:2], part.high[:2]) == (region.low[:2], region.high[:2])

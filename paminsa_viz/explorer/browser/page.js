@@ -255,7 +255,7 @@
   // graphics card that takes all of a machine, and the next change has to wait. Then the scene is
   // drawn once for a change, and again when late followers have come.
   const invalidator = () => viewer().scene?.__r3f?.root?.getState?.()?.invalidate;
-  const renderOnDemand = () => {
+  const renderOnDemand = (animation) => {
     document.documentElement.classList.add("paminsa-render-on-demand");
     if (!viewer().requestRender || !invalidator()) return;
     let timer = 0;
@@ -265,7 +265,7 @@
       invalidator()();
     };
     // An animation requests frames without end: then some are drawn every second, no more.
-    const animated = () => viewer().nodeRefFromName?.["/elastic/mode"];
+    const animated = () => viewer().nodeRefFromName?.[animation];
     viewer().requestRender = () => {
       const wait = animated() ? Math.max(0, drawn + 125 - performance.now()) : 0;
       if (wait && timer) return;

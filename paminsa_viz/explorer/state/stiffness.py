@@ -20,6 +20,9 @@ from paminsa_viz.model import Design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.elastic import BARS
 
+MODE_NODE = "/elastic/mode"
+"""Scene name of the mode that is animated; the page draws less often while it is there."""
+
 CASES: dict[str, tuple[str, tuple[float, ...]]] = {
     "load": ("payload and load", ()),
     "x": ("100 N along x", (100.0, 0, 0, 0, 0, 0)),

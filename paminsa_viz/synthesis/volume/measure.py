@@ -11,7 +11,7 @@ all and from every second one.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,7 +102,10 @@ class _Surface:
 
         rng = np.random.default_rng(_SEED)
         step = float(nodes.x[1] - nodes.x[0])
-        near = ndimage.binary_dilation(inside, np.ones((3, 3, 3), np.bool_)) & ~apart
+        near = (
+            np.asarray(ndimage.binary_dilation(inside, np.ones((3, 3, 3), np.bool_)), np.bool_)
+            & ~apart
+        )
         edge = (np.abs(depth) < _BAND * step) & near
         share = np.clip(0.5 + depth / step, 0.0, 1.0)[edge]
         index = np.argwhere(edge)
@@ -152,6 +155,11 @@ def measure(
     Raises:
         Canceled: If ``progress`` says so.
     """
+
+    def still(done: float, /, **known: Any) -> bool | None:
+        """Tell that work goes on; the nodes before have told how far it is."""
+        return progress(1.0, **known)
+
     cube = float(nodes.x[1] - nodes.x[0]) ** 3
     none = np.zeros(nodes.inside.shape, np.bool_)
     rim = _Surface.of(nodes, nodes.reachable, none, nodes.body, np.inf)
@@ -164,9 +172,7 @@ def measure(
     holds = _taken(design, requirements, edge.points, both_sides)
     looser = holds.copy()
     taken = holds.copy()
-    holds[taken], looser[taken] = _met(
-        design, requirements, edge.points[taken], count, lambda _: progress(1.0)
-    )
+    holds[taken], looser[taken] = _met(design, requirements, edge.points[taken], count, still)
     volume, deviation = edge.size(holds)
     fewer = edge.size(looser)[0] - volume
     volume = min(volume - fewer / 3.0, reachable)
@@ -184,7 +190,8 @@ def _uncertain(nodes: Nodes) -> float:
     cube = np.ones((3, 3, 3), np.bool_)
     parts = np.zeros(nodes.apart.shape, np.int32)
     ndimage.label(nodes.apart, cube, output=parts)
-    near = np.unique(parts[ndimage.binary_dilation(nodes.inside, cube, _NECK)])
+    close = np.asarray(ndimage.binary_dilation(nodes.inside, cube, _NECK), np.bool_)
+    near = np.unique(parts[close])
     return float(np.isin(parts, near[near > 0]).sum())
 
 
@@ -204,9 +211,9 @@ def _met(
     found = heading_margins(
         design, requirements, points[:, :2], level, count, progress, lift=points[:, 2]
     )
-    own = np.ones(len(points), np.bool_)
+    own, (x, y, z) = np.ones(len(points), np.bool_), points.T
     for bound in requirements.bounds:
         if bound.theta is not None:
-            own &= takes_own_headings(design.geometry, *points.T, bound)
+            own &= takes_own_headings(design.geometry, x, y, z, bound)
     every, second = ((margins[..., 0] >= 0.0).all(axis=0) & own for margins in found)
     return every, second

@@ -13,7 +13,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import NO_SHADOWS, Node, ball, curves, label, mesh
 from paminsa_viz.explorer.state.motion import Pose
-from paminsa_viz.explorer.state.stiffness import CASES, ElasticOutcome
+from paminsa_viz.explorer.state.stiffness import CASES, MODE_NODE, ElasticOutcome
 from paminsa_viz.meshes.vibrating import vibrating_glb
 from paminsa_viz.units import number
 
@@ -21,9 +21,6 @@ MODE_COLOR: Final = "#CC79A7"
 DEFLECTED_COLOR: Final = "#000000"
 ELLIPSOID_COLOR: Final = "#56B4E9"
 """Hues of the Okabe-Ito set that no leg has."""
-
-MODE_NODE: Final = "/elastic/mode"
-"""Scene name of the animation; ``page.js`` looks for it."""
 
 LONGEST_SWING: Final = 0.06
 """Largest displacement of an animated mode, as drawn [m]."""
@@ -73,7 +70,7 @@ def _animated(pose: Pose, shapes: CenterLines, mode: int, text: str) -> tuple[No
     x, y, _, z = pose
     return (
         Node(MODE_NODE, "glb", {"glb_data": data}, NO_SHADOWS),
-        label("/elastic/mode_label", text, (x, y, z - BELOW["mode"])),
+        label(f"{MODE_NODE}_label", text, (x, y, z - BELOW["mode"])),
     )
 
 

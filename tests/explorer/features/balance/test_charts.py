@@ -33,7 +33,7 @@ from paminsa_viz.model import (
     static_imbalance,
 )
 from paminsa_viz.trajectory import analyze
-from tests.explorer.balancing.balanced import START, solved, started
+from tests.explorer.features.balance.balanced import START, solved, started
 from tests.support.tasks import delivered
 
 

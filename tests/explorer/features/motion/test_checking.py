@@ -17,7 +17,12 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import KneeBranch, Misprint
 from paminsa_viz.plots.series_uplot import chart_shape, uplot_data
 from paminsa_viz.units import power_of_ten
-from tests.explorer.motion.engine_motions import analyzed, answered, caption, engine_torques
+from tests.explorer.features.motion.engine_motions import (
+    analyzed,
+    answered,
+    caption,
+    engine_torques,
+)
 from tests.support.charts import shown_curve
 
 needs_mujoco = pytest.mark.usefixtures("mujoco")

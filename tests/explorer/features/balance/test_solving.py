@@ -33,7 +33,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, Counterweight
 from paminsa_viz.trajectory import analyze
-from tests.explorer.balancing.balanced import ATTACHED, START, solved, started, status
+from tests.explorer.features.balance.balanced import ATTACHED, START, solved, started, status
 from tests.support.tasks import delivered
 
 

@@ -24,7 +24,12 @@ from paminsa_viz.explorer.kit.task import FollowerRunner
 from paminsa_viz.explorer.state.simulation import EngineRequest
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput, PaminsaError
-from tests.explorer.motion.engine_motions import analyzed, answered, caption, engine_torques
+from tests.explorer.features.motion.engine_motions import (
+    analyzed,
+    answered,
+    caption,
+    engine_torques,
+)
 from tests.support.raw_page import TIMEOUT
 
 
@@ -32,7 +37,7 @@ def test_plain_installation_has_mujoco_and_a_missing_engine_is_disabled(
     state: State, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     project = tomllib.loads(
-        (Path(__file__).parents[3] / "pyproject.toml").read_text(encoding="utf-8")
+        (Path(__file__).parents[4] / "pyproject.toml").read_text(encoding="utf-8")
     )["project"]
     assert any(item.startswith("mujoco") for item in project["dependencies"])
     switch = next(entry for entry in INPUTS if entry.key == "plots.engine")

@@ -19,7 +19,7 @@ from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, singular_rotation
 from paminsa_viz.model.accuracy import NO_DEVIATIONS, NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.manufacture import manufactured_pose, monte_carlo, tolerance_errors
-from tests.explorer.test_inputs import inputs_in
+from tests.explorer.kit.test_inputs import inputs_in
 from tests.support.desk import desk_with
 from tests.support.tasks import delivered
 
