@@ -170,7 +170,13 @@ class Session:
         return not tab or self.open_tabs is None or tab in self.open_tabs
 
     def dispatch(
-        self, source: str, action: Action, *, step: bool = True, overtakes: bool = False
+        self,
+        source: str,
+        action: Action,
+        *,
+        step: bool = True,
+        overtakes: bool = False,
+        then: Callable[[], None] | None = None,
     ) -> None:
         """Change the state, after all that was requested before.
 
@@ -183,9 +189,16 @@ class Session:
             overtakes: Whether it sets anew what the last action of its source has set, as in a
                 drag. Then that one is left out if it still waits, and they are one step if they
                 follow each other without a pause; all else comes out as if both were carried out.
+            then: Called on the worker once it has been carried out; not if it was refused.
         """
-        run = partial(self._apply, source if overtakes else "", action, step)
-        self._request(_Request(run, source if overtakes else "", step))
+        key = source if overtakes else ""
+
+        def run() -> None:
+            self._apply(key, action, step)
+            if then is not None:
+                then()
+
+        self._request(_Request(run, key, step))
 
     def submit(self, job: Callable[[], None]) -> None:
         """Run something on the worker, in its turn, that is no change of state."""
@@ -200,16 +213,25 @@ class Session:
         self._wake.set()
 
     def show_scene(self, state: State) -> None:
-        """Draw the scene as of another state, until the next change, and wait for it."""
-        done = threading.Event()
+        """Draw the scene as of another state, until the next change, and wait for it.
+
+        Raises:
+            PaminsaError: If it could not be drawn.
+        """
+        drawn: list[bool] = []
+        ended = threading.Event()
 
         def draw() -> None:
-            errors = self._draw_together(self.immediate, compute(state, self.motions), False)
-            done.set()
-            _report(errors)
+            try:
+                _report(self._draw_together(self.immediate, compute(state, self.motions), False))
+                drawn.append(True)
+            finally:
+                ended.set()
 
         self.submit(draw)
-        done.wait(SCENE_TIMEOUT)
+        ended.wait(SCENE_TIMEOUT)
+        if not drawn:
+            raise PaminsaError("the 3D view could not be drawn")
 
     def undo(self) -> None:
         """Undo the last step, after all that was requested before."""

@@ -18,7 +18,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.state.motion import Timing
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.model import InvalidInput
+from paminsa_viz.model import InvalidInput, PaminsaError
 from tests.support.desk import SilentPage, stop
 from tests.support.raw_page import TIMEOUT, eventually
 
@@ -332,3 +332,26 @@ def test_motion_repeats_until_it_is_paused(bench: Bench) -> None:
     assert 0 <= stopped < 0.3
     bench.session.dispatch("play", motions.play, step=False)
     eventually(lambda: bench.session.state.playback.time != stopped)
+
+
+def test_scene_that_cannot_be_drawn_is_refused_at_once(bench: Bench) -> None:
+    bench.immediate.error = RuntimeError("broken")
+    begin = time.monotonic()
+    with pytest.raises(PaminsaError, match="could not be drawn"):
+        bench.session.show_scene(bench.session.state)
+    bench.immediate.error = None
+    no_robot: Any = None
+    with pytest.raises(PaminsaError, match="could not be drawn"):
+        bench.session.show_scene(no_robot)
+    assert time.monotonic() - begin < session.SCENE_TIMEOUT / 2
+    bench.session.show_scene(bench.session.state)
+
+
+def test_what_follows_an_action_is_done_unless_it_was_refused(bench: Bench) -> None:
+    told: list[str] = []
+    refuse = fail(InvalidInput("x", "it is not liked"))
+    bench.session.dispatch("file", refuse, then=lambda: told.append("refused one opened"))
+    bench.session.dispatch("file", to(0.02), then=lambda: told.append(f"opened at {bench.x}"))
+    eventually(lambda: told)
+    assert told == ["opened at 0.02"]
+    assert [text for _, text in bench.page.notices] == [str(InvalidInput("x", "it is not liked"))]

@@ -99,11 +99,10 @@ def _open(session: Session, name: str, content: bytes) -> None:
         raise CatalogError(name, "is empty or too large")
     catalog = read_catalog(content, name)
     action = methodcaller("updated", "driving.settings", catalog=catalog)
-    session.dispatch("drives.catalog", action)
     parts = len(catalog.motors), len(catalog.gears), len(catalog.transmissions)
-    session.notify(
-        "Catalog opened", "{}: {} motors, {} gears, {} screws and belts".format(name, *parts)
-    )
+    text = "{}: {} motors, {} gears, {} screws and belts".format(name, *parts)
+    opened = partial(session.notify, "Catalog opened", text)
+    session.dispatch("drives.catalog", action, then=opened)
 
 
 def intro_html(frame: Frame) -> str:

@@ -67,8 +67,10 @@ def _download(session: Session) -> None:
 
 def _open(session: Session, name: str, content: bytes) -> None:
     found = uploaded_content(name, content)
-    session.dispatch("file.open", lambda state: open_content(state, found))
-    session.notify("Design opened", found.design.name or name)
+    session.dispatch(
+        "file.open", lambda state: open_content(state, found),
+        then=lambda: session.notify("Design opened", found.design.name or name),
+    )  # fmt: skip
 
 
 EXAMPLE = "open-example"

@@ -51,8 +51,10 @@ def _open(place: str, session: Session, name: str, content: bytes) -> None:
     log = parse_log(
         lines, name, gains=parse_gains(settings.gains), split=settings.split, timeout=UPLOAD_TIMEOUT
     )
-    session.dispatch(f"identify.{place}", lambda state: actions.use_log(state, place, log))
-    session.notify("Log opened", f"{log.name}, {len(log.t)} rows")
+    session.dispatch(
+        f"identify.{place}", lambda state: actions.use_log(state, place, log),
+        then=lambda: session.notify("Log opened", f"{log.name}, {len(log.t)} rows"),
+    )  # fmt: skip
 
 
 class _Charts:

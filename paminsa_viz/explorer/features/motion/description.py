@@ -91,8 +91,10 @@ def _open(session: Session, name: str, content: bytes) -> None:
     rest = session.state.table_at_rest
     lines = io.StringIO(text, newline="")
     table = parse_trajectory(lines, name, rest=rest, timeout=UPLOAD_TIMEOUT)
-    session.dispatch("motion.table", lambda state: motions.use_table(state, table))
-    session.notify("Motion opened", f"{table.name}, {table.size} rows")
+    session.dispatch(
+        "motion.table", lambda state: motions.use_table(state, table),
+        then=lambda: session.notify("Motion opened", f"{table.name}, {table.size} rows"),
+    )  # fmt: skip
 
 
 def _not_crossing(state: State) -> bool:

@@ -129,7 +129,8 @@ PRICES = Task(Place(lambda state: state.synthesizing.prices), _price_job, _find_
 def open_result(state: State) -> State:
     """Work on the robot that was found, with the design that the search began with as reference.
 
-    Its workspace becomes the required one, where it was found.
+    Its workspace becomes the required one, where it was found, if the required one is still that of
+    the search; no other requirement changes.
 
     Raises:
         InvalidInput: If there is none.
@@ -137,12 +138,14 @@ def open_result(state: State) -> State:
     outcome, result = state.synthesizing.outcome, state.synthesizing.answer
     if outcome is None or result is None or not result.feasible:
         raise InvalidInput("synthesis", "no robot has been found yet")
-    requirements = replace(outcome.job.case.requirements, workspace=result.workspace)
+    searched, requirements = outcome.job.case.requirements, state.document.requirements
+    if requirements.workspace == searched.workspace:
+        requirements = replace(requirements, workspace=result.workspace)
     shown = stop_following(state)
     document = replace(shown.document, reference=outcome.job.reference, requirements=requirements)
     opened = load_design(with_document(shown, document), result.design)
     x, y, z = (float(place or 0.0) for place in result.workspace.center)
-    return move(opened, x=x, y=y, theta=sum(requirements.theta) / 2, z=z)
+    return move(opened, x=x, y=y, theta=sum(searched.theta) / 2, z=z)
 
 
 def previewed(state: State) -> State:

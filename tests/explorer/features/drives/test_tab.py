@@ -120,7 +120,7 @@ def test_uploaded_catalog_is_read_or_refused_with_its_row() -> None:
     actions_: list[Any] = []
     notices: list[str] = []
     session: Any = SimpleNamespace(
-        dispatch=lambda key, action: actions_.append(action),
+        dispatch=lambda key, action, then: (actions_.append(action), then()),
         notify=lambda title, body: notices.append(body),
     )
     panel._open(session, "weak.csv", WEAK.encode())

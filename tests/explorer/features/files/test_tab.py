@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer.core import actions, persistence
+from paminsa_viz.explorer.features.files import tab
 from paminsa_viz.explorer.features.files.tab import (
     FILE,
     file_name,
@@ -20,9 +21,10 @@ from paminsa_viz.explorer.features.files.tab import (
 )
 from paminsa_viz.explorer.kit import bindings
 from paminsa_viz.explorer.state.document import Document
+from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.model import APPENDIX_4, Design
+from paminsa_viz.model import APPENDIX_4, Design, InvalidInput
 from tests.support.desk import Desk
 from tests.support.raw_page import upload_messages
 
@@ -85,6 +87,19 @@ def test_downloaded_design_reads_back(desk: Desk) -> None:
     assert list(files) == ["light-arms.toml"]
     read = read_design(files["light-arms.toml"], "light-arms.toml")
     assert (read, read.name) == (LIGHT, "light arms")
+
+
+def test_uploaded_design_that_is_refused_is_not_said_to_be_opened(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(state: State, content: object) -> State:
+        raise InvalidInput("requirements", "they are not liked")
+
+    monkeypatch.setattr(tab, "open_content", refuse)
+    upload(desk, "light.toml", write_design(LIGHT).encode())
+    desk.noticed("not liked")
+    desk.dispatch(lambda state: state)
+    assert not any("opened" in title for title, _ in desk.notices)
 
 
 def test_uploaded_design_is_opened_and_undone(desk: Desk) -> None:

@@ -157,6 +157,30 @@ def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
     assert actions.choose_point(state, 99) is state
 
 
+def test_robot_that_is_opened_leaves_requirements_that_were_changed_since(asked: State) -> None:
+    job = actions.start(asked).synthesizing.running
+    assert job is not None
+    found = answer(asked, 0.3, 0.4)
+    state = delivered(actions.SEARCH, actions.start(asked), Outcome(job, SearchResult(found)))
+    unchanged = actions.open_result(state).document.requirements
+    assert unchanged == replace(asked.document.requirements, workspace=found.workspace)
+    held = asked.document.requirements
+    assert held.workspace is not None
+    for changed in (
+        replace(held, bounds=held.bounds[1:]),
+        replace(held, theta=(held.theta[0], held.theta[1] + 0.1)),
+        replace(held, workspace=replace(held.workspace, size=(0.011, 0.011, 0.013))),
+        replace(held, workspace=None),
+    ):
+        meanwhile = replace(state, document=replace(state.document, requirements=changed))
+        opened = actions.open_result(meanwhile).document
+        assert opened.design == found.design
+        assert opened.requirements.bounds == changed.bounds
+        assert opened.requirements.theta == changed.theta
+        kept = changed.workspace == held.workspace
+        assert opened.requirements.workspace == (found.workspace if kept else changed.workspace)
+
+
 def test_prices_are_of_the_answer_that_is_shown(asked: State) -> None:
     started = actions.start(asked)
     job = started.synthesizing.running
