@@ -78,7 +78,7 @@ def test_maps_show_the_static_torques() -> None:
     assert words == map_view(APPENDIX_4, POSE, quantity="max_torque", cells=20)
     with pytest.raises(InvalidInput, match="finite"):
         map_view(theta=float("nan"))
-    with pytest.raises(InvalidInput, match="there are torques, tau_1"):
+    with pytest.raises(InvalidInput, match=r"there are .*tau_1, .* more"):
         map_view(quantity="beauty")
 
 

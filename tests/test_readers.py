@@ -85,7 +85,7 @@ class _Costs:
     def __init__(self, case: Any) -> None:
         self.case = case
 
-    def costs(self, rows: Any) -> list[float]:
+    def costs(self, rows: Any, *_: Any) -> list[float]:
         return [float(np.sum(row)) for row in rows]
 
 

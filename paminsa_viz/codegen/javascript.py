@@ -83,4 +83,4 @@ function floorMod(a, b) {
     return rest !== 0 && (b < 0) !== (rest < 0) ? rest + b : rest;
 }
 """
-"""What the printed functions call besides `Math`."""
+"""What the printed functions call besides ``Math``."""

@@ -55,7 +55,10 @@ def test_c_agrees_with_python(name: str, compiler: str, tmp_path: Path) -> None:
     done = run_test(tmp_path)
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
     assert "440 rows, tolerance 1e-09: passed" in done.stdout
-    assert "formulas, given cos and sin theta  worst error  0.00e+00" in done.stdout
+    # None where NumPy made the vectors; compiled kernels, which other tests load, round otherwise.
+    formulas = re.search(r"formulas, given cos and sin theta +worst error +(\S+)", done.stdout)
+    assert formulas is not None
+    assert float(formulas[1]) < 1e-12
 
 
 @pytest.mark.parametrize("compiler", compilers())

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from paminsa_viz.errors import LONGEST_VALUE
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETER,
@@ -111,7 +112,7 @@ def expect_refusal(parameter: Parameter, value: Any) -> None:
         least = "above 0" if parameter.positive else "at least 0"
         assert parameter.signed or least in error.allowed
         assert f"[{parameter.unit}]" in error.allowed or not parameter.unit
-        assert str(error) == f"{path} = {value!r} is not possible: {error.allowed}"
+        assert str(error) == f"{path} = {value!r:.{LONGEST_VALUE}} is not possible: {error.allowed}"
         assert isinstance(error, PaminsaError)
         assert isinstance(error, ValueError)
 
