@@ -18,6 +18,7 @@ pytestmark = [
 
 LIMITED = """
 import resource, sys
+sys.dont_write_bytecode = True  # of a module's bytecode too only the first bytes would be kept
 from paminsa_viz.cli import main
 resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))
 sys.exit(main({words!r}))

@@ -132,7 +132,7 @@ def chosen(a: Any, b: Any, d: Any) -> Any:
 
 def test_parentheses_keep_the_order_of_operations(tmp_path: Path) -> None:
     given = {"x": np.zeros(500)} | dict(
-        zip("abd", np.random.default_rng(1).normal(size=(3, 500)), strict=True)
+        zip(["a", "b", "d"], np.random.default_rng(1).normal(size=(3, 500)), strict=True)
     )
     program, width = c_program([chosen], given)
     got = np.frombuffer(run_c(tmp_path, program, "gcc", table(given))).reshape(-1, width)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 from collections.abc import Callable
 from typing import Any
@@ -183,7 +184,9 @@ def made_again(tab: Tab, label: str) -> None:
 def connected_again(tab: Tab, label: str) -> None:
     """Cut the connection; the page connects again, and all of it is made again."""
     before = tab.session
-    tab.app.server._websock_server.disconnect_all_clients()
+    server = tab.app.server._websock_server
+    connection = server._live_connections[before.client.client_id]  # other tabs keep theirs
+    asyncio.run_coroutine_threadsafe(connection.close(), server._background_event_loop)
     until(lambda: before.closed, "the connection is lost")
 
 
