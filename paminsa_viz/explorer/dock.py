@@ -63,7 +63,8 @@ class MapsPanel:
         panel.set_width(width)
         if self._folded:
             panel.minimize()
-        session.bridge.on("hello", lambda _: session.submit(self._fit))  # one that comes late
+        for kind in ("hello", "window"):  # one that comes late, or another size
+            session.bridge.on(kind, lambda _: session.submit(self._fit))
         session.bridge.on("click", self._click)
         session.bridge.on(motion_points.DRAW, partial(motion_points.receive_switch, session))
 
