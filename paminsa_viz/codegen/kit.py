@@ -242,7 +242,7 @@ def _commented(lines: list[str]) -> str:
 
 
 def _template(name: str, **values: str) -> str:
-    """Return a file of `templates` with its places filled in."""
+    """Return a file of the folder of templates with its places filled in."""
     text = (files("paminsa_viz.codegen") / "templates" / name).read_text(encoding="utf-8")
     for key, value in values.items():
         text = text.replace(f"@{key}@", value)

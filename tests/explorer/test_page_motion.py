@@ -13,7 +13,7 @@ from paminsa_viz.explorer.features.motion.tab import TIME
 from paminsa_viz.explorer.state.motion import Kind, Timing
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.plots.series_uplot import MOST_POINTS
-from paminsa_viz.trajectory import Trajectory, analyze
+from paminsa_viz.trajectory import Trajectory, analyze, load_kernel
 from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
@@ -182,6 +182,7 @@ def test_csv_file_is_run_or_refused_by_row(motion: Tab) -> None:
 
 
 def test_simulation_shows_its_error(motion: Tab) -> None:
+    load_kernel()  # on a loaded machine the first compilation takes longer than a page is given
     motion.page.get_by_text("Simulation", exact=True).click()
     motion.page.get_by_role("button", name="Simulate", exact=True).click()
     until(lambda: motion.state.simulating.outcome is not None, "it has run")
