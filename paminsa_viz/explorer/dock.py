@@ -83,7 +83,7 @@ class MapsPanel:
         if folded != self._folded:
             (self._panel.minimize if folded else self._panel.expand)()
         self._folded = folded
-        self._session.bridge.call("whole")
+        self._session.bridge.call("whole", self._session.window[0], folded)
 
     def _click(self, data: Any) -> None:
         """Move the robot to where a map was clicked, or draw; ``data`` comes from the page."""

@@ -140,7 +140,9 @@
   every(400, () => {
     const place = viewer().canvas?.getBoundingClientRect();
     if (!place) return;
-    const widths = { left: place.left, right: window.innerWidth - place.right };
+    const widths = {
+      left: place.left, right: window.innerWidth - place.right, window: window.innerWidth,
+    };
     const now = JSON.stringify(widths);
     const steady = now === docks; // not while one is dragged
     docks = now;
@@ -148,11 +150,19 @@
     if (steady && !known && send("docks", widths)) reportedDocks = now;
   });
   // All of the page has been sent, with docks as wide as they are to be: from now on another width
-  // is a person's.
-  const whole = () => {
-    isWhole = true;
-    docks = "";
-    reportedDocks = "";
+  // is a person's. A busy browser may be late to fold one, which is waited for.
+  const whole = (width, folded) => {
+    let left = 100;
+    retry(() => {
+      if (width && width !== window.innerWidth) return true; // meanwhile it has another size
+      const edge = viewer().canvas?.getBoundingClientRect().left;
+      const isFolded = edge < config.foldedDock;
+      if (folded !== undefined && edge !== undefined && isFolded !== folded && --left > 0) return false;
+      isWhole = true;
+      docks = "";
+      reportedDocks = "";
+      return true;
+    }, 100);
   };
 
   // --- title --------------------------------------------------------------------------------

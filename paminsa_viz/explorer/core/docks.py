@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from paminsa_viz.explorer.browser.bridge import finite
+from paminsa_viz.explorer.browser.bridge import FOLDED_DOCK, finite
 from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, dock_width, is_folded
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.state.state import State
@@ -12,9 +12,6 @@ from paminsa_viz.explorer.state.view import LARGEST_DOCK, Dock, Docks
 
 EDGE: Final = 4
 """Width of the edge that a dock is dragged by; it counts to what the dock covers [px]."""
-
-FOLDED: Final = 60
-"""A dock that covers less of the window than this is folded [px]."""
 
 ROUNDING: Final = 2
 
@@ -46,7 +43,7 @@ def covered(dock: Dock, pixels: Any, own_width: float, own_fold: bool) -> Dock:
     width = finite(pixels)
     if width is None or not 1 < width <= LARGEST_DOCK:  # there is none yet
         return dock
-    folded = width < FOLDED
+    folded = width < FOLDED_DOCK
     if folded:
         return Dock(dock.width, None if own_fold else True)
     chosen = round(width - EDGE)
@@ -56,8 +53,8 @@ def covered(dock: Dock, pixels: Any, own_width: float, own_fold: bool) -> Dock:
 
 def as_reported(state: State, data: Any, window: tuple[float, float]) -> State:
     """Return the state with what the page says of its docks."""
-    if not isinstance(data, dict):
-        return state
+    if not isinstance(data, dict) or data.get("window", window[0]) != window[0]:
+        return state  # of a window that has another size by now
     left = covered(
         state.docks.left, data.get("left"), dock_width(*window), is_folded(window[0])
     )  # fmt: skip
