@@ -48,7 +48,8 @@ def kept(tab: Tab) -> Any:
 
 
 def test_pose_typed_while_a_motion_plays_is_saved(tab: Tab) -> None:
-    tab.dispatch(lambda s: motion.play(motion.choose_preset(s, "paper-like")).updated("playback", loop=True))
+    tab.dispatch(lambda s: motion.play(motion.choose_preset(s, "paper-like")))
+    tab.dispatch(lambda s: s.updated("playback", loop=True))
     until(lambda: tab.state.playback.playing, "it plays")
     tab.dispatch(lambda s: actions.vary(s, {"payload.mass": 1.5}))
     until(lambda: kept(tab)["design"].get("payload.mass") == 1.5, "the mass is saved", timeout=6)

@@ -137,7 +137,11 @@ def take(state: State, saved: str, opening: State) -> State:
 def _work(state: State) -> object:
     """Return what a person does of that which is kept: not what the page does by itself."""
     kept = json.loads(dump(state))
-    view = {name: part for name, part in kept["view"].items() if name not in ("docks", "offered", "ended")}
+    view = {
+        name: part
+        for name, part in kept["view"].items()
+        if name not in ("docks", "offered", "ended")
+    }
     view["layers"] = sorted(set(view["layers"]) - {"fine"})
     return kept | {"view": view}
 

@@ -33,7 +33,9 @@ def decimals(step: float) -> int:
 def same_digits(a: Any, b: Any, places: int) -> bool:
     """Whether two numbers are the same in a box with so many decimals."""
     first, second = finite(a), finite(b)
-    return first is not None and second is not None and round(first, places) == round(second, places)
+    return (
+        first is not None and second is not None and round(first, places) == round(second, places)
+    )
 
 
 def in_unit(ends: Range, unit: DisplayUnit) -> Range:

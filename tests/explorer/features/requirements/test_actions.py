@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import pytest
 
 from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS
@@ -107,7 +109,8 @@ def test_adding_twice_bounds_two_quantities() -> None:
 
 
 def test_requirements_begin_with_a_range_of_headings_and_keep_one_that_was_set() -> None:
-    for begun in (actions.add, actions.suggest, lambda s: actions.choose_shape(s, WorkspaceShape.BOX)):
+    boxed = partial(actions.choose_shape, shape=WorkspaceShape.BOX)
+    for begun in (actions.add, actions.suggest, boxed):
         low, high = begun(initial_state()).document.requirements.theta
         assert low < 0 < high
     one = actions.change(actions.add(initial_state()), theta=(0.0, 0.0))
