@@ -230,12 +230,12 @@ def _description(kind: FmuKind, variables: _Variables, guid: str, sources: list[
     reference = 0
     for group, causality, variability in kinds:
         for variable in group:
-            initial = {"output": {"initial": "calculated"}, "parameter": {"initial": "exact"}}
             scalar = ET.SubElement(
                 model, "ScalarVariable", name=variable.name, valueReference=str(reference),
                 causality=causality, variability=variability, description=variable.description,
-                **initial.get(causality, {}),
             )  # fmt: skip
+            if causality != "input":
+                scalar.set("initial", "exact" if causality == "parameter" else "calculated")
             real = ET.SubElement(scalar, "Real", unit=variable.unit)
             if variable.start is not None:
                 real.set("start", repr(float(variable.start)))

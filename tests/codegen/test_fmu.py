@@ -10,6 +10,7 @@ import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any, get_args
 
@@ -63,18 +64,27 @@ ACTUATORS = ("theta_1", "theta_2", "theta_3", "lift")
 RATES = tuple(f"{name}_rate" for name in POSE)
 
 
+built = cache(build_fmu)
+
+
 def written(folder: Path, design: Design, kind: FmuKind) -> Path:
     path = folder / f"{kind}.fmu"
-    path.write_bytes(build_fmu(design, kind))
+    path.write_bytes(built(design, kind))
     return path
+
+
+class Slave(FMU2Slave):
+    """A slave whose variables have names."""
+
+    references: dict[str, int]
 
 
 @contextmanager
 def running(path: Path, folder: Path, **start: float) -> Iterator[Any]:
-    """Yield a slave that is initialized, and a function that reads variables by name."""
+    """Yield a slave that is initialized."""
     described = fmpy.read_model_description(path)
     place = fmpy.extract(str(path), unzipdir=str(folder / "unzipped"))
-    slave = FMU2Slave(
+    slave = Slave(
         guid=described.guid, unzipDirectory=place,
         modelIdentifier=described.coSimulation.modelIdentifier, instanceName="robot",
     )  # fmt: skip
