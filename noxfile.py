@@ -59,6 +59,14 @@ def benchmarks(session: nox.Session) -> None:
 
 
 @nox.session
+def usd_readers(session: nox.Session) -> None:
+    """Read the exported USD with OpenUSD's validators and with Newton, which need much room."""
+    readers = ("newton", "newton-usd-schemas", "usd-core")
+    session.install("-e", ".", *readers, "pytest", "pytest-xdist", "hypothesis")
+    session.run("pytest", "tests/engines/usd_readers.py", *session.posargs)
+
+
+@nox.session
 def mutants(session: nox.Session) -> None:
     """Say which changes of a room its tests notice: ``-- identification --seed 3``."""
     install(session, "test")

@@ -42,7 +42,7 @@ COMMANDS: dict[str, str] = {
     "balance": "find the masses that balance the robot best, certified optimal",
     "verify": "check the formulas against MuJoCo and Pinocchio",
     "report": "write a design report as one HTML file",
-    "export": "write the robot as GLB, or as a MuJoCo model with or without meshes",
+    "export": "write the robot for other programs: GLB, MuJoCo, USD, URDF, DXF",
     "code": "write the robot as C code for its controller, with test vectors",
 }
 """Commands and what they do. Each is the module of its name in this package."""

@@ -14,7 +14,9 @@ from paminsa_viz.cli.flags import DesignFlags, PoseFlags, check_output
 from paminsa_viz.cli.output import print_written
 from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.poses import start_pose
-from paminsa_viz.files.atomic import make_folder, write_bytes
+from paminsa_viz.exports import TARGETS
+from paminsa_viz.files.archives import zipped
+from paminsa_viz.files.atomic import check_writable, make_folder, write_bytes
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -26,6 +28,9 @@ Write the robot at a pose for other programs.
   paminsa-viz export --glb robot.glb            a 3D model: Blender, CAD viewers, slides
   paminsa-viz export --mjcf robot.xml           one file for MuJoCo: all masses, loops, actuators
   paminsa-viz export --meshes robot             a folder for MuJoCo with the real shapes too
+  paminsa-viz export --usd robot.usda           Isaac Sim and Newton: bodies, loops, drives
+  paminsa-viz export --urdf robot.urdf          ROS: a tree, and robot.loops.json with its loops
+  paminsa-viz export --dxf robot.dxf            CAD: center lines from above and in the legs' planes
   paminsa-viz export --meshes robot.zip --design robot.toml --pose 50 -30 20 -550
 
 Try `python -m mujoco.viewer --mjcf=robot/robot.xml`: the sliders move the four actuators. Pinocchio
@@ -42,22 +47,43 @@ class Export(PoseFlags, DesignFlags):
     """Write the MuJoCo model with simple shapes, in one file."""
     meshes: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER|FILE.zip")] = None
     """Write the MuJoCo model with the robot's shapes: robot.xml and meshes/*.obj."""
+    usd: Annotated[Path | None, tyro.conf.arg(metavar="FILE.usda")] = None
+    """Write the USD stage with UsdPhysics: bodies, joints, the twelve loops, drives."""
+    urdf: Annotated[Path | None, tyro.conf.arg(metavar="FILE.urdf")] = None
+    """Write the URDF, a tree with mimicking joints, and its loops beside it: FILE.loops.json."""
+    dxf: Annotated[Path | None, tyro.conf.arg(metavar="FILE.dxf")] = None
+    """Write the posed skeleton as a drawing: from above, and each leg in its plane."""
     motors: bool = False
-    """Give the MuJoCo models plain motors, whose controls are torques, instead of position servos
-    about the pose."""
+    """Give the MuJoCo and USD models plain motors instead of position servos about the pose."""
 
     def run(self) -> int:
         """Write the files."""
-        if self.glb is None and self.mjcf is None and self.meshes is None:
-            raise UsageError("nothing to write; give --glb, --mjcf or --meshes")
-        check_output("--glb", self.glb, [".glb"])
-        check_output("--mjcf", self.mjcf, [".xml", ".mjcf"])
+        given = {name: path for name in TARGETS if (path := getattr(self, name)) is not None}
+        if not given and self.meshes is None:
+            *flags, last = (f"--{name}" for name in (*TARGETS, "meshes"))
+            raise UsageError(f"nothing to write; give {', '.join(flags)} or {last}")
+        for name, path in given.items():
+            check_output(f"--{name}", path, TARGETS[name].endings)
         if self.meshes is not None and self.meshes.suffix.lower() in _OTHER_THAN_FOLDERS:
             raise UsageError(f"--meshes {self.meshes}: a folder or a .zip file is needed")
         design = self.given_design()
         pose = start_pose(design) if self.given_pose is None else np.array(self.given_pose)
         require_reachable(design.geometry, pose)
-        files, folders = self._contents(design, pose)
+        # All of it is made before the first file is written, so that a refused pose leaves none.
+        files = {
+            path.with_suffix(ending) if beside else path: content
+            for name, path in given.items()
+            for beside, (ending, content) in enumerate(
+                TARGETS[name].files(design, pose, servos=not self.motors).items()
+            )
+        }
+        folders: dict[Path, dict[str, bytes]] = {}
+        if self.meshes is not None and self.meshes.suffix.lower() == ".zip":
+            files[self.meshes] = zipped(self._meshes(design, pose), self.meshes.stem)
+        elif self.meshes is not None:
+            folders[self.meshes] = self._meshes(design, pose)
+        for path in files:
+            check_writable(path)
         for folder, names in folders.items():  # first, as what most often cannot be made
             for parent in sorted({(folder / name).parent for name in names}):
                 make_folder(parent)
@@ -70,34 +96,15 @@ class Export(PoseFlags, DesignFlags):
             print(f"{folder}: written, {len(parts)} files")
         return 0
 
-    def _contents(
-        self, design: Design, pose: Array
-    ) -> tuple[dict[Path, bytes], dict[Path, dict[str, bytes]]]:
-        """Return files, and folders with their files.
-
-        All of it is made before the first file is written, so that a refused pose leaves none.
-        """
+    def _meshes(self, design: Design, pose: Array) -> dict[str, bytes]:
+        """Return the files of the MuJoCo model with the robot's shapes."""
         # Late: the shapes' libraries take a second to load.
-        from paminsa_viz.meshes import assemble_glb
-        from paminsa_viz.meshes.robot_files import robot_files, zipped
+        from paminsa_viz.meshes.robot_files import robot_files
 
-        configuration = inverse_kinematics(design.geometry, pose)
-        made: dict[Path, bytes] = {}
-        if self.glb is not None:
-            made[self.glb] = assemble_glb(design, configuration)
-        if self.mjcf is None and self.meshes is None:
-            return made, {}
         text = exported_mjcf(design, pose=pose.tolist(), servos=not self.motors)
-        if self.mjcf is not None:
-            made[self.mjcf] = text.encode()
-        if self.meshes is None:
-            return made, {}
-        files = robot_files(text, design, configuration)
-        if self.meshes.suffix.lower() != ".zip":
-            return made, {self.meshes: files}
-        return made | {self.meshes: zipped(files, self.meshes.stem)}, {}
+        return robot_files(text, design, inverse_kinematics(design.geometry, pose))
 
 
-_OTHER_THAN_FOLDERS = (".glb", ".xml", ".obj", ".stl")
+_OTHER_THAN_FOLDERS = (*(e for target in TARGETS.values() for e in target.endings), ".obj", ".stl")
 
 FLAGS = Export

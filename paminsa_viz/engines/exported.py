@@ -1,4 +1,4 @@
-"""The exported MJCF model: held in a pose, with servos to move it."""
+"""Exported models, MJCF and USD: held in a pose, with servos to move them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from paminsa_viz.engines.mechanism import PLATFORM, MechanismTree, build_mechani
 from paminsa_viz.engines.mjcf import Servos, mjcf_text
 from paminsa_viz.engines.mujoco_model import compiled_model
 from paminsa_viz.engines.poses import start_pose
+from paminsa_viz.engines.usd import usd_text
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import mass_matrix
 from paminsa_viz.model.jacobians import jacobian
@@ -54,20 +56,44 @@ def exported_mjcf(
         UnreachablePose: If the robot cannot be in the start pose.
     """
     _check_inertia(build_mechanism(design))
-    start = start_pose(design) if pose is None else np.asarray(pose, float)
-    require_reachable(design.geometry, start)
-    if not measure_singularity(design.geometry, start).condition < WORST_CONDITION:
-        raise InvalidInput("pose", "it is singular, so that nothing holds the platform there")
+    start = _held_pose(design, pose)
     holding = static_torques(design, start)
-    j = jacobian(design.geometry, start)
-    inertia = j.T @ mass_matrix(design, start) @ j
     text = mjcf_text(
         design, pose=start.tolist(), holding=holding.tolist(),
-        servos=Servos.critical(inertia) if servos else None, load=True,
+        servos=_servos(design, start) if servos else None, load=True,
     )  # fmt: skip
     with suppress(EngineMissing):  # without the engine nobody can say
         compiled_model(text)
     return text
+
+
+def exported_usd(
+    design: Design, *, pose: Sequence[float] | None = None, servos: bool = True
+) -> str:
+    """Return a design's USD text, see `usd`; arguments as of `exported_mjcf`.
+
+    Raises:
+        InvalidDesign: If a bar's inertias belong to no rigid body.
+        InvalidInput: If the start pose is singular, or a link has no mass or no inertia.
+        UnreachablePose: If the robot cannot be in the start pose.
+    """
+    start = _held_pose(design, pose)
+    held = _servos(design, start) if servos else None
+    return usd_text(design, pose=start.tolist(), servos=held)
+
+
+def _held_pose(design: Design, pose: Sequence[float] | None) -> Array:
+    """Return the start pose (4,), in which actuators can hold the robot."""
+    start = start_pose(design) if pose is None else np.asarray(pose, float)
+    require_reachable(design.geometry, start)
+    if not measure_singularity(design.geometry, start).condition < WORST_CONDITION:
+        raise InvalidInput("pose", "it is singular, so that nothing holds the platform there")
+    return start
+
+
+def _servos(design: Design, pose: Array) -> Servos:
+    j = jacobian(design.geometry, pose)
+    return Servos.critical(j.T @ mass_matrix(design, pose) @ j)
 
 
 def _check_inertia(mechanism: MechanismTree) -> None:

@@ -6,7 +6,7 @@ is assembled in its start pose when it is loaded; hinge and slide values are the
 
 Pinocchio's reader of MJCF takes the same text: the tree with all its masses, and from version 4 on
 the loop closures too (``buildModelAndLegacyConstraintsFromMJCF``), but not gravity, which has to be
-set where it is not 9.81 m/s^2. A URDF could not carry the loops.
+set where it is not 9.81 m/s^2. A URDF carries no loops, see `urdf`.
 
 Two things that MuJoCo needs: a moving body may not be without mass or inertia, so a zero becomes
 `FLOOR`; and loops are closed by soft constraints, which are set as stiff as the time step allows.
@@ -26,30 +26,22 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from paminsa_viz.engines.looks import LEAST_ROD, link_color
 from paminsa_viz.engines.mechanism import (
     PLATFORM,
-    Link,
     MechanismTree,
     Part,
     Point,
     Rod,
     build_mechanism,
 )
-from paminsa_viz.engines.poses import joint_values, start_pose, unclosed
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.engines.poses import link_frame, start_pose, start_values
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.load import LoadFrame
-from paminsa_viz.palette import LEG_COLORS, LIFT_COLOR, rgb
-from paminsa_viz.palette import PLATFORM as PLATFORM_COLOR
 
 FLOOR = 2e-15
 """Mass [kg] and inertia [kg m^2] of a moving body that has none; MuJoCo refuses less than 1e-15."""
-
-LEAST_ROD = 1e-9
-"""Shortest rod that is drawn as one [m]; MuJoCo's own limit is 1e-14 m."""
 
 TIME_STEP = 5e-4
 """Time step of the exported model [s]."""
@@ -112,12 +104,7 @@ def mjcf_text(
     """
     start = start_pose(design) if pose is None else np.asarray(pose, float)
     mechanism = build_mechanism(design)
-    values = {
-        name: float(value)
-        for name, value in joint_values(inverse_kinematics(design.geometry, start)).items()
-    }
-    if not all(math.isfinite(value) for value in values.values()):
-        raise unclosed(start)
+    values = start_values(design, start)
     root = ET.Element("mujoco", model="PAMINSA")
     _add(root, "compiler", angle="radian", autolimits="true")
     # Euler: the implicit integrators damp servos apart from the closures, which is unstable here.
@@ -186,7 +173,7 @@ def _add_links(base: ET.Element, mechanism: MechanismTree, values: dict[str, flo
         sites.setdefault(pin.first, []).append((f"{pin.name}_a", pin.first_point))
         sites.setdefault(pin.second, []).append((f"{pin.name}_b", pin.second_point))
     for link in mechanism.links:
-        place, turn, axes = _start_frame(link, values)
+        place, turn, axes = link_frame(link, values)
         quaternion = turn.as_quat(scalar_first=True)
         body = _add(bodies[link.parent], "body", name=link.name, pos=place, quat=quaternion)
         bodies[link.name] = body
@@ -195,7 +182,7 @@ def _add_links(base: ET.Element, mechanism: MechanismTree, values: dict[str, flo
             value = values[joint.name]
             own = armature.get(joint.name, {})
             _add(body, "joint", name=joint.name, type=joint.kind, axis=axis, ref=value, **own)
-        color = _color(link)
+        color = [*link_color(link), 1.0]
         for rod in link.rods:
             _add_rod(body, rod, color)
         for name, point in sites.get(link.name, []):
@@ -215,32 +202,6 @@ def _add_rod(body: ET.Element, rod: Rod, color: list[float]) -> None:
         return
     ends = (*rod.start, *rod.end)
     _add(body, "geom", type="capsule", fromto=ends, size=rod.radius, rgba=color)
-
-
-def _start_frame(link: Link, values: dict[str, float]) -> tuple[Array, Rotation, list[Array]]:
-    """Return origin (3,) [m] and turn of a link's frame in its parent's at the start, and the axes.
-
-    MuJoCo moves a link from where it is at the start, one joint after the other, with axes in
-    the link's own frame there.
-    """
-    place, turn = np.asarray(link.place, float), Rotation.from_euler("z", link.heading)
-    fixed = []
-    for joint in link.joints:
-        axis, value = np.asarray(joint.axis, float), values[joint.name]
-        if joint.kind == "slide":
-            place = place + value * turn.apply(axis)
-        else:
-            turn = turn * Rotation.from_rotvec(value * axis)
-        fixed.append(turn.apply(axis))
-    return place, turn, [turn.apply(axis, inverse=True) for axis in fixed]
-
-
-def _color(link: Link) -> list[float]:
-    if link.name == PLATFORM:
-        color = PLATFORM_COLOR
-    else:
-        color = LIFT_COLOR if link.leg is None else LEG_COLORS[link.leg]
-    return [*(round(channel / 255, 4) for channel in rgb(color)), 1.0]
 
 
 def _add_closures(root: ET.Element, mechanism: MechanismTree) -> None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from paminsa_viz.engines.mechanism import LIFT, POSE_JOINTS, leg_name
+from paminsa_viz.engines.mechanism import LIFT, POSE_JOINTS, Link, MechanismTree, leg_name
 from paminsa_viz.errors import InvalidInput, UnreachablePose
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
@@ -67,6 +69,50 @@ def joint_values(configuration: Configuration) -> dict[str, Array]:
             leg_name(leg, "bar7"): elevation(p8, p7),
         }
     return values
+
+
+def start_values(design: Design, pose: Array) -> dict[str, float]:
+    """Return the value of every joint at one pose (4,), by joint name [rad, m].
+
+    Raises:
+        UnreachablePose: If the robot cannot be there.
+    """
+    found = joint_values(inverse_kinematics(design.geometry, pose))
+    values = {name: float(value) for name, value in found.items()}
+    if not all(math.isfinite(value) for value in values.values()):
+        raise unclosed(pose)
+    return values
+
+
+def link_frame(link: Link, values: Mapping[str, float]) -> tuple[Array, Rotation, list[Array]]:
+    """Return where a link is in its parent's frame: origin (3,) [m], turn, and its joints' axes.
+
+    Axes (3,) are in the link's own frame, as the joints move it one after the other.
+    """
+    place, turn = np.asarray(link.place, float), Rotation.from_euler("z", link.heading)
+    fixed = []
+    for joint in link.joints:
+        axis, value = np.asarray(joint.axis, float), values[joint.name]
+        if joint.kind == "slide":
+            place = place + value * turn.apply(axis)
+        else:
+            turn = turn * Rotation.from_rotvec(value * axis)
+        fixed.append(turn.apply(axis))
+    return place, turn, [turn.apply(axis, inverse=True) for axis in fixed]
+
+
+def world_frames(
+    mechanism: MechanismTree, values: Mapping[str, float]
+) -> dict[str, tuple[Array, Rotation]]:
+    """Return origin (3,) [m] and turn of every link in the base frame, by link name."""
+    found: dict[str, tuple[Array, Rotation]] = {}
+    for link in mechanism.links:
+        place, turn, _ = link_frame(link, values)
+        if link.parent is not None:
+            origin, parent = found[link.parent]
+            place, turn = origin + parent.apply(place), parent * turn
+        found[link.name] = place, turn
+    return found
 
 
 def start_pose(design: Design) -> Array:

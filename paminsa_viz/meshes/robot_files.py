@@ -10,9 +10,7 @@ Their round feet go with the platform; their heads and pins go with B4, as they 
 
 from __future__ import annotations
 
-import io
 import xml.etree.ElementTree as ET
-import zipfile
 from collections.abc import Iterator, Mapping
 from typing import Final, cast
 
@@ -149,18 +147,6 @@ def robot_files(text: str, design: Design, configuration: Configuration) -> dict
     _light(root, design, configuration)
     ET.indent(root)
     return {"robot.xml": (ET.tostring(root, encoding="unicode") + "\n").encode(), **files}
-
-
-def zipped(files: Mapping[str, bytes], folder: str = "robot") -> bytes:
-    """Return files as a zip archive, all in one folder; equal files give equal bytes."""
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in files.items():
-            info = zipfile.ZipInfo(f"{folder}/{name}")
-            info.compress_type = zipfile.ZIP_DEFLATED
-            info.external_attr = 0o644 << 16
-            archive.writestr(info, content)
-    return stream.getvalue()
 
 
 def _shapes(

@@ -11,10 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from paminsa_viz.engines.dxf import dxf_text
+from paminsa_viz.engines.exported import exported_usd
 from paminsa_viz.engines.poses import start_pose
+from paminsa_viz.engines.urdf import closure_table, urdf_text
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, KneeBranch
-from tests.support.commands import run
+from tests.support.commands import check_refused, run
 from tests.support.samples import with_knee
 
 
@@ -65,3 +68,40 @@ def test_another_design_and_branch_as_zip_with_motors(capsys) -> None:
     assert float(payload.attrib["mass"]) == 3.25
     assert refs(text)["z"] == start_pose(with_knee(design, KneeBranch.UPPER))[3]
     assert actuators(text) == ["motor"] * 4
+
+
+def test_usd_urdf_and_dxf_at_a_pose(capsys) -> None:
+    design = APPENDIX_4.vary({"payload.mass": 3.25})
+    save_design(design, "d.toml")
+    words = "--usd r.usda --urdf r.urdf --dxf r.dxf --design d.toml --pose 50 -30 20 -550"
+    code, out, err = run("export", capsys, *words.split())
+    names = ("r.usda", "r.urdf", "r.loops.json", "r.dxf")
+    assert (code, out, err) == (0, "".join(f"{name}: written\n" for name in names), "")
+    pose = [0.05, -0.03, float(np.radians(20)), -0.55]
+    assert Path("r.usda").read_text() == exported_usd(design, pose=pose)
+    assert Path("r.urdf").read_text() == urdf_text(design)
+    assert json.loads(Path("r.loops.json").read_text()) == closure_table(design)
+    assert Path("r.dxf").read_text() == dxf_text(design, pose=pose)
+
+
+def test_motors_leave_usd_without_servos(capsys) -> None:
+    assert run("export", capsys, "--usd", "r.usda", "--motors")[0] == 0
+    assert Path("r.usda").read_text() == exported_usd(APPENDIX_4, servos=False)
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        ("", "give --glb, --mjcf, --usd, --urdf, --dxf or --meshes"),
+        ("--usd r.usd", "--usd r.usd: its ending has to be .usda"),
+        ("--urdf missing/r.urdf", "missing/r.urdf: cannot be written"),
+        ("--dxf r.dxf --pose 2000 0 0 -500", "pose"),
+        ("--dxf r.dxf --urdf taken.urdf", "taken.loops.json: cannot be written"),
+        ("--usd r.usda --design light.toml", "leg1_slider with its joints has 0 kg"),
+        ("--urdf r.urdf --design light.toml", "leg1_slider with its joints has 0 kg"),
+    ],
+)
+def test_nothing_is_written_of_what_cannot_be(words: str, place: str, capsys) -> None:
+    Path("taken.loops.json").mkdir()
+    save_design(APPENDIX_4.vary({"joints.j8": 0.0}), "light.toml")
+    check_refused("export", capsys, *words.split(), place=place)

@@ -17,8 +17,9 @@ from scipy.spatial import cKDTree
 from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.engines.poses import joint_values
+from paminsa_viz.files.archives import zipped
 from paminsa_viz.meshes import assemble_glb
-from paminsa_viz.meshes.robot_files import robot_files, zipped
+from paminsa_viz.meshes.robot_files import robot_files
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, inverse_kinematics
 from paminsa_viz.model.parameters import Counterweight
 from tests.support import samples
@@ -168,8 +169,8 @@ def test_every_mesh_is_named_and_used_and_bars_have_the_colors_of_their_legs(
 
 
 def test_a_zip_holds_all_in_one_folder_and_repeats(files: dict[str, bytes]) -> None:
-    packed = zipped(files)
-    assert packed == zipped(files_of())
+    packed = zipped(files, "robot")
+    assert packed == zipped(files_of(), "robot")
     with zipfile.ZipFile(io.BytesIO(packed)) as archive:
         assert archive.testzip() is None
         assert {n: archive.read(f"robot/{n}") for n in files} == files

@@ -11,6 +11,7 @@ from paminsa_viz.explorer.features.motion.simulation import SIMULATION
 from paminsa_viz.explorer.kit.downloads import File, file_name, plain
 from paminsa_viz.explorer.state.motion import FIGURES, SIMULATED
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.files.archives import zipped
 from paminsa_viz.files.tables import TABLE_FORMATS, DataTable, table_bytes
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.model import Configuration, Design, InvalidInput, inverse_kinematics
@@ -96,7 +97,7 @@ def mujoco_model(state: State, meshes: bool) -> File:
     """
     # Late, as the shapes are: they bring large libraries.
     from paminsa_viz.engines.exported import exported_mjcf
-    from paminsa_viz.meshes.robot_files import robot_files, zipped
+    from paminsa_viz.meshes.robot_files import robot_files
 
     design, configuration = _posed(state)
     text = exported_mjcf(design, pose=configuration.pose.tolist())

@@ -1,0 +1,76 @@
+"""The URDF in Pinocchio's reader: bodies where the robot's are, and loops that the table closes."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.engines.mechanism import build_mechanism
+from paminsa_viz.engines.poses import start_values, world_frames
+from paminsa_viz.engines.urdf import closure_table, urdf_text
+from paminsa_viz.model.design import APPENDIX_4, Design
+from tests.support import samples
+
+EACH = samples.each_robot((7,))
+
+
+def read(pin: Any, design: Design, pose: Any) -> tuple[Any, Any]:
+    """Let Pinocchio read the file and place the links; mimicking joints get no value of ours."""
+    model = pin.buildModelFromXML(urdf_text(design), mimic=True)
+    values = start_values(design, pose)
+    q = pin.neutral(model)
+    for name, joint in zip(model.names, model.joints, strict=True):
+        if name == "universe" or joint.shortname() == "JointModelMimic":
+            continue
+        value = values[name]
+        turns = joint.nq == 2  # a continuous joint
+        q[joint.idx_q : joint.idx_q + joint.nq] = (
+            [np.cos(value), np.sin(value)] if turns else [value]
+        )
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    return model, data
+
+
+@EACH
+def test_a_foreign_reader_places_all_links_and_closes_the_loops(design: Design) -> None:
+    pin = pytest.importorskip("pinocchio", reason="pinocchio comes with the extra 'verify'")
+    table = closure_table(design)
+    whole = sum(part.mass for link in build_mechanism(design).links for part in link.parts)
+    for pose in samples.random_poses(np.random.default_rng(5), design, 4):
+        model, data = read(pin, design, pose)
+        assert pin.computeTotalMass(model) == pytest.approx(whole)
+        wanted = world_frames(build_mechanism(design), start_values(design, pose))
+
+        def frame(name: str, model: Any = model, data: Any = data) -> Any:
+            return data.oMf[model.getFrameId(name, pin.FrameType.BODY)]
+
+        for name, (place, turn) in wanted.items():
+            np.testing.assert_allclose(frame(name).translation, place, atol=1e-12, err_msg=name)
+            np.testing.assert_allclose(frame(name).rotation, turn.as_matrix(), atol=1e-12)
+        assert len(table["closures"]) == 12
+        for closure in table["closures"]:
+            first, second = (
+                frame(link).act(np.array(point))
+                for link, point in zip(closure["links"], closure["points"], strict=True)
+            )
+            np.testing.assert_allclose(first, second, atol=1e-12, err_msg=closure["name"])
+
+
+def test_parallel_bars_are_mimicked() -> None:
+    robot = ET.fromstring(urdf_text(APPENDIX_4))
+    mimics = {
+        joint.attrib["name"]: (mimic.attrib["joint"], float(mimic.attrib["multiplier"]))
+        for joint in robot.iter("joint")
+        if (mimic := joint.find("mimic")) is not None
+    }
+    assert mimics == {
+        f"leg{leg}_{bar}": (f"leg{leg}_bar4", factor)
+        for leg in (1, 2, 3)
+        for bar, factor in (("bar7", 1.0), ("bar3", -1.0))
+    }
+    mimicked = [c["name"] for c in closure_table(APPENDIX_4)["closures"] if c["by_mimic"]]
+    assert mimicked == ["leg1_pin7", "leg2_pin7", "leg3_pin7"]
