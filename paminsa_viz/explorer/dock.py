@@ -63,7 +63,8 @@ class MapsPanel:
         panel.set_width(width)
         if self._folded:
             panel.minimize()
-        session.bridge.on("hello", lambda _: session.submit(self._fit))  # one that comes late
+        for kind in ("hello", "window"):  # one that comes late, or another size
+            session.bridge.on(kind, lambda _: session.submit(self._fit))
         session.bridge.on("click", self._click)
         session.bridge.on(motion_points.DRAW, partial(motion_points.receive_switch, session))
 
@@ -82,7 +83,7 @@ class MapsPanel:
         if folded != self._folded:
             (self._panel.minimize if folded else self._panel.expand)()
         self._folded = folded
-        self._session.bridge.call("whole")
+        self._session.bridge.call("whole", self._session.window[0], folded)
 
     def _click(self, data: Any) -> None:
         """Move the robot to where a map was clicked, or draw; ``data`` comes from the page."""

@@ -14,7 +14,7 @@ from paminsa_viz.explorer.browser.bridge import finite
 from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, style_html
 from paminsa_viz.explorer.browser.tour import offer_tour
 from paminsa_viz.explorer.core import actions, tab_store
-from paminsa_viz.explorer.core.docks import keep_docks, restore_right
+from paminsa_viz.explorer.core.docks import fit_right, keep_docks
 from paminsa_viz.explorer.core.frame import Health, compute
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.synthesis.actions import previewed
@@ -24,7 +24,7 @@ from paminsa_viz.explorer.scene.build import build_views
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.stiffness import MODE_NODE
-from paminsa_viz.explorer.strip import STRIP
+from paminsa_viz.explorer.strip import STRIP, restartable
 from paminsa_viz.explorer.tabs import TABS, build_rest, fill
 from paminsa_viz.model import Design
 from paminsa_viz.quantities.requirements import Requirements
@@ -85,7 +85,7 @@ def build(
         from paminsa_viz.explorer.scene.cameras import fit, follow_resizes, look
 
         if session.immediate:
-            fit(session)  # the page has said only now how large it is
+            fit(session)  # the page has said only now how large it is, or another size
             return
         look(session, "3D")
         follow_resizes(session)
@@ -106,9 +106,14 @@ def build(
             session.dispatch(
                 "restore", lambda state: tab_store.take(state, saved, opening), step=False
             )
-            session.submit(announce_offer)
+            session.submit(announce)
 
-    def announce_offer() -> None:
+    def announce() -> None:
+        if restartable(session.state):
+            session.notify(
+                "A search was ended by the reload",
+                "What is set was kept. Above the tabs it can be started again.",
+            )
         if session.state.offered:
             session.notify(
                 "This tab has kept another state",
@@ -127,6 +132,8 @@ def build(
         match found:
             case [float(width), float(height)] if min(width, height) >= 1:
                 session.set_window(width, height)
+                if session.immediate:  # after the view has told of its own pixels
+                    session.submit(build_robot)
 
     def take_tabs(names: object) -> None:
         if isinstance(names, list):
@@ -135,9 +142,12 @@ def build(
 
     keep_docks(session)
     bridge.on("window", take_window)
+    bridge.on("window", lambda _: session.submit(lambda: fit_right(session)))
     bridge.on("tabs", take_tabs)
+    bridge.on("undo", lambda _: session.undo())
+    bridge.on("redo", lambda _: session.redo())
     bridge.on("hello", restore)
-    bridge.on("hello", lambda _: session.submit(lambda: restore_right(session)))
+    bridge.on("hello", lambda _: session.submit(lambda: fit_right(session)))
     bridge.on("hello", lambda _: session.submit(build_robot))
     bridge.on("late", lambda _: session.submit(build_robot))
     bridge.on("late", lambda _: session.submit(complete))

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
+
 from paminsa_viz.explorer.core import tab_store
+from paminsa_viz.explorer.core.actions import Action
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.saved_requirements import asked
 from paminsa_viz.explorer.features.pose.tab import (
@@ -11,9 +15,11 @@ from paminsa_viz.explorer.features.pose.tab import (
     status_html,
     summary_html,
 )
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Html
+from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Html
 from paminsa_viz.explorer.kit.robot_texts import of_pose
+from paminsa_viz.explorer.kit.text import note
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.units import fixed
 
 
 def requirements_html(state: State) -> str:
@@ -25,11 +31,59 @@ def requirements_html(state: State) -> str:
     return requirements_text.strip_html(state)
 
 
+def springs_html(frame: Frame) -> str:
+    """Return the torques with the springs that were fitted, or nothing without any."""
+    if frame.state.springing.result is None:
+        return ""
+    from paminsa_viz.explorer.features.springs.actions import relieved  # loads SciPy
+
+    held = relieved(frame.state, frame.torques)
+    if held is None:
+        return ""
+    torques = ", ".join(fixed(float(value), 3) for value in held[:3])
+    text = f"With the springs: τ₁ to τ₃ {torques} N·m, F₄ {fixed(float(held[3]), 2)} N"
+    return note("with-springs", text)
+
+
 def strip_html(frame: Frame) -> str:
     """Return what is seen above all tabs."""
     numbers = of_pose(frame, actuators_html(frame), summary_html(frame))
-    parts = (status_html(frame), pose_line_html(frame), numbers, requirements_html(frame.state))
+    parts = (
+        status_html(frame), pose_line_html(frame), numbers, springs_html(frame),
+        requirements_html(frame.state),
+    )  # fmt: skip
     return f'<div class="pv-strip">{"".join(parts)}</div>'
+
+
+def restartable(state: State) -> dict[str, Effect]:
+    """Return a button for each task that a reload has ended, and one to leave them."""
+    if not state.ended:
+        return {}
+    # Late: it loads SciPy.
+    from paminsa_viz.explorer.features.balance.actions import OPTIMUM
+    from paminsa_viz.explorer.features.requirements.actions import LARGEST
+    from paminsa_viz.explorer.features.synthesis.actions import SEARCH
+    from paminsa_viz.explorer.features.synthesis.actions import start as search
+
+    tasks: dict[str, tuple[str, Action]] = {
+        SEARCH.place.path: ("Search for a robot", search),
+        LARGEST.place.path: ("Largest workspace", LARGEST.start),
+        OPTIMUM.place.path: ("Balance", OPTIMUM.start),
+    }
+    found: dict[str, Effect] = {
+        label: partial(_again, start=start)
+        for path, (label, start) in tasks.items()
+        if path in state.ended
+    }
+    return {**found, "Leave it": _leave} if found else {}
+
+
+def _leave(state: State) -> State:
+    return replace(state, ended=())
+
+
+def _again(state: State, start: Action) -> State:
+    return _leave(start(state))
 
 
 STRIP = (
@@ -39,5 +93,9 @@ STRIP = (
         choices={"Open it": tab_store.open_offered, "Leave it": tab_store.drop_offered},
         visible=lambda state: bool(state.offered),
         hint="What this tab has kept from before its reload; opening it can be undone",
+    ),
+    ButtonGroup(
+        "ended", "Ended by reload", choices=restartable,
+        hint="Starts again, from its beginning, what ran when the page was loaded again",
     ),
 )  # fmt: skip

@@ -175,5 +175,5 @@ def build_rest(session: Session, places: Mapping[str, Any], context: SceneContex
         with places[tab.name]:
             (session.fast if tab.fast else late).append(fill(session, tab))
     floor = build_views(replace(context, maps=maps.store, legend=maps.legend), animated=False)
-    session.deferred += [maps, *floor, maps.legend, *late, TabStore(session.bridge)]
+    session.deferred += [maps, *floor, maps.legend, *late, TabStore(session)]
     register_commands(session)

@@ -27,7 +27,7 @@ _LENGTH, _ANGLE = "m:um", "rad:arcsec"
 _TILT = ("tilt", "tilt", "the platform's tilt", _ANGLE, "tilt")
 _PLACES: tuple[tuple[str, str, str, str, int | str], ...] = (
     ("x", "x", "x", _LENGTH, 0), ("y", "y", "y", _LENGTH, 1),
-    ("horizontal", "xy", "the position in the plane", _LENGTH, "horizontal"),
+    ("horizontal", "position", "the position in x and y", _LENGTH, "horizontal"),
     ("z", "z", "z", _LENGTH, 3), ("theta", "θ", "θ", _ANGLE, 2),
 )  # fmt: skip
 """Key, symbol, name, unit, and place in a pose, or the name of what combines several."""

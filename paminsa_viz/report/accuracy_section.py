@@ -45,7 +45,7 @@ def drive_blocks(here: DriveErrors, over: RegionResults) -> list[Block]:
     region, errors = over.region, region_errors(over)
     at, wide = [], []
     for row, rows in zip(error_rows(here), errors.rows, strict=True):
-        name = "in the plane" if row.name == "xy" else row.name
+        name = "position" if row.name == "xy" else row.name
         known = (row.worst[0], row.linear[0], row.rms[0])
         spread = (*statistics(rows.worst), statistics(rows.linear)[0], statistics(rows.rms)[0])
         for values, found in ((known, at), (spread, wide)):

@@ -32,6 +32,9 @@ HELLO_TIMEOUT = 60.0
 """How long the page is waited for before it is built without knowing its size and what it has kept
 [s]; what it says later is taken all the same."""
 
+FOLDED_DOCK = 60
+"""A dock that covers less of the window than this is folded [px]."""
+
 MISSING_AFTER = 10.0
 """How long a name of viser may be missing in a page until it is reported [s]."""
 
@@ -88,6 +91,7 @@ class Bridge:
                 "storeKey": STORE_KEY,
                 "title": TITLE,
                 "missingAfter": MISSING_AFTER,
+                "foldedDock": FOLDED_DOCK,
             }
         except AttributeError as error:
             _report_missing([f"messages from the page ({error})"])

@@ -60,6 +60,8 @@
     [".pv-heading", 1, "heading"],
     [".pv-export", 2, "export"],
     [".pv-layers", 1, "hidden"],
+    [".pv-button-row", 1, "hidden"],
+    [".pv-button-row", 2, "button-row"],
     [".pv-layers", 2, "layers"],
     [".pv-map-caption", 1, "map-caption"],
     [".pv-map-markers", 1, "map-markers"],

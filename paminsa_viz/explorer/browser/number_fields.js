@@ -244,6 +244,8 @@
     event.preventDefault();
   };
 
+  const isUndo = ({ key, ctrlKey, metaKey, altKey }) =>
+    (ctrlKey || metaKey) && !altKey && ["z", "y"].includes(key.toLowerCase());
   const KEYS = {
     Enter: () => { commit(); edit.field.select(); },
     Escape: () => { close(); edit.field.select(); },
@@ -284,6 +286,13 @@
       if (orphan) return typeOrphan(event);
       if (edit?.field !== event.target || event.isComposing || event.key === "Tab") return;
       const erases = event.key === "Backspace" || event.key === "Delete";
+      if (isUndo(event) && !edit.dirty) {
+        // The browser has nothing to undo in a box whose number was taken: the page has.
+        event.preventDefault();
+        event.stopPropagation();
+        window.paminsa?.send(event.shiftKey || event.key.toLowerCase() === "y" ? "redo" : "undo", null);
+        return;
+      }
       if ((event.ctrlKey || event.metaKey) && !erases) return;
       event.stopPropagation();
       if (!KEYS[event.key]) return;
@@ -311,5 +320,7 @@
     document.addEventListener(kind, handle, { capture: true });
 
   const works = () => Boolean(placeOf(document.querySelector(BOX)));
-  window.paminsaNumberFields = { works, parse };
+  /** Whether the server is there; undefined as long as there has been no box to know it from. */
+  const connected = () => viewer ? viewer.useGui.get().websocketState === "connected" : undefined;
+  window.paminsaNumberFields = { works, parse, connected };
 })();

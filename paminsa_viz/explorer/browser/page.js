@@ -50,6 +50,7 @@
   retry(() => sendSize() && send("hello", saved), 50);
   let resized = 0;
   window.addEventListener("resize", () => {
+    isWhole = false; // till the server has fitted the docks: their widths are no person's
     clearTimeout(resized);
     resized = setTimeout(sendSize, 200);
   }, { signal: stopped.signal });
@@ -81,10 +82,21 @@
   };
 
   // --- open tabs: only they follow a drag, and a reload opens them again ---------------------
+  // A tab is known by its path, such as "Accuracy/Drives": inner tabs may have the same name.
   const tabsKey = `${config.storeKey}_tabs`;
   const tabs = () => [...document.querySelectorAll('[role="tab"]')];
   const isOpen = (tab) => tab.getAttribute("aria-selected") === "true";
   const nameOf = (tab) => tab.textContent.trim();
+  const OPEN_BESIDE = ':scope > [role="tablist"] > [role="tab"][aria-selected="true"]';
+  const pathOf = (tab) => {
+    const names = [nameOf(tab)];
+    let box = tab.closest('[role="tablist"]')?.parentElement?.parentElement;
+    for (; box; box = box.parentElement) {
+      const around = box.querySelector(OPEN_BESIDE);
+      if (around) names.unshift(nameOf(around));
+    }
+    return names.join("/");
+  };
   let wanted = [];
   try {
     wanted = JSON.parse(sessionStorage.getItem(tabsKey) || "[]");
@@ -93,23 +105,34 @@
   }
   let attempts = 50; // once the page is whole: a tab that is no more is not waited for
   let reportedTabs = "";
-  every(200, () => {
-    const open = tabs().filter(isOpen);
-    const seen = open.filter((tab) => tab.getClientRects().length).map(nameOf);
+  const followTabs = () => {
+    const paths = new Map(tabs().map((tab) => [tab, pathOf(tab)]));
+    const open = [...paths.keys()].filter(isOpen);
+    const seen = open.filter((tab) => tab.getClientRects().length).map((tab) => paths.get(tab));
     if (String(seen) !== reportedTabs && send("tabs", seen)) reportedTabs = String(seen);
-    const found = tabs().filter((tab) => wanted.includes(nameOf(tab)));
+    const found = [...paths.keys()].filter((tab) => wanted.includes(paths.get(tab)));
     for (const tab of found.filter((each) => !isOpen(each)))
       tab.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", bubbles: true }));
-    wanted = wanted.filter((name) => !found.some((tab) => nameOf(tab) === name && isOpen(tab)));
+    const opened = new Set(found.filter(isOpen).map((tab) => paths.get(tab)));
+    wanted = wanted.filter((path) => !opened.has(path));
     if (wanted.length && (!isWhole || --attempts > 0)) return;
     wanted = [];
-    const names = JSON.stringify(open.map(nameOf));
+    const kept = JSON.stringify(open.map((tab) => paths.get(tab)));
     try {
-      if (names !== sessionStorage.getItem(tabsKey)) sessionStorage.setItem(tabsKey, names);
+      if (kept !== sessionStorage.getItem(tabsKey)) sessionStorage.setItem(tabsKey, kept);
     } catch (error) {
       console.warn(error);
     }
-  });
+  };
+  every(200, followTabs);
+  // Opens a tab by its path, and those around it before.
+  const openTab = (path) => {
+    const names = path.split("/");
+    const around = names.map((_, index) => names.slice(0, index + 1).join("/"));
+    wanted = [...wanted.filter((each) => !around.includes(each)), ...around];
+    attempts = 50;
+    followTabs();
+  };
 
   // --- docks: how wide they are, kept for a reload ------------------------------------------
   let docks = "";
@@ -117,7 +140,9 @@
   every(400, () => {
     const place = viewer().canvas?.getBoundingClientRect();
     if (!place) return;
-    const widths = { left: place.left, right: window.innerWidth - place.right };
+    const widths = {
+      left: place.left, right: window.innerWidth - place.right, window: window.innerWidth,
+    };
     const now = JSON.stringify(widths);
     const steady = now === docks; // not while one is dragged
     docks = now;
@@ -125,11 +150,19 @@
     if (steady && !known && send("docks", widths)) reportedDocks = now;
   });
   // All of the page has been sent, with docks as wide as they are to be: from now on another width
-  // is a person's.
-  const whole = () => {
-    isWhole = true;
-    docks = "";
-    reportedDocks = "";
+  // is a person's. A busy browser may be late to fold one, which is waited for.
+  const whole = (width, folded) => {
+    let left = 100;
+    retry(() => {
+      if (width && width !== window.innerWidth) return true; // meanwhile it has another size
+      const edge = viewer().canvas?.getBoundingClientRect().left;
+      const isFolded = edge < config.foldedDock;
+      if (folded !== undefined && edge !== undefined && isFolded !== folded && --left > 0) return false;
+      isWhole = true;
+      docks = "";
+      reportedDocks = "";
+      return true;
+    }, 100);
   };
 
   // --- title --------------------------------------------------------------------------------
@@ -138,21 +171,24 @@
   };
 
   // --- clicks on Plotly figures -------------------------------------------------------------
-  // By the place of the pointer and not by the page's own click: while a figure is pressed,
-  // Plotly lays a cover over the window.
-  const plotAt = (place) =>
-    document.elementsFromPoint(...place).map((element) => element.closest(".js-plotly-plot"))
-      .find((figure) => figure?._fullLayout?._plots);
+  // A press counts if the figure itself is under the pointer, not what lies over it. Where it is let
+  // go says nothing: while a figure is pressed, Plotly lays a cover over the window.
+  const plotOf = (element) => {
+    const plot = element.closest?.(".js-plotly-plot");
+    return plot?._fullLayout?._plots ? plot : null;
+  };
   let pressed = null;
   const onPointer = (event) => {
     const place = [event.clientX, event.clientY];
-    const plot = plotAt(place);
     if (event.type === "pointerdown") {
-      pressed = event.button === 0 && plot ? place : null;
+      const plot = event.button === 0 ? plotOf(event.target) : null;
+      pressed = plot && { plot, place };
       return;
     }
-    const still = pressed && Math.hypot(place[0] - pressed[0], place[1] - pressed[1]) <= 4;
-    if (!plot || !still) return;
+    if (!pressed) return;
+    const { plot, place: start } = pressed;
+    pressed = null;
+    if (Math.hypot(place[0] - start[0], place[1] - start[1]) > 4) return;
     const box = plot.getBoundingClientRect();
     for (const { xaxis, yaxis } of Object.values(plot._fullLayout._plots)) {
       const x = place[0] - box.left - xaxis._offset;
@@ -275,6 +311,30 @@
     };
   };
 
+  // --- a server that does not answer --------------------------------------------------------
+  // viser only dims the page. Short breaks are none: it connects again by itself.
+  const LOST_AFTER = 3000;
+  let lostSince = 0;
+  let lost = null;
+  every(500, () => {
+    const connected = window.paminsaNumberFields?.connected();
+    if (connected !== false) {
+      lostSince = 0;
+      lost?.remove();
+      lost = null;
+      return;
+    }
+    lostSince ||= performance.now();
+    if (lost || performance.now() - lostSince < LOST_AFTER) return;
+    lost = document.createElement("div");
+    lost.className = "pv-lost";
+    lost.setAttribute("role", "alert");
+    lost.dataset.testid = "lost";
+    lost.textContent = "paminsa-viz does not answer: it was stopped, or the connection is lost. "
+      + "The page goes on by itself once it runs again; what is set is kept in this tab.";
+    document.body.append(lost);
+  });
+
   // --- self-test ----------------------------------------------------------------------------
   // A name that stays missing for long is reported; `UNKNOWN`: nothing here can tell yet.
   const UNKNOWN = Symbol("unknown");
@@ -307,13 +367,14 @@
 
   const stop = () => {
     stopped.abort();
+    lost?.remove();
     timers.forEach(clearInterval);
   };
   const tour = (steps, again) => window.paminsaTour?.(steps, again);
   const copy = (what, text) => window.paminsaClipboard?.give(what, text);
   const releaseTheme = () => window.paminsaFirstPaint?.release();
   window.paminsa = {
-    stop, whole, tour, copy, send, save, setTitle, showTime, showLegend, renderOnDemand,
+    stop, whole, tour, copy, send, save, openTab, setTitle, showTime, showLegend, renderOnDemand,
     releaseTheme,
   };
 }

@@ -68,13 +68,14 @@ def over_backdrop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 CONTROLS_WIDTH = 380
 """Width of the control panel [px]; fits labels and numbers at a laptop's 1280 px."""
-FOLD_BELOW = 1000
+FOLD_BELOW = 1200
 """Width of a window without room for the dock [px]; it is folded at the start."""
-WIDEST, NARROWEST = 840, 460
+WIDEST, NARROWEST = 840, 380
 """Width of the dock at the start [px]."""
-VIEW_WIDTH = 420
-"""Least width of the 3D view next to the dock [px]; the robot is tall and narrow."""
-SHARE = 0.42
+VIEW_SHARE = 0.46
+"""Least share of the window's width that the 3D view has, with the docks' edges, in windows of
+1400 px and more."""
+SHARE = 0.34
 """Largest share of the window's width that the dock takes at the start."""
 
 
@@ -84,7 +85,8 @@ def dock_width(window_width: float, window_height: float) -> int:
     Its maps are two side by side, above a third, and have to fit into the window's height.
     """
     by_height = 2 * ((window_height - 130) / 2 - 40) + 82
-    wanted = min(window_width - CONTROLS_WIDTH - VIEW_WIDTH, SHARE * window_width, by_height)
+    beside = (1 - VIEW_SHARE) * window_width - CONTROLS_WIDTH
+    wanted = min(beside, SHARE * window_width, by_height)
     return int(min(max(wanted, NARROWEST), WIDEST)) if math.isfinite(wanted) else NARROWEST
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from paminsa_viz.explorer.browser.bridge import finite
-from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, VIEW_WIDTH, dock_width, is_folded
+from paminsa_viz.explorer.browser.bridge import FOLDED_DOCK, finite
+from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, dock_width, is_folded
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.view import LARGEST_DOCK, Dock, Docks
@@ -13,16 +13,16 @@ from paminsa_viz.explorer.state.view import LARGEST_DOCK, Dock, Docks
 EDGE: Final = 4
 """Width of the edge that a dock is dragged by; it counts to what the dock covers [px]."""
 
-FOLDED: Final = 60
-"""A dock that covers less of the window than this is folded [px]."""
-
 ROUNDING: Final = 2
+
+LEAST_VIEW: Final = 210
+"""Width that docks as wide as a person has left them leave to the 3D view [px]."""
 
 
 def left_dock(state: State, window: tuple[float, float]) -> tuple[int, bool]:
     """Return width [px] and fold of the maps' dock for a window: as left, or as fits."""
     dock, width = state.docks.left, dock_width(*window)
-    if dock.width is not None and dock.width + CONTROLS_WIDTH + VIEW_WIDTH / 2 <= window[0]:
+    if dock.width is not None and dock.width + CONTROLS_WIDTH + LEAST_VIEW <= window[0]:
         width = dock.width
     return width, is_folded(window[0]) if dock.folded is None else dock.folded
 
@@ -30,7 +30,7 @@ def left_dock(state: State, window: tuple[float, float]) -> tuple[int, bool]:
 def right_dock(state: State, window: tuple[float, float]) -> tuple[int, bool]:
     """Return width [px] and fold of the tabs' dock for a window: as left, or the page's own."""
     dock, width = state.docks.right, CONTROLS_WIDTH
-    if dock.width is not None and dock.width + VIEW_WIDTH / 2 <= window[0]:
+    if dock.width is not None and dock.width + LEAST_VIEW <= window[0]:
         width = dock.width
     return width, bool(dock.folded)
 
@@ -43,7 +43,7 @@ def covered(dock: Dock, pixels: Any, own_width: float, own_fold: bool) -> Dock:
     width = finite(pixels)
     if width is None or not 1 < width <= LARGEST_DOCK:  # there is none yet
         return dock
-    folded = width < FOLDED
+    folded = width < FOLDED_DOCK
     if folded:
         return Dock(dock.width, None if own_fold else True)
     chosen = round(width - EDGE)
@@ -53,8 +53,8 @@ def covered(dock: Dock, pixels: Any, own_width: float, own_fold: bool) -> Dock:
 
 def as_reported(state: State, data: Any, window: tuple[float, float]) -> State:
     """Return the state with what the page says of its docks."""
-    if not isinstance(data, dict):
-        return state
+    if not isinstance(data, dict) or data.get("window", window[0]) != window[0]:
+        return state  # of a window that has another size by now
     left = covered(
         state.docks.left, data.get("left"), dock_width(*window), is_folded(window[0])
     )  # fmt: skip
@@ -76,11 +76,10 @@ def keep_docks(session: Session) -> None:
     session.bridge.on("docks", listen)
 
 
-def restore_right(session: Session) -> None:
-    """Give the tabs' dock the width it had, and fold it if it was folded."""
+def fit_right(session: Session) -> None:
+    """Give the tabs' dock the width it had, as far as the window has room for it, and its fold."""
     width, folded = right_dock(session.state, session.window)
     panel = session.client.gui.main_panel
-    if width != CONTROLS_WIDTH:
-        panel.set_width(width)
+    panel.set_width(width)
     if folded:
         panel.minimize()

@@ -24,7 +24,7 @@ from paminsa_viz.explorer.core.frame import Frame, compute
 from paminsa_viz.explorer.core.history import History, Snapshot
 from paminsa_viz.explorer.core.motion import advance_time
 from paminsa_viz.explorer.core.motion_results import MotionStore
-from paminsa_viz.explorer.state.state import State
+from paminsa_viz.explorer.state.state import State, Steps
 from paminsa_viz.model import PaminsaError
 
 log = logging.getLogger(__name__)
@@ -85,7 +85,7 @@ class Session:
         fast: Views drawn a moment after that: numbers and inputs.
         deferred: Views drawn last, in turns if new states come faster: maps and other figures.
         built: Set when all of the page is there.
-        window: Width and height of the browser's window at the start [px].
+        window: Width and height of the browser's window [px].
         camera: The camera preset chosen last, and its position [m].
         motions: What is known along the motion; for the worker alone.
         exporting: Held while a file is made for the tab.
@@ -161,13 +161,19 @@ class Session:
 
     def set_window(self, width: float, height: float) -> None:
         """Take the size of the window from the page, which knows its own pixels."""
-        if self._page_height is None:
-            self.window = (width, height)
-        self._page_height = height
+        self.window, self._page_height = (width, height), height
 
     def shows(self, tab: str) -> bool:
         """Whether what is in a tab may be seen; without a name, it is in none."""
         return not tab or self.open_tabs is None or tab in self.open_tabs
+
+    def open_tab(self, path: str) -> None:
+        """Open a tab of the page, so that what a person has asked for is seen.
+
+        Args:
+            path: Its name, after those of the tabs it lies in: ``"Accuracy/Drives"``.
+        """
+        self.bridge.call("openTab", path)
 
     def dispatch(
         self,
@@ -253,6 +259,7 @@ class Session:
         if found is not None:
             restored = actions.restore(self._state, found.document)
             self._state = replace(restored, condition_limit=found.condition_limit)
+            self._state = self._with_steps(self._state)
 
     def _run(self) -> None:
         idle_due: float | None = None
@@ -299,6 +306,12 @@ class Session:
         if step:
             after = Snapshot.of(self._state)
             self._history.record(Snapshot.of(before), after, source, time.monotonic())
+        self._state = self._with_steps(self._state)
+
+    def _with_steps(self, state: State) -> State:
+        """Return the state with what can be undone and redone by now."""
+        steps = Steps(bool(self._history.past), bool(self._history.future))
+        return state if state.steps == steps else replace(state, steps=steps)
 
     def _play_on(self) -> None:
         """Let a motion that is played move on by the time that has passed.

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import json
 import logging
+import math
 import sys
+import time
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
 from operator import attrgetter
@@ -16,10 +18,11 @@ from typing import Annotated, Any
 
 import msgspec
 
-from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.core import actions, persistence
 from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.state.layers import LAYERS
+from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.settings import Settings
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.view import Appearance
@@ -27,6 +30,23 @@ from paminsa_viz.files.plain_data import parse_json
 from paminsa_viz.model import PaminsaError
 
 log = logging.getLogger(__name__)
+
+
+SAVE_PERIOD = 2.0
+"""How long a change may stay unsaved while a search runs or a motion is played [s]."""
+
+MOST_ENDED = 20
+"""Most ended tasks that are believed."""
+
+
+def running_tasks(part: Any, path: str = "") -> Iterator[str]:
+    """Yield the places of the tasks that run in a part of the state."""
+    for item in fields(part):
+        value, place = getattr(part, item.name), f"{path}{item.name}"
+        if isinstance(value, TaskState):
+            if value.running is not None:
+                yield place
+            yield from running_tasks(value, f"{place}.")
 
 
 def _settings(part: Any, path: str = "") -> Iterator[tuple[str, type[Settings]]]:
@@ -49,6 +69,7 @@ VIEW: dict[str, Any] = {
     "table_at_rest": bool,
     "appearance": Appearance,
     "offered": Annotated[str, msgspec.Meta(max_length=LONGEST_OFFER)],
+    "ended": Annotated[tuple[str, ...], msgspec.Meta(max_length=MOST_ENDED)],
     **dict(_settings(initial_state())),
 }
 """Parts of the state that say how it is shown or what is set, and their types."""
@@ -57,6 +78,9 @@ VIEW: dict[str, Any] = {
 def dump(state: State) -> str:
     """Write what a tab keeps of a state."""
     view = {}
+    # A reload ends what runs now.
+    ended = tuple(dict.fromkeys((*state.ended, *running_tasks(state))))[:MOST_ENDED]
+    state = replace(state, ended=ended)
     for name in VIEW:
         part = attrgetter(name)(state)
         view[name] = msgspec.to_builtins(part.saved if isinstance(part, Settings) else part)
@@ -113,7 +137,11 @@ def take(state: State, saved: str, opening: State) -> State:
 def _work(state: State) -> object:
     """Return what a person does of that which is kept: not what the page does by itself."""
     kept = json.loads(dump(state))
-    view = {name: part for name, part in kept["view"].items() if name not in ("docks", "offered")}
+    view = {
+        name: part
+        for name, part in kept["view"].items()
+        if name not in ("docks", "offered", "ended")
+    }
     view["layers"] = sorted(set(view["layers"]) - {"fine"})
     return kept | {"view": view}
 
@@ -129,18 +157,21 @@ def drop_offered(state: State) -> State:
 
 
 class TabStore:
-    """Keeps a tab's state in its own store, whenever the page is idle."""
+    """Keeps a tab's state in its own store: when the page is idle, and every `SAVE_PERIOD` when it
+    is not, as long as a search runs, a motion is played, or something is dragged."""
 
-    def __init__(self, bridge: Bridge) -> None:
-        self._bridge = bridge
-        self._kept = ""
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._kept, self._saved = "", -math.inf
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Save what has changed."""
-        # A search may show a robot that is not the document's.
-        if dragging or frame.state.synthesizing.running is not None:
+        del frame  # while a search runs it may be of a robot that is not the document's
+        now = time.monotonic()
+        if dragging and now - self._saved < SAVE_PERIOD:
             return
-        text = dump(frame.state)
+        self._saved = now
+        text = dump(self._session.state)
         if text != self._kept:
             self._kept = text
-            self._bridge.save(text)
+            self._session.bridge.save(text)

@@ -28,6 +28,7 @@ from paminsa_viz.explorer.kit.entries import (
     ProgressBar,
     Run,
     Tabs,
+    Then,
     Upload,
     Worker,
     given,
@@ -268,7 +269,10 @@ class Binding:
         return self._apply(value, state)  # raises again, and now the session notifies
 
     def _apply(self, value: Any, state: State) -> State:
-        return self._entry.apply(state, self._entry.parse(state, value))
+        parsed = self._entry.parse(state, value)
+        if self._entry.is_shown(state, value):
+            return state  # typed again: to and from the unit shown it may differ in the last digit
+        return self._entry.apply(state, parsed)
 
 
 class SliderBinding(Binding):
@@ -304,8 +308,20 @@ def perform(session: Session, key: str, effect: Effect, *, undo: bool = True) ->
         else:
             run = partial(session.guard, partial(effect.call, session))
             threading.Thread(target=run, name=f"paminsa-{key}", daemon=True).start()
+    elif isinstance(effect, Then):
+        follow_up = partial(_follow_up, session, effect)
+        session.dispatch(key, effect.action, step=undo, then=follow_up)
     else:
         session.dispatch(key, effect, step=undo)
+
+
+def _follow_up(session: Session, effect: Then) -> None:
+    """Show what an action has done."""
+    if effect.opens:
+        session.open_tab(effect.opens)
+    says = given(effect.says, session.state)
+    if says:
+        session.notify("Done", says)
 
 
 def same(a: Any, b: Any) -> bool:

@@ -43,7 +43,26 @@ class Run:
     at_once: bool = False
 
 
-Effect = Action | Run
+@dataclass(frozen=True)
+class Then:
+    """An action with what a person sees of it that is not beside its button.
+
+    Attributes:
+        action: The action.
+        says: What is said once it has been carried out, if anything.
+        opens: Path of the tab where it is seen, see `Session.open_tab`.
+    """
+
+    action: Action
+    says: Given[str] = ""
+    opens: str = ""
+
+    def __call__(self, state: State) -> State:
+        """Return the state after the action."""
+        return self.action(state)
+
+
+Effect = Action | Run | Then
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,14 @@ def decimals(step: float) -> int:
     return max(SPARE_DECIMALS - int(exact), LEAST_DECIMALS)
 
 
+def same_digits(a: Any, b: Any, places: int) -> bool:
+    """Whether two numbers are the same in a box with so many decimals."""
+    first, second = finite(a), finite(b)
+    return (
+        first is not None and second is not None and round(first, places) == round(second, places)
+    )
+
+
 def in_unit(ends: Range, unit: DisplayUnit) -> Range:
     """Return ends in SI in the unit shown."""
     low, high = (None if end is None else unit.from_si(end) for end in ends)
@@ -76,6 +84,11 @@ class Input(Entry, ABC):
     def shown(self, state: State) -> Any:
         """Return the value as the page has it."""
         return self.read(state)
+
+    def is_shown(self, state: State, value: Any) -> bool:
+        """Whether a number from the page is the one that its box shows already."""
+        del state, value
+        return False
 
     @abstractmethod
     def parse(self, state: State, value: Any) -> Any:
@@ -134,6 +147,9 @@ class Slider(Input):
     def shown(self, state: State) -> float:
         return self.unit.from_si(self.read(state))
 
+    def is_shown(self, state: State, value: Any) -> bool:
+        return same_digits(value, self.shown(state), decimals(self.step))
+
     def parse(self, state: State, value: Any) -> float:
         number = self.number(state, value, (None, None), PLAIN)
         if self.fit is None:
@@ -171,6 +187,9 @@ class Number(Input):
     def shown(self, state: State) -> float:
         return self.unit.from_si(self.read(state))
 
+    def is_shown(self, state: State, value: Any) -> bool:
+        return same_digits(value, self.shown(state), decimals(self.step))
+
     def parse(self, state: State, value: Any) -> float:
         return self.number(state, value, self.range, self.unit)
 
@@ -201,6 +220,13 @@ class Pair(Input):
     def shown(self, state: State) -> tuple[float, float]:
         first, second = (u.from_si(v) for u, v in zip(self.units, self.read(state), strict=True))
         return first, second
+
+    def is_shown(self, state: State, value: Any) -> bool:
+        places = decimals(given(self.step, state))
+        if self.precision is not None:
+            places = self.precision(state)
+        pairs = zip(value, self.shown(state), strict=True)
+        return all(same_digits(a, b, places) for a, b in pairs)
 
     def parse(self, state: State, value: Any) -> tuple[float, float]:
         if not isinstance(value, (tuple, list)) or len(value) != 2:

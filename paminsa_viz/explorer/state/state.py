@@ -31,6 +31,14 @@ from paminsa_viz.palette import DARK, LIGHT, Theme
 
 
 @dataclass(frozen=True)
+class Steps:
+    """Whether there is a step to undo, and one to redo."""
+
+    back: bool = False
+    forward: bool = False
+
+
+@dataclass(frozen=True)
 class State:
     """Everything one browser tab shows.
 
@@ -53,6 +61,8 @@ class State:
         browser_dark: Whether the browser asks for a dark one.
         docks: Widths of the page's docks.
         offered: What the tab has kept from before, if it came after something was set; else empty.
+        ended: Places of the tasks that a reload has ended, which can be started again.
+        steps: What can be undone and redone; no difference of two states.
     """
 
     document: Document
@@ -85,6 +95,8 @@ class State:
     browser_dark: bool = False
     docks: Docks = field(default_factory=Docks)
     offered: str = ""
+    ended: tuple[str, ...] = ()
+    steps: Steps = field(default=Steps(), compare=False)
 
     @property
     def theme(self) -> Theme:

@@ -55,3 +55,9 @@ def test_width_that_leaves_no_room_for_the_view_is_not_taken() -> None:
 )
 def test_page_that_sends_nonsense_changes_nothing(data: Any) -> None:
     assert docks.as_reported(STATE, data, WINDOW) is STATE
+
+
+def test_widths_in_a_window_of_another_size_say_nothing() -> None:
+    dragged = OWN | {"left": 504}
+    assert docks.as_reported(STATE, dragged | {"window": 900}, WINDOW) is STATE
+    assert docks.as_reported(STATE, dragged | {"window": 1400}, WINDOW).docks.left == Dock(500)

@@ -6,7 +6,8 @@ import json
 import math
 from dataclasses import replace
 from operator import attrgetter
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
@@ -19,7 +20,7 @@ from paminsa_viz.explorer.state.drives import DriveSettings
 from paminsa_viz.explorer.state.maps import MapView, RangeMode
 from paminsa_viz.explorer.state.settings import Settings
 from paminsa_viz.explorer.state.springs import SpringsFrom
-from paminsa_viz.explorer.state.state import initial_state
+from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.view import Dock, Docks
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.trajectory import PRESET, ControlMode
@@ -119,3 +120,37 @@ def test_unknown_layers_are_dropped_and_old_stores_are_read() -> None:
     assert tab_store.restore(initial_state(), json.dumps(data)).document == CHANGED.document
     with pytest.raises(PaminsaError):
         tab_store.restore(initial_state(), "{}")
+
+
+def test_running_tasks_are_kept_as_ended_by_a_reload() -> None:
+    state = initial_state()
+    running = state.updated("synthesizing", running=object())
+    found = tab_store.restore(state, tab_store.dump(running))
+    assert found.ended == ("synthesizing",)
+    assert found.synthesizing.running is None
+    assert tab_store.restore(state, tab_store.dump(state)).ended == ()
+
+
+class Saver:
+    """What the store needs of a session."""
+
+    def __init__(self, state: State) -> None:
+        self.state = state
+        self.saved: list[str] = []
+        self.bridge = SimpleNamespace(save=self.saved.append)
+
+
+def test_changes_are_saved_while_the_page_is_not_idle_but_not_with_every_frame(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = [0.0]
+    monkeypatch.setattr(tab_store.time, "monotonic", lambda: now[0])
+    session = Saver(initial_state())
+    store = tab_store.TabStore(cast(Any, session))
+    for step in range(50):
+        now[0] = 0.1 * step
+        session.state = session.state.updated("document", pose=(0.001 * step, 0.0, 0.0, -0.5))
+        store.draw(cast(Any, None), dragging=True)
+    assert len(session.saved) == 3  # at 0, 2 and 4 s
+    store.draw(cast(Any, None), dragging=False)
+    assert session.saved[-1] == tab_store.dump(session.state)

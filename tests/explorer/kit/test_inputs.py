@@ -31,6 +31,7 @@ from paminsa_viz.explorer.kit.inputs import (
     Pair,
     Slider,
     TextBox,
+    decimals,
     in_unit,
 )
 from paminsa_viz.explorer.state.motion import Kind
@@ -295,3 +296,19 @@ def test_input_is_set_back_after_a_refused_value(
     eventually(lambda: session.client.notices)
     eventually(lambda: handle.value == 0.0)
     assert len(session.client.notices) == 1
+
+
+def test_a_number_typed_again_as_it_is_shown_changes_nothing(server: viser.ViserServer) -> None:
+    path = "geometry.guide_link_length"
+    entry = next(e for e in inputs_in(TAB["Design"]) if e.key == f"design.{path}")
+    assert isinstance(entry, Slider)
+    with desk_with(server, [entry]) as desk:
+        for value in (0.3635, 0.1 + 0.2, 1 / 3):  # not the number shown, in meters, to the last bit
+            desk.dispatch(lambda s, v=value: actions.vary(s, {path: v}))
+            desk.until(lambda: desk.handle(entry.key).value == entry.shown(desk.state))
+            before = desk.state.document.design
+            desk.set(entry.key, round(desk.handle(entry.key).value, decimals(entry.step)))
+            desk.dispatch(lambda s: s)
+            assert desk.state.document.design == before
+            desk.set(entry.key, 300.25)
+            desk.until(lambda b=before: desk.state.document.design != b)

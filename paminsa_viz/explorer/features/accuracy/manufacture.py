@@ -43,9 +43,7 @@ def tolerances_html(frame: Frame) -> str:
     found = _tolerance_errors(*shown_lengths(frame))
     columns = (found.worst, found.clearance, found.rms)
     rows = [error_row(NAMES[i], UNITS[i], *(part[i] for part in columns)) for i in SHOWN]
-    rows.insert(
-        2, error_row("in the plane", "m:um", found.horizontal, np.nan, found.rms_horizontal)
-    )
+    rows.insert(2, error_row("position", "m:um", found.horizontal, np.nan, found.rms_horizontal))
     rows.append(error_row("tilt", "rad:arcsec", found.tilt, np.nan, found.rms_tilt))
     return render("accuracy/errors.j2", rows=rows, known=bool(np.isfinite(found.worst).all()))
 

@@ -11,7 +11,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.maps import choose_quantity
 from paminsa_viz.explorer.features.accuracy.layers import no_bound, shown_errors
 from paminsa_viz.explorer.features.accuracy.manufacture import MANUFACTURE, error_slider
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Folder, Html, Tabs
+from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Folder, Html, Tabs, Then
 from paminsa_viz.explorer.kit.inputs import Slider
 from paminsa_viz.explorer.kit.setting_inputs import layer_switch
 from paminsa_viz.explorer.kit.text import render
@@ -21,9 +21,9 @@ from paminsa_viz.studies.drive_accuracy import error_rows
 from paminsa_viz.units import display_unit
 
 MAPS = {
-    "in the plane": "error_horizontal",
+    "position": "error_horizontal",
     "θ": "error_theta",
-    "linear, plane": "linear_error_horizontal",
+    "linear, position": "linear_error_horizontal",
 }
 """What the buttons show on the single map."""
 
@@ -66,7 +66,10 @@ DRIVES_ACCURACY = (
     ),
     ButtonGroup(
         "accuracy.map", "Single map",
-        choices={label: partial(choose_quantity, quantity=key) for label, key in MAPS.items()},
+        choices={
+            label: Then(partial(choose_quantity, quantity=key), opens="Single map")
+            for label, key in MAPS.items()
+        },
         hint="What the single map and the floor show; the family “accuracy” has more",
     ),
     Folder(

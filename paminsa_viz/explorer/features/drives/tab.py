@@ -27,9 +27,10 @@ from paminsa_viz.explorer.kit.entries import (
     Effect,
     Folder,
     Html,
+    Then,
     Upload,
 )
-from paminsa_viz.explorer.kit.inputs import Dropdown, attribute
+from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, attribute
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.kit.text import note, render
@@ -209,11 +210,11 @@ def _choices(state: State) -> dict[str, Effect]:
     found: dict[str, Effect] = {}
     if state.driving.shown is not None:
         name = _name(state, state.driving.actuator)
-        found[f"Use for {name}"] = partial(choose, row=state.driving.row)
+        found[f"Use for {name}"] = Then(partial(choose, row=state.driving.row), _used)
     if _found(state):
-        found["First of each list"] = partial(choose, row=None)
+        found["First of each list"] = Then(partial(choose, row=None), _used)
     if any(state.document.design.drives):
-        found["Remove"] = partial(actions.change_design, drives=NO_DRIVES)
+        found["Remove"] = Then(partial(actions.change_design, drives=NO_DRIVES), _used)
     return found
 
 
@@ -231,11 +232,38 @@ def problem_html(frame: Frame) -> str:
     return note("drives-problem", problem) if problem else ""
 
 
+USUAL_RATIO = 10.0
+"""Limit of the ratio of inertias that is offered first; many drives' makers advise it."""
+
+
+def _limits_ratio(state: State) -> bool:
+    return state.driving.settings.inertia_ratio > 0
+
+
+def _used(state: State) -> str:
+    """Return which drives the design has."""
+    pairs = zip(ACTUATORS, state.document.design.drives, strict=True)
+    chosen = ", ".join(
+        f"{name} {drive.name or drive.summary}" for name, drive in pairs if drive is not None
+    )
+    return f"Drives of the design: {chosen or 'none'}. Undo goes back."
+
+
 _setting = SettingInputs("drives", "driving.settings", DriveSettings)
 
 DRIVES = (
     Html("drives.intro", content=intro_html, idle=True),
-    *map(_setting, ("order", "same", "inertia_ratio", "dwell", "count")),
+    *map(_setting, ("order", "same")),
+    Checkbox(
+        "drives.any_ratio", "Any inertia ratio",
+        hint="Of the robot over the motor, at the motor's shaft; otherwise it is limited",
+        read=lambda state: not _limits_ratio(state),
+        apply=lambda state, any_ratio: state.updated(
+            "driving.settings", inertia_ratio=0.0 if any_ratio else USUAL_RATIO
+        ),
+    ),
+    _setting("inertia_ratio", visible=_limits_ratio),
+    *map(_setting, ("dwell", "count")),
     ButtonGroup("drives.cycle", "Cycle", choices=_cycle_choices),
     Upload(
         "drives.upload", "Open a catalog…", receive=_open, icon=Icon.UPLOAD, mime_type=".csv",

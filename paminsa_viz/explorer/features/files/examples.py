@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -12,6 +13,12 @@ from paminsa_viz.explorer.state.springs import SpringSettings
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.example_designs import ExampleDesign, example_design
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.quantities.requirements import (
+    Requirement,
+    Requirements,
+    Workspace,
+    WorkspaceShape,
+)
 
 
 @dataclass(frozen=True)
@@ -23,6 +30,7 @@ class Example:
         label: What a person reads.
         note: What can be seen on it.
         design: The robot.
+        opens: Path of the tab where that is.
         prepare: What else of the state it changes, once the design is open.
     """
 
@@ -30,6 +38,7 @@ class Example:
     label: str
     note: str
     design: ExampleDesign
+    opens: str
     prepare: Callable[[State], State] = lambda state: state
 
 
@@ -37,36 +46,66 @@ def _with_springs(state: State) -> State:
     return springs.FIT.start(state.updated("springing", settings=SpringSettings()))
 
 
+CYLINDER = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.2), (0.0, 0.0, -0.599))
+"""What the compact robot was searched for: ``assets/make_designs.py`` [m]."""
+
+
+def _in_cylinder(state: State) -> State:
+    """Ask for what the compact robot was searched for, at the middle of its cylinder."""
+    turn = math.radians(30)
+    bounds = (
+        Requirement("condition", high=10.0),
+        Requirement("reach_margin", low=0.01),
+        Requirement("clearance", low=0.005),
+    )
+    required = Requirements(bounds, (-turn, turn), CYLINDER)
+    asked = actions.change_document(state, requirements=required)
+    x, y, z = (float(place or 0.0) for place in CYLINDER.center)
+    return actions.move(asked, x=x, y=y, theta=0.0, z=z)
+
+
 EXAMPLES: tuple[Example, ...] = (
     Example(
         "appendix-4", "Appendix 4", "The paper's prototype: gravity loads M1 to M3.",
-        ExampleDesign.APPENDIX_4,
+        ExampleDesign.APPENDIX_4, "Pose",
     ),
     Example(
         "masses", "Balanced by masses",
         "The least added mass for M_p2 = 0: no torque of M1 to M3 at rest, anywhere.",
-        ExampleDesign.BALANCED,
+        ExampleDesign.BALANCED, "Balance",
     ),
     Example(
         "springs", "Balanced by springs",
-        "Appendix 4, and a spring of free length zero on each leg, fitted in the tab Balance, "
-        "folder Springs.",
-        ExampleDesign.APPENDIX_4, _with_springs,
+        "Appendix 4, and a spring of free length zero on each leg. They are fitted next to the "
+        "design, which stays unbalanced without them; torques with them are above the tabs.",
+        ExampleDesign.APPENDIX_4, "Balance", _with_springs,
     ),
     Example(
         "payload", "Heavy payload",
         "10 kg on the balanced robot: only M4 holds it at rest. Drives are chosen for the preset "
         "motion, see the tabs Motion and Drives.",
-        ExampleDesign.PAYLOAD, lambda state: motions.choose_preset(state, "paper-like"),
+        ExampleDesign.PAYLOAD, "Drives", lambda state: motions.choose_preset(state, "paper-like"),
     ),
     Example(
         "compact", "Compact robot",
         "Lengths by global search for a cylinder of r 100 mm and 200 mm height with θ ± 30°: "
-        "0.48 m of footprint radius, Appendix 4 has 0.73 m.",
-        ExampleDesign.COMPACT,
+        "0.48 m of footprint radius, Appendix 4 has 0.73 m. It opens with that as requirements.",
+        ExampleDesign.COMPACT, "Requirements", _in_cylinder,
     ),
 )  # fmt: skip
 """The gallery, in the order of the page."""
+
+
+def example_named(key: str) -> Example:
+    """Return an example by its key.
+
+    Raises:
+        InvalidInput: If there is none.
+    """
+    found = next((example for example in EXAMPLES if example.key == key), None)
+    if found is None:
+        raise InvalidInput("example", f"one of {', '.join(e.key for e in EXAMPLES)} is needed")
+    return found
 
 
 def open_example(state: State, key: str) -> State:
@@ -75,8 +114,6 @@ def open_example(state: State, key: str) -> State:
     Raises:
         InvalidInput: If there is no such example.
     """
-    found = next((example for example in EXAMPLES if example.key == key), None)
-    if found is None:
-        raise InvalidInput("example", f"one of {', '.join(e.key for e in EXAMPLES)} is needed")
+    found = example_named(key)
     opened = actions.load_design(springs.FIT.forget(state), example_design(found.design))
     return found.prepare(opened)

@@ -12,7 +12,7 @@ from paminsa_viz.explorer.browser.tour import START
 from paminsa_viz.explorer.core import actions, persistence
 from paminsa_viz.explorer.core.saved_requirements import asked, require_possible
 from paminsa_viz.explorer.core.session import Session
-from paminsa_viz.explorer.features.files.examples import EXAMPLES, open_example
+from paminsa_viz.explorer.features.files.examples import EXAMPLES, example_named, open_example
 from paminsa_viz.explorer.kit.entries import Button, Folder, Html, Message, Run, Upload
 from paminsa_viz.explorer.kit.inputs import TextBox
 from paminsa_viz.explorer.kit.text import render
@@ -84,7 +84,14 @@ def gallery_html() -> str:
 
 def receive_example(session: Session, data: Any) -> None:
     """Open the example that was pressed; ``data`` comes from the page."""
-    session.dispatch("file.open", lambda state: open_example(state, str(data)[:40]))
+    key = str(data)[:40]
+
+    def show() -> None:
+        found = example_named(key)
+        session.open_tab(found.opens)
+        session.notify(f"Example opened: {found.label}", found.note)
+
+    session.dispatch("file.open", lambda state: open_example(state, key), then=show)
 
 
 FILE = (

@@ -11,6 +11,8 @@ from paminsa_viz.explorer.features.identify.solving import identify_logs, search
 from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.state.identify import EXPORT_RATE, ExcitationJob, IdentifyJob
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.files.design_writer import NAME_CHARACTERS
+from paminsa_viz.files.errors import printable
 from paminsa_viz.files.example_logs import ExampleLog, example_log
 from paminsa_viz.identification import Log
 from paminsa_viz.identification.findings import Findings
@@ -67,13 +69,15 @@ def findings(state: State) -> Findings:
 
 
 def use_design(state: State) -> State:
-    """Make the nearest masses and the friction the design's.
+    """Make the nearest masses and the friction the design's, under a name that says so.
 
     Raises:
         InvalidInput: If there are none.
     """
-    design = findings(state).nearest.design
-    return with_design(state, replace(design, name=state.document.design.name))
+    found, outcome = findings(state), IDENTIFY.outcome(state)
+    log = "a log" if outcome is None else outcome.job.log.name
+    name = f"Identified from {printable(log)}"[:NAME_CHARACTERS]
+    return with_design(state, replace(found.nearest.design, name=name))
 
 
 def use_log_motion(state: State) -> State:

@@ -22,6 +22,7 @@ from paminsa_viz.explorer.kit.entries import (
     Entry,
     Folder,
     Html,
+    Then,
     Upload,
 )
 from paminsa_viz.explorer.kit.inputs import Dropdown, attribute
@@ -140,8 +141,15 @@ IDENTIFY: tuple[Entry, ...] = (
             ButtonGroup(
                 "identify.use", "Use",
                 choices={
-                    "Use as design": actions.use_design,
-                    "Play the log": actions.use_log_motion,
+                    "Use as design": Then(
+                        actions.use_design,
+                        lambda state: f"“{state.document.design.name}” is the design now: its "
+                        "masses and friction are those nearest to the log. Undo goes back.",
+                    ),
+                    "Play the log": Then(
+                        actions.use_log_motion, "The robot runs the motion of the log.",
+                        opens="Motion",
+                    ),
                 },
                 hint="The nearest masses and the friction; or the log’s motion in the scene",
             ),
@@ -175,7 +183,10 @@ IDENTIFY: tuple[Entry, ...] = (
             ButtonGroup(
                 "identify.motion", "Motion", visible=_has_motion,
                 choices={
-                    "Use as motion": actions.use_excitation,
+                    "Use as motion": Then(
+                        actions.use_excitation,
+                        "The motion to record a log with is the current one.", opens="Motion",
+                    ),
                     "Export CSV": export("the motion", excitation_csv),
                 },
             ),

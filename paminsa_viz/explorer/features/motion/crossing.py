@@ -64,7 +64,7 @@ def crossing_lines(design: Design, found: TimeOptimalPlan) -> tuple[str, ...]:
         lines += [
             f"{item.crossing.locus.label} at {number(item.t, 4)} s (s = {item.crossing.s:.4f}): "
             f"in the limit M1–M3 {torques} N·m, M4 {number(item.torque[3], 3)} N",
-            f"residual t_sᵀF {number(item.residual, 1)} N·m; "
+            f"generalized force along the escape twist {number(item.residual, 1)} N·m; "
             f"without the condition: {naive} N·m at 1 kHz",
             f"ṡ = {speeds[0]} /s, of {speeds[1]} to {speeds[2]} /s within the limits",
             drift_text(drift),
@@ -78,7 +78,7 @@ def drift_text(drift: CrossingDrift) -> str:
     far = f"{number(1e6 * moved, 2)} µm" if moved > 1e-8 else "less than 0.01 µm"
     wide = f"{number(3600 * turned, 2)}″" if turned > 1e-5 else "less than 0.036″"
     return (
-        f"no authority along t_s, inertia t_sᵀMt_s {number(drift.inertia, 3)} kg·m²: "
+        f"no authority along the escape twist, inertia there {number(drift.inertia, 3)} kg·m²: "
         f"{number(PAYLOAD_ERROR)} kg more payload lets it drift by {far} and {wide} "
         f"in {number(1e3 * drift.time, 2)} ms"
     )

@@ -54,7 +54,7 @@ def escape_arrows(frame: Frame) -> Iterator[Node]:
     yield arrows("/escape/arrows", twists, BAD, (0.006, 0.014, 0.035))
     for index, item in enumerate(found.crossings):
         x, y, _, z = item.crossing.pose
-        text = f"t_s at the {item.crossing.locus.label}"
+        text = f"Escape twist at the {item.crossing.locus.label}"
         yield label(f"/escape/label{index}", text, (x, y, z - BELOW))
 
 

@@ -13,7 +13,7 @@ from paminsa_viz.explorer.features.motion import point_entries as motion_points
 from paminsa_viz.explorer.features.motion.crossing import chart_html, crossing_html
 from paminsa_viz.explorer.features.motion.description import DESCRIPTION
 from paminsa_viz.explorer.features.motion.simulation import SIMULATION, show_simulation, simulate
-from paminsa_viz.explorer.kit.entries import Button, Entry, Folder, Html, Message
+from paminsa_viz.explorer.kit.entries import Button, Entry, Folder, Html, Message, Then
 from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, Slider, attribute
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.kit.text import note, render, status
@@ -146,7 +146,8 @@ SIMULATING: tuple[Entry, ...] = (
     _setting("damping", visible=_has_feedback),
     *map(_setting, ("payload_mismatch", "initial_error", "knows_friction")),
     Button(
-        "simulation", "Simulate", icon=Icon.PLAYER_TRACK_NEXT, effect=simulate,
+        "simulation", "Simulate", icon=Icon.PLAYER_TRACK_NEXT,
+        effect=Then(simulate, opens="Motion plots"),
         disabled=SIMULATION.runs,
     ),
     SIMULATION.worker,

@@ -12,7 +12,7 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import clearance as clearing
 from paminsa_viz.explorer.core.frame import Frame, Health
 from paminsa_viz.explorer.core.session import Session
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Html, Run
+from paminsa_viz.explorer.kit.entries import Button, Folder, Html, Run
 from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.kit.robot_texts import of_pose
 from paminsa_viz.explorer.kit.text import render
@@ -162,13 +162,19 @@ POSE = (
         hint="Which root of Appendix 1 the knee 9 takes; switching mirrors the height",
         read=lambda state: state.document.design.geometry.knee, apply=actions.set_knee,
     ),
-    ButtonGroup(
-        "pose.steps", "Steps",
-        choices={
-            "Home": actions.go_home,
-            "Undo": Run(Session.undo, at_once=True),
-            "Redo": Run(Session.redo, at_once=True),
-        },
+    Folder(
+        "pose.steps",
+        entries=(
+            Html("pose.steps.mark", content='<span class="pv-button-row"></span>'),
+            Button("pose.home", "Home", effect=actions.go_home, color="gray",
+                   hint="The middle of the workspace (key: H)"),
+            Button("pose.undo", "Undo", effect=Run(Session.undo, at_once=True), color="gray",
+                   hint="The last change of design, pose, motion or requirements (Ctrl+Z)",
+                   disabled=lambda state: not state.steps.back),
+            Button("pose.redo", "Redo", effect=Run(Session.redo, at_once=True), color="gray",
+                   hint="What was undone last (Ctrl+Shift+Z)",
+                   disabled=lambda state: not state.steps.forward),
+        ),
     ),
     Html("readout.quality", content=quality_html),
     Number(

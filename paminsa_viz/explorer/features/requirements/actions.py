@@ -18,6 +18,7 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.progress import Progress
+from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirements import (
     Range,
     Requirement,
@@ -87,15 +88,40 @@ def edit(state: State, **changes: Any) -> State:
     return change(state, bounds=tuple(bounds))
 
 
-def add(state: State, quantity: str = "condition") -> State:
-    """Add a requirement, which is then edited; its bound is that of the current design.
+SUGGESTED = ("condition", "max_torque", "f_4", "reach_margin")
+"""Keys of the quantities that are suggested, in this order."""
+
+
+def with_headings(state: State) -> State:
+    """Return the state with headings to hold for, where there is only the one of home so far.
+
+    What is proven for a single heading says nothing of a robot that turns.
+    """
+    requirements = state.document.requirements
+    untouched = not requirements.bounds and requirements.workspace is None
+    if untouched and requirements.theta == (0.0, 0.0):
+        return change(state, theta=(-TURN, TURN))
+    return state
+
+
+def add(state: State, quantity: str | None = None) -> State:
+    """Add a requirement, which is then edited; its bound is the current design's.
+
+    Args:
+        state: The state.
+        quantity: Key of what is bounded; without it, a quantity that has no bound yet.
 
     Raises:
         InvalidInput: If there are too many.
     """
+    state = with_headings(state)
     bounds = state.document.requirements.bounds
     if len(bounds) >= MOST_REQUIREMENTS:
         raise InvalidInput("requirements", f"at most {MOST_REQUIREMENTS} are possible here")
+    if quantity is None:
+        bounded = {bound.quantity for bound in bounds}
+        free = (key for key in (*SUGGESTED, *QUANTITIES) if key not in bounded)
+        quantity = next(free, SUGGESTED[0])
     added = change(state, bounds=(*bounds, suggested(state.document, quantity)))
     return select(added, len(bounds))
 
@@ -171,14 +197,11 @@ def set_own_range(state: State, name: str, on: bool) -> State:
 
 def suggest(state: State) -> State:
     """Ask for what the current design can do around home: condition, torque, force and reach."""
-    theta = state.document.requirements.theta
-    if theta == (0.0, 0.0):
-        state = change(state, theta=(-TURN, TURN))
+    state = with_headings(state)
     state = change(
         state, workspace=state.document.requirements.workspace or default_workspace(state.document)
     )
-    keys = ("condition", "max_torque", "f_4", "reach_margin")
-    bounds = [suggested(state.document, key) for key in keys]
+    bounds = [suggested(state.document, key) for key in SUGGESTED]
     bounds[-1] = Requirement("reach_margin", low=0.01)
     return select(change(state, bounds=tuple(bounds)), 0)
 
@@ -200,6 +223,7 @@ def choose_shape(state: State, shape: WorkspaceShape | None) -> State:
     held = state.document.requirements.workspace
     if shape is None:
         return change(state, workspace=None)
+    state = with_headings(state)
     if held is None:
         held = default_workspace(state.document)
     x, y, height = held.size

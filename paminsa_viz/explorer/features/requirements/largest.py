@@ -6,7 +6,7 @@ from viser import Icon
 
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.requirements import actions
-from paminsa_viz.explorer.kit.entries import Button, Html
+from paminsa_viz.explorer.kit.entries import Button, Html, Then
 from paminsa_viz.explorer.kit.robot_texts import workspace_text
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import note, render
@@ -83,7 +83,10 @@ LARGEST_WORKSPACE = (
     ),
     Html("largest.result", content=result_html),
     Button(
-        "largest.use", "Use as required workspace", visible=_is_proven, effect=actions.use_largest,
+        "largest.use", "Use as required workspace", visible=_is_proven,
+        effect=Then(
+            actions.use_largest, "The workspace that was proven is the required one now."
+        ),
     ),
     actions.LARGEST.worker,
 )  # fmt: skip

@@ -100,10 +100,10 @@ WORKSPACE = (
         apply=actions.choose_shape,
     ),
     Pair(
-        "requirements.cylinder", "⌀, height [mm]", visible=CYLINDER,
+        "requirements.cylinder", "r, height [mm]", visible=CYLINDER, hint="Radius, then height",
         units=(MILLIMETERS, MILLIMETERS), step=1.0, range=((LEAST, LARGEST), (LEAST, LARGEST)),
-        read=lambda state: workspace(state).size[1:],
-        apply=lambda state, size: _set_size(state, x=size[0], y=size[0], z=size[1]),
+        read=lambda state: (workspace(state).size[1] / 2, workspace(state).size[2]),
+        apply=lambda state, size: _set_size(state, x=2 * size[0], y=2 * size[0], z=size[1]),
     ),
     Pair(
         "requirements.box", "x, y size [mm]", visible=BOX, units=(MILLIMETERS, MILLIMETERS),

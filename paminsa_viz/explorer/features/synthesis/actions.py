@@ -20,9 +20,11 @@ from paminsa_viz.explorer.state.synthesis import (
 )
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.progress import Progress
+from paminsa_viz.units import format_value
 
 if TYPE_CHECKING:
     from paminsa_viz.synthesis.answer.prices import RequirementPrice
+    from paminsa_viz.synthesis.search.result import SynthesisResult
 
 
 def set_range(state: State, path: str, ends: Range) -> State:
@@ -126,6 +128,14 @@ PRICES = Task(Place(lambda state: state.synthesizing.prices), _price_job, _find_
 """Works out what the requirements of the answer that is shown cost."""
 
 
+def found_name(result: SynthesisResult) -> str:
+    """Return the name of a robot that was found: ``Synthesized, footprint radius 515 mm``."""
+    from paminsa_viz.synthesis.search.objectives import find_objective  # loads the search
+
+    objective = find_objective(result.case.objective)
+    return f"Synthesized, {objective.label} {format_value(result.objective, objective.unit, 3)}"
+
+
 def open_result(state: State) -> State:
     """Work on the robot that was found, with the design that the search began with as reference.
 
@@ -143,7 +153,9 @@ def open_result(state: State) -> State:
         requirements = replace(requirements, workspace=result.workspace)
     shown = stop_following(state)
     document = replace(shown.document, reference=outcome.job.reference, requirements=requirements)
-    opened = load_design(with_document(shown, document), result.design)
+    opened = load_design(
+        with_document(shown, document), replace(result.design, name=found_name(result))
+    )
     x, y, z = (float(place or 0.0) for place in result.workspace.center)
     return move(opened, x=x, y=y, theta=sum(searched.theta) / 2, z=z)
 

@@ -17,7 +17,7 @@ from paminsa_viz.explorer.features.synthesis.charts import (
     shown_front,
 )
 from paminsa_viz.explorer.kit.chart import chart, chart_clicks
-from paminsa_viz.explorer.kit.entries import Button, Folder, Html
+from paminsa_viz.explorer.kit.entries import Button, Folder, Html, Then
 from paminsa_viz.explorer.kit.inputs import Pair, Slider
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state.settings import MILLIMETERS, PLAIN
@@ -124,7 +124,12 @@ SYNTHESIZE = (
     Button(
         "synthesize.open", "Open as current design", icon=Icon.CHECK,
         visible=text.has_robot,
-        effect=actions.open_result,
+        effect=Then(
+            actions.open_result,
+            lambda state: f"“{state.document.design.name}” is the design now, at the middle of its "
+            "workspace; the one before is the reference. Undo goes back.",
+            opens="Compare",
+        ),
         hint="The design that the search began with becomes the reference; undo goes back",
     ),
     *actions.PRICES.buttons(

@@ -11,6 +11,8 @@ from typing import Any
 import pytest
 
 from paminsa_viz.explorer.browser.bridge import NARROWEST, WIDEST, Slots
+from paminsa_viz.explorer.browser.style import NARROWEST as NARROWEST_DOCK
+from paminsa_viz.explorer.browser.style import WIDEST as WIDEST_DOCK
 from paminsa_viz.explorer.browser.style import dock_width, view_width
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore, choose_quantity
@@ -58,7 +60,7 @@ def test_clicks_are_places_in_meters_or_ignored(click: Any, place: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("window", "side"), [((1280, 720), 190), ((1400, 900), 250), ((1920, 1080), 320)], ids=str
+    ("window", "side"), [((1280, 720), 145), ((1400, 900), 145), ((1920, 1080), 260)], ids=str
 )
 def test_maps_of_the_dock_are_large_and_fit_beside_robot(
     window: tuple[int, int], side: int
@@ -73,7 +75,7 @@ def test_maps_of_the_dock_are_large_and_fit_beside_robot(
 
 @pytest.mark.parametrize("window", [(0, 0), (-5, 10), (2**40, 2**40), (math.nan, 500)], ids=str)
 def test_any_window_has_a_usable_dock(window: tuple[float, float]) -> None:
-    assert 460 <= dock_width(*window) <= 840
+    assert NARROWEST_DOCK <= dock_width(*window) <= WIDEST_DOCK
     assert view_width(*window) >= 1 or math.isnan(window[0])
 
 

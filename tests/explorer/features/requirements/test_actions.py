@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import pytest
 
 from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS
@@ -30,7 +32,7 @@ def test_an_added_requirement_is_edited_and_a_removed_one_is_not(one: State) -> 
     assert selected(left) == selected(one)
     empty = actions.remove(left)
     assert selected(empty) is None
-    assert empty.document == initial_state().document
+    assert empty.document.requirements.bounds == ()
     assert actions.remove(empty).document == empty.document
 
 
@@ -91,10 +93,25 @@ def test_shapes_keep_the_size_as_far_as_they_can() -> None:
     assert cylinder.size == (0.3, 0.3, 0.1)
     with pytest.raises(InvalidInput):
         actions.set_workspace(box, size=(0.3, 0.2, 0.0))
-    assert actions.choose_shape(box, None).document == initial_state().document
+    assert actions.choose_shape(box, None).document.requirements.workspace is None
 
 
 def test_more_requirements_than_a_page_takes_are_refused(one: State) -> None:
     full = actions.change(one, bounds=one.document.requirements.bounds * MOST_REQUIREMENTS)
     with pytest.raises(InvalidInput, match="at most"):
         actions.add(full)
+
+
+def test_adding_twice_bounds_two_quantities() -> None:
+    twice = actions.add(actions.add(initial_state()))
+    keys = [bound.quantity for bound in twice.document.requirements.bounds]
+    assert len(set(keys)) == 2
+
+
+def test_requirements_begin_with_a_range_of_headings_and_keep_one_that_was_set() -> None:
+    boxed = partial(actions.choose_shape, shape=WorkspaceShape.BOX)
+    for begun in (actions.add, actions.suggest, boxed):
+        low, high = begun(initial_state()).document.requirements.theta
+        assert low < 0 < high
+    one = actions.change(actions.add(initial_state()), theta=(0.0, 0.0))
+    assert actions.add(one).document.requirements.theta == (0.0, 0.0)

@@ -1,0 +1,176 @@
+"""The page as a whole: what lies over a map, saving, undo, reloads, docks, a lost server."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from paminsa_viz.explorer.browser.bridge import STORE_KEY
+from paminsa_viz.explorer.core import actions, motion
+from paminsa_viz.explorer.features.synthesis.actions import SEARCH
+from paminsa_viz.explorer.state.state import State
+from tests.support.chromium import Tab, until
+
+pytestmark = pytest.mark.browser
+
+OVER_THE_MAP = """() => {
+  const place = document.querySelector('[data-paminsa-slot="torques"]').parentElement.parentElement;
+  const plot = place.querySelector(".js-plotly-plot").getBoundingClientRect();
+  const cover = document.createElement("button");
+  cover.id = "cover";
+  Object.assign(cover.style, {position: "fixed", zIndex: 900, left: `${plot.left}px`,
+    top: `${plot.top}px`, width: `${plot.width}px`, height: `${plot.height}px`, opacity: 0.2});
+  document.body.append(cover);
+  return [plot.left + 0.25 * plot.width, plot.top + 0.25 * plot.height];
+}"""
+
+
+def test_click_on_what_lies_over_a_map_moves_nothing_and_one_on_the_map_does(tab: Tab) -> None:
+    tab.page.locator(".nsewdrag").first.wait_for()
+    tab.wait_frames(500)
+    before = tab.state.document.pose
+    place = tab.page.evaluate(OVER_THE_MAP)
+    tab.page.mouse.click(*place)
+    tab.wait_frames(500)
+    assert tab.state.document.pose == before
+    tab.page.evaluate("document.getElementById('cover').remove()")
+    tab.page.mouse.click(*place)
+    until(lambda: tab.state.document.pose != before, "the robot goes where the map is clicked")
+
+
+def kept(tab: Tab) -> Any:
+    """Return what the tab has saved."""
+    return json.loads(tab.page.evaluate(f"sessionStorage.getItem('{STORE_KEY}')") or "{}")
+
+
+def test_pose_typed_while_a_motion_plays_is_saved(tab: Tab) -> None:
+    tab.dispatch(lambda s: motion.play(motion.choose_preset(s, "paper-like")))
+    tab.dispatch(lambda s: s.updated("playback", loop=True))
+    until(lambda: tab.state.playback.playing, "it plays")
+    tab.dispatch(lambda s: actions.vary(s, {"payload.mass": 1.5}))
+    until(lambda: kept(tab)["design"].get("payload.mass") == 1.5, "the mass is saved", timeout=6)
+    assert tab.state.playback.playing
+
+
+def searching(state: State) -> State:
+    """Return a state in which a search runs, as the store sees it; nothing searches."""
+    return replace(state, ended=(SEARCH.place.path,))
+
+
+def test_search_that_a_reload_has_ended_is_offered_again(open_tab: Callable[..., Tab]) -> None:
+    tab = open_tab()
+    tab.dispatch(searching)
+    tab.wait_saved()
+    tab.reload()
+    tab.page.get_by_text("Ended by reload").wait_for()
+    again = tab.page.get_by_role("button", name="Search for a robot", exact=True)
+    again.wait_for()
+    tab.click("Leave it")
+    until(lambda: tab.state.ended == (), "it is left")
+    until(lambda: not again.is_visible(), "nothing is offered any more")
+
+
+def test_undo_by_key_in_a_box_whose_number_was_taken_and_by_buttons(
+    open_tab: Callable[..., Tab],
+) -> None:
+    tab = open_tab()
+    undo = tab.page.get_by_role("button", name="Undo", exact=True)
+    redo = tab.page.get_by_role("button", name="Redo", exact=True)
+    assert undo.is_disabled()
+    assert redo.is_disabled()
+    start = tab.state.document.pose[0]
+    box = tab.number_box("x  [mm]")
+    box.fill("31")
+    box.press("Enter")
+    tab.wait_pose(0, 0.031)
+    until(undo.is_enabled, "there is a step to undo")
+    box.press("Control+z")
+    tab.wait_pose(0, start)
+    until(lambda: box.input_value() == f"{1e3 * start:g}", "the box shows it")
+    until(redo.is_enabled, "there is a step to redo")
+    box.press("Control+Shift+z")
+    tab.wait_pose(0, 0.031)
+
+
+def test_reload_opens_inner_tabs_by_their_place(open_tab: Callable[..., Tab]) -> None:
+    tab = open_tab()
+    tab.open_tab("Accuracy")
+    tab.page.get_by_role("tab", name="Manufacture", exact=True).click()
+    tab.wait_frames(600)
+    tab.reload()
+    inner = tab.page.get_by_role("tab", name="Manufacture", exact=True)
+    until(lambda: inner.get_attribute("aria-selected") == "true", "the inner tab is open")
+    drives = tab.page.get_by_role("tab", name="Drives", exact=True).first
+    assert drives.get_attribute("aria-selected") == "false"
+
+
+def test_buttons_open_what_they_act_on(tab: Tab) -> None:
+    tab.open_tab("Torque maps")
+    tab.open_tab("Accuracy")
+    tab.page.get_by_role("tab", name="Drives", exact=True).last.click()
+    tab.click("θ")
+    single = tab.page.get_by_role("tab", name="Single map", exact=True)
+    until(lambda: single.get_attribute("aria-selected") == "true", "the map is open")
+    assert tab.state.map_view.quantity == "error_theta"
+
+
+VIEW = """() => {
+  const box = window.__viserMutable.canvas.getBoundingClientRect();
+  return box.width / window.innerWidth;
+}"""
+
+
+def test_docks_follow_the_window(open_tab: Callable[..., Tab]) -> None:
+    tab = open_tab(1400, 900)
+    until(lambda: tab.page.evaluate(VIEW) >= 0.45, "the view has its share")
+    for width, height in ((900, 700), (1400, 900), (1120, 720)):  # the last as with 125 % zoom
+        tab.page.set_viewport_size({"width": width, "height": height})
+        until(lambda: tab.page.evaluate(VIEW) >= 0.45, f"the view has its share at {width} px")
+    tab.page.set_viewport_size({"width": 1400, "height": 900})
+    tab.wait_frames(1500)
+    assert tab.state.docks.left.width is None
+    assert tab.state.docks.left.folded is None
+
+
+def test_example_opens_with_what_makes_it_true_and_where_it_is_seen(tab: Tab) -> None:
+    tab.open_tab("File")
+    tab.page.get_by_role("button", name="Compact robot").click()
+    shown = tab.page.get_by_role("tab", name="Requirements", exact=True)
+    until(lambda: shown.get_attribute("aria-selected") == "true", "its section is open")
+    assert tab.state.document.pose == (0.0, 0.0, 0.0, -0.599)
+    until(lambda: "Reachable" in tab.text("status"), "nothing is wrong with it")
+
+
+LABELS = """() => [...document.querySelectorAll("p > label[for]")]
+  .filter(label => label.getClientRects().length && !("paminsaUnseen" in label.dataset))
+  .map(label => label.textContent).filter(text => /_/.test(text))"""
+
+
+def test_symbols_have_subscripts_and_no_underscores(tab: Tab) -> None:
+    tab.open_tab("Design")
+    symbol = tab.page.locator(".pv-symbol", has_text="mB3").first
+    until(symbol.is_visible, "a typeset symbol")
+    assert symbol.locator("sub").inner_text() == "B3"
+    assert tab.page.evaluate(LABELS) == []
+
+
+def test_lost_server_is_said_in_words(browser: Any) -> None:
+    from paminsa_viz.app import App, AppOptions
+    from paminsa_viz.model import APPENDIX_4
+
+    own = App(AppOptions(port=0, browser=False), APPENDIX_4)
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    try:
+        tab = Tab(context.new_page(), own)
+        tab.page.locator("input.mantine-NumberInput-input").first.wait_for()
+        tab.wait_frames(1500)
+        own.stop()
+        lost = tab.page.get_by_test_id("lost")
+        lost.wait_for(timeout=20_000)
+        assert "does not answer" in lost.inner_text()
+    finally:
+        context.close()
