@@ -85,7 +85,7 @@ def build(
         from paminsa_viz.explorer.scene.cameras import fit, follow_resizes, look
 
         if session.immediate:
-            fit(session)  # the page has said only now how large it is
+            fit(session)  # the page has said only now how large it is, or another size
             return
         look(session, "3D")
         follow_resizes(session)
@@ -132,6 +132,8 @@ def build(
         match found:
             case [float(width), float(height)] if min(width, height) >= 1:
                 session.set_window(width, height)
+                if session.immediate:  # after the view has told of its own pixels
+                    session.submit(build_robot)
 
     def take_tabs(names: object) -> None:
         if isinstance(names, list):

@@ -10,8 +10,10 @@ import pytest
 
 from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, dock_width
 from paminsa_viz.explorer.core.docks import EDGE
+from paminsa_viz.explorer.scene.cameras import LEGEND_HEIGHT, preset, raised
 from paminsa_viz.explorer.state.view import Appearance
 from paminsa_viz.explorer.tabs import TABS
+from paminsa_viz.model import APPENDIX_4
 from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
@@ -290,16 +292,31 @@ def test_reload_keeps_the_docks(open_tab: Callable[..., Tab]) -> None:
     until(lambda: np.allclose(page.evaluate(CANVAS), dragged, atol=3), "both docks as wide")
 
 
+def camera_of(width: float, height: float) -> tuple[float, float, float]:
+    """Return where the first camera preset looks from in a view of this size [px]."""
+    cover = LEGEND_HEIGHT / height
+    view = preset("3D", APPENDIX_4.geometry, aspect=width / height / (1 - cover))
+    return raised(view, cover).position
+
+
 def test_layout_is_the_same_however_many_pixels_the_view_has(
     tab: Tab, open_tab: Callable[..., Tab]
 ) -> None:
     """Screens have several for one of the page's; where pictures take long, viser takes fewer."""
-    coarse = open_tab(1280, 720, pixel_ratio=0.5)
     edges = [dock_width(1280, 720) + EDGE, 1280 - CONTROLS_WIDTH - EDGE]
-    np.testing.assert_allclose(view_edges(coarse), edges, atol=2)
-    np.testing.assert_allclose(coarse.session.camera[1], tab.session.camera[1], atol=3e-3)
+
+    def wait_layout(each: Tab) -> None:
+        until(lambda: np.allclose(each.page.evaluate(CANVAS), edges, atol=2), "the docks' widths")
+        until(lambda: np.allclose(each.session.camera[1], fitted, atol=3e-3), "the camera fits")
+
+    fitted = camera_of(edges[1] - edges[0], 720)
+    wait_layout(tab)
+    coarse = open_tab(1280, 720, pixel_ratio=0.5)
+    wait_layout(coarse)
     for height in (720, 700):
         coarse.page.set_viewport_size({"width": 1280, "height": height})
         until(lambda h=height: coarse.session.client.camera.image_height == h / 2, "its pixels")
         until(lambda: coarse.session.pixel_ratio == 0.5, "half of one for one of the page's")
+    fitted = camera_of(edges[1] - edges[0], 700)
+    until(lambda: np.allclose(coarse.session.camera[1], fitted, atol=3e-3), "it fits again")
     assert coarse.session.window == (1280, 720)

@@ -166,19 +166,35 @@ def fit(session: Session) -> None:
 
 
 RESIZED = 0.01
-"""Change of the picture's shape from which on the robot is fitted again."""
+"""Change of the picture's shape from which on the robot is fitted again at another height: viser
+makes the pixels fewer where pictures take long, and rounding them is no new shape."""
 
 
 def follow_resizes(session: Session) -> None:
-    """Fit the robot to the view again when its shape changes, unless a person moved the camera."""
+    """Fit the robot to the view again when its shape changes, unless a person moved the camera.
+
+    At the same height every pixel counts: how wide the view was on the way to its width, which is
+    a matter of time, is not seen in the end.
+    """
     camera = session.client.camera
-    seen = [0.0]
+    fitted = (0, 1)
+
+    def is_due() -> bool:
+        width, height = camera.image_width, max(camera.image_height, 1)
+        if height == fitted[1]:
+            return width != fitted[0]
+        shape = width / height
+        return abs(shape - fitted[0] / fitted[1]) > RESIZED * shape
 
     def check(_: object) -> None:
-        shape = camera.image_width / max(camera.image_height, 1)
         # A new shape may be known before the page has put the camera where it was sent to.
-        if at_preset(session) and abs(shape - seen[0]) > RESIZED * shape:
-            seen[0] = shape
-            session.submit(lambda: fit(session))
+        if at_preset(session) and is_due():
+            session.submit(follow)
+
+    def follow() -> None:
+        nonlocal fitted
+        if at_preset(session) and is_due():
+            fitted = (camera.image_width, max(camera.image_height, 1))
+            look(session, session.camera[0])
 
     camera.on_update(check)

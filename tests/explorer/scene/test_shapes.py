@@ -153,24 +153,34 @@ def test_robot_is_fitted_to_a_new_shape_of_the_view_unless_the_camera_was_moved(
 ) -> None:
     calls: list[Any] = []
     looks: list[str] = []
+    waiting: list[Any] = []
     camera = SimpleNamespace(
         image_width=400, image_height=400, position=(0, 0, 1), on_update=calls.append
     )
     session: Any = SimpleNamespace(
         client=SimpleNamespace(camera=camera), camera=("3D", (2.0, 0.0, 1.0)),
-        submit=lambda run: run(),
+        submit=waiting.append,
     )  # fmt: skip
     monkeypatch.setattr(cameras, "look", lambda _, name: looks.append(name))
     cameras.follow_resizes(session)
 
-    def update(**changes: Any) -> int:
+    def update(*, meanwhile: tuple[float, float, float] | None = None, **changes: Any) -> int:
         vars(camera).update(changes)
         calls[0](None)
+        if meanwhile is not None:  # the page tells of it before the session comes to it
+            camera.position = meanwhile
+        while waiting:
+            waiting.pop(0)()
         return len(looks)
 
+    there = (2.0, 0.0, 1.0)
     assert update() == 0  # the page has not put the camera there yet
-    assert update(position=(2.0, 0.0, 1.0)) == 1
+    assert update(position=there) == 1
     assert update() == 1
     assert update(image_width=300, position=(0, 0, 1)) == 1
-    assert update(position=(2.0, 0.0, 1.0)) == 2
-    assert update(position=(3.0, 0.0, 1.0), image_width=200) == 2  # a person moved it
+    assert update(position=there) == 2
+    assert update(image_width=299) == 3  # the last pixels of a dock that slides in
+    assert update(image_width=150, image_height=200) == 3  # viser has made the pixels fewer
+    assert update(image_width=120, meanwhile=(0, 0, 1)) == 3
+    assert update(position=there) == 4
+    assert update(position=(3.0, 0.0, 1.0), image_width=100) == 4  # a person moved it

@@ -8,8 +8,7 @@ from math import ceil, floor
 import numpy as np
 
 from paminsa_viz.dimensions.layout import layout
-from paminsa_viz.explorer.core import actions
-from paminsa_viz.explorer.core import clearance as clearing
+from paminsa_viz.explorer.core import actions, clearance
 from paminsa_viz.explorer.core.frame import Frame, Health
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.kit.entries import Button, Html, Run
@@ -37,7 +36,7 @@ def status_html(frame: Frame) -> str:
         lines += [f"the {locus.label} lies between this pose and home" for locus in frame.barriers]
     level, title = LEVELS[frame.health], frame.health.value.capitalize()
     if frame.health is not Health.UNREACHABLE:
-        distance, why = clearing.reason(frame.state)
+        distance, why = clearance.reason(frame.state)
         if why:
             lines = [why, *lines] if frame.health is not Health.OK else [why]
             level = "bad" if distance < 0 else "warn"
