@@ -31,6 +31,10 @@
     if (step.tab)
       element = [...document.querySelectorAll('[role="tab"]')]
         .find((tab) => tab.textContent.trim() === step.tab);
+    if (step.heading)
+      element = [...document.querySelectorAll("body *")]
+        .find((each) => !each.querySelector("*:not(svg, svg *)") && each.textContent.trim() === step.heading
+          && !each.closest("[role=tab], style, script"));
     if (step.host) element = element?.parentElement?.parentElement;
     const box = element?.getBoundingClientRect();
     return box && box.width > 0 && box.height > 0 ? box : null;
@@ -96,6 +100,7 @@
     };
     const show = (index) => {
       at = index;
+      if (shown[at].tab) window.paminsa?.openTab(shown[at].tab);
       title.textContent = shown[at].title;
       text.textContent = shown[at].text;
       count.textContent = `${at + 1} of ${shown.length}`;
