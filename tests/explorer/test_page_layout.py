@@ -64,9 +64,10 @@ def test_numbers_can_be_typed_digit_by_digit(tab: Tab) -> None:
 
 MEASURE = """uuids => uuids.map(uuid => {
   const label = document.querySelector(`label[for="${uuid}"]`);
+  const seen = label.parentElement.querySelector(".pv-symbol") ?? label;
   const row = document.getElementById(uuid).parentElement;
   const field = row.querySelector("input:not([type=hidden])");
-  const [text, box] = [label.getBoundingClientRect(), field.getBoundingClientRect()];
+  const [text, box] = [seen.getBoundingClientRect(), field.getBoundingClientRect()];
   return {height: text.height, right: text.right, left: box.left, end: box.right,
           room: field.clientWidth - field.scrollWidth};
 })"""

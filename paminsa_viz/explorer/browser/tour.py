@@ -18,9 +18,11 @@ def _step(
     tab: str = "",
     heading: str = "",
     host: bool = False,
+    opens: str = "",
 ) -> Any:
-    """Return a step about an element, its container, a tab, which it opens, or a folder."""
+    """Return a step about an element, its container, a tab, or a folder; it may open a tab."""
     about = {"selector": selector, "tab": tab, "heading": heading, "host": host}
+    about["opens"] = opens or tab
     return {"title": title, "text": text, **about}
 
 
@@ -43,7 +45,7 @@ STEPS: Final = (
         "Torques over the whole workspace at this θ and z. Click a map to go there, or draw a "
         "motion on it. Tabs beside them hold one map of any quantity, the motion's curves, and the "
         "export.",
-        '[data-paminsa-slot="torques"]', host=True,
+        '[data-paminsa-slot="torques"]', host=True, opens="Torque maps",
     ),
     _step(
         "Robot: what is it?",
