@@ -143,7 +143,7 @@ def volume_file(state: State, kind: str) -> File:
     from paminsa_viz.synthesis.volume.solve import solve_volume
     from paminsa_viz.synthesis.volume.surface import volume_bytes  # loads SciPy
 
-    document, known = state.document, state.requiring.fine
+    document, known = state.document, state.requirements.fine
     if known is not None and known.result is not None and known.job.serves(document):
         volume = known.result.volume
     else:
