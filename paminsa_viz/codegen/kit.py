@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 from importlib.resources import files
 from typing import Any
 
@@ -84,9 +85,9 @@ def controller_kit(design: Design, *, single: bool = False) -> dict[str, str]:
     vectors = test_vectors(design)
     columns = vectors.partition("\n")[0].count(",") + 1
     tolerance = f"{TOLERANCE[single]:g}"
-    test = _template("test.c", TOLERANCE=tolerance, COLUMNS=str(columns))
+    test = template("test.c", TOLERANCE=tolerance, COLUMNS=str(columns))
     note = "* This kit is in single precision: errors of some 1e-6, more next to singularities.\n"
-    readme = _template(
+    readme = template(
         "README.md", NAME=design.name, VERSION=__version__, FLOAT=note if single else ""
     )
     sources = {"paminsa.h": header(), "design.h": design_header(design), "test.c": test}
@@ -95,6 +96,7 @@ def controller_kit(design: Design, *, single: bool = False) -> dict[str, str]:
     return {**sources, "vectors.csv": vectors, "README.md": readme.rstrip() + "\n"}
 
 
+@cache
 def header() -> str:
     """Return the text of paminsa.h."""
     printer = Printer(C99())
@@ -113,7 +115,7 @@ def header() -> str:
         f"{title}\n#ifndef PAMINSA_H\n#define PAMINSA_H\n\n#include <math.h>\n",
         MOD,
         printer.text(),
-        _template("interface.h", HEADING=angles),
+        template("interface.h", HEADING=angles),
         "#endif\n",
     ]
     return "\n".join(parts)
@@ -241,7 +243,7 @@ def _commented(lines: list[str]) -> str:
     return "\n".join([f"/* {first}", *(f" * {line}".rstrip() for line in rest), " */"])
 
 
-def _template(name: str, **values: str) -> str:
+def template(name: str, **values: str) -> str:
     """Return a file of the folder of templates with its places filled in."""
     text = (files("paminsa_viz.codegen") / "templates" / name).read_text(encoding="utf-8")
     for key, value in values.items():

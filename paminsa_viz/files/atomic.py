@@ -111,14 +111,14 @@ def make_folder(path: Path) -> None:
         raise as_file_error(str(path), error, "written") from error
 
 
-def write_folder(folder: Path, contents: Mapping[str, str]) -> list[Path]:
-    """Write texts (UTF-8) into a folder, which is made where it is not there.
+def write_folder(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]:
+    """Write texts (UTF-8) and other files into a folder, which is made where it is not there.
 
     Whether all of them can be written is looked at before the first one is.
 
     Args:
         folder: The folder.
-        contents: Texts by name; names may have folders of their own.
+        contents: Contents by name; names may have folders of their own.
 
     Raises:
         FileError: If a folder or a file cannot be made, written or put in place.
@@ -128,8 +128,8 @@ def write_folder(folder: Path, contents: Mapping[str, str]) -> list[Path]:
         make_folder(parent)
     for path in paths:
         check_writable(path)
-    for path, text in zip(paths, contents.values(), strict=True):
-        write_bytes(path, text.encode())
+    for path, content in zip(paths, contents.values(), strict=True):
+        write_bytes(path, content.encode() if isinstance(content, str) else content)
     return paths
 
 

@@ -134,7 +134,9 @@ def crossings(geometry: Geometry, path: Path) -> tuple[Crossing, ...]:
         along = np.flatnonzero(on[:-1] & on[1:])
         if along.size:
             raise PathOnLocus(float(s[along[0]]), locus)
-        found += [(float(s[i]), locus, True) for i in np.flatnonzero(on)]
+        for i in np.flatnonzero(on):
+            passes = i in (0, NODES - 1) or bool(d[i - 1] * d[i + 1] < 0)
+            found.append((float(s[i]), locus, passes))
         change = np.flatnonzero((d[:-1] * d[1:] < 0) & ~on[:-1] & ~on[1:])
         found += [(_root(distance, s[i], s[i + 1]), locus, True) for i in change]
         size = np.abs(d)

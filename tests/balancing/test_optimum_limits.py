@@ -71,6 +71,9 @@ def test_multipliers_equal_the_gain_of_relaxed_bounds(term: Term) -> None:
             assert gain(item, h) == pytest.approx(item.price * h, rel=0.02)
             assert gain(item, -h) == pytest.approx(-item.price * h, rel=0.02)
     assert {"low", "limit"} <= seen
+    prices = [item.price for item in result.active]
+    assert prices == sorted(prices, reverse=True)
+    assert len(set(prices)) > 2
 
 
 def test_price_of_an_upper_bound_is_the_gain_per_kilogram() -> None:

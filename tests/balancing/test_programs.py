@@ -105,6 +105,31 @@ def test_a_fixed_sum_out_of_reach_is_infeasible() -> None:
     assert caught.value.excess == pytest.approx(0.5, abs=1e-6)
 
 
+def test_limits_that_are_relaxed_by_their_least_excess_can_be_met() -> None:
+    """x <= 100 and 1 - x/50 <= -1.06 exclude each other by 1 % of the larger limit and of 1."""
+    low, high = (
+        MaxAbs(np.array([[slope]]), np.array([offset]), absolute=False)
+        for slope, offset in ((1.0, 0.0), (-0.02, 1.0))
+    )
+    goal = MaxAbs(np.eye(1), np.zeros(1))
+    limits = ((100.0, low), (-1.06, high))
+    program = Program(np.zeros(1), plain(np.eye(1), [0], [200]), ((1.0, goal),), limits=limits)
+    # 100 (1 + e) = 50 (2.06 - 1.06 e)
+    excess = 3.0 / 153.0
+    with pytest.raises(Infeasible) as caught:
+        solve(program)
+    assert caught.value.excess == pytest.approx(excess, rel=1e-6)
+    enclosure = Enclosure(program)
+    assert enclosure.solve() is None
+    enclosure.relax(excess * (1.0 + 1e-6))
+    trial = enclosure.solve()
+    assert trial is not None
+    assert trial.state[0] == pytest.approx(100.0 * (1.0 + excess), rel=1e-6)
+    np.testing.assert_allclose(
+        enclosure.limits, [100.0 * (1.0 + excess), -1.06 * (1.0 - excess)], rtol=1e-6
+    )
+
+
 @given(seed=SEEDS, free=st.booleans())
 def test_levers_reproduce_their_moments(seed: int, free: bool) -> None:
     rng = np.random.default_rng(seed)

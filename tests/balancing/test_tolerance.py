@@ -120,6 +120,26 @@ def test_only_the_magnification_unbalances_masses_at_joints() -> None:
     assert 0.8 * worst.max() < lever.peaks.max() <= worst.max() * (1 + 1e-9)
 
 
+def test_drawn_lengths_are_even_about_their_values() -> None:
+    """M_p2 is linear in the place of a counterweight, so that its samples show those drawn."""
+    part = 0.5
+    lever = {"counterweights.0.beyond": part}
+    found = length_tolerance(WITH_WEIGHT, lever, [0.0, 0.0, 0.0, -0.5], samples=300)
+    weight = WITH_WEIGHT.counterweights[0]
+    ends = [
+        static_imbalance(
+            replace(WITH_WEIGHT, counterweights=(replace(weight, beyond=share * weight.beyond),))
+        )
+        for share in (1 - part, 1 + part)
+    ]
+    low, high = sorted(ends)
+    share = (found.balance - low) / (high - low)  # 0 to 1
+    assert -1e-9 <= share.min() < 0.02
+    assert 0.98 < share.max() <= 1 + 1e-9
+    assert share.mean() == pytest.approx(0.5, abs=4 / np.sqrt(12 * 300))
+    assert share.std() == pytest.approx(1 / np.sqrt(12), rel=0.1)
+
+
 @pytest.mark.parametrize(
     "make",
     [

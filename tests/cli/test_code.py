@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from paminsa_viz.codegen import controller_kit
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4
-from tests.support.commands import run
+from tests.support.commands import check_refused, run
 
 
 def test_a_design_is_written_as_a_folder(capsys) -> None:
@@ -36,6 +37,8 @@ def test_float_writes_no_double(capsys) -> None:
         ([], "nothing to write; give --out FOLDER"),
         (["--out", "taken"], "taken: cannot be written"),
         (["--out", "c", "--design", "missing.toml"], "missing.toml"),
+        (["--out", "c", "--fmu", "robot"], "--fmu"),
+        (["--out", "c", "--fmu", "plant", "--float"], "leave --float out"),
     ],
 )
 def test_what_cannot_be_written_is_one_line(words: list[str], message: str, capsys) -> None:
@@ -52,3 +55,19 @@ def test_nothing_is_written_where_one_file_cannot_be(capsys) -> None:
     code, _, err = run("code", capsys, "--out", "c")
     assert (code, len(err.splitlines())) == (2, 1)
     assert os.listdir("c") == ["vectors.csv"]
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler here")
+def test_fmus_are_added_to_the_folder(capsys) -> None:
+    code, out, err = run("code", capsys, "--out", "c", "--fmu", "plant", "--fmu", "inverse")
+    assert (code, err) == (0, "")
+    assert sorted(os.listdir("c/fmu")) == [
+        "add_platform.py", "paminsa_inverse.fmu", "paminsa_plant.fmu",
+    ]  # fmt: skip
+    assert "c/fmu/paminsa_plant.fmu: written" in out.splitlines()
+
+
+def test_no_compiler_leaves_nothing(capsys, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CC", "no-such-compiler")
+    check_refused("code", capsys, "--out", "c", "--fmu", "plant", place="no-such-compiler")
+    assert not Path("c").exists()

@@ -18,11 +18,14 @@ from paminsa_viz.identification import (
     make_log,
 )
 from paminsa_viz.identification.base_parameters import (
+    BASE_SYMBOLS,
     LEG_PARAMETERS,
     leg_base_regressor,
     mass_columns,
 )
-from paminsa_viz.identification.cause_columns import SPRING, possible_causes
+from paminsa_viz.identification.cause_columns import LENGTHS, SPRING, possible_causes
+from paminsa_viz.identification.identify import filtered
+from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.model import APPENDIX_4, Friction
 from paminsa_viz.model.lumped import MASS_PATHS
 from tests.support.identification_logs import clean_signals, multi_sine, noisy, simulated
@@ -97,6 +100,27 @@ def test_bar_that_is_heavier_in_mass_alone_is_said_to_be_like_others(bar: str) -
         assert f"leg {leg + 1}: {bar.upper()} heavier" in (first.label, *first.alike)
         assert first.text.startswith(f"leg {leg + 1}; most like {first.label[7:9]} heavier (")
         assert all(label.removeprefix(f"leg {leg + 1}: ") in first.text for label in first.alike)
+
+
+@pytest.mark.parametrize("name", list(LENGTHS))
+def test_columns_of_lengths_are_torques_of_robots_with_longer_ones(name: str) -> None:
+    """The same actuator motion, made by a robot of another length with the same base parameters."""
+    log = simulated(1, DESIGN, noise_seed=None, rate=RATE)
+    found = identify(log, APPENDIX_4, QUICK)
+    columns = {item.label: item.column for item in possible_causes(found)}
+    b = np.array([found.estimate(symbol).value for symbol in BASE_SYMBOLS])
+    torques = []
+    for size in (-1e-4, 1e-4):
+        value = getattr(DESIGN.geometry, name) + size
+        geometry = replace(DESIGN.geometry, **{name: value})
+        longer = replace(APPENDIX_4, geometry=geometry)
+        signals = filtered(log, longer, QUICK, log_poses(log, geometry))
+        samples = signals.samples
+        rows = base_regressor(geometry, samples.pose, samples.velocity, samples.acceleration)
+        torques.append(signals.smooth(rows @ b))
+    expected = (torques[1] - torques[0]) / 2e-4
+    column = columns[f"{LENGTHS[name][0]} longer"]
+    np.testing.assert_allclose(column, expected, atol=2e-3 * np.abs(expected).max())
 
 
 def test_two_causes_are_named_one_after_the_other() -> None:

@@ -17,6 +17,9 @@ from paminsa_viz.identification import (
     identify,
     make_log,
 )
+from paminsa_viz.identification.filtering import Signals
+from paminsa_viz.identification.identify import filtered, require_motion
+from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
@@ -166,6 +169,21 @@ def test_logs_with_wrong_torques_are_refused_or_noted() -> None:
         identify(make_log(log.t, log.position, stuck), APPENDIX_4)
     found = identify(make_log(log.t, log.position, -log.torque), APPENDIX_4, QUICK)
     assert any("sign of force4" in note for note in found.notes)
+
+
+def test_a_log_needs_a_turn_of_a_hundredth_or_a_lift_of_a_millimeter() -> None:
+    log = simulated(1, RUBBING, rate=200.0)
+    signals = filtered(log, APPENDIX_4, QUICK, log_poses(log, APPENDIX_4.geometry))
+    part = np.linspace(0.0, 1.0, len(signals.samples.position))[:, None]
+
+    def moving(*travel: float) -> Signals:
+        return replace(signals, samples=signals.samples._replace(position=part * travel))
+
+    for enough in ((0.0, 0.0101, 0.0, 0.0), (0.0101, 0.0, 0.0, 9e-4), (0.0, 0.0, 0.0, 1.01e-3)):
+        require_motion(moving(*enough))
+    for little in ((0.0099, 0.0099, 0.0099, 9.9e-4), (0.0, 0.0, 0.0, 0.0)):
+        with pytest.raises(InvalidLog, match="hardly moves"):
+            require_motion(moving(*little))
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -58,26 +59,39 @@ def test_missing_columns_are_named() -> None:
 
 
 @pytest.mark.parametrize(
-    ("place", "value", "words"),
+    ("place", "value", "row", "words"),
     [
-        ((0, 30), 0.5, "times have to increase"),
-        ((0, 30), 29 / RATE, "is there twice"),
-        ((1, (30, 1)), np.nan, "row 31, theta2: no finite number"),
-        ((2, (30, 3)), np.inf, "row 31, force4: no finite number"),
-        ((1, (30, 0)), 57.3, "degrees"),
-        ((1, (30, 3)), 350.0, "millimeters"),
-        ((1, (30, 3)), 1.9, "jump"),
+        ((0, 30), 0.5, 41, "t: times have to increase"),
+        ((0, 30), 29 / RATE, 40, "t: .* is there twice"),
+        ((1, (30, 1)), np.nan, 40, "theta2: no finite number"),
+        ((2, (30, 3)), np.inf, 40, "force4: no finite number"),
+        ((1, (30, 0)), 57.3, 40, "theta1: .*degrees"),
+        ((1, (30, 3)), 350.0, 40, "Z: .*millimeters"),
+        ((1, (30, 3)), 1.9, 40, "Z: a jump at .* m/s"),
+        ((1, (30, 2)), 2.9, 40, "theta3: a jump at .* rad/s"),
     ],
-    ids=["reversed", "repeated", "nan", "infinite", "degrees", "millimeters", "jump"],
+    ids=["reversed", "repeated", "nan", "infinite", "degrees", "millimeters", "lift", "turn"],
 )
-def test_a_wrong_row_is_named(signals: list[Any], place: Any, value: float, words: str) -> None:
+def test_a_wrong_row_is_named(
+    signals: list[Any], place: Any, value: float, row: int, words: str
+) -> None:
+    """A table whose first sample stands in row 10."""
     array, index = place
     signals[array][index] = value
-    if array == 0 and value == 0.5:
-        signals[0][31:] -= 0.0
-    with pytest.raises(InvalidLog, match=words) as caught:
-        make_log(*signals)
-    assert caught.value.row in (31, 32)
+    with pytest.raises(InvalidLog, match=f"^row {row}, {words}") as caught:
+        make_log(*signals, first_row=10)
+    assert caught.value.row == row
+
+
+def test_samples_know_their_rows_where_rows_are_left_out_or_resampled(signals: list[Any]) -> None:
+    log = make_log(*signals, first_row=10)
+    assert [log.row(index) for index in (0, 7)] == [10, 17]
+    assert replace(log, rows=None).row(7) == 8
+    t = signals[0].copy()
+    t[1:-1] += np.random.default_rng(0).uniform(-0.2, 0.2, t.size - 2) / RATE
+    uneven = make_log(t, *signals[1:], first_row=10)
+    rows = np.array([uneven.row(index) for index in range(len(uneven.t))])
+    assert np.abs(uneven.t - t[rows - 10]).max() < 1.4 / RATE  # never further than the next row
 
 
 def test_degrees_read_as_radians_are_refused_with_the_row_of_the_file(signals: list[Any]) -> None:

@@ -10,7 +10,7 @@ import pytest
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis import Effort, Regime, SearchRange, SynthesisCase, synthesize
-from paminsa_viz.synthesis.answer.prices import requirement_prices
+from paminsa_viz.synthesis.answer.prices import AT_END, _bound, _requirables, requirement_prices
 from paminsa_viz.synthesis.search.outer import refined
 
 HEIGHT, RADIUS = 0.2, 0.1
@@ -62,6 +62,69 @@ def test_an_end_of_a_range_has_its_price_and_can_be_canceled():
     assert price.label == "least crank_length"
     by_crank = 3 * (APPENDIX_4.links.b3 + APPENDIX_4.links.b8) / APPENDIX_4.geometry.crank_length
     assert price.price == pytest.approx(by_crank, rel=1e-3)
+
+
+def test_range_of_headings_costs_what_the_closed_form_says():
+    """A platform turned by t has its joints 5 |R_b - R_pl e^(it)| off those of the base."""
+    turn = 0.4
+    case = one_length()
+    result = synthesize(replace(case, requirements=replace(case.requirements, theta=(-turn, turn))))
+    g = result.design.geometry
+    wide = g.magnification / (g.magnification - 1)
+    apart = np.sqrt(
+        g.base_radius**2 + g.platform_radius**2
+        - 2 * g.base_radius * g.platform_radius * np.cos(turn)
+    )  # fmt: skip
+    by_turn = g.base_radius * g.platform_radius * np.sin(turn) / apart
+    low, far = 0.8 - g.platform_joint_height, apart + RADIUS
+    span = np.hypot(wide * far, low)
+    assert g.crank_length == pytest.approx(case.margin + span - g.coupler_length, rel=1e-5)
+    by_crank = 3 * (APPENDIX_4.links.b3 + APPENDIX_4.links.b8) / APPENDIX_4.geometry.crank_length
+    by_guide = 3 * APPENDIX_4.links.b10 / APPENDIX_4.geometry.guide_link_length
+    by_far = by_crank * wide**2 * far / span + by_guide / (g.magnification - 1)
+    prices = {item.label: item for item in requirement_prices(result, step=0.05)}
+    # a range that is wider by one has ends that are further by a half
+    assert prices["range of theta"].price == pytest.approx(0.5 * by_far * by_turn, rel=0.02)
+
+
+def test_ends_that_an_answer_touches_are_asked_and_no_others():
+    path, low, high = "geometry.crank_length", 0.2, 0.8
+    result = synthesize(one_length(effort=Effort(1, 4)), relax=False)
+    near = AT_END * (high - low)
+
+    def asked(value: float) -> dict[str, tuple[float, float]]:
+        items = _requirables(result, [value])
+        found = {item.label: item for item in items if "crank_length" in item.label}
+        for item in found.values():
+            (moved,) = item.moved(0.5).ranges
+            assert moved.path == path
+            assert (moved.low, moved.high) == ((0.5, high) if item.tighter > 0 else (low, 0.5))
+        return {label: (item.bound, item.tighter) for label, item in found.items()}
+
+    assert asked(low + 0.9 * near) == asked(low) == {"least crank_length": (low, 1.0)}
+    assert asked(high - 0.9 * near) == asked(high) == {"largest crank_length": (high, -1.0)}
+    assert asked(low + 1.1 * near) == asked(high - 1.1 * near) == asked(0.5) == {}
+
+
+@pytest.mark.parametrize(
+    ("bound", "value", "end", "tighter"),
+    [
+        ((None, 3.0), 2.9, {"high": 2.5}, -1.0),
+        ((1.0, None), 1.1, {"low": 2.5}, 1.0),
+        ((1.0, 3.0), 1.1, {"low": 2.5}, 1.0),
+        ((1.0, 3.0), 2.9, {"high": 2.5}, -1.0),
+        ((-3.0, 3.0), -2.9, {"low": -2.5, "high": 2.5}, -1.0),
+    ],
+)
+def test_the_end_of_a_requirement_that_is_reached_moves(bound, value, end, tighter):
+    item = Requirement("condition", *bound)
+    case = one_length()
+    case = replace(case, requirements=replace(case.requirements, bounds=(item,)))
+    found = _bound(case, 0, value)
+    assert found.tighter == tighter
+    assert found.bound == (bound[1] if tighter < 0 else bound[0])
+    (moved,) = found.moved(2.5).requirements.bounds
+    assert moved == replace(item, **end)
 
 
 def test_a_search_near_an_answer_may_start_late():

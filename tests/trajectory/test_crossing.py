@@ -30,12 +30,14 @@ from paminsa_viz.trajectory import (
 )
 from paminsa_viz.trajectory import crossing_program as program
 from paminsa_viz.trajectory.crossing import (
+    Crossing,
     CrossingKind,
     Locus,
     PathOnLocus,
     crossing_condition,
     crossings,
 )
+from paminsa_viz.trajectory.crossing_program import CrossingProgram
 from paminsa_viz.trajectory.paths import spline_path, straight_path
 from paminsa_viz.trajectory.time_optimal import CrossingRefused, TimeOptimalPlan, time_optimal
 from tests.support.samples import random_design, random_states
@@ -241,6 +243,62 @@ def test_a_path_along_a_locus_is_refused() -> None:
     path = straight_path([0.0, 0.0, turn, -0.5], [0.1, 0.0, turn, -0.5])
     with pytest.raises(PathOnLocus):
         crossings(APPENDIX_4.geometry, path)
+
+
+@pytest.mark.parametrize("share", [0.1234, 0.5, 0.9771])
+def test_a_path_touches_the_circle_or_crosses_it_twice_or_misses_it(share: float) -> None:
+    """Lines beside the tangent of the singular circle, which they touch anywhere on the way."""
+    geometry = APPENDIX_4.geometry
+    radius, length = float(singular_radius(geometry, 0.3)), 0.2
+    start, end = -share * length, (1.0 - share) * length
+
+    def found(beside: float) -> tuple[Crossing, ...]:
+        x = radius + beside
+        return crossings(geometry, straight_path([x, start, 0.3, -0.5], [x, end, 0.3, -0.5]))
+
+    (touched,) = found(0.0)
+    assert touched.kind is CrossingKind.TANGENT
+    assert touched.locus is Locus.CIRCLE
+    assert touched.s == pytest.approx(share, abs=1.2e-4)  # 1e-9 m off the circle counts as on it
+    assert touched.pose == pytest.approx((radius, 0.0, 0.3, -0.5), abs=2.4e-5)
+    assert found(1e-6) == ()
+    half = np.sqrt(2e-5 * radius) / length
+    both = found(-1e-5)
+    assert [item.kind for item in both] == [CrossingKind.SIMPLE] * 2
+    assert [item.s for item in both] == pytest.approx([share - half, share + half], rel=1e-4)
+
+
+def test_limits_are_added_where_a_law_exceeds_them_most() -> None:
+    """Those points, and torques there, by the inverse dynamics; then they keep the limits."""
+    poses = [[0.1631, -0.0825, -1.8922, -0.554], [-0.1871, 0.1465, -0.8063, -0.4259],
+             [-0.0196, -0.0849, 1.7641, -0.458]]  # fmt: skip
+    path = spline_path(poses)
+    made = CrossingProgram(BALANCED, path, crossings(BALANCED.geometry, path), TEN)
+    law = made.fastest()
+    z, count = made.spline(law), program.FINE * program.POINTS
+    pieces = np.unique(z.t)
+    inner = pieces[:-1, None] + np.diff(pieces)[:, None] * (np.arange(count) + 0.5) / count
+    s = np.concatenate([[0.0], inner.ravel(), [1.0]])
+    for item in crossings(BALANCED.geometry, path):
+        s = s[np.abs(s - item.s) > 1e-4]
+    pose, along, bend = (path(s, order) for order in range(3))
+    square, growth = z(s)[:, None], 0.5 * z(s, 1)[:, None]
+    rate = along * np.sqrt(square)
+    torque = inverse_dynamics(BALANCED, pose, rate, along * growth + bend * square).torque
+    excess = np.abs(torque[:, :3]).max(axis=1) / 10.0 - 1.0
+    sides = np.concatenate([[0.0], excess, [0.0]])
+    highest = np.maximum(sides[:-2], sides[2:])
+    peaks = excess[(excess >= highest) & (excess > program.TOLERANCE)]
+    assert len(peaks) > 3
+    before = len(made._rows.limit)
+    assert made.tighten(law)
+    factors, constant, limit = (part[before:] for part in made._rows[:3])
+    assert len(limit) == 6 * len(peaks)
+    share = (factors @ law + constant) / limit - 1.0
+    found = np.reshape(share, (2, len(peaks), 3)).max(axis=(0, 2))
+    np.testing.assert_allclose(found, peaks, rtol=1e-6, atol=1e-9)
+    again = made.fastest()
+    assert (factors @ again + constant <= limit + 1e-6).all()
 
 
 def test_several_crossings_in_one_motion() -> None:

@@ -31,7 +31,7 @@ def current_check(state: State) -> RequirementsCheck | None:
     document = state.document
     if not asked(document.requirements):
         return None
-    for outcome in (state.requiring.fine, state.requiring.quick):
+    for outcome in (state.requirements.fine, state.requirements.quick):
         if outcome is not None and outcome.result is not None and outcome.job.serves(document):
             return outcome.result.check
     if is_quick(document.requirements):
@@ -41,7 +41,7 @@ def current_check(state: State) -> RequirementsCheck | None:
 
 def current_volume(state: State) -> VolumeOutcome | None:
     """Return the volume of the current design, the fine one if it is there."""
-    for outcome in (state.requiring.fine, state.requiring.quick):
+    for outcome in (state.requirements.fine, state.requirements.quick):
         if outcome is not None and outcome.job.serves(state.document):
             return outcome
     return None

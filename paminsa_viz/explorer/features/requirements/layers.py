@@ -28,7 +28,7 @@ def volume(frame: Frame) -> tuple[Node, ...]:
 
     Nothing is drawn that is of another design or of other requirements.
     """
-    outcome = frame.state.requiring.fine
+    outcome = frame.state.requirements.fine
     if outcome is None or outcome.result is None or not outcome.job.serves(frame.state.document):
         return ()
     return _surface(outcome.result)
@@ -51,7 +51,7 @@ def required_workspace(frame: Frame) -> Iterator[Node]:
 
 def proven_workspace(frame: Frame) -> Iterator[Node]:
     """Draw the outline of the largest workspace that is proven."""
-    largest = frame.state.requiring.largest
+    largest = frame.state.requirements.largest
     outcome = largest.outcome
     if largest.proven and outcome is not None and outcome.job.serves(frame.state.document):
         yield curves("/requirements/proven", outline(*largest.proven), palette.OK, 3.0)

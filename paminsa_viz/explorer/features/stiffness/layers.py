@@ -43,7 +43,7 @@ BELOW: Final = {"mode": 0.16, "deflection": 0.23, "compliance": 0.3}
 
 def _outcome(frame: Frame) -> ElasticOutcome | None:
     """Return the result about the pose and the lengths that are shown, or None."""
-    outcome, last = frame.state.elastic_view.outcome, frame.state.last_reachable
+    outcome, last = frame.state.stiffness.outcome, frame.state.last_reachable
     if outcome is None or outcome.job.pose != last.pose:
         return None
     return outcome if outcome.job.design.geometry == last.geometry else None
@@ -55,7 +55,7 @@ def mode_shape(frame: Frame) -> tuple[Node, ...]:
     The browser plays the animation by itself. A new one is sent when the page is idle, and the old
     one is removed as soon as the robot moves.
     """
-    outcome, mode = _outcome(frame), frame.state.elastic_view.mode
+    outcome, mode = _outcome(frame), frame.state.stiffness.mode
     found = None if outcome is None else outcome.result
     if outcome is None or found is None or mode >= len(found.frequencies) or not found.shapes:
         return ()

@@ -38,9 +38,9 @@ def draw_robots(job: PlaneJob, _: object) -> LengthTolerance:
 
 
 def _job(state: State) -> PlaneJob:
-    settings = ToleranceSettings(length=state.tolerating.settings.length)
+    settings = ToleranceSettings(length=state.tolerances.settings.length)
     return plane_job(PlaneJob, state, settings)
 
 
-DRAW = Task(Place(lambda state: state.tolerating), _job, draw_robots)
+DRAW = Task(Place(lambda state: state.tolerances), _job, draw_robots)
 """Draws robots of the current design."""

@@ -1,0 +1,90 @@
+"""Put the binary of another platform into an FMU, from the sources inside it.
+
+    python3 add_platform.py paminsa_plant.fmu win64 x86_64-w64-mingw32-gcc
+    python3 add_platform.py paminsa_plant.fmu darwin64 "zig cc -target aarch64-macos"
+    python3 add_platform.py paminsa_plant.fmu linux64 gcc
+
+Platforms are FMI's: linux64, linux32, win64, win32, darwin64. Any compiler for C99 will do.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import shlex
+import subprocess
+import sys
+import tempfile
+import zipfile
+
+ENDINGS = {"linux": ".so", "win": ".dll", "darwin": ".dylib"}
+
+
+class NotBuilt(Exception):
+    """A binary could not be made; the text says why."""
+
+
+def with_platform(fmu: bytes, platform: str, compiler: str) -> bytes:
+    """Return an FMU with the binary of one more platform.
+
+    Args:
+        fmu: The FMU, with its sources.
+        platform: Name of the platform.
+        compiler: The C compiler, with options of its own if need be.
+
+    Raises:
+        NotBuilt: If there is no such platform or compiler, or it fails.
+    """
+    ending = ENDINGS.get(platform.rstrip("0123456789"))
+    if ending is None:
+        raise NotBuilt(f"{platform}: platforms are linux64, linux32, win64, win32, darwin64")
+    with zipfile.ZipFile(io.BytesIO(fmu)) as archive:
+        inside = {name: archive.read(name) for name in archive.namelist()}
+    sources = {os.path.basename(n): text for n, text in inside.items() if n.startswith("sources/")}
+    model = next(name for name in sources if name.endswith(".c"))
+    binary = model[:-2] + ending
+    command = [*shlex.split(compiler), "-std=c99", "-O2", "-ffp-contract=off", "-shared"]
+    command += [] if platform.startswith("win") else ["-fPIC", "-fvisibility=hidden"]
+    command += [model, "-o", binary, "-lm"]
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in sources.items():
+            with open(os.path.join(folder, name), "wb") as file:
+                file.write(text)
+        try:
+            done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+        except OSError as error:
+            raise NotBuilt(f"{compiler}: {error.strerror}") from None
+        if done.returncode:
+            raise NotBuilt(f"{compiler} failed: {' '.join(done.stderr.split())[:500]}")
+        with open(os.path.join(folder, binary), "rb") as file:
+            inside[f"binaries/{platform}/{binary}"] = file.read()
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in inside.items():
+            info = zipfile.ZipInfo(name)
+            info.compress_type, info.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
+            archive.writestr(info, content)
+    return stream.getvalue()
+
+
+def main(words: list[str]) -> int:
+    """Run the program with the words of a command; return its exit code."""
+    if len(words) != 3:
+        print(__doc__)
+        return 2
+    path, platform, compiler = words
+    try:
+        with open(path, "rb") as file:
+            made = with_platform(file.read(), platform, compiler)
+        with open(path + ".new", "wb") as file:
+            file.write(made)
+        os.replace(path + ".new", path)
+    except (NotBuilt, OSError, zipfile.BadZipFile) as error:
+        print(error, file=sys.stderr)
+        return 1
+    print(f"{path}: has a binary for {platform}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,272 @@
+"""FMUs in FMPy: valid, and moved as Python computes it."""
+
+from __future__ import annotations
+
+import io
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from paminsa_viz.codegen.fmu import FmuKind, NoCompiler, build_fmu, fmu_folder, fmu_sources
+from paminsa_viz.engines.poses import start_pose
+from paminsa_viz.errors import UnreachablePose
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    Drive,
+    Geometry,
+    KneeBranch,
+    LoadCase,
+    LoadFrame,
+    forward_dynamics,
+    inverse_dynamics,
+    inverse_jacobian,
+    inverse_kinematics,
+    static_torques,
+)
+from tests.codegen.printed import STRICT, compilers
+from tests.codegen.test_kit import loaded_robot
+from tests.support import samples
+
+fmpy = pytest.importorskip("fmpy", reason="FMPy comes with the extra 'test'")
+
+from fmpy.fmi1 import FMICallException  # noqa: E402
+from fmpy.fmi2 import FMU2Slave  # noqa: E402
+from fmpy.validation import validate_fmu  # noqa: E402
+
+pytestmark = [
+    pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler here"),
+    pytest.mark.filterwarnings("ignore::DeprecationWarning"),
+]
+
+DRIVEN = replace(
+    APPENDIX_4.vary({"friction.viscous_rotary": 0.3, "payload.mass": 1.0}),
+    drives=(Drive(rotor_inertia=2e-5, gear_ratio=80.0), None, None, None),
+    load=LoadCase(5.0, -3.0, -20.0, 0.3, 0.2, 0.7, 0.05, -0.02, 0.1, LoadFrame.PLATFORM),
+)
+"""Drives, friction and a load, but no Coulomb friction, whose steep step DOP853 takes long for."""
+
+KINDS: tuple[FmuKind, ...] = get_args(FmuKind)
+TORQUES = ("tau_1", "tau_2", "tau_3", "F_4")
+POSE = ("x", "y", "theta", "z")
+ACTUATORS = ("theta_1", "theta_2", "theta_3", "lift")
+RATES = tuple(f"{name}_rate" for name in POSE)
+
+
+built = cache(build_fmu)
+
+
+def written(folder: Path, design: Design, kind: FmuKind) -> Path:
+    path = folder / f"{kind}.fmu"
+    path.write_bytes(built(design, kind))
+    return path
+
+
+@contextmanager
+def running(path: Path, folder: Path, **start: float) -> Iterator[Any]:
+    """Yield a slave that is initialized."""
+    described = fmpy.read_model_description(path)
+    place = fmpy.extract(str(path), unzipdir=str(folder / "unzipped"))
+    name = described.coSimulation.modelIdentifier
+    slave = FMU2Slave(
+        guid=described.guid, unzipDirectory=place, modelIdentifier=name, instanceName="robot"
+    )
+    references = {v.name: v.valueReference for v in described.modelVariables}
+    setattr(slave, "references", references)  # noqa: B010
+    slave.instantiate()
+    slave.setupExperiment(startTime=0.0)
+    slave.enterInitializationMode()
+    put(slave, **start)
+    slave.exitInitializationMode()
+    try:
+        yield slave
+    finally:
+        slave.terminate()
+        slave.freeInstance()
+
+
+def put(slave: Any, **values: float) -> None:
+    if values:
+        slave.setReal([slave.references[name] for name in values], list(values.values()))
+
+
+def get(slave: Any, names: tuple[str, ...]) -> np.ndarray:
+    return np.array(slave.getReal([slave.references[name] for name in names]))
+
+
+def by_dop853(design: Design, torque: Any, state: Any, time: float) -> np.ndarray:
+    def rates(_: float, now: np.ndarray) -> np.ndarray:
+        return np.concatenate([now[4:], forward_dynamics(design, now[:4], now[4:], torque)])
+
+    solved = solve_ivp(rates, (0, time), state, method="DOP853", rtol=1e-13, atol=1e-15)
+    return solved.y[:, -1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+def test_fmpy_finds_no_problem(kind: FmuKind, tmp_path: Path) -> None:
+    assert validate_fmu(str(written(tmp_path, loaded_robot(), kind))) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("design", [APPENDIX_4, DRIVEN], ids=["appendix-4", "driven"])
+def test_plant_moves_as_python_integrates_it(design: Design, tmp_path: Path) -> None:
+    """Torques change once, and a payload is put on, at a step's end."""
+    pose = start_pose(design) + np.array([0.02, -0.01, 0.1, 0.03])
+    rate = np.array([0.05, 0.02, -0.1, 0.04])
+    first = static_torques(design, pose) + np.array([0.4, -0.3, 0.2, 6.0])
+    second = first + np.array([-0.8, 0.2, 0.1, 9.0])
+    start = dict(zip([f"{name}_start" for name in (*POSE, *RATES)], [*pose, *rate], strict=True))
+    heavier = design.vary({"payload.mass": 4.0, "payload.inertia": 0.03})
+    state = by_dop853(design, first, np.concatenate([pose, rate]), 0.2)
+    state = by_dop853(heavier, second, state, 0.2)
+    with running(written(tmp_path, design, "plant"), tmp_path, **start) as slave:
+        np.testing.assert_array_equal(get(slave, (*POSE, *RATES)), [*pose, *rate])
+        put(slave, **dict(zip(TORQUES, first, strict=True)))
+        for step in range(400):
+            if step == 200:
+                put(slave, **dict(zip(TORQUES, second, strict=True)))
+                put(slave, payload_mass=4.0, payload_inertia=0.03)
+            slave.doStep(currentCommunicationPoint=1e-3 * step, communicationStepSize=1e-3)
+        np.testing.assert_allclose(get(slave, (*POSE, *RATES)), state, rtol=0, atol=1e-11)
+        found = inverse_kinematics(design.geometry, state[:4])
+        np.testing.assert_allclose(get(slave, ACTUATORS), found.actuators, rtol=0, atol=1e-11)
+        speed = inverse_jacobian(design.geometry, state[:4]) @ state[4:]
+        rates = tuple(f"{name}_rate" for name in ACTUATORS)
+        np.testing.assert_allclose(get(slave, rates), speed, rtol=0, atol=1e-10)
+        assert slave.getInteger([0]) == [0]
+
+
+@pytest.mark.slow
+def test_a_saved_state_is_gone_on_with_to_the_last_bit(tmp_path: Path) -> None:
+    with running(written(tmp_path, APPENDIX_4, "plant"), tmp_path) as slave:
+        put(slave, tau_1=0.5, F_4=300.0)
+
+        def play(start: float) -> np.ndarray:
+            for step in range(20):
+                slave.doStep(start + 1e-3 * step, 1e-3)
+            return get(slave, (*POSE, *RATES))
+
+        play(0.0)
+        saved = slave.getFMUstate()
+        stored = slave.serializeFMUstate(saved)
+        after = play(0.02)
+        put(slave, tau_1=-1.0, payload_mass=3.0)
+        assert not np.array_equal(play(0.04), after)
+        slave.setFMUstate(saved)
+        np.testing.assert_array_equal(play(0.02), after)
+        slave.freeFMUstate(saved)
+        read = slave.deSerializeFMUstate(stored)
+        slave.setFMUstate(read)
+        np.testing.assert_array_equal(play(0.02), after)
+        slave.freeFMUstate(read)
+        slave.reset()
+        with pytest.raises(FMICallException):
+            put(slave, x=0.1)  # an output
+
+
+@pytest.mark.slow
+def test_inverse_block_is_inverse_dynamics(tmp_path: Path) -> None:
+    design = loaded_robot()
+    moving = [POSE, RATES, tuple(f"{name}_acceleration" for name in POSE)]
+    heavier = design.vary({"payload.mass": 6.0, "payload.inertia": 0.02})
+    states = zip(*samples.random_states(np.random.default_rng(2), design, 20), strict=True)
+    with running(written(tmp_path, design, "inverse"), tmp_path) as slave:
+        for number, state in enumerate(states):
+            carries = heavier if number % 2 else design
+            load = carries.payload
+            put(slave, payload_mass=load.mass, payload_inertia=load.inertia)
+            for names, values in zip(moving, state, strict=True):
+                put(slave, **dict(zip(names, values, strict=True)))
+            wanted = inverse_dynamics(carries, *state).torque
+            np.testing.assert_allclose(get(slave, TORQUES), wanted, rtol=1e-11, atol=1e-11)
+            found = inverse_kinematics(design.geometry, state[0]).actuators
+            np.testing.assert_allclose(get(slave, ACTUATORS), found, rtol=0, atol=1e-12)
+        put(slave, x=3.0)
+        assert np.isnan(get(slave, TORQUES)).all()
+        assert slave.getInteger([0]) == [2]
+
+
+@pytest.mark.slow
+def test_what_cannot_move_says_so(tmp_path: Path) -> None:
+    path = written(tmp_path, APPENDIX_4, "plant")
+    with (
+        pytest.raises(FMICallException),
+        running(path, tmp_path / "far", x_start=3.0),
+    ):
+        pass
+    with running(path, tmp_path / "runs") as slave:
+        before = get(slave, POSE)
+        for wrong in ({"tau_2": np.nan}, {"payload_mass": -1.0}):
+            put(slave, **wrong)
+            with pytest.raises(FMICallException):
+                slave.doStep(0.0, 1e-3)
+            put(slave, tau_2=0.0, payload_mass=0.0)
+        np.testing.assert_array_equal(get(slave, POSE), before)
+
+
+@pytest.mark.parametrize("compiler", compilers())
+@pytest.mark.parametrize("kind", KINDS)
+def test_sources_compile_without_a_warning(kind: FmuKind, compiler: str, tmp_path: Path) -> None:
+    for name, text in fmu_sources(APPENDIX_4, kind).items():
+        (tmp_path / Path(name).name).write_text(text)
+    command = [compiler, *STRICT, "-c", f"paminsa_{kind}.c"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[:2000]
+
+
+@pytest.mark.slow
+def test_the_script_adds_another_platform(tmp_path: Path) -> None:
+    for name, content in fmu_folder(APPENDIX_4, ["inverse"]).items():
+        path = tmp_path / Path(name).name
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+
+    def run(*words: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "add_platform.py", "paminsa_inverse.fmu", *words]
+        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+
+    before = (tmp_path / "paminsa_inverse.fmu").read_bytes()
+    for words in (("atari", "cc"), ("linux32", "no-such-compiler"), ("linux32", "cc -Dint=")):
+        done = run(*words)
+        assert (done.returncode, len(done.stderr.splitlines())) == (1, 1)
+        assert (tmp_path / "paminsa_inverse.fmu").read_bytes() == before
+    assert run("linux32", "cc").returncode == 0
+    with zipfile.ZipFile(tmp_path / "paminsa_inverse.fmu") as archive:
+        inside = archive.namelist()
+        assert archive.testzip() is None
+    assert "binaries/linux32/paminsa_inverse.so" in inside
+    with zipfile.ZipFile(io.BytesIO(before)) as archive:
+        assert set(archive.namelist()) < set(inside)
+
+
+def test_another_design_has_another_guid() -> None:
+    def guid(design: Design, kind: FmuKind = "plant") -> str:
+        text = fmu_sources(design, kind)["modelDescription.xml"]
+        return text.partition('guid="')[2].partition('"')[0]
+
+    robots = [APPENDIX_4, APPENDIX_4.with_knee(KneeBranch.UPPER), loaded_robot()]
+    assert len({guid(APPENDIX_4, "inverse"), *map(guid, robots)}) == 4
+    assert guid(APPENDIX_4) == guid(APPENDIX_4.vary({}))
+
+
+def test_without_a_compiler_or_a_start_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(UnreachablePose):
+        build_fmu(Design(Geometry(base_radius=0.2, platform_radius=0.2)), "plant")
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(NoCompiler, match="no-such-compiler: No such file"):
+        build_fmu(APPENDIX_4, "plant")
+    monkeypatch.delenv("CC")
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(NoCompiler, match="install gcc or clang"):
+        build_fmu(APPENDIX_4, "plant")
