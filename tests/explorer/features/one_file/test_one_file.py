@@ -130,13 +130,12 @@ def random_documents(count: int) -> Iterator[Document]:
     rng = np.random.default_rng(32)
     while count > 0:
         design = random_design(rng)
-        knee = rng.choice([KneeBranch.LOWER, KneeBranch.UPPER])
-        design = design.with_knee(knee)
+        design = design.with_knee(list(KneeBranch)[rng.integers(2)])
         if rng.random() < 0.5:
-            frame = rng.choice([LoadFrame.WORLD, LoadFrame.PLATFORM])
+            frame = list(LoadFrame)[rng.integers(2)]
             design = replace(design, load=LoadCase(*rng.normal(size=9), frame=frame))
-        for pose in random_poses(rng, design, 5):
-            yield Document(design=design, pose=tuple(map(float, pose)))
+        for x, y, theta, z in random_poses(rng, design, 5).tolist():
+            yield Document(design=design, pose=(x, y, theta, z))
             count -= 1
 
 
