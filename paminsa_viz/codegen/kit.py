@@ -87,12 +87,16 @@ def controller_kit(design: Design, *, single: bool = False) -> dict[str, str]:
     tolerance = f"{TOLERANCE[single]:g}"
     test = template("test.c", TOLERANCE=tolerance, COLUMNS=str(columns))
     note = "* This kit is in single precision: errors of some 1e-6, more next to singularities.\n"
+    module = "| `paminsakins.comp` | the kinematics of LinuxCNC for this design |\n"
     readme = template(
-        "README.md", NAME=design.name, VERSION=__version__, FLOAT=note if single else ""
-    )
+        "README.md", NAME=design.name, VERSION=__version__, FLOAT=note if single else "",
+        MODULE="" if single else module,
+    )  # fmt: skip
     sources = {"paminsa.h": header(), "design.h": design_header(design), "test.c": test}
     if single:
         sources = {name: single_precision(text) for name, text in sources.items()}
+    else:  # LinuxCNC's numbers are double
+        sources["paminsakins.comp"] = template("paminsakins.comp")
     return {**sources, "vectors.csv": vectors, "README.md": readme.rstrip() + "\n"}
 
 

@@ -73,6 +73,10 @@ def _open(session: Session, name: str, content: bytes) -> None:
     )  # fmt: skip
 
 
+def _copy_link(session: Session) -> None:
+    session.bridge.call("copyLink", persistence.share_code(session.state.document))
+
+
 EXAMPLE = "open-example"
 """Message of the page: an example was pressed."""
 
@@ -119,8 +123,15 @@ FILE = (
         ),
     ),
     Folder(
-        "file.share", "Share code",
+        "file.share", "Link and share code",
         entries=(
+            Button(
+                "file.link", "Copy link", icon=Icon.LINK, undo=False,
+                hint="The address of this page with the share code; the address follows your work",
+                effect=Run(
+                    lambda session: session.submit(partial(_copy_link, session)), at_once=True
+                ),
+            ),
             Html(
                 "file.about_code",
                 content=render(
