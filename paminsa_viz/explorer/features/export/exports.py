@@ -16,7 +16,6 @@ from paminsa_viz.files.archives import zipped
 from paminsa_viz.files.tables import TABLE_FORMATS, DataTable, table_bytes
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.model import Configuration, Design, InvalidInput, inverse_kinematics
-from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_table import map_table
 from paminsa_viz.plots.series import FIGURES as FIGURE_KINDS
 from paminsa_viz.plots.series import FigureKind, SeriesSources
@@ -42,7 +41,7 @@ def figure(state: State, store: MapStore, kind: str) -> File:
     # Late: matplotlib takes a second to load, and most sessions never print.
     from paminsa_viz.plots.map_figure import render
 
-    data = _maps(state, store)
+    data = store.data(state, FULL, _quantities(state), hatched=True)
     scales = store.scales(state, data, _quantities(state))
     export = state.export
     content = render(data, scales, kind, width_mm=export.width, dpi=export.dpi)
@@ -60,15 +59,11 @@ def table(state: State, store: MapStore, kind: str) -> File:
 
 def maps_table(state: State, store: MapStore) -> DataTable:
     """Return the numbers of maps, with where they come from."""
-    return map_table(_maps(state, store))
+    return map_table(store.data(state, FULL, _quantities(state)))
 
 
 def _quantities(state: State) -> tuple[str, ...]:
     return (state.map_view.quantity,) if state.export.single else TORQUES
-
-
-def _maps(state: State, store: MapStore) -> MapData:
-    return store.data(state, FULL, _quantities(state))
 
 
 def _maps_name(state: State, kind: str) -> str:
