@@ -181,15 +181,18 @@ class App:
         A page of viser and its callbacks hold each other, so only the garbage collector frees them;
         on its own it would do so after hundreds of megabytes.
         """
+        again = False  # a task of a closed page may have ended only after the first time
         while not self._stopped.is_set():
-            if self._closed_page.wait(TRIM_PERIOD):
-                if self._stopped.wait(COLLECTION_DELAY):
-                    return
-                self._closed_page.clear()
+            closed = self._closed_page.wait(TRIM_PERIOD)
+            if closed and self._stopped.wait(COLLECTION_DELAY):
+                return
+            self._closed_page.clear()
+            if closed or again:
                 from paminsa_viz.plots.text import close_fonts
 
                 close_fonts()
                 gc.collect()
+            again = closed
             call_allocator("malloc_trim", 0)
 
     def stop(self) -> None:

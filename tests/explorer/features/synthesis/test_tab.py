@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -31,6 +33,7 @@ from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
 from paminsa_viz.synthesis.answer.prices import RequirementPrice
+from paminsa_viz.synthesis.search.buildability import buildability_rows
 from paminsa_viz.synthesis.search.case import Effort, Regime
 from paminsa_viz.synthesis.search.front import DesignFront, FrontPoint
 from paminsa_viz.synthesis.search.result import SynthesisResult
@@ -104,6 +107,8 @@ def test_a_short_search_is_adopted_with_the_design_before_as_reference(
     shown = text.result_html(compute(state))
     assert "footprint" in shown
     assert "robots built within tolerances" in shown
+    assert "Least clearance as drawn" in shown
+    assert "Overlap was allowed" not in shown
     opened = actions.open_result(state)
     assert opened.document.design == found.design
     assert opened.document.reference == APPENDIX_4
@@ -187,6 +192,35 @@ def test_robot_that_is_opened_leaves_requirements_that_were_changed_since(asked:
         assert opened.requirements.theta == changed.theta
         kept = changed.workspace == held.workspace
         assert opened.requirements.workspace == (found.workspace if kept else changed.workspace)
+
+
+@pytest.mark.slow
+def test_answer_says_beside_the_reference_whether_it_can_be_built(asked: State) -> None:
+    started = actions.start(asked.updated("synthesis.settings", allow_overlap=True))
+    job = started.synthesis.running
+    assert job is not None
+    found = answer(started, 0.4, 0.4)
+    found = replace(found, design=found.design.vary({"geometry.guide_link_length": 0.1}))
+    state = delivered(actions.SEARCH, started, Outcome(job, SearchResult(found)))
+    shown = text.result_html(compute(state))
+    assert "Overlap was allowed" in shown
+    table = shown[shown.index('data-testid="drawn"') :]
+    cells = re.findall(
+        r"<tr><td>(.*?)</td><td( class=\"pv-bad-text\")?>(.*?)</td><td>(.*?)</td></tr>",
+        html.unescape(table[: table.index("</table>")]),
+    )
+    assert found.buildability is not None
+    rows = buildability_rows(*found.buildability)
+    assert cells == [(a, ' class="pv-bad-text"' if bad else "", b, c) for a, b, c, bad in rows]
+    told_of = {label: (own, reference, bool(bad)) for label, bad, own, reference in cells}
+    own, reference, bad = told_of["Guide B10"]
+    assert own.startswith("100 mm, needed ")
+    assert reference.startswith("363.5 mm, needed ")
+    assert bad
+    assert {
+        "Least clearance as drawn", "Between", "Poses that overlap", "Least horizontal stiffness",
+        "Least first natural frequency", "Shaft B2", "Moving mass",
+    } <= set(told_of)  # fmt: skip
 
 
 def test_prices_are_of_the_answer_that_is_shown(asked: State) -> None:
