@@ -277,7 +277,7 @@ def python_api() -> str:
 def _summary(module: types.ModuleType, name: str) -> str:
     """Return the first sentence that a public name says of itself."""
     value = getattr(module, name)
-    described = inspect.isclass(value) or inspect.isroutine(value)
+    described = inspect.isclass(value) or inspect.isroutine(inspect.unwrap(value))
     text = (inspect.getdoc(value) or "") if described else _constant(module, name)
     return _paragraphs(" ".join(text.split("\n\n")[0].split()).rstrip("."))
 
