@@ -144,6 +144,9 @@ def test_the_time_scaling_that_fits_is_the_least(motion) -> None:  # type: ignor
     assert factor > 1
     assert size_drives(cycle.stretched(factor).loads[0], table).feasible[0]
     assert not size_drives(cycle.stretched(0.99 * factor).loads[0], table).feasible[0]
+    # speeds fall as the time grows: with a drive that is so much faster hardly any is needed
+    faster = pair_table([replace(SERVO, top_speed=120.0 * factor / 1.05, rated_speed=None)], [GEAR])
+    assert fitting_time(cycle, 0, faster) == pytest.approx(1.05, rel=2e-3)
     hopeless = pair_table([replace(SERVO, rated_torque=1e-6)], [GEAR])
     assert fitting_time(cycle, 0, hopeless) == np.inf
 

@@ -349,7 +349,8 @@ class Session:
             self.notify("Something went wrong", "Details are in the program's log.", bad=True)
 
     def _draw(self, state: State, *, dragging: bool) -> None:
-        frame = compute(self._shown(state), self.motions)
+        shown = self._shown(state)
+        frame = compute(shown, self.motions, is_preview=shown is not state)
         errors = self._draw_together(self.immediate, frame, dragging)
         time.sleep(FLUSH_DELAY)
         errors += self._draw_together(self.fast, frame, dragging)
