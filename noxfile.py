@@ -67,6 +67,13 @@ def usd_readers(session: nox.Session) -> None:
 
 
 @nox.session
+def monkey(session: nox.Session) -> None:
+    """Use the explorer at random and say what fails: ``-- --seed 3 --minutes 60``."""
+    install(session, "test")
+    session.run("python", "-m", "tests.support.monkey", *session.posargs)
+
+
+@nox.session
 def mutants(session: nox.Session) -> None:
     """Say which changes of a room its tests notice: ``-- identification --seed 3``."""
     install(session, "test")

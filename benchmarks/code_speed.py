@@ -1,6 +1,6 @@
 """Size and speed of the printed C beside the compiled Python kernel and CasADi's code, in one run.
 
-Run: ``python -m benchmarks.code_speed`` (needs a C compiler; CasADi, if it is installed).
+Run: ``python -m benchmarks.code_speed`` (needs a C compiler; CasADi and Pinocchio, if installed).
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import time
 import warnings
+from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -20,6 +21,7 @@ from numba import njit
 
 from benchmarks.measure import best, heading, number, table
 from paminsa_viz.codegen import controller_kit
+from paminsa_viz.engines.urdf import urdf_text
 from paminsa_viz.model import APPENDIX_4, compiled, leg, lumped, robot
 
 STATES = 4096
@@ -144,6 +146,24 @@ def casadi_loop(folder: Path, e: Any, m: Any) -> Any:
     return ctypes.CDLL(str(folder / "casadi.so"))
 
 
+def pinocchio_tree() -> Any:
+    """Return a call of Pinocchio's RNEA for the tree of links without its loops, or None."""
+    try:
+        pinocchio: Any = import_module("pinocchio")
+    except ImportError:
+        print("Pinocchio is not installed; its row is left out.")
+        return None
+    model = pinocchio.buildModelFromXML(urdf_text(APPENDIX_4))
+    data, rng = model.createData(), np.random.default_rng(2)
+    q, v, a = pinocchio.neutral(model), rng.normal(size=model.nv), rng.normal(size=model.nv)
+
+    def run() -> None:
+        for _ in range(STATES):
+            pinocchio.rnea(model, data, q, v, a)
+
+    return run
+
+
 def one_by_one(e: Any, m: Any) -> Any:
     """Return the formula compiled by Numba for one state after the other."""
     compiled.register(robot.inverse_dynamics_kernel)
@@ -218,6 +238,9 @@ def main() -> None:
                     best(lambda: other.kernel(STATES, pointer(given), pointer(narrow))),
                 )
             )
+    tree = pinocchio_tree()
+    if tree is not None:
+        timed.append(("Pinocchio's RNEA called from Python, tree without loops", best(tree)))
     heading("Inverse dynamics in C")
     print(f"Generated in {generated:.2f} s of processor time; {small:,} bytes of text at -Os.\n")
     reference = timed[0][1]

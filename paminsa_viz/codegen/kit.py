@@ -27,8 +27,17 @@ from paminsa_viz.model.dynamics import (
 from paminsa_viz.model.jacobians import inverse_jacobian, jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.leg import leg_position, mechanism, mechanism_of_lengths
+from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.load import wrench_at_center
-from paminsa_viz.model.lumped import term_factors
+from paminsa_viz.model.lumped import (
+    MASS_PATHS,
+    EnergyTerms,
+    lumped_matrix,
+    mass_vector,
+    point_mass_column,
+    term_factors,
+    term_matrix,
+)
 from paminsa_viz.model.reach import Limit, check_reach, workspace_height, workspace_radius
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques, unit_torques
@@ -71,7 +80,23 @@ ROWS = 400
 WORST_CONDITION = 10.0
 """Condition number up to which poses become test vectors."""
 
-TOLERANCE = {False: 1e-9, True: 2e-2}
+SINGLE_BOUNDS = {
+    "inverse kinematics": 5e-6,
+    "inverse Jacobian": 1e-5,
+    "Jacobian": 1e-5,
+    "forward kinematics": 5e-5,
+    "static torques": 2e-4,
+    "inverse dynamics": 1e-3,
+    "mass matrix": 2e-4,
+    "forward dynamics": 2e-2,
+    "friction": 1e-5,
+    "margin": 1e-5,
+    "singularities": 1e-5,
+}
+"""Errors of the kit in single precision, over the larger of 1 and the value in SI units, at poses
+with condition numbers up to `WORST_CONDITION`; names are those of the test program."""
+
+TOLERANCE = {False: 1e-9, True: max(SINGLE_BOUNDS.values())}
 """What the test program allows, in double and in single precision."""
 
 
@@ -86,13 +111,22 @@ def controller_kit(design: Design, *, single: bool = False) -> dict[str, str]:
     columns = vectors.partition("\n")[0].count(",") + 1
     tolerance = f"{TOLERANCE[single]:g}"
     test = template("test.c", TOLERANCE=tolerance, COLUMNS=str(columns))
-    note = "* This kit is in single precision: errors of some 1e-6, more next to singularities.\n"
-    readme = template(
-        "README.md", NAME=design.name, VERSION=__version__, FLOAT=note if single else ""
+    bounds = ", ".join(f"{what} {bound:g}" for what, bound in SINGLE_BOUNDS.items())
+    note = (
+        "* This kit is in single precision. At condition numbers up to "
+        f"{WORST_CONDITION:g} errors over\n  the larger of 1 and the value are at most: "
+        f"{bounds}.\n"
     )
+    module = "| `paminsakins.comp` | the kinematics of LinuxCNC for this design |\n"
+    readme = template(
+        "README.md", NAME=design.name, VERSION=__version__, FLOAT=note if single else "",
+        MODULE="" if single else module,
+    )  # fmt: skip
     sources = {"paminsa.h": header(), "design.h": design_header(design), "test.c": test}
     if single:
         sources = {name: single_precision(text) for name, text in sources.items()}
+    else:  # LinuxCNC's numbers are double
+        sources["paminsakins.comp"] = template("paminsakins.comp")
     return {**sources, "vectors.csv": vectors, "README.md": readme.rstrip() + "\n"}
 
 
@@ -159,7 +193,65 @@ static const PaminsaDesign PAMINSA_DESIGN = {{
     .load_turns = {load.turns!r},
 }};
 
+{_mass_setter(design)}
 #endif
+"""
+
+
+def _mass_setter(design: Design) -> str:
+    """Return C that changes a design's masses: each factor of the energies as a sum of them."""
+    geometry, gravity, weights = design.geometry, design.gravity, design.counterweights
+    columns = [lumped_matrix(geometry, gravity)]
+    columns += [
+        point_mass_column(counterweight_point(geometry, weight), gravity)[:, None]
+        for weight in weights
+    ]
+    table = term_matrix() @ np.hstack(columns)
+    names = [path.replace(".", "_").upper() for path in MASS_PATHS]
+    names += [f"COUNTERWEIGHT_{number}" for number in range(1, len(weights) + 1)]
+    values = [*mass_vector(design).tolist(), *(weight.mass for weight in weights)]
+    listed = "\n".join(f"    PAMINSA_{name}," for name in names)
+    numbers = "\n".join(
+        f"    [PAMINSA_{name}] = {float(value)!r},"
+        for name, value in zip(names, values, strict=True)
+    )
+    sums = []
+    for term, row in zip(EnergyTerms._fields, table.tolist(), strict=True):
+        parts = [
+            f"{factor!r} * m[PAMINSA_{name}]"
+            for name, factor in zip(names, row, strict=True)
+            if factor != 0.0
+        ]
+        sums.append(f"    e->{term} =\n        " + "\n        + ".join(parts or ["0.0"]) + ";")
+    about = _commented(
+        [
+            "Change the masses of a robot of this design's lengths and gravity.",
+            "",
+            "The factors of the energies are linear in them (Appendices 2 and 3, Eqs. 11-14).",
+        ]
+    )
+    platform = ("mass", "inertia")
+    parts = "\n".join(
+        f"    design->platform_{name} = m[PAMINSA_PLATFORM_{name.upper()}];" for name in platform
+    )
+    return f"""/* Masses [kg] and inertias [kg m^2] by their names in design files. */
+enum {{
+{listed}
+    PAMINSA_MASS_COUNT
+}};
+
+static const double PAMINSA_MASSES[PAMINSA_MASS_COUNT] = {{
+{numbers}
+}};
+
+{about}
+static inline void paminsa_set_masses(PaminsaDesign *design, const double m[PAMINSA_MASS_COUNT])
+{{
+    PaminsaEnergyTerms *e = &design->energy;
+
+{parts}
+{chr(10).join(sums)}
+}}
 """
 
 

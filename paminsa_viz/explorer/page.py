@@ -127,7 +127,7 @@ def build(
         if session.state.offered:
             session.notify(
                 "This tab has kept another state",
-                "It came after something was set, and was not written over it. "
+                "It was not written over what was opened or set before it came. "
                 "“Kept state”, above the tabs, opens it.",
             )
 
@@ -159,6 +159,7 @@ def build(
     bridge.on("tabs", take_tabs)
     bridge.on("undo", lambda _: session.undo())
     bridge.on("redo", lambda _: session.redo())
+    bridge.on("link", lambda code: tab_store.open_link(session, code))
     bridge.on("hello", restore)
     bridge.on("hello", lambda _: session.submit(lambda: fit_right(session)))
     bridge.on("hello", lambda _: session.submit(build_robot))

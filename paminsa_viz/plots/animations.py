@@ -6,15 +6,19 @@ A new format is one entry of `ANIMATION_FORMATS`.
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from importlib.util import find_spec
+from itertools import chain
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+
+from paminsa_viz.errors import InvalidInput, PaminsaError
 
 Frames = Iterator[NDArray[np.uint8]]
 """Pictures (h, w, 3), all of one size; each is compressed as it comes."""
@@ -26,15 +30,39 @@ class AnimationFormat:
 
     Attributes:
         label: Name on a button.
-        encode: Returns the pictures as one file, given the time between two of them [s].
+        encoder: Returns the pictures as one file, given the time between two of them [s].
         package: What it needs that a plain installation lacks, as imported; empty for nothing.
         extra: The extra of this project that installs it.
     """
 
     label: str
-    encode: Callable[[Frames, float], bytes]
+    encoder: Callable[[Frames, float], bytes]
     package: str = ""
     extra: str = ""
+
+    def encode(self, frames: Frames, step: float) -> bytes:
+        """Return pictures as one file.
+
+        Args:
+            frames: At least one.
+            step: Time between two of them [s].
+
+        Raises:
+            InvalidInput: If there is no picture, they differ in size, or the time is none.
+            PaminsaError: If they cannot be encoded.
+        """
+        if not 0 < step < math.inf:
+            raise InvalidInput("step", f"{step:g} s is no time between two pictures")
+        frames = iter(frames)
+        first = next(frames, None)
+        if first is None:
+            raise InvalidInput("pictures", "there is none: an animation needs at least one")
+        try:
+            return self.encoder(_of_size(first.shape, chain([first], frames)), step)
+        except PaminsaError:
+            raise
+        except (OSError, ValueError, RuntimeError) as error:  # Pillow's and PyAV's
+            raise PaminsaError(f"the {self.label} could not be made: {error}") from error
 
     @property
     def missing(self) -> str:
@@ -42,6 +70,14 @@ class AnimationFormat:
         if not self.package or find_spec(self.package) is not None:
             return ""
         return f"It needs the package “{self.package}”: pip install 'paminsa-viz[{self.extra}]'"
+
+
+def _of_size(shape: tuple[int, ...], frames: Frames) -> Frames:
+    for frame in frames:
+        if frame.shape != shape:
+            found = " and ".join(f"{width}×{height}" for height, width, *_ in (shape, frame.shape))
+            raise InvalidInput("pictures", f"all need one size, these have {found} pixels")
+        yield frame
 
 
 def _animated_picture(kind: str, options: dict[str, Any], frames: Frames, step: float) -> bytes:

@@ -48,6 +48,8 @@ def has_content(png: bytes) -> bool:
         ("View as PNG", "png", has_content),
         ("MJCF", "xml", lambda content: b"<mujoco" in content),
         ("MJCF with meshes", "zip", lambda content: content.startswith(b"PK")),
+        ("USD", "usda", lambda content: content.startswith(b"#usda")),
+        ("C", "zip", lambda content: content.startswith(b"PK")),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )

@@ -103,13 +103,19 @@ class Tab:
         page: As above.
         app: As above.
         pixel_ratio: Pixels of the 3D view for one of the page's.
+        link: What follows the # of the address.
     """
 
-    def __init__(self, page: Any, app: Any, pixel_ratio: float = 1) -> None:
+    def __init__(self, page: Any, app: Any, pixel_ratio: float = 1, link: str = "") -> None:
         self.page, self.app = page, app
         self.errors = watch_errors(page)
         page.set_default_timeout(1000 * TIMEOUT)
-        self._load(lambda: page.goto(f"{app.url}?fixedDpr={pixel_ratio}"))
+        self._load(lambda: page.goto(f"{app.url}?fixedDpr={pixel_ratio}#{link}".rstrip("#")))
+
+    def open_link(self, link: str) -> None:
+        """Load the page by a link, in a new session; from elsewhere, so that it is loaded."""
+        self.page.goto("about:blank")
+        self._load(lambda: self.page.goto(f"{self.app.url}#{link}"))
 
     def reload(self) -> None:
         """Load the page again, in a new session."""

@@ -84,14 +84,18 @@ def tabs_of(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
     tabs: list[Tab] = []
 
     def start(
-        width: int = 1280, height: int = 720, context: Any = None, pixel_ratio: float = 1
+        width: int = 1280,
+        height: int = 720,
+        context: Any = None,
+        pixel_ratio: float = 1,
+        link: str = "",
     ) -> Tab:
         if context is None:
             context = browser.new_context(
                 viewport={"width": width, "height": height}, accept_downloads=True
             )
             contexts.append(context)
-        tabs.append(Tab(context.new_page(), app, pixel_ratio))
+        tabs.append(Tab(context.new_page(), app, pixel_ratio, link))
         return tabs[-1]
 
     try:

@@ -58,25 +58,28 @@ typedef struct {
 /* beta_k at theta_k = 0 [rad] (Appendix 1). */
 static const double PAMINSA_HEADING[3] = {@HEADING@};
 
-/* Change the payload: its mass [kg], and its inertia about the vertical [kg m^2]. */
+/* Change the payload: its mass [kg], and its inertia about the vertical [kg m^2] (Eqs. 11-14). */
 static inline void paminsa_set_payload(PaminsaDesign *design, double mass, double inertia)
 {
     design->energy.mass = design->platform_mass + mass;
     design->energy.inertia = design->platform_inertia + inertia;
 }
 
+/* Helper, not in the paper, no unit: set all values. */
 static inline void paminsa_fill(double *values, int count, double value)
 {
     for (int i = 0; i < count; i++)
         values[i] = value;
 }
 
+/* Helper, not in the paper, no unit: set all entries. */
 static inline void paminsa_fill_matrix(double matrix[4][4], double value)
 {
     for (int row = 0; row < 4; row++)
         paminsa_fill(matrix[row], 4, value);
 }
 
+/* Helper, not in the paper, no unit: whether all values are finite. */
 static inline int paminsa_finite(const double *values, int count)
 {
     for (int i = 0; i < count; i++)
@@ -85,7 +88,10 @@ static inline int paminsa_finite(const double *values, int count)
     return 1;
 }
 
-/* Say whether a pose can be taken, and if not, which leg and which limit forbid it. */
+/* Say whether a pose [m, m, rad, m] can be taken, and if not, which leg and which limit forbid it.
+ *
+ * Appendix 1 has no real solution beyond the limits of the bars; the others are not in the paper.
+ */
 static inline PaminsaReach paminsa_reach(const PaminsaDesign *design, const double pose[4])
 {
     static const PaminsaStatus limits[4] = {
@@ -112,7 +118,7 @@ static inline PaminsaReach paminsa_reach(const PaminsaDesign *design, const doub
     return reach;
 }
 
-/* Give the distances of each leg to its limits, negative beyond them [m].
+/* Give the distances of each leg to its limits, negative beyond them [m]; not in the paper.
  *
  * margins[leg] is: l_B4 + l_B8 - |85|; |85| - |l_B4 - l_B8|; stroke - |X_4|; X_1 - clearance.
  */
@@ -150,7 +156,8 @@ static inline PaminsaReach paminsa_inverse_kinematics(const PaminsaDesign *desig
     return reach;
 }
 
-/* Give all poses of actuator positions (Eq. 16 and 17), and return their number, 0 to 2.
+/* Give all poses [m, m, rad, m] of actuator positions [rad, rad, rad, m] (Eqs. 16 and 17), and
+ * return their number, 0 to 2.
  *
  * These are the assembly modes in which every leg points from its axis to the platform. Limits of
  * the legs are not looked at; see paminsa_reach. Rows of poses that are not used are NaN.
@@ -183,7 +190,7 @@ static inline int paminsa_forward_kinematics(const PaminsaDesign *design,
     return count;
 }
 
-/* Give the pose of actuator positions that lies nearest to a given one.
+/* Give the pose [m, m, rad, m] of actuator positions nearest to a given one (Eqs. 16 and 17).
  *
  * The distance is taken in x, y and R_pl times theta; theta is within half a turn of the given one.
  * For a controller, give the pose of the cycle before.
@@ -213,7 +220,9 @@ static inline PaminsaStatus paminsa_nearest_pose(const PaminsaDesign *design,
     return best < INFINITY ? PAMINSA_STATUS_OK : PAMINSA_STATUS_NO_ASSEMBLY;
 }
 
-/* Put the 9 values of a matrix's part in x, y and theta, and that of z, into four rows. */
+/* Helper, not in the paper, units as of the values: put the 9 values of a matrix's part in x, y and
+ * theta, and that of z, into four rows.
+ */
 static inline void paminsa_matrix(const double values[9], double last, double matrix[4][4])
 {
     for (int row = 0; row < 4; row++)
@@ -222,7 +231,9 @@ static inline void paminsa_matrix(const double values[9], double last, double ma
     matrix[3][3] = last;
 }
 
-/* Give G with (theta_1', theta_2', theta_3', Z') = G (x', y', theta', z'). */
+/* Give G with (theta_1', theta_2', theta_3', Z') = G (x', y', theta', z'): Eqs. 16 and 17 derived
+ * by time. Rows of M1 to M3 are in [rad/m, rad/m, 1, rad/m], the last one has no unit.
+ */
 static inline PaminsaReach paminsa_inverse_jacobian(const PaminsaDesign *design,
     const double pose[4], double g[4][4])
 {
@@ -238,7 +249,9 @@ static inline PaminsaReach paminsa_inverse_jacobian(const PaminsaDesign *design,
     return reach;
 }
 
-/* Give J, the inverse of G: (x', y', theta', z') = J (theta_1', theta_2', theta_3', Z') (Eq. 3). */
+/* Give J, the inverse of G: (x', y', theta', z') = J (theta_1', theta_2', theta_3', Z') (Eq. 3), in
+ * [m/rad] where a length follows an angle.
+ */
 static inline PaminsaReach paminsa_jacobian(const PaminsaDesign *design, const double pose[4],
     double j[4][4])
 {
@@ -258,7 +271,7 @@ static inline PaminsaReach paminsa_jacobian(const PaminsaDesign *design, const d
 }
 
 /* Give speeds and accelerations of the actuators for a motion of the platform, G v and
- * G a + (dG/dt) v [rad/s, m/s], [rad/s^2, m/s^2].
+ * G a + (dG/dt) v [rad/s, m/s], [rad/s^2, m/s^2] (Eqs. 16 and 17 derived by time).
  */
 static inline PaminsaReach paminsa_actuator_motion(const PaminsaDesign *design,
     const double pose[4], const double velocity[4], const double acceleration[4],
@@ -285,7 +298,7 @@ static inline PaminsaReach paminsa_actuator_motion(const PaminsaDesign *design,
     return reach;
 }
 
-/* Give the friction of the actuators at their speeds [N m, N].
+/* Give the friction of the actuators at their speeds [N m, N]; not in the paper.
  *
  * It is viscous w + coulomb tanh(w / transition_speed), joints and drives together.
  */
@@ -297,7 +310,9 @@ static inline void paminsa_friction_torques(const PaminsaDesign *design, const d
             design->viscous[i], design->coulomb[i], design->transition_speed, speed[i]);
 }
 
-/* Give what accelerates the drives' own inertia, N^2 J times the actuators' accelerations. */
+/* Give what accelerates the drives' own inertia, N^2 J times the actuators' accelerations [N m, N];
+ * not in the paper.
+ */
 static inline void paminsa_drive_torques(const PaminsaDesign *design, const double growth[4],
     double torque[4])
 {
@@ -305,7 +320,9 @@ static inline void paminsa_drive_torques(const PaminsaDesign *design, const doub
         torque[i] = design->drive_inertia[i] * growth[i];
 }
 
-/* Give the load as a force in x, y, theta, z [N, N, N m, N]; c and s are cos and sin theta. */
+/* Give the load as a force in x, y, theta, z [N, N, N m, N]; c and s are cos and sin theta. Not in
+ * the paper.
+ */
 static inline void paminsa_load_force(const PaminsaDesign *design, double c, double s,
     double force[4])
 {
@@ -320,7 +337,7 @@ static inline void paminsa_load_force(const PaminsaDesign *design, double c, dou
     force[3] = w.values[2];
 }
 
-/* Subtract from torques what the load does to the actuators, J^T w (virtual work). */
+/* Subtract from torques [N m, N] what the load does to them, J^T w (virtual work, J of Eq. 3). */
 static inline PaminsaReach paminsa_subtract_load(const PaminsaDesign *design,
     const double pose[4], PaminsaReach reach, double torque[4])
 {
@@ -359,7 +376,7 @@ static inline PaminsaReach paminsa_gravity_torques(const PaminsaDesign *design,
     return reach;
 }
 
-/* Give the torques that hold the robot at rest, its weight and the load [N m, N]. */
+/* Give the torques that hold the robot at rest, its weight and the load [N m, N] (Eqs. 1-6). */
 static inline PaminsaReach paminsa_static_torques(const PaminsaDesign *design,
     const double pose[4], double torque[4])
 {
@@ -370,7 +387,7 @@ static inline PaminsaReach paminsa_static_torques(const PaminsaDesign *design,
     return paminsa_subtract_load(design, pose, reach, torque);
 }
 
-/* Whether anything depends on the motion of the actuators themselves. */
+/* Whether anything depends on the motion of the actuators themselves; no unit, not in the paper. */
 static inline int paminsa_has_drives(const PaminsaDesign *design)
 {
     for (int i = 0; i < 4; i++)
@@ -420,7 +437,7 @@ static inline PaminsaReach paminsa_inverse_dynamics(const PaminsaDesign *design,
     return paminsa_subtract_load(design, pose, reach, torque);
 }
 
-/* Give M with T = v.M v/2 in (x, y, theta, z), drives included [kg, kg m, kg m^2].
+/* Give M with T = v.M v/2 in (x, y, theta, z), drives included [kg, kg m, kg m^2] (Eqs. 12-14).
  *
  * It exists at type-2 singularities, too.
  */
@@ -446,7 +463,8 @@ static inline PaminsaReach paminsa_mass_matrix_of(const PaminsaDesign *design,
     return reach;
 }
 
-/* Give the platform's acceleration under actuator torques, load and friction included.
+/* Give the platform's acceleration under actuator torques, load and friction included: Eqs. 15-21
+ * solved for it.
  *
  * torque is (tau_1, tau_2, tau_3, F_4) [N m, N]; the result is [m/s^2, m/s^2, rad/s^2, m/s^2].
  */
@@ -485,7 +503,9 @@ static inline PaminsaReach paminsa_forward_dynamics(const PaminsaDesign *design,
     return reach;
 }
 
-/* Measure a pose against every singularity; determinant and condition are NaN beyond the limits. */
+/* Measure a pose against every singularity, [m], [rad] and no unit as in PaminsaSingularity;
+ * determinant and condition, of the J of Eq. 3, are NaN beyond the limits.
+ */
 static inline PaminsaSingularity paminsa_singularity(const PaminsaDesign *design,
     const double pose[4])
 {

@@ -1,11 +1,12 @@
 """Everything that relies on a non-public name of viser, Plotly, uPlot or Mantine.
 
 ``page.js``, ``marks.js``, ``units.js``, ``tooltips.js``, ``names.js``, ``tour.js``,
-``clipboard.js`` and the style sheets are the live page's, with ``first_paint.js`` and
-``number_fields.js`` in its head; ``backdrop.js`` is that of every page with the robot,
-``player.html`` and ``player.js`` are those of a saved motion. What a release has moved is reported
-once (`Bridge` on this side, the self-test of ``page.js`` on the other) and costs one feature, not
-the page. The server's guard is the exception: where it does not fit, nothing is served.
+``clipboard.js`` and the style sheets are the live page's, with ``first_paint.js``,
+``links.js`` and ``number_fields.js`` in its head; ``backdrop.js`` is that of every page with the
+robot, ``player.html`` and ``player.js`` are those of a saved motion. What a release has moved is
+reported once (`Bridge` on this side, the self-test of ``page.js`` on the other) and costs one
+feature, not the page. The server's guard is the exception: where it does not fit, nothing is
+served.
 """
 
 from __future__ import annotations
@@ -19,6 +20,9 @@ TITLE = "PAMINSA explorer"
 STORE_KEY = "paminsa_viz"
 """What a tab's state is kept under in its own store."""
 
+LONGEST_LINK = 16_000
+"""Most characters that are read of an address after its ``#``."""
+
 
 def asset(name: str, **replacements: str) -> str:
     """Return the text of one of this folder's files, with each ``@KEY@`` replaced."""
@@ -28,5 +32,9 @@ def asset(name: str, **replacements: str) -> str:
 
 def page_head() -> str:
     """Return what the head of the page holds: its title, and scripts that may not come late."""
-    scripts = (asset("first_paint.js", STORE=STORE_KEY), asset("number_fields.js"))
+    scripts = (
+        asset("first_paint.js", STORE=STORE_KEY),
+        asset("links.js", STORE=STORE_KEY, LONGEST=str(LONGEST_LINK + 1)),
+        asset("number_fields.js"),
+    )
     return f"<title>{TITLE}</title>" + "".join(f"<script>{script}</script>" for script in scripts)

@@ -47,7 +47,17 @@
   }
   // The camera counts the view's own pixels, of which a sharp screen has several for each of these.
   const sendSize = () => send("window", [window.innerWidth, window.innerHeight]);
-  retry(() => sendSize() && send("hello", saved), 50);
+  // A link goes before what was kept, which is then offered and not written over it.
+  let link = "";
+  const sendLink = () => {
+    link = window.paminsaLinks?.take() || link;
+    if (!link) return true;
+    if (!send("link", link)) return false;
+    link = "";
+    return true;
+  };
+  retry(() => sendSize() && sendLink() && send("hello", saved), 50);
+  const openLink = () => retry(sendLink, 50);
   let resized = 0;
   window.addEventListener("resize", () => {
     isWhole = false; // till the server has fitted the docks: their widths are no person's
@@ -385,9 +395,11 @@
   };
   const tour = (steps, again) => window.paminsaTour?.(steps, again);
   const copy = (what, text) => window.paminsaClipboard?.give(what, text);
+  const followLink = (code) => window.paminsaLinks?.follow(code);
+  const copyLink = (code) => copy("Link", window.paminsaLinks?.to(code) || code);
   const releaseTheme = () => window.paminsaFirstPaint?.release();
   window.paminsa = {
     stop, whole, tour, copy, send, save, openTab, setTitle, showTime, showLegend, renderOnDemand,
-    releaseTheme,
+    releaseTheme, openLink, followLink, copyLink,
   };
 }

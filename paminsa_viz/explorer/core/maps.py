@@ -16,6 +16,7 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.state.maps import MapView, RangeMode
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import APPENDIX_4, Design
+from paminsa_viz.model.grids import Field
 from paminsa_viz.plots.map_data import (
     COARSE,
     FULL,
@@ -25,9 +26,11 @@ from paminsa_viz.plots.map_data import (
     map_data,
     workspace_field,
 )
+from paminsa_viz.plots.outside import Outside
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import MAP_BUDGET, QUANTITIES, TORQUES, affordable_cells
+from paminsa_viz.quantities.requirements import Requirements
 
 DRAG_BUDGET = 0.1
 """Time that a coarse map may take while something is dragged [s]."""
@@ -45,9 +48,17 @@ class MapStore:
 
     def __init__(self, kept: int = KEPT) -> None:
         self._field = lru_cache(kept)(workspace_field)
+        self._outside = lru_cache(kept)(_outside_of)
         self._held: dict[tuple[tuple[str, ...], MapView], tuple[Scale, ...]] = {}
 
-    def data(self, state: State, cells: int = FULL, quantities: Sequence[str] = TORQUES) -> MapData:
+    def data(
+        self,
+        state: State,
+        cells: int = FULL,
+        quantities: Sequence[str] = TORQUES,
+        *,
+        hatched: bool = False,
+    ) -> MapData:
         """Return the maps of a state, at the requested theta and z.
 
         With ``map_view.difference`` and a pinned reference, they show the design minus the
@@ -57,8 +68,9 @@ class MapStore:
             state: What to show.
             cells: Cells along each side.
             quantities: Keys of what to show, one a panel, all in one unit.
+            hatched: Whether to add which cells break a requirement, for what hatches them.
         """
-        shown = self.current(state, cells, quantities)
+        shown = self._of(state, state.document.design, cells, quantities, hatched=hatched)
         reference = state.document.reference
         if not shows_difference(state) or reference is None:
             return shown
@@ -70,7 +82,15 @@ class MapStore:
         """Return the maps of the current design, whether or not the difference is shown."""
         return self._of(state, state.document.design, cells, quantities)
 
-    def _of(self, state: State, design: Design, cells: int, quantities: Sequence[str]) -> MapData:
+    def _of(
+        self,
+        state: State,
+        design: Design,
+        cells: int,
+        quantities: Sequence[str],
+        *,
+        hatched: bool = False,
+    ) -> MapData:
         document = state.document
         theta, z = document.pose[2:]
         budget = DRAG_BUDGET if cells <= COARSE else MAP_BUDGET
@@ -82,11 +102,9 @@ class MapStore:
             half_width(document.design.geometry),
         )
         data = map_data(field, design, document.pose, quantities)
-        if design is not document.design or not hatches(state, budget / field.status.size):
+        if not hatched or not hatches(state, budget / field.status.size):
             return data
-        from paminsa_viz.explorer.core.causes import outside_of  # loads SciPy
-
-        return replace(data, outside=outside_of(field, design, document.requirements))
+        return replace(data, outside=self._outside(field, design, document.requirements))
 
     def scales(
         self,
@@ -119,6 +137,12 @@ class MapStore:
             found = tuple(max(pair, key=_reach) for pair in pairs)
         self._held = {k: v for k, v in self._held.items() if k[0] != key[0]} | {key: found}
         return found
+
+
+def _outside_of(field: Field, design: Design, requirements: Requirements) -> Outside:
+    from paminsa_viz.explorer.core.causes import outside_of  # loads SciPy
+
+    return outside_of(field, design, requirements)
 
 
 def hatches(state: State, cost: float) -> bool:

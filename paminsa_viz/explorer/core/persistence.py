@@ -17,6 +17,7 @@ from typing import Any
 
 import msgspec
 
+from paminsa_viz.explorer.browser import LONGEST_LINK
 from paminsa_viz.explorer.core.saved_requirements import requirements_data, requirements_from_data
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.motion import motion_data, motion_from_data
@@ -46,7 +47,7 @@ FARTHEST = 1e6
 PREFIX = "PMZ1-"
 """What a code begins with; the figure is the version of the packing."""
 
-LONGEST_CODE = 16_000
+LONGEST_CODE = LONGEST_LINK
 """Longest code that is looked at [characters]; two designs with all numbers have some 6,500."""
 
 LONGEST_TEXT = 40_000

@@ -25,6 +25,7 @@ from paminsa_viz.explorer.core.history import History, Snapshot
 from paminsa_viz.explorer.core.motion import advance_time
 from paminsa_viz.explorer.core.motion_results import MotionStore
 from paminsa_viz.explorer.state.state import State, Steps
+from paminsa_viz.kept import User
 from paminsa_viz.model import PaminsaError
 
 log = logging.getLogger(__name__)
@@ -89,6 +90,7 @@ class Session:
         camera: The camera preset chosen last, and its position [m].
         motions: What is known along the motion; for the worker alone.
         exporting: Held while a file is made for the tab.
+        user: The tab as one who works with results that are kept.
         open_tabs: Paths of the tabs that are open, None until the page has said so.
         paths: Paths of the tabs of sections by their names.
     """
@@ -121,6 +123,7 @@ class Session:
         self.camera: tuple[str, tuple[float, float, float]] = ("", (0.0, 0.0, 0.0))
         self.motions = MotionStore()
         self.exporting = threading.Lock()
+        self.user = User()
         self.open_tabs: frozenset[str] | None = None
         self.paths: Mapping[str, str] = {}
         self._turn = 0
@@ -153,6 +156,7 @@ class Session:
         self._wake.set()
         if self._thread is not None:
             self._thread.join(LONGEST_CLOSING)
+        self.user.leave()
 
     @property
     def pixel_ratio(self) -> float:
@@ -265,6 +269,10 @@ class Session:
             self._state = self._with_steps(self._state)
 
     def _run(self) -> None:
+        with self.user.working():
+            self._work()
+
+    def _work(self) -> None:
         idle_due: float | None = None
         drawn: State | None = None
         failed: State | None = None
@@ -333,7 +341,8 @@ class Session:
     def guard(self, job: Callable[[], None]) -> None:
         """Run a request on this thread; its failure is notified and stops no other request."""
         try:
-            job()
+            with self.user.working():
+                job()
         except PaminsaError as error:
             self.notify("Not possible", str(error), bad=True)
         except Exception:
@@ -343,7 +352,8 @@ class Session:
             self.notify("Something went wrong", "Details are in the program's log.", bad=True)
 
     def _draw(self, state: State, *, dragging: bool) -> None:
-        frame = compute(self._shown(state), self.motions)
+        shown = self._shown(state)
+        frame = compute(shown, self.motions, is_preview=shown is not state)
         errors = self._draw_together(self.immediate, frame, dragging)
         time.sleep(FLUSH_DELAY)
         errors += self._draw_together(self.fast, frame, dragging)

@@ -13,8 +13,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import actions, causes
 from paminsa_viz.explorer.core.maps import DRAG_BUDGET, MapStore, go_to
+from paminsa_viz.explorer.features.requirements.actions import suggest
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -121,6 +122,30 @@ def test_field_is_solved_again_for_theta_z_and_lengths_only(
         ratio = after.values[0][ok] / before.values[0][ok]
         np.testing.assert_allclose(ratio, ratio[0], rtol=1e-9)
         assert (abs(ratio[0] - 1) > 0.1) == masses
+
+
+def test_cells_that_break_a_requirement_are_found_once_and_for_what_hatches_them_only(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found: list[int] = []
+    real = causes.outside_of
+
+    def counted(field: Any, *args: Any) -> Any:
+        found.append(field.status.size)
+        return real(field, *args)
+
+    monkeypatch.setattr(causes, "outside_of", counted)
+    state, store = suggest(actions.pin_reference(at())), MapStore()
+    plain = store.data(state, FULL)
+    store.scales(state, plain)
+    store.current(state, FULL, ("reach_margin",))
+    assert plain.outside is None
+    assert found == []
+    for quantities in (("tau_1",), ("condition",), ("tau_1", "tau_2")):
+        assert store.data(state, FULL, quantities, hatched=True).outside is not None
+    assert found == [FULL**2]
+    store.data(actions.vary(state, {"links.b3": 1.2}), FULL, hatched=True)
+    assert found == [FULL**2] * 2
 
 
 def test_store_keeps_the_latest_fields_for_every_quantity(solved: list[int]) -> None:

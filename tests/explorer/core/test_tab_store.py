@@ -16,6 +16,7 @@ from paminsa_viz.actuation.catalog import generic_catalog
 from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.explorer.core import actions, tab_store
+from paminsa_viz.explorer.core.persistence import share_code
 from paminsa_viz.explorer.state.balance import CounterweightSlot, Goal
 from paminsa_viz.explorer.state.drives import DriveSettings
 from paminsa_viz.explorer.state.maps import MapView, RangeMode
@@ -148,7 +149,10 @@ class Saver:
     def __init__(self, state: State) -> None:
         self.state = state
         self.saved: list[str] = []
-        self.bridge = SimpleNamespace(save=self.saved.append)
+        self.called: list[tuple[str, str]] = []
+        self.bridge = SimpleNamespace(
+            save=self.saved.append, call=lambda *call: self.called.append(call)
+        )
 
 
 def test_changes_are_saved_while_the_page_is_not_idle_but_not_with_every_frame(
@@ -165,3 +169,14 @@ def test_changes_are_saved_while_the_page_is_not_idle_but_not_with_every_frame(
     assert len(session.saved) == 3  # at 0, 2 and 4 s
     store.draw(cast(Any, None), dragging=False)
     assert session.saved[-1] == tab_store.dump(session.state)
+    assert len(session.called) == len(session.saved)
+    assert session.called[-1] == ("followLink", share_code(session.state.document))
+
+
+def test_address_of_a_document_too_long_for_a_code_is_empty(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    session = Saver(initial_state())
+    monkeypatch.setattr(tab_store.persistence, "LONGEST_CODE", 10)
+    tab_store.follow_link(cast(Any, session))
+    assert session.called == [("followLink", "")]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache, partial
+from functools import partial
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.kept import kept
 from paminsa_viz.model import PARAMETER, Design
 from paminsa_viz.model.accuracy import LEG_NAMES, NO_DEVIATIONS, NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.leg_lengths import LENGTHS
@@ -33,7 +34,7 @@ LEAST_SHARE = 0.005
 """Smallest share that has a bar."""
 
 
-@lru_cache(maxsize=4)
+@kept(4)
 def _tolerance_errors(design: Design, pose: Pose) -> ToleranceErrors:
     return tolerance_errors(design, pose)
 

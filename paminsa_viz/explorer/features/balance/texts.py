@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from functools import lru_cache
 from html import escape
 from itertools import groupby
 from operator import attrgetter
@@ -24,6 +23,7 @@ from paminsa_viz.explorer.state.balance import (
     Goal,
     WeightClearance,
 )
+from paminsa_viz.kept import kept
 from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.units import number, percent_change, symbol_html, symbols_html, unit_text
@@ -102,7 +102,7 @@ def variable_html(name: str) -> Markup:
     return Markup(symbols_html(name))
 
 
-@lru_cache(maxsize=4)
+@kept(4)
 def details_html(outcome: BalanceOutcome | None) -> str:
     """Return what was changed, what that does, and the certificate; empty without a result."""
     found = None if outcome is None else outcome.result

@@ -15,6 +15,10 @@ LONGEST = 4_000_000
 """Longest text that is put on the clipboard [characters]."""
 
 
+USES = {"Link": "it opens this design where paminsa-viz runs at the same address"}
+"""What a text is copied for, by its name, if not for a spreadsheet."""
+
+
 def copy_run(what: str, make: Callable[[State], DataTable]) -> Run:
     """Return the effect of a button that puts a table on the clipboard of the page."""
     return Run(lambda session: session.guard(lambda: _copy(session, what, make(session.state))))
@@ -33,7 +37,7 @@ def _hear(session: Session, data: Any) -> None:
         return
     what = str(data[0])[:60]
     if data[1] == "copied":
-        session.notify("Copied", f"{what}: paste it into a spreadsheet")
+        session.notify("Copied", f"{what}: {USES.get(what, 'paste it into a spreadsheet')}")
     else:
         session.notify("Not copied", "The text is selected: press Ctrl+C", bad=True)
 

@@ -11,11 +11,11 @@ from paminsa_viz.explorer.features.motion.simulation import SIMULATION
 from paminsa_viz.explorer.kit.downloads import File, file_name, plain
 from paminsa_viz.explorer.state.motion import FIGURES, SIMULATED
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.exports import TARGETS, Target
 from paminsa_viz.files.archives import zipped
 from paminsa_viz.files.tables import TABLE_FORMATS, DataTable, table_bytes
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.model import Configuration, Design, InvalidInput, inverse_kinematics
-from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_table import map_table
 from paminsa_viz.plots.series import FIGURES as FIGURE_KINDS
 from paminsa_viz.plots.series import FigureKind, SeriesSources
@@ -41,7 +41,7 @@ def figure(state: State, store: MapStore, kind: str) -> File:
     # Late: matplotlib takes a second to load, and most sessions never print.
     from paminsa_viz.plots.map_figure import render
 
-    data = _maps(state, store)
+    data = store.data(state, FULL, _quantities(state), hatched=True)
     scales = store.scales(state, data, _quantities(state))
     export = state.export
     content = render(data, scales, kind, width_mm=export.width, dpi=export.dpi)
@@ -59,15 +59,11 @@ def table(state: State, store: MapStore, kind: str) -> File:
 
 def maps_table(state: State, store: MapStore) -> DataTable:
     """Return the numbers of maps, with where they come from."""
-    return map_table(_maps(state, store))
+    return map_table(store.data(state, FULL, _quantities(state)))
 
 
 def _quantities(state: State) -> tuple[str, ...]:
     return (state.map_view.quantity,) if state.export.single else TORQUES
-
-
-def _maps(state: State, store: MapStore) -> MapData:
-    return store.data(state, FULL, _quantities(state))
 
 
 def _maps_name(state: State, kind: str) -> str:
@@ -78,10 +74,29 @@ def _maps_name(state: State, kind: str) -> str:
 
 def robot(state: State) -> File:
     """Write the robot at its pose as a GLB."""
-    from paminsa_viz.meshes import assemble_glb
+    return program(state, TARGETS["glb"], "robot")
 
+
+def program(state: State, target: Target, what: str) -> File:
+    """Write the robot at its pose for another program: one file, or several in a zip archive.
+
+    Args:
+        state: What to write.
+        target: The kind of file.
+        what: What the file's name says of it.
+
+    Raises:
+        PaminsaError: If the format cannot hold the design, nothing could hold the pose, or a
+            compiler is missing.
+    """
     design, configuration = _posed(state)
-    return File(file_name(state, "robot", "glb", at_pose=True), assemble_glb(design, configuration))
+    (ending, content), *beside = target.files(design, configuration.pose).items()
+    name = file_name(state, what, "zip" if beside else ending[1:], at_pose=True)
+    if not beside:
+        return File(name, content)
+    stem = name.removesuffix(".zip")
+    files = {ending: content, **dict(beside)}
+    return File(name, zipped({stem + each: files[each] for each in files}, stem))
 
 
 def mujoco_model(state: State, meshes: bool) -> File:
@@ -95,14 +110,14 @@ def mujoco_model(state: State, meshes: bool) -> File:
         InvalidInput: If nothing could hold the pose, or a link has too little mass to be moved.
         InvalidDesign: If a bar's inertias belong to no rigid body.
     """
+    if not meshes:
+        return program(state, TARGETS["mjcf"], "mujoco")
     # Late, as the shapes are: they bring large libraries.
     from paminsa_viz.engines.exported import exported_mjcf
     from paminsa_viz.meshes.robot_files import robot_files
 
     design, configuration = _posed(state)
     text = exported_mjcf(design, pose=configuration.pose.tolist())
-    if not meshes:
-        return File(file_name(state, "mujoco", "xml", at_pose=True), text.encode())
     name = file_name(state, "mujoco", "zip", at_pose=True)
     files = robot_files(text, design, configuration)
     return File(name, zipped(files, name.removesuffix(".zip")))

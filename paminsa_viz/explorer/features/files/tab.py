@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from viser import Icon
@@ -73,6 +74,18 @@ def _open(session: Session, name: str, content: bytes) -> None:
     )  # fmt: skip
 
 
+def _save_page(session: Session) -> None:
+    from paminsa_viz.explorer.features.one_file import one_file
+
+    document = session.state.document
+    name = f"{Path(file_name(document.design)).stem}.html"
+    session.client.send_file_download(name, one_file(document).encode(), save_immediately=True)
+
+
+def _copy_link(session: Session) -> None:
+    session.bridge.call("copyLink", persistence.share_code(session.state.document))
+
+
 EXAMPLE = "open-example"
 """Message of the page: an example was pressed."""
 
@@ -111,6 +124,11 @@ FILE = (
                     lambda session: session.submit(partial(_download, session)), at_once=True
                 ),
             ),
+            Button(
+                "file.page", "Save as a page", icon=Icon.HTML, undo=False,
+                hint="One HTML file with the essential part of this page; it needs no server",
+                effect=Run(lambda session: session.guard(lambda: _save_page(session))),
+            ),
             Upload(
                 "file.upload", "Open a file…", receive=_open, icon=Icon.UPLOAD,
                 mime_type=".toml,.txt", color="gray",
@@ -119,8 +137,15 @@ FILE = (
         ),
     ),
     Folder(
-        "file.share", "Share code",
+        "file.share", "Link and share code",
         entries=(
+            Button(
+                "file.link", "Copy link", icon=Icon.LINK, undo=False,
+                hint="The address of this page with the share code; the address follows your work",
+                effect=Run(
+                    lambda session: session.submit(partial(_copy_link, session)), at_once=True
+                ),
+            ),
             Html(
                 "file.about_code",
                 content=render(

@@ -104,7 +104,8 @@ class MapPicture:
         if self._drawn and self._drawn[0] == shown and (dragging or self._drawn[1]):
             self._mark(state)
             return
-        data = self._store.data(state, COARSE if dragging else FULL, quantities)
+        cells = COARSE if dragging else FULL
+        data = self._store.data(state, cells, quantities, hatched=True)
         scales = self._store.scales(state, data, quantities, dragging=dragging)
         ratio = 1.0 if dragging else self._slots.ratio
         path = None if motion is None else floor_path(motion)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from math import ceil, floor
 
 import numpy as np
@@ -16,6 +15,7 @@ from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.kit.robot_texts import of_pose
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.kept import kept
 from paminsa_viz.model import Geometry, KneeBranch
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.reach import MARGINS, home_pose, workspace_radius
@@ -98,7 +98,7 @@ LEAST_STEPS = 5
 Range = tuple[float, float]
 
 
-@lru_cache(maxsize=64)
+@kept(64)
 def pose_limits(geometry: Geometry) -> tuple[Range, Range, Range, Range]:
     """Return (lowest, highest) of the sliders for x, y, theta, z, in mm and degrees."""
     radius = float(max(ceil(1e3 * workspace_radius(geometry) / GRAIN), LEAST_STEPS) * GRAIN)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -13,6 +12,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.requirements import placed_workspace
 from paminsa_viz.explorer.scene.nodes import Node, curves, mesh
 from paminsa_viz.explorer.state.requirements import VolumeResult
+from paminsa_viz.kept import kept
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import WorkspaceShape
 
@@ -34,7 +34,7 @@ def volume(frame: Frame) -> tuple[Node, ...]:
     return _surface(outcome.result)
 
 
-@lru_cache(maxsize=2)
+@kept(2)
 def _surface(found: VolumeResult) -> tuple[Node, ...]:
     return tuple(
         mesh(f"/requirements/volume/{i}", part.vertices, part.faces, part.color, opacity=OPACITY)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -14,6 +13,7 @@ from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import NO_SHADOWS, Node, ball, curves, label, mesh
 from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.stiffness import CASES, MODE_NODE, ElasticOutcome
+from paminsa_viz.kept import kept
 from paminsa_viz.meshes.vibrating import vibrating_glb
 from paminsa_viz.units import number
 
@@ -63,7 +63,7 @@ def mode_shape(frame: Frame) -> tuple[Node, ...]:
     return _animated(outcome.job.pose, found.shapes, mode, text)
 
 
-@lru_cache(maxsize=2)
+@kept(2)
 def _animated(pose: Pose, shapes: CenterLines, mode: int, text: str) -> tuple[Node, ...]:
     moves = shapes.moves[..., mode] * LONGEST_SWING / shapes.largest[mode]
     data = vibrating_glb(shapes.points, moves, radius=TUBE, color=MODE_COLOR, period=PERIOD)

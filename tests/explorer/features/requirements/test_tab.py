@@ -116,17 +116,19 @@ def test_maps_are_hatched_where_a_requirement_breaks_at_their_heading_and_height
     state = designs.move(
         actions.change(asked, bounds=(Requirement("condition", high=4.0),)), theta=0.2
     )
-    data = MapStore().data(state, 41, ("condition",))
+    data = MapStore().data(state, 41, ("condition",), hatched=True)
     assert data.outside is not None
     reached = data.status == 0
     assert ((data.outside.code > 0) == (reached & ~(data.values[0] <= 4.0))).all()
     assert {text for text, _ in data.outside.present()} == {"singularity", "κ ≤ 4"}
     beyond = designs.move(state, theta=1.0)  # a heading that is not required
-    outside = MapStore().data(beyond, 41).outside
+    outside = MapStore().data(beyond, 41, hatched=True).outside
     assert outside is not None
     assert not outside.code.any()
-    assert MapStore().data(state.updated("map_view", hatched=False), 41).outside is None
-    assert MapStore().data(initial_state(), 41).outside is None
+    assert (
+        MapStore().data(state.updated("map_view", hatched=False), 41, hatched=True).outside is None
+    )
+    assert MapStore().data(initial_state(), 41, hatched=True).outside is None
 
 
 def test_the_surface_is_closed_and_in_the_colors_of_its_causes(asked: State) -> None:

@@ -1,0 +1,65 @@
+/**
+ * Links: what follows the # of the address is a share code, which the page opens and keeps up to date.
+ *
+ * Runs in the head of the page: viser takes the address of the server from that of the page, where
+ * no # may be, and writes it anew. So the code is taken out first, and put back once viser has begun.
+ * An address that this tab has written itself is no link to open: after a reload the tab's own store
+ * knows more than the code does.
+ */
+(() => {
+  "use strict";
+  const KEY = "@STORE@_link";
+  const LONGEST = Number("@LONGEST@"); // one character more than is read, so that it is refused
+  const DELAY = 300; // browsers refuse an address that is written in quick succession
+  const coded = () => {
+    let text = window.location.hash.slice(1, LONGEST + 1);
+    try {
+      text = decodeURIComponent(text);
+    } catch (error) {
+      console.warn(error);
+    }
+    return /^\s*PMZ/.test(text) ? text : "";
+  };
+  let written = null;
+  try {
+    written = sessionStorage.getItem(KEY);
+  } catch (error) {
+    console.warn(error);
+  }
+  const foreign = () => (coded() === written ? "" : coded());
+  const write = (hash) => {
+    const { pathname, search } = window.location;
+    window.history.replaceState(window.history.state, "", `${pathname}${search}${hash}`);
+  };
+  let waiting = foreign();
+  let removed = window.location.hash;
+  if (removed) write("");
+  const take = () => {
+    if (removed && !window.location.hash) write(removed);
+    removed = "";
+    const code = waiting;
+    waiting = "";
+    return code;
+  };
+  window.addEventListener("hashchange", () => {
+    waiting = foreign();
+    window.paminsa?.openLink();
+  });
+
+  let timer = 0;
+  const follow = (code) => {
+    clearTimeout(timer);
+    timer = setTimeout(() => {
+      written = code;
+      try {
+        write(`#${code}`);
+        sessionStorage.setItem(KEY, code);
+      } catch (error) {
+        console.warn(error);
+      }
+    }, DELAY);
+  };
+  // Without what follows a ?: it says how this page is shown, and may be an access token.
+  const to = (code) => `${window.location.href.split(/[?#]/)[0]}#${code}`;
+  window.paminsaLinks = { take, follow, to };
+})();

@@ -1,0 +1,68 @@
+"""Animations under faults: each is answered in one line, and no file is made."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from paminsa_viz.errors import InvalidInput, PaminsaError
+from paminsa_viz.plots.animations import ANIMATION_FORMATS, AnimationFormat, Frames
+
+PICTURE = np.zeros((64, 80, 3), dtype=np.uint8)
+
+
+@pytest.fixture(params=ANIMATION_FORMATS)
+def animation(request: pytest.FixtureRequest) -> AnimationFormat:
+    """Each format that is installed."""
+    found = ANIMATION_FORMATS[request.param]
+    if found.package and importlib.util.find_spec(found.package) is None:
+        pytest.skip(found.missing)
+    return found
+
+
+def test_no_picture_is_refused(animation: AnimationFormat) -> None:
+    with pytest.raises(InvalidInput, match="there is none: an animation needs at least one"):
+        animation.encode(iter(()), 0.1)
+
+
+@pytest.mark.parametrize("step", [0.0, -0.1, np.inf, np.nan])
+def test_no_time_between_pictures_is_refused(animation: AnimationFormat, step: float) -> None:
+    with pytest.raises(InvalidInput, match="no time between two pictures"):
+        animation.encode(iter([PICTURE]), step)
+
+
+def test_pictures_of_several_sizes_are_refused(animation: AnimationFormat) -> None:
+    with pytest.raises(InvalidInput, match="80×64 and 80×60 pixels"):
+        animation.encode(iter([PICTURE, PICTURE[:60]]), 0.1)
+
+
+@pytest.mark.parametrize(
+    "error", [PaminsaError("the page has gone"), OSError("no room"), MemoryError()], ids=str
+)
+def test_what_stops_the_pictures_says_so_in_one_line(
+    animation: AnimationFormat, error: Exception
+) -> None:
+    def pictures() -> Iterator[np.ndarray]:
+        yield PICTURE
+        raise error
+
+    expected = type(error) if isinstance(error, MemoryError) else PaminsaError
+    with pytest.raises(expected) as caught:
+        animation.encode(pictures(), 0.1)
+    assert "\n" not in str(caught.value)
+    assert str(error) in str(caught.value)
+
+
+def test_an_encoder_that_fails_names_the_format() -> None:
+    def fail(frames: Frames, step: float) -> bytes:
+        raise OSError(f"no codec for {step} s, {next(frames).shape[0]} rows")
+
+    with pytest.raises(PaminsaError, match=r"^the GIF could not be made: no codec for 0.1 s, 64"):
+        AnimationFormat("GIF", fail).encode(iter([PICTURE]), 0.1)
+
+
+def test_one_picture_is_enough(animation: AnimationFormat) -> None:
+    assert len(animation.encode(iter([PICTURE]), 0.1)) > 60
