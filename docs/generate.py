@@ -1,8 +1,8 @@
 """Writes the pages that follow from the source: ``python docs/generate.py``.
 
 ``design-file.md`` from the design's own list of values, ``command-line.md`` from the commands'
-flags, ``python-api.md`` from the public names and what they say of themselves. A test compares them
-with what is in the folder.
+flags, ``python-api.md`` from the public names and what they say of themselves, ``explorer.html`` as
+``paminsa-viz page`` writes it. A test compares them with what is in the folder.
 """
 
 from __future__ import annotations
@@ -39,6 +39,7 @@ from paminsa_viz.model import drive as drive_model
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.parameters import BAR_ENDS
 from paminsa_viz.version import COMMAND
+from paminsa_viz.webpage import design_page
 
 FOLDER = Path(__file__).parent
 
@@ -327,6 +328,7 @@ PAGES = {
     "design-file.md": design_file,
     "command-line.md": command_line,
     "python-api.md": python_api,
+    "explorer.html": lambda: design_page(APPENDIX_4),
 }
 """Pages by file name, with what makes them."""
 
