@@ -114,7 +114,7 @@ def _colors(selector: str, theme: Theme) -> str:
 
 def _data(document: Document) -> dict[str, Any]:
     """Return what the page knows of the program besides its formulas."""
-    state = initial_state(document.design)
+    state, g = initial_state(document.design), document.design.geometry
     return {
         "madeBy": MADE_BY,
         "document": persistence.dump(document),
@@ -130,7 +130,8 @@ def _data(document: Document) -> dict[str, Any]:
         "load": [f"load.{name}" for name in (*WRENCH, "point_x", "point_y", "point_z")],
         "heading": list(kinematic_formulas.HEADING),
         "limits": [limit.label for limit in MARGINS],
-        "radius": workspace_radius(document.design.geometry),
+        # No singular circle is larger than that.
+        "radius": min(workspace_radius(g), g.base_radius + g.platform_radius),
         "pose": [_slider(entry, state) for entry in POSE if isinstance(entry, Slider)],
         "groups": [
             {

@@ -37,7 +37,7 @@ const drawRobot = (canvas, robot, pose, solved, view) => {
   const { context: draw, width, height } = contextOf(canvas);
   const m = robot.mechanism;
   const size = m.base_radius + m.stroke + m.crank;
-  const scale = Math.min(width, height) / (1.7 * size);
+  const scale = Math.min(width, height) / (1.25 * size);
   const [ca, sa, ce, se] = [
     Math.cos(view.turn), Math.sin(view.turn), Math.cos(view.tilt), Math.sin(view.tilt),
   ];
@@ -82,12 +82,12 @@ const drawRobot = (canvas, robot, pose, solved, view) => {
 const COLD = [33, 102, 172];
 const HOT = [178, 24, 43];
 
-/** Return the size of the torque at the ends of the colors: that of nine cells in ten [N m]. */
+/** Return the torque at the ends of the colors: three times that of the middle cell [N m]. */
 const colorLimit = (maps) => {
   const all = new Float64Array(maps.reduce((sum, map) => sum + map.length, 0));
   maps.reduce((at, map) => (all.set(map, at), at + map.length), 0);
   const sizes = all.map(Math.abs).filter(Number.isFinite).sort();
-  return sizes.length ? sizes[Math.floor(0.9 * (sizes.length - 1))] || 1 : 1;
+  return sizes.length ? 3 * sizes[sizes.length >> 1] || 1 : 1;
 };
 
 /** Draw a map, its pose and what it shows; `limit` is the torque at the ends of the colors. */
