@@ -1,4 +1,4 @@
-"""Clearance in the tab View: the nearest bodies, which pairs are checked, and what is enough."""
+"""Clearance in the panel View: the nearest bodies, which pairs are checked, and what is enough."""
 
 from __future__ import annotations
 
