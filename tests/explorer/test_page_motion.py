@@ -102,6 +102,7 @@ def test_motion_is_played_to_its_end_and_a_pose_slider_stops_it(motion: Tab) -> 
 def test_mass_slider_moves_the_curves_to_the_models_torques(motion: Tab) -> None:
     before = np.abs(curves(motion)[0][3:6]).max()
     motion.open_tab("Masses")
+    motion.open_tab("Motion plots")  # another workspace has opened another tab beside it
     motion.press("m_B4 bar 9–4–5 [kg]", "End")
     until(lambda: motion.state.document.design.links.b4 > 0.8, "the mass grows")
     motion.wait_frames(300)
