@@ -1,8 +1,8 @@
 """Writes the pages that follow from the source: ``python docs/generate.py``.
 
 ``design-file.md`` from the design's own list of values, ``command-line.md`` from the commands'
-flags, ``python-api.md`` from the public names and what they say of themselves. A test compares them
-with what is in the folder.
+flags, ``python-api.md`` from the public names and what they say of themselves, ``explorer.html`` as
+``paminsa-viz page`` writes it. A test compares them with what is in the folder.
 """
 
 from __future__ import annotations
@@ -39,6 +39,7 @@ from paminsa_viz.model import drive as drive_model
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.parameters import BAR_ENDS
 from paminsa_viz.version import COMMAND
+from paminsa_viz.webpage import design_page
 
 FOLDER = Path(__file__).parent
 
@@ -276,7 +277,7 @@ def python_api() -> str:
 def _summary(module: types.ModuleType, name: str) -> str:
     """Return the first sentence that a public name says of itself."""
     value = getattr(module, name)
-    described = inspect.isclass(value) or inspect.isroutine(value)
+    described = inspect.isclass(value) or inspect.isroutine(inspect.unwrap(value))
     text = (inspect.getdoc(value) or "") if described else _constant(module, name)
     return _paragraphs(" ".join(text.split("\n\n")[0].split()).rstrip("."))
 
@@ -327,6 +328,7 @@ PAGES = {
     "design-file.md": design_file,
     "command-line.md": command_line,
     "python-api.md": python_api,
+    "explorer.html": lambda: design_page(APPENDIX_4),
 }
 """Pages by file name, with what makes them."""
 

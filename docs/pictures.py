@@ -62,7 +62,7 @@ def explorer(tab: Tab) -> None:
 
 def motion(tab: Tab) -> None:
     start(tab, (0.06, -0.04, 0.5))
-    tab.open_tab("Motion")
+    tab.open_tab("Path")
     tab.open_tab("Motion plots")
     tab.dispatch(lambda state: motions.scrub(actions.set_layers(state, path=True), 0.988))
 
@@ -95,7 +95,7 @@ def synthesize(tab: Tab) -> None:
 
 def accuracy(tab: Tab) -> None:
     start(tab, (0.08, 0.03, 1.0))
-    tab.open_tab("Accuracy")
+    tab.open_tab("Errors")
     show(tab, "error_horizontal", drive_errors=True, torques=False)
 
 
@@ -120,7 +120,7 @@ def vibration(tab: Tab) -> None:
 
 
 def identify(tab: Tab) -> None:
-    tab.open_tab("Identification")
+    tab.open_tab("Logs")
     log = example_log()
     tab.dispatch(lambda state: identify_actions.use_log(state, "log", log))
     until(lambda: tab.state.identification.result is not None, "the log is identified")

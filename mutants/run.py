@@ -30,7 +30,7 @@ _NEEDED = ("paminsa_viz", "tests", "assets", "docs", "examples", "benchmarks", "
 _STEPS = ("not slow and not browser", "slow and not browser")
 _NO_TESTS = 5
 _PATIENCE = 3.0
-"""A mutant may take so many times as long as the source, and a minute: machines are busy."""
+"""A mutant may take so many times as long as the source, and five minutes: machines are busy."""
 
 
 class Copy:
@@ -78,7 +78,7 @@ class Copy:
             # Compiled files are told apart by whole seconds and size.
             os.utime(file, (stat.st_atime, stat.st_mtime + 10.0 * self._changes))
             for step in _STEPS:
-                limit = 60.0 + _PATIENCE * self._times[room, step]
+                limit = 300.0 + _PATIENCE * self._times[room, step]
                 code, output = self._tests(room, step, limit, Path(mutant.path).stem)
                 if code is None:
                     return "timeout"

@@ -17,7 +17,7 @@ import pytest
 import paminsa_viz
 from paminsa_viz.cli import COMMANDS, command_module
 from paminsa_viz.cli.arguments import parse
-from paminsa_viz.explorer.tabs import TABS
+from paminsa_viz.explorer.tabs import sections
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -147,7 +147,7 @@ def test_files_that_pages_name_exist() -> None:
 
 def test_tabs_that_texts_name_exist() -> None:
     """Of the page's two docks; in pages, hints and templates."""
-    tabs = {"Export", *(tab.name for tab in TABS)}
+    tabs = {"Export", *(one.name for one in sections().values())}
     sources = [
         path for kind in ("py", "j2", "js") for path in (ROOT / "paminsa_viz").rglob(f"*.{kind}")
     ]

@@ -119,9 +119,9 @@ CHANGES = {
         '{}    j10: float = parameter(0.0, "m_10", "kg", "stop at the end of the guide link")\n',
     ),
     "model/lumped.py": (
-        ('"m9",', '{} "m10",'),
-        ("mc8 = m.B10 * geometry.guide_link_length**2 / 8",
-         "{} + m.m10 * geometry.guide_link_length**2 / 2"),
+        ("    m9: Any\n", "{}    m10: Any\n"),
+        ("mc8 = m.B10 * (guide_link * guide_link) / 8.0",
+         "{} + m.m10 * (guide_link * guide_link) / 2.0"),
     ),
     "engines/mechanism.py": ("foot, (guide,),", "foot, (guide, joint(10, behind)),"),
 }  # fmt: skip

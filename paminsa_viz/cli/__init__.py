@@ -42,6 +42,7 @@ COMMANDS: dict[str, str] = {
     "balance": "find the masses that balance the robot best, certified optimal",
     "verify": "check the formulas against MuJoCo and Pinocchio",
     "report": "write a design report as one HTML file",
+    "page": "write the explorer in one HTML file, which needs no server",
     "export": "write the robot for other programs: GLB, MuJoCo, USD, URDF, DXF",
     "code": "write the robot as C code for its controller, with test vectors",
 }

@@ -12,16 +12,21 @@ from paminsa_viz.explorer.core.docks import left_dock
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.maps import MapStore
 from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.clearance.tab import CLEARANCE
 from paminsa_viz.explorer.features.export.tab import export_entries
 from paminsa_viz.explorer.features.maps.pictures import MapPicture
 from paminsa_viz.explorer.features.maps.tab import single_entries, torque_entries
 from paminsa_viz.explorer.features.motion import point_entries as motion_points
 from paminsa_viz.explorer.features.motion.plots import MotionPlots
 from paminsa_viz.explorer.features.motion.points import click_map
+from paminsa_viz.explorer.features.view.tab import view_entries
 from paminsa_viz.explorer.kit.bindings import Panel
 from paminsa_viz.explorer.kit.curves import PLACE as MOTION_SLOT
 from paminsa_viz.explorer.scene.legend import SceneLegend
 from paminsa_viz.quantities import TORQUES
+
+VIEW_PANEL = 320
+"""Width of the panel of the view [px]."""
 
 TORQUE_SLOT, SINGLE_SLOT = "torques", "single"
 
@@ -90,6 +95,16 @@ class MapsPanel:
         place = clicked_place(data)
         if place is not None:
             self._session.dispatch("map click", lambda state: click_map(state, *place))
+
+
+def view_panel(session: Session) -> Panel:
+    """Add the panel of the view, over the scene; it is folded at first."""
+    panel = session.client.gui.add_panel()
+    with panel.add_tab("View", viser.Icon.EYE):
+        built = Panel(session, (*view_entries(), *CLEARANCE), "View")
+    panel.float(x=-10, y=10, width=VIEW_PANEL)
+    panel.minimize()
+    return built
 
 
 def clicked_place(data: Any) -> tuple[float, float] | None:

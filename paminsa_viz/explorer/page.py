@@ -25,7 +25,14 @@ from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.stiffness import MODE_NODE
 from paminsa_viz.explorer.strip import STRIP, restartable
-from paminsa_viz.explorer.tabs import TABS, build_rest, fill
+from paminsa_viz.explorer.tabs import (
+    EARLIER,
+    add_tabs,
+    build_rest,
+    enter_workspace,
+    fill,
+    sections,
+)
 from paminsa_viz.model import Design
 from paminsa_viz.quantities.requirements import Requirements
 
@@ -64,6 +71,7 @@ def build(
     """
     opening = opening_state(design, requirements)
     session = Session(client, opening, shown=previewed)
+    session.paths = {section.name: path for path, section in sections().items()}
     bridge, gui = session.bridge, client.gui
     theme, title = ThemeView(session), TitleView(session)
     gui.set_panel_label("PAMINSA")
@@ -72,10 +80,11 @@ def build(
 
     gui.add_html(style_html())
     strip = Panel(session, STRIP)
-    tabs = gui.add_tab_group()
-    places = {tab.name: tabs.add_tab(tab.name) for tab in TABS}
-    with places[TABS[0].name]:
-        first = fill(session, TABS[0])
+    file_place = gui.add_folder("File", expand_by_default=False)
+    places = add_tabs(gui)
+    first_path = next(iter(places))
+    with places[first_path]:
+        first = fill(session, first_path)
     session.fast += [theme, title, strip, first]
     context = SceneContext(
         client.scene, session.dispatch, client.camera, lambda: session.pixel_ratio
@@ -95,8 +104,9 @@ def build(
     def complete() -> None:
         if session.built.is_set():
             return
-        build_rest(session, places, context)
+        build_rest(session, places, file_place, context)
         session.built.set()
+        enter_workspace(session)
         bridge.call("whole")
         offer_tour(bridge)
         session.dispatch("page", replace)
@@ -136,9 +146,12 @@ def build(
                     session.submit(build_robot)
 
     def take_tabs(names: object) -> None:
-        if isinstance(names, list):
-            session.open_tabs = frozenset(map(str, names))
-            session.dispatch("tabs", replace)
+        if not isinstance(names, list):
+            return
+        session.open_tabs = frozenset(map(str, names))
+        session.dispatch("tabs", replace, step=False)
+        if session.built.is_set():
+            enter_workspace(session)
 
     keep_docks(session)
     bridge.on("window", take_window)
@@ -154,6 +167,6 @@ def build(
     bridge.on("late", lambda _: session.submit(complete))
     bridge.on("graphics", choose_detail)
     bridge.on("shown", lambda _: session.submit(complete))
-    bridge.open()
+    bridge.open({**session.paths, **EARLIER})
     session.start()
     return session

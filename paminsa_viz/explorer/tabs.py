@@ -1,37 +1,70 @@
-"""The tabs of the page, in their order, and the rest of the page that is built with them.
+"""The workspaces of the page with their sections, in their order, and what is built with them.
 
-What a tab holds is imported when it is filled: the first one is there before trimesh is.
+What a section holds is imported when it is filled: the first one is there before trimesh is.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+import viser
+
+from paminsa_viz.explorer.core.docks import left_dock
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.core.tab_store import TabStore
+from paminsa_viz.explorer.core.workspaces import switch, view_of
 from paminsa_viz.explorer.kit.bindings import Panel
 from paminsa_viz.explorer.kit.entries import Entry, Folder
 from paminsa_viz.explorer.scene.build import build_views
 from paminsa_viz.explorer.scene.context import SceneContext
+from paminsa_viz.explorer.state.state import State
+
+if TYPE_CHECKING:
+    from paminsa_viz.explorer.commands import Command
 
 Entries = Sequence[Entry]
 
 
 @dataclass(frozen=True)
-class Tab:
-    """A tab of the page.
+class Section:
+    """A section of a workspace.
 
     Attributes:
-        name: What it is called.
+        name: What it is called; no other section has the name.
         entries: Returns what it holds; called when it is filled.
+        words: What else a person may look for it by, in the command palette.
         fast: Whether it is drawn a moment after the robot, and not after maps and other figures.
     """
 
     name: str
     entries: Callable[[], Entries]
+    words: str = ""
     fast: bool = True
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """A workspace: all that one question needs.
+
+    Attributes:
+        name: What it is called.
+        question: What it answers.
+        sections: What it holds, in their order.
+        beside: Name of the tab of the left dock that opens with it at first.
+        layers: Layers of the scene that are shown with it at first, next to those that are shown.
+    """
+
+    name: str
+    question: str
+    sections: tuple[Section, ...]
+    beside: str
+    layers: tuple[str, ...] = ()
+
+    def path(self, section: Section) -> str:
+        """Return the path of the tab of a section, see `Session.open_tab`."""
+        return f"{self.name}/{section.name}"
 
 
 def _pose() -> Entries:
@@ -40,10 +73,70 @@ def _pose() -> Entries:
     return POSE
 
 
-def _design() -> Entries:
-    from paminsa_viz.explorer.features.design.tab import DESIGN
+def _lengths() -> Entries:
+    from paminsa_viz.explorer.features.design.tab import LENGTHS
 
-    return DESIGN
+    return LENGTHS
+
+
+def _masses() -> Entries:
+    from paminsa_viz.explorer.features.design.tab import MASSES
+
+    return MASSES
+
+
+def _load() -> Entries:
+    from paminsa_viz.explorer.features.design.tab import LOAD
+
+    return LOAD
+
+
+def _compare() -> Entries:
+    from paminsa_viz.explorer.features.compare.tab import COMPARE
+
+    return COMPARE
+
+
+def _path() -> Entries:
+    from paminsa_viz.explorer.features.motion.tab import MOTION
+
+    return MOTION
+
+
+def _drives() -> Entries:
+    from paminsa_viz.explorer.features.drives.tab import DRIVES
+
+    return DRIVES
+
+
+def _simulate() -> Entries:
+    from paminsa_viz.explorer.features.motion.tab import SIMULATING
+
+    return SIMULATING
+
+
+def _loads() -> Entries:
+    from paminsa_viz.explorer.features.loads.tab import LOADS
+
+    return LOADS
+
+
+def _stiffness() -> Entries:
+    from paminsa_viz.explorer.features.stiffness.tab import STIFFNESS
+
+    return STIFFNESS
+
+
+def _errors() -> Entries:
+    from paminsa_viz.explorer.features.accuracy.tab import ACCURACY
+
+    return ACCURACY
+
+
+def _requirements() -> Entries:
+    from paminsa_viz.explorer.features.requirements.tab import REQUIREMENTS
+
+    return REQUIREMENTS
 
 
 def _balance() -> Entries:
@@ -57,123 +150,191 @@ def _balance() -> Entries:
     )
 
 
-def _motion() -> Entries:
-    from paminsa_viz.explorer.features.motion.tab import MOTION
-
-    return MOTION
-
-
-def _drives() -> Entries:
-    from paminsa_viz.explorer.features.drives.tab import DRIVES
-
-    return DRIVES
-
-
-def _loads() -> Entries:
-    from paminsa_viz.explorer.features.loads.tab import LOADS
-
-    return LOADS
-
-
-def _accuracy() -> Entries:
-    from paminsa_viz.explorer.features.accuracy.tab import ACCURACY
-
-    return ACCURACY
-
-
-def _stiffness() -> Entries:
-    from paminsa_viz.explorer.features.stiffness.tab import STIFFNESS
-
-    return STIFFNESS
-
-
-def _identification() -> Entries:
-    from paminsa_viz.explorer.features.identification.tab import IDENTIFY
-
-    return IDENTIFY
-
-
-def _requirements() -> Entries:
-    from paminsa_viz.explorer.features.requirements.tab import REQUIREMENTS
-
-    return REQUIREMENTS
-
-
 def _synthesis() -> Entries:
     from paminsa_viz.explorer.features.synthesis.tab import SYNTHESIZE
 
     return SYNTHESIZE
 
 
-def _compare() -> Entries:
-    from paminsa_viz.explorer.features.compare.tab import COMPARE
+def _logs() -> Entries:
+    from paminsa_viz.explorer.features.identification.tab import LOGS
 
-    return COMPARE
-
-
-def _view() -> Entries:
-    from paminsa_viz.explorer.features.clearance.tab import CLEARANCE
-    from paminsa_viz.explorer.features.view.tab import view_entries
-
-    return (*view_entries(), *CLEARANCE)
+    return LOGS
 
 
-def _files() -> Entries:
-    from paminsa_viz.explorer.features.files.tab import FILE
+def _excite() -> Entries:
+    from paminsa_viz.explorer.features.identification.tab import EXCITE
 
-    return FILE
+    return EXCITE
 
 
-TABS = (
-    Tab("Pose", _pose),
-    Tab("Design", _design),
-    Tab("Balance", _balance),
-    Tab("Motion", _motion),
-    Tab("Drives", _drives),
-    Tab("Loads", _loads),
-    Tab("Accuracy", _accuracy),
-    Tab("Stiffness", _stiffness),
-    Tab("Identification", _identification),
-    Tab("Requirements", _requirements),
-    Tab("Synthesis", _synthesis),
-    Tab("Compare", _compare, fast=False),
-    Tab("View", _view),
-    Tab("File", _files, fast=False),
-)
-"""Every tab. The first one is filled at once, the others when the page is there."""
+WORKSPACES = (
+    Workspace(
+        "Robot", "What is it, and where does it stand?",
+        (
+            Section("Pose", _pose, "position, heading, knee, home, undo, condition number"),
+            Section("Lengths", _lengths, "geometry, bars, radii, guide, pantograph"),
+            Section("Masses", _masses, "inertia, payload, friction, gravity, M_p2"),
+            Section("Load", _load, "external force, moment"),
+            Section(
+                "Compare", _compare, "reference, pin, difference, swap, Appendix 4", fast=False
+            ),
+        ),
+        "Torque maps", ("floor_map", "singularity"),
+    ),
+    Workspace(
+        "Motion", "Can it move so, and with which motors?",
+        (
+            Section("Path", _path, "motion, play, preset, points, time law, trajectory, duration"),
+            Section("Drives", _drives, "motors, gears, encoders, catalog, select"),
+            Section("Simulate", _simulate, "controller, feed-forward, MuJoCo, payload error"),
+        ),
+        "Motion plots", ("path",),
+    ),
+    Workspace(
+        "Strength", "Does it hold, and how exact is it?",
+        (
+            Section("Loads", _loads, "joint forces, bearings, bars, stress, N V M, utilization"),
+            Section("Stiffness", _stiffness, "stiff, compliance, vibration, frequency, mode"),
+            Section("Errors", _errors, "accuracy, encoder, backlash, resolution, manufacture"),
+        ),
+        "Single map",
+    ),
+    Workspace(
+        "Optimize", "What should it be?",
+        (
+            Section("Requirements", _requirements, "bounds, workspace, proof, volume"),
+            Section("Balance", _balance, "counterweights, springs, tolerances, Pareto"),
+            Section("Synthesis", _synthesis, "search, lengths, design, lightest robot, front"),
+        ),
+        "Single map", ("volume",),
+    ),
+    Workspace(
+        "Built", "Does the real one agree?",
+        (
+            Section("Logs", _logs, "identify, identification, measured, residuals, friction"),
+            Section("Excite", _excite, "motion for a log, experiment, D-optimal"),
+        ),
+        "Motion plots", ("path",),
+    ),
+)  # fmt: skip
+"""Every workspace. The first section of the first one is filled at once, the others later."""
+
+
+def sections() -> dict[str, Section]:
+    """Return all sections by the paths of their tabs."""
+    return {one.path(section): section for one in WORKSPACES for section in one.sections}
+
+
+def path_of(name: str) -> str:
+    """Return the path of the tab of a section.
+
+    Raises:
+        StopIteration: If there is none of the name.
+    """
+    return next(path for path, section in sections().items() if section.name == name)
+
+
+EARLIER = {
+    "Design": "Robot/Masses", "Motion": "Motion/Path", "Accuracy": "Strength/Errors",
+    "Identify": "Built/Logs", "Identification": "Built/Logs", "Synthesize": "Optimize/Synthesis",
+}  # fmt: skip
+"""Tabs that had another name, for what a browser has kept of before."""
+
+
+def enter_workspace(session: Session) -> None:
+    """Take over which workspace is open; one that was not is shown as it was left."""
+    open_tabs, known = session.open_tabs or frozenset(), {one.name: one for one in WORKSPACES}
+    name = next((name for name in known if name in open_tabs), None)
+    if name is None or name == session.state.workspace:
+        return
+    beside = next((one for one in BESIDE if one in open_tabs), "")
+
+    def go(state: State) -> State:
+        folded = left_dock(state, session.window)[1]
+        if state.workspace and state.workspace != name and not folded:
+            left = view_of(state, name)
+            session.open_tab(known[name].beside if left is None or not left.beside else left.beside)
+        return switch(state, name, beside, frozenset(known[name].layers))
+
+    session.dispatch("workspace", go, step=False)
+
+
+BESIDE = ("Torque maps", "Single map", "Motion plots", "Export")
+"""Tabs of the left dock."""
 
 
 def load() -> None:
-    """Import what the later tabs and the dock hold, so that nobody waits for it."""
+    """Import what later sections and docks hold, so that nobody waits for it."""
     from paminsa_viz.explorer import commands, dock  # noqa: F401
 
-    for tab in TABS:
-        tab.entries()
+    for section in sections().values():
+        section.entries()
 
 
-def fill(session: Session, tab: Tab) -> Panel:
-    """Fill a tab, in the current container."""
-    return Panel(session, tab.entries(), tab.name)
+def add_tabs(gui: viser.GuiApi) -> dict[str, Any]:
+    """Add the empty tabs of workspaces and sections; return those of sections by their paths."""
+    places: dict[str, Any] = {}
+    group = gui.add_tab_group()
+    for workspace in WORKSPACES:
+        with group.add_tab(workspace.name):
+            inner = gui.add_tab_group()
+            for section in workspace.sections:
+                places[workspace.path(section)] = inner.add_tab(section.name)
+    return places
 
 
-def build_rest(session: Session, places: Mapping[str, Any], context: SceneContext) -> None:
-    """Fill the later tabs, and add the dock and the layers on the ground.
+def fill(session: Session, path: str) -> Panel:
+    """Fill the tab of a section, in the current container."""
+    return Panel(session, sections()[path].entries(), path)
+
+
+def places_to_go() -> list[Command]:
+    """Return the commands that open workspaces and sections."""
+    from paminsa_viz.explorer.commands import Command, open_effect
+
+    found = [
+        Command(
+            f"open.{one.name}", f"Workspace: {one.name}", open_effect(one.name), str(number),
+            "cmd/ctrl", words=one.question,
+        )
+        for number, one in enumerate(WORKSPACES, start=1)
+    ]  # fmt: skip
+    found += [
+        Command(
+            f"open.{path}", f"Open: {section.name} ({path.partition('/')[0]})",
+            open_effect(section.name), words=section.words,
+        )
+        for path, section in sections().items()
+    ]  # fmt: skip
+    return found
+
+
+def build_rest(
+    session: Session, places: Mapping[str, Any], file_place: Any, context: SceneContext
+) -> None:
+    """Fill the later tabs, and add the docks and the layers on the ground.
 
     The session draws them with its next state.
 
     Args:
         session: The tab of the browser.
-        places: The empty tabs by name.
+        places: The tabs of the sections by their paths; the first one is filled.
+        file_place: The empty folder of files.
         context: What the layers of the scene are made with.
     """
     from paminsa_viz.explorer.commands import register_commands
-    from paminsa_viz.explorer.dock import MapsPanel
+    from paminsa_viz.explorer.dock import MapsPanel, view_panel
+    from paminsa_viz.explorer.features.files.tab import FILE
 
     maps = MapsPanel(session)
     late: list[Panel] = []
-    for tab in TABS[1:]:
-        with places[tab.name]:
-            (session.fast if tab.fast else late).append(fill(session, tab))
+    for path, section in list(sections().items())[1:]:
+        with places[path]:
+            (session.fast if section.fast else late).append(fill(session, path))
+    with file_place:
+        late.append(Panel(session, FILE))
+    session.fast.append(view_panel(session))
     floor = build_views(replace(context, maps=maps.store, legend=maps.legend), animated=False)
     session.deferred += [maps, *floor, maps.legend, *late, TabStore(session)]
-    register_commands(session)
+    register_commands(session, places_to_go())

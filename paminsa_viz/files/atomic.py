@@ -7,6 +7,7 @@ import secrets
 import stat
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from glob import escape
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -20,8 +21,8 @@ def open_atomically(path: str | os.PathLike[str]) -> Iterator[TextIO]:
 
     The text goes into a temporary file next to ``path``, which replaces it when the block ends
     well. When the block ends with an error, also by Ctrl-C, ``path`` stays as it was and the
-    temporary file is removed. A symbolic link keeps pointing at the file it names; an existing
-    file keeps its mode.
+    temporary file is removed; that of a process that was killed is removed by the next writing. A
+    symbolic link keeps pointing at the file it names; an existing file keeps its mode.
 
     Raises:
         FileError: If the file cannot be created, written or put in place.
@@ -73,16 +74,29 @@ def keep_others_off(
     Raises:
         FileError: If another process has locked it.
     """
+    if _lock(number) is False:
+        raise kind(os.fspath(name), "is being written by another process")
+
+
+def _lock(number: int) -> bool | None:
+    """Lock an open file until it is closed, or this process is gone.
+
+    Returns:
+        Whether it is locked now, which it is not if another has locked it; None where there are no
+        locks: on some network disks, and on Windows, where two runs into one file are the person's
+        to avoid.
+    """
     try:
         import fcntl
-    except ImportError:  # Windows: there, two runs into one file are the person's to avoid
-        return
+    except ImportError:
+        return None
     try:
         fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        raise kind(os.fspath(name), "is being written by another process") from None
+        return False
     except OSError:
-        return  # some network disks know no locks
+        return None
+    return True
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
@@ -137,16 +151,19 @@ def write_folder(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path
 def _written(path: str | os.PathLike[str], **how: Any) -> Iterator[Any]:
     name = os.fspath(path)
     target, mode = _target(path)
-    temporary = target.with_name(f".{target.name[:50]}.{secrets.token_hex(4)}.tmp")
+    temporary: Path | None = None
+    lock: int | None = None
 
     def remove() -> None:
-        with suppress(OSError):  # where none could be made, it cannot be removed
-            temporary.unlink()
+        if temporary is not None:
+            with suppress(OSError):
+                temporary.unlink()
 
     with on_interrupt(remove):
         try:
             with indivisible():
-                number = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+                _remove_abandoned(target)
+                temporary, number, lock = _new_temporary(target)
             with open(number, **how) as file:
                 yield file
                 file.flush()
@@ -159,6 +176,41 @@ def _written(path: str | os.PathLike[str], **how: Any) -> Iterator[Any]:
             raise as_file_error(name, error, "written") from error
         finally:
             remove()
+            if lock is not None:
+                os.close(lock)
+
+
+def _new_temporary(target: Path) -> tuple[Path, int, int | None]:
+    """Make a temporary file next to a target, and lock it.
+
+    Returns:
+        The file and two descriptors, one to write with, and one, or None where there are no locks,
+        that keeps the lock until it is closed too.
+
+    Raises:
+        OSError: If it cannot be made.
+    """
+    while True:
+        path = target.with_name(f"{_beginning(target)}{secrets.token_hex(4)}.tmp")
+        number = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+        locked = _lock(number)
+        # Until it was locked another process may have taken it for an abandoned one.
+        if locked is not False and path.exists():
+            return path, number, os.dup(number) if locked else None
+        os.close(number)
+
+
+def _remove_abandoned(target: Path) -> None:
+    """Remove temporary files that a process has left which was killed while it wrote a target."""
+    with suppress(OSError):  # a folder that cannot be read
+        for path in target.parent.glob(f"{escape(_beginning(target))}{'[0-9a-f]' * 8}.tmp"):
+            with suppress(OSError), open(path, "rb") as file:
+                if _lock(file.fileno()):  # nobody writes it
+                    path.unlink()
+
+
+def _beginning(target: Path) -> str:
+    return f".{target.name[:50]}."
 
 
 def _target(path: str | os.PathLike[str]) -> tuple[Path, int | None]:

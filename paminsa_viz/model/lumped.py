@@ -18,7 +18,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import Flag, auto
 from operator import attrgetter
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -95,77 +94,111 @@ class EnergyTerms(NamedTuple):
     inertia: Any  # I_pl theta'^2 / 2, counted once
 
 
-def _lumped(
-    geometry: Geometry, gravity: float, m: SimpleNamespace, misprints: Misprint
-) -> tuple[list[Any], Any]:
-    """Appendices 2 and 3 as published, but for the one misprint in them; ``m`` by paper symbol."""
-    k, g = geometry.magnification, gravity
+class Masses(NamedTuple):
+    """Masses and inertias by the paper's symbols, in the order of `MASS_PATHS` [kg, kg m^2]."""
+
+    m2: Any
+    m3: Any
+    m4: Any
+    m5: Any
+    m7: Any
+    m8: Any
+    m9: Any
+    B1: Any
+    B2: Any
+    B3: Any
+    B4: Any
+    B7: Any
+    B8: Any
+    B10: Any
+    Ixx3: Any
+    Iyy3: Any
+    Ixx4: Any
+    Iyy4: Any
+    Ixx7: Any
+    Iyy7: Any
+    Ixx8: Any
+    Iyy8: Any
+    I2: Any
+    I10: Any
+    mpl: Any
+    Ipl: Any
+    mload: Any
+    Iload: Any
+
+
+def coefficients_of_masses(
+    masses: Masses, k: Any, guide_link: Any, g: Any, m7_factor: Any
+) -> tuple[Any, ...]:
+    """Return c without counterweights (18 values), see `COEFFICIENTS`, as a plain formula.
+
+    Args:
+        masses: Masses and inertias.
+        k: Magnification of the pantographs.
+        guide_link: l_B10 [m].
+        g: Gravitational acceleration [m/s^2].
+        m7_factor: 2, or 1 for M_c4 as Appendix 3 prints it.
+    """
+    m = masses
+    k1, k2 = k - 1.0, k - 2.0
+    kk, kk1 = k * k, k * k1
+    kk1_2, k1_2 = kk1 * kk1, k1 * k1
     joints = m.m2 + m.m3 + m.m4 + m.m7
-    mp1 = g * (m.m5 + joints / k + m.B4 / 2 + (m.B1 + m.B7) / (2 * k) + (m.B2 + m.B3) / k)
+    mp1 = g * (m.m5 + joints / k + m.B4 / 2.0 + (m.B1 + m.B7) / (2.0 * k) + (m.B2 + m.B3) / k)
     mp2 = g * (
-        ((k - 1) * m.m4 - m.m7 + k * m.m9) / k
-        + ((k - 2) * m.B3 - m.B7) / (2 * k)
-        + (m.B4 + m.B8) / 2
+        (k1 * m.m4 - m.m7 + k * m.m9) / k + (k2 * m.B3 - m.B7) / (2.0 * k) + (m.B4 + m.B8) / 2.0
     )
-    mp3 = g * m.B1 / 2
-    e3 = g * geometry.shaft_length * (m.m2 + (m.B1 + m.B2) / 2)
+    mp3 = g * m.B1 / 2.0
     mc1 = 0.5 * (
-        m.m4 / k**2
+        m.m4 / kk
         + m.m5
-        + m.m7 / (k * (k - 1)) ** 2
-        + m.m8 / (k - 1) ** 2
-        + m.B3 * (k - 2) ** 2 / (2 * k * (k - 1)) ** 2
-        + m.B4 / 4
-        + m.B7 * (k + 1) ** 2 / (2 * k * (k - 1)) ** 2
-        + m.B8 / (2 * (k - 1)) ** 2
+        + m.m7 / kk1_2
+        + m.m8 / k1_2
+        + m.B3 * (k2 * k2) / (4.0 * kk1_2)
+        + m.B4 / 4.0
+        + m.B7 * ((k + 1.0) * (k + 1.0)) / (4.0 * kk1_2)
+        + m.B8 / (4.0 * k1_2)
     )
-    mc2 = 0.5 * (
-        joints / k**2 + m.m5 + (m.B1 + m.B7) / (4 * k**2) + (m.B2 + m.B3) / k**2 + m.B4 / 4
-    )
+    mc2 = 0.5 * (joints / kk + m.m5 + (m.B1 + m.B7) / (4.0 * kk) + (m.B2 + m.B3) / kk + m.B4 / 4.0)
     mc3 = 0.5 * (
-        (k - 1) ** 2 * m.m4 / k**2
-        + m.m7 / k**2
+        k1_2 * m.m4 / kk
+        + m.m7 / kk
         + m.m9
-        + m.B3 * (k - 2) ** 2 / (4 * k**2)
-        + m.B4 / 4
-        + m.B7 / (4 * k**2)
-        + m.B8 / 4
+        + m.B3 * (k2 * k2) / (4.0 * kk)
+        + m.B4 / 4.0
+        + m.B7 / (4.0 * kk)
+        + m.B8 / 4.0
     )
-    m7_factor = 1 if misprints & Misprint.APP3_MC4 else 2
     mc4 = 0.5 * (
-        2 * (k - 1) * m.m4 / k**2
-        + m7_factor * m.m7 / (k**2 * (k - 1))
-        + m.B3 * (k - 2) ** 2 / (2 * k**2 * (k - 1))
-        + m.B4 / 2
-        + m.B7 * (k + 1) / (2 * k**2 * (k - 1))
-        - m.B8 / (2 * (k - 1))
+        2.0 * k1 * m.m4 / kk
+        + m7_factor * m.m7 / (kk * k1)
+        + m.B3 * (k2 * k2) / (2.0 * kk * k1)
+        + m.B4 / 2.0
+        + m.B7 * (k + 1.0) / (2.0 * kk * k1)
+        - m.B8 / (2.0 * k1)
     )
-    mc5 = 0.5 * ((4 * ((k - 1) * m.m4 - m.m7) - m.B7 + 2 * m.B3 * (k - 2)) / (2 * k**2) + m.B4 / 2)
-    mc6 = m.B1 / 8
-    mc7 = m.B1 / (4 * k)
-    mc8 = m.B10 * geometry.guide_link_length**2 / 8
-    mc9 = (m.Iyy4 + m.Iyy7) / 2
-    mc10 = (m.Ixx4 + m.Ixx7) / 2
-    mc11 = (m.Iyy3 + m.Iyy8) / 2
-    mc12 = (m.Ixx3 + m.Ixx8) / 2
-    mc13 = (m.I2 + m.I10) / 2
-    inertial = [mc1, mc2, mc3, mc4, mc5, mc6, mc7, mc8, mc9, mc10, mc11, mc12, mc13]
-    return [mp1, mp2, mp3, *inertial, m.mpl + m.mload, m.Ipl + m.Iload], e3
+    mc5 = 0.5 * ((4.0 * (k1 * m.m4 - m.m7) - m.B7 + 2.0 * m.B3 * k2) / (2.0 * kk) + m.B4 / 2.0)
+    mc6 = m.B1 / 8.0
+    mc7 = m.B1 / (4.0 * k)
+    mc8 = m.B10 * (guide_link * guide_link) / 8.0
+    return (
+        mp1, mp2, mp3,
+        mc1, mc2, mc3, mc4, mc5, mc6, mc7, mc8,
+        (m.Iyy4 + m.Iyy7) / 2.0,
+        (m.Ixx4 + m.Ixx7) / 2.0,
+        (m.Iyy3 + m.Iyy8) / 2.0,
+        (m.Ixx3 + m.Ixx8) / 2.0,
+        (m.I2 + m.I10) / 2.0,
+        m.mpl + m.mload,
+        m.Ipl + m.Iload,
+    )  # fmt: skip
 
 
-# fmt: off
-_SYMBOLS = (
-    "m2", "m3", "m4", "m5", "m7", "m8", "m9",
-    "B1", "B2", "B3", "B4", "B7", "B8", "B10",
-    "Ixx3", "Iyy3", "Ixx4", "Iyy4", "Ixx7", "Iyy7", "Ixx8", "Iyy8", "I2", "I10",
-    "mpl", "Ipl", "mload", "Iload",
-)
-# fmt: on
-
-
-def _masses(values: Any) -> SimpleNamespace:
-    """Name the values that come in the order of `MASS_PATHS` by the symbols of the formulas."""
-    return SimpleNamespace(**dict(zip(_SYMBOLS, values, strict=True)))
+def _lumped(geometry: Geometry, gravity: float, masses: Masses, misprints: Misprint) -> list[Any]:
+    """Appendices 2 and 3 as published, but for the one misprint in them."""
+    m7_factor = 1.0 if misprints & Misprint.APP3_MC4 else 2.0
+    k, guide_link = geometry.magnification, geometry.guide_link_length
+    return list(coefficients_of_masses(masses, k, guide_link, gravity, m7_factor))
 
 
 @of_design
@@ -181,7 +214,7 @@ def lumped_coefficients(design: Design, misprints: Misprint = Misprint.NONE) -> 
     M_p are weights [N]; M_c1..7 and m_pl are masses [kg]; M_c8..13 and I_pl are [kg m^2].
     """
     geometry, gravity = design.geometry, design.gravity
-    c = np.array(_lumped(geometry, gravity, _masses(mass_vector(design)), misprints)[0])
+    c = np.array(_lumped(geometry, gravity, Masses(*mass_vector(design)), misprints))
     for weight in design.counterweights:
         c += weight.mass * point_mass_column(counterweight_point(geometry, weight), gravity)
     return c
@@ -195,13 +228,9 @@ def lumped_of_masses(geometries: Sequence[Geometry], gravity: float, masses: Arr
         gravity: [m/s^2].
         masses: (n, 28) in the order of `MASS_PATHS` [kg, kg m^2].
     """
-    lengths: Any = SimpleNamespace(
-        **{
-            name: np.array([getattr(g, name) for g in geometries])
-            for name in ("magnification", "guide_link_length", "shaft_length")
-        }
-    )
-    columns = _lumped(lengths, gravity, _masses(masses.T), Misprint.NONE)[0]
+    k = np.array([geometry.magnification for geometry in geometries])
+    guide_link = np.array([geometry.guide_link_length for geometry in geometries])
+    columns = coefficients_of_masses(Masses(*masses.T), k, guide_link, gravity, 2.0)
     return np.stack(np.broadcast_arrays(*columns), axis=-1)
 
 
@@ -227,9 +256,9 @@ def lumped_matrix(
 
     Each of those adds its mass times its `point_mass_column`.
     """
-    units = _masses(np.eye(len(MASS_PATHS)))
+    units = Masses(*np.eye(len(MASS_PATHS)))
     return np.array(
-        [row + np.zeros(len(MASS_PATHS)) for row in _lumped(geometry, gravity, units, misprints)[0]]
+        [row + np.zeros(len(MASS_PATHS)) for row in _lumped(geometry, gravity, units, misprints)]
     )
 
 
@@ -238,9 +267,9 @@ def potential_constant(design: Design) -> float:
 
     Counterweights add nothing to it.
     """
-    return float(
-        _lumped(design.geometry, design.gravity, _masses(mass_vector(design)), Misprint.NONE)[1]
-    )
+    m = Masses(*mass_vector(design))
+    height = design.geometry.shaft_length
+    return float(design.gravity * height * (m.m2 + (m.B1 + m.B2) / 2))
 
 
 def energy_terms(c: Array, misprints: Misprint = Misprint.NONE) -> EnergyTerms:

@@ -186,6 +186,7 @@ READERS = {
     "verify": "design preset file",
     "drives": "design preset file",
     "report --out out.html": "design preset file",
+    "page --out out.html": "design",
     "export --glb out.glb": "design",
 }
 """Commands with their flags that name something to read."""
@@ -198,7 +199,7 @@ BAD = {
 }
 
 WRITERS = [
-    "map --out", "trajectory --out", "report --out", "export --glb", "export --mjcf",
+    "map --out", "trajectory --out", "report --out", "page --out", "export --glb", "export --mjcf",
     "balance --out", "design default --out", "evaluate in.csv --out",
     "sweep --vary links.b3=1:2:2 --out", "drives --save",
 ]  # fmt: skip

@@ -11,6 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from paminsa_viz.engines.exported import exported_usd
+from paminsa_viz.engines.poses import start_values
 from paminsa_viz.engines.usd import usd_text
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, Drive
@@ -62,6 +63,7 @@ def test_joints_join_the_bodies_where_they_stand(design: Design) -> None:
     bodies, joints = prims(text, "    "), prims(text, "        ")
     assert frame(bodies["platform"])[0] == pytest.approx([pose[0], pose[1], pose[3]])
     assert frame(bodies["platform"])[1].as_euler("zyx")[0] == pytest.approx(pose[2])
+    values = start_values(design, pose)
     count: dict[str, int] = {}
     for name, (kind, _, joint) in joints.items():
         if not kind.endswith("Joint"):
@@ -78,7 +80,11 @@ def test_joints_join_the_bodies_where_they_stand(design: Design) -> None:
         axis = np.eye(3)["XYZ".index(joint["physics:axis"])]
         np.testing.assert_allclose(r0.apply(axis), r1.apply(axis), atol=1e-13, err_msg=name)
         off = p1 - p0
+        if kind == "PhysicsRevoluteJoint":  # between the frames there is the joint's own value
+            wrong = (r0.inv() * r1).inv() * Rotation.from_rotvec(values[name] * axis)
+            assert wrong.magnitude() == pytest.approx(0, abs=1e-12), name
         if kind == "PhysicsPrismaticJoint":
+            assert off @ r0.apply(axis) == pytest.approx(values[name], abs=1e-13)
             assert (r0.inv() * r1).magnitude() == pytest.approx(0, abs=1e-13)
             off = off - off @ r0.apply(axis) * r0.apply(axis)
         np.testing.assert_allclose(off, 0, atol=1e-13, err_msg=name)

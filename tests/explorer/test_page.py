@@ -64,15 +64,15 @@ def test_mass_scales_the_torques_and_the_colors(tab: Tab) -> None:
     until(lambda: abs(tab.torques()[0]) > 0.1, "the readout follows")
     until(lambda: shown() == wanted(), "the color range of this pose")
     before, colors = tab.torques()[:3], shown()
-    tab.open_tab("Design")
+    tab.open_tab("Masses")
     tab.type_number("m_B4 bar 9–4–5 [kg]", 2.5)
     until(lambda: tab.state.document.design.links.b4 == 2.5, "the mass is set")
-    until(lambda: tab.session.shows("Design"), "the page says what is open")
+    until(lambda: tab.session.shows("Robot/Masses"), "the page says what is open")
     factor = static_imbalance(tab.state.document.design) / static_imbalance(APPENDIX_4)
     assert factor > 1.9
-    assert not tab.session.shows("Pose")
+    assert not tab.session.shows("Robot/Pose")
     tab.open_tab("Pose")
-    until(lambda: tab.session.shows("Pose"), "the page says what is open")
+    until(lambda: tab.session.shows("Robot/Pose"), "the page says what is open")
     until(
         lambda: np.allclose(tab.torques()[:3], factor * before, atol=3e-3), "torques in proportion"
     )
@@ -111,7 +111,7 @@ def test_tabs_are_independent_and_find_their_state_after_a_reload(
     tab: Tab, open_tab: Callable[..., Tab]
 ) -> None:
     second = open_tab(context=tab.page.context)
-    opened = ("Design", "Single map")
+    opened = ("Masses", "Single map")
     for name in opened:
         tab.open_tab(name)
     tab.dispatch(changed)

@@ -99,7 +99,7 @@ def give(tab: Tab, name: str, content: bytes) -> None:
 
 
 def test_log_is_identified_drawn_and_used_and_a_wrong_one_changes_nothing(tab: Tab) -> None:
-    tab.open_tab("Identification")
+    tab.open_tab("Logs")
     give(tab, "log.csv", LOG.read_bytes())
     until(lambda: tab.state.identification.result is not None, "the log is identified", 60.0)
     numbers = tab.page.get_by_test_id("identify-numbers")
@@ -136,8 +136,8 @@ def test_a_mark_turns_when_a_length_breaks_its_requirement_and_a_click_leads_the
     row = tab.page.get_by_test_id("requirement-0")
     row.get_by_text("✓").wait_for()
     assert "✗" not in tab.text("requirements-strip")
-    tab.open_tab("Design")
-    tab.open_tab("Geometry")
+    tab.open_tab("Masses")
+    tab.open_tab("Lengths")
     tab.type_number("R_b leg axes [mm]", 240)
     strip = tab.page.get_by_test_id("requirements-strip")
     strip.get_by_text("✗").first.wait_for()

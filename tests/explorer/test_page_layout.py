@@ -3,42 +3,45 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from typing import Any
 
 import numpy as np
 import pytest
 
 from paminsa_viz.dimensions.layout import layout
-from paminsa_viz.explorer import tabs
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.kit.design_numbers import GROUPS
 from paminsa_viz.explorer.kit.design_numbers import label as label_of
+from paminsa_viz.explorer.tabs import WORKSPACES
 from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 
-TABS = [tab.name for tab in tabs.TABS]
 STRIP = """tabs => tabs.map(tab => {
   const text = tab.querySelector("span");
   return {name: tab.title, top: tab.offsetTop, cut: text.scrollWidth > text.clientWidth};
 })"""
 
 
-def test_tabs_take_two_rows_and_none_is_cut(tab: Tab) -> None:
-    strip = tab.page.locator('[role="tablist"]:has(> [title="Pose"]) > [role="tab"]')
-    for name in TABS:  # the name of the current one is bold and so is wider
-        tab.open_tab(name)
-        found = strip.evaluate_all(STRIP)
-        assert [one["name"] for one in found] == TABS
-        rows = Counter(one["top"] for one in found).values()
-        assert len(rows) <= 2
-        assert min(rows) >= 0.4 * max(rows)
+def test_workspaces_and_their_sections_take_a_row_each_and_none_is_cut(tab: Tab) -> None:
+    def one_row(first: str, names: list[str]) -> None:
+        row = f'[role="tablist"]:has(> [title="{first}"]) > [role="tab"]'
+        found = tab.page.locator(row).evaluate_all(STRIP)
+        assert [one["name"] for one in found] == names
+        assert len({one["top"] for one in found}) == 1
         assert not any(one["cut"] for one in found)
+
+    for workspace in WORKSPACES:
+        names = [section.name for section in workspace.sections]
+        tab.open_tab(names[0])
+        one_row("Robot", [one.name for one in WORKSPACES])
+        for name in names:  # the name of the current one may be wider
+            tab.open_tab(name)
+            one_row(names[0], names)
 
 
 def test_numbers_can_be_typed_digit_by_digit(tab: Tab) -> None:
-    tab.open_tab("Design")
+    tab.open_tab("Masses")
     for label, text, path in (
         ("m_B3 bar 4–3–7 [kg]", "12.5", "links.b3"),  # beyond the slider
         ("m_pl platform [kg]", "0.75", "platform.mass"),  # through an impossible 0
@@ -61,9 +64,10 @@ def test_numbers_can_be_typed_digit_by_digit(tab: Tab) -> None:
 
 MEASURE = """uuids => uuids.map(uuid => {
   const label = document.querySelector(`label[for="${uuid}"]`);
+  const seen = label.parentElement.querySelector(".pv-symbol") ?? label;
   const row = document.getElementById(uuid).parentElement;
   const field = row.querySelector("input:not([type=hidden])");
-  const [text, box] = [label.getBoundingClientRect(), field.getBoundingClientRect()];
+  const [text, box] = [seen.getBoundingClientRect(), field.getBoundingClientRect()];
   return {height: text.height, right: text.right, left: box.left, end: box.right,
           room: field.clientWidth - field.scrollWidth};
 })"""
@@ -71,7 +75,6 @@ MEASURE = """uuids => uuids.map(uuid => {
 
 def test_nothing_is_cut_off(tab: Tab) -> None:
     width = tab.page.viewport_size["width"]
-    tab.open_tab("Design")
     for name in dict.fromkeys(group.tab for group in GROUPS):
         tab.open_tab(name)
         groups = [group for group in GROUPS if group.tab == name]
@@ -94,7 +97,7 @@ def test_nothing_is_cut_off(tab: Tab) -> None:
                 assert row["end"] <= width, f"the number of {text} is off the page"
 
 
-SOME_TABS = ["Pose", "Design", "Balance", "Motion", "Compare", "View", "File"]
+SOME_TABS = ["Pose", "Masses", "Balance", "Path", "Compare", "Logs"]
 OPACITY = "element => +getComputedStyle(element.closest('.pv-stale') ?? element).opacity"
 
 

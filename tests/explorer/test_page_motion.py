@@ -44,7 +44,7 @@ def planned(tab: Tab) -> Trajectory:
 @pytest.fixture
 def motion(tab: Tab) -> Tab:
     """The tab with the motion's controls and curves open, and a circle chosen."""
-    tab.open_tab("Motion")
+    tab.open_tab("Path")
     tab.open_tab("Motion plots")
     tab.dispatch(lambda s: motions.choose_preset(s, "circle"))
     until(lambda: len(curves(tab)) == 2, "two charts")
@@ -101,7 +101,7 @@ def test_motion_is_played_to_its_end_and_a_pose_slider_stops_it(motion: Tab) -> 
 
 def test_mass_slider_moves_the_curves_to_the_models_torques(motion: Tab) -> None:
     before = np.abs(curves(motion)[0][3:6]).max()
-    motion.open_tab("Design")
+    motion.open_tab("Masses")
     motion.press("m_B4 bar 9–4–5 [kg]", "End")
     until(lambda: motion.state.document.design.links.b4 > 0.8, "the mass grows")
     motion.wait_frames(300)
@@ -192,7 +192,7 @@ def test_simulation_shows_its_error(motion: Tab) -> None:
 
 
 def test_motion_passes_a_singularity_when_the_box_is_checked(tab: Tab) -> None:
-    tab.open_tab("Motion")
+    tab.open_tab("Path")
     ends = {"start": (0.03, 0.02, 0.8, -0.5), "goal": (0.03, 0.02, 1.75, -0.5)}
     tab.dispatch(lambda s: motions.change(motions.choose_kind(s, Kind.MOVE), **ends))
     until(lambda: "Not possible" in tab.text("motion-status"), "the refusal")
@@ -226,7 +226,7 @@ def test_rows_of_the_reference_are_seen_and_time_ends_with_the_motion(motion: Ta
 
 
 def test_motion_is_drawn_on_a_map_and_its_points_are_typed(tab: Tab) -> None:
-    tab.open_tab("Motion")
+    tab.open_tab("Path")
     tab.open_tab("Torque maps")
     tab.dispatch(lambda s: actions.move(s, theta=np.pi / 3))
     plot = tab.page.locator(".js-plotly-plot").first

@@ -87,13 +87,13 @@ def test_pose_takes_the_number_that_is_typed_and_shows_it(
 
 
 def test_every_kind_of_box_takes_decimals_and_pasted_text(tab: Tab) -> None:
-    tab.open_tab("Design")
+    tab.open_tab("Masses")
     mass = tab.number_box("m₇ B3, B7 [kg]")
     mass.click()
     tab.page.keyboard.insert_text("1,5")  # in one piece, as pasting does
     mass.press("Tab")
     until(lambda: tab.state.document.design.joints.j7 == 1.5, "the mass")
-    tab.open_tab("Motion")
+    tab.open_tab("Path")
     tab.dispatch(lambda s: motions.choose_kind(s, Kind.ARCH))
     tab.open_tab("Torque maps")
     typed(tab, tab.element("from–to"), "-12,75")
@@ -139,8 +139,8 @@ def test_range_widened_by_a_typed_number_returns_with_the_value(tab: Tab) -> Non
 
 
 def test_stroke_typed_as_it_is_and_no_singular_rotation(tab: Tab) -> None:
-    tab.open_tab("Design")
-    tab.open_tab("Geometry")
+    tab.open_tab("Masses")
+    tab.open_tab("Lengths")
     field = tab.number_box("|X₄| max [mm]")
     typed(tab, field, field.input_value())
     tab.wait_frames(200)

@@ -98,20 +98,20 @@ def test_undo_by_key_in_a_box_whose_number_was_taken_and_by_buttons(
 
 def test_reload_opens_inner_tabs_by_their_place(open_tab: Callable[..., Tab]) -> None:
     tab = open_tab()
-    tab.open_tab("Accuracy")
+    tab.open_tab("Errors")
     tab.page.get_by_role("tab", name="Manufacture", exact=True).click()
     tab.wait_frames(600)
     tab.reload()
     inner = tab.page.get_by_role("tab", name="Manufacture", exact=True)
     until(lambda: inner.get_attribute("aria-selected") == "true", "the inner tab is open")
-    drives = tab.page.get_by_role("tab", name="Drives", exact=True).first
+    drives = tab.page.get_by_role("tab", name="Drives", exact=True)
     assert drives.get_attribute("aria-selected") == "false"
 
 
 def test_buttons_open_what_they_act_on(tab: Tab) -> None:
+    tab.open_tab("Errors")
+    tab.page.get_by_role("tab", name="Drives", exact=True).click()
     tab.open_tab("Torque maps")
-    tab.open_tab("Accuracy")
-    tab.page.get_by_role("tab", name="Drives", exact=True).last.click()
     tab.click("θ")
     single = tab.page.get_by_role("tab", name="Single map", exact=True)
     until(lambda: single.get_attribute("aria-selected") == "true", "the map is open")
@@ -151,7 +151,7 @@ LABELS = """() => [...document.querySelectorAll("p > label[for]")]
 
 
 def test_symbols_have_subscripts_and_no_underscores(tab: Tab) -> None:
-    tab.open_tab("Design")
+    tab.open_tab("Masses")
     symbol = tab.page.locator(".pv-symbol", has_text="mB3").first
     until(symbol.is_visible, "a typeset symbol")
     assert symbol.locator("sub").inner_text() == "B3"
@@ -174,3 +174,57 @@ def test_lost_server_is_said_in_words(browser: Any) -> None:
         assert "does not answer" in lost.inner_text()
     finally:
         context.close()
+
+
+def test_workspaces_open_by_key_and_are_found_again_as_they_were_left(
+    open_tab: Callable[..., Tab],
+) -> None:
+    tab = open_tab(1400, 900)
+    tab.page.locator("canvas[data-engine]").click(position={"x": 300, "y": 560})
+    tab.page.keyboard.press("Control+2")
+    until(lambda: tab.state.workspace == "Motion", "the second workspace")
+    assert "path" in tab.state.layers
+    tab.open_tab("Drives")
+    tab.dispatch(lambda s: actions.set_layers(s, path=False, skeleton=True))
+    tab.open_tab("Single map")
+    tab.dispatch(lambda s: s.updated("map_view", quantity="condition"))
+    tab.open_tab("Stiffness")
+    tab.dispatch(lambda s: actions.set_layers(s, skeleton=False))
+    tab.dispatch(lambda s: s.updated("map_view", quantity="f_4"))
+    tab.wait_saved()
+    tab.wait_frames(600)
+    tab.reload()
+    chosen = tab.page.get_by_role("tab", name="Stiffness", exact=True)
+    until(lambda: chosen.get_attribute("aria-selected") == "true", "the section is open again")
+    until(lambda: tab.state.workspace == "Strength", "its workspace")
+    tab.open_workspace("Motion")
+    assert tab.state.map_view.quantity == "condition"
+    assert "skeleton" in tab.state.layers
+    assert "path" not in tab.state.layers
+    for name in ("Drives", "Single map"):
+        found = tab.page.get_by_role("tab", name=name, exact=True)
+        until(lambda t=found: t.get_attribute("aria-selected") == "true", f"{name} is open")
+
+
+def test_tabs_that_an_earlier_page_has_kept_open(open_tab: Callable[..., Tab]) -> None:
+    tab = open_tab()
+    tab.page.evaluate(
+        f"sessionStorage.setItem('{STORE_KEY}_tabs', JSON.stringify(['Identify', 'Export']))"
+    )
+    tab.page.evaluate("window.paminsa.stop()")
+    tab.reload()
+    for name in ("Built", "Logs", "Export"):
+        found = tab.page.get_by_role("tab", name=name, exact=True)
+        until(lambda t=found: t.get_attribute("aria-selected") == "true", f"{name} is open")
+
+
+def test_palette_finds_sections_and_quantities_by_other_words(tab: Tab) -> None:
+    tab.page.keyboard.press("Control+k")
+    box = tab.page.get_by_placeholder("Search commands", exact=False)
+    for words, found in (("encoder", "Open: Errors"), ("lightest", "Open: Synthesis")):
+        box.fill(words)
+        tab.page.get_by_text(found).first.wait_for()
+    box.fill("map condition number")
+    tab.page.get_by_text("Map: condition", exact=False).first.click()
+    single = tab.page.get_by_role("tab", name="Single map", exact=True)
+    until(lambda: single.get_attribute("aria-selected") == "true", "the map is open")

@@ -55,7 +55,7 @@ def test_tour_is_beside_what_it_explains_and_ends_for_good(newcomer: Any) -> Non
     page.set_viewport_size({"width": 1400, "height": 900})
     page.reload()
     page.get_by_test_id("status").wait_for()
-    page.get_by_role("tab", name="File", exact=True).click()
+    page.get_by_text("File", exact=True).first.click()
     again = page.get_by_role("button", name="Take the guided tour")
     again.wait_for()
     page.wait_for_timeout(500)

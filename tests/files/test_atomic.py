@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -73,3 +77,57 @@ def test_paths_that_are_no_regular_file_are_refused(tmp_path) -> None:
         pass
     with pytest.raises(FileError, match="too long"), open_atomically(tmp_path / ("a" * 300)):
         pass
+
+
+WRITING = """
+import sys, time
+from paminsa_viz.files.atomic import open_atomically
+with open_atomically(sys.argv[1]) as file:
+    file.write("half")
+    file.flush()
+    print("writing", flush=True)
+    time.sleep(60)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no locks there")
+def test_what_a_killed_process_left_is_removed_by_the_next_writing(tmp_path) -> None:
+    path = tmp_path / "a[1].txt"
+    path.write_text("old")
+    others = tmp_path / "mine.tmp", tmp_path / ".a[1].txt.keep.tmp"
+    for each in others:
+        each.touch()
+
+    def start() -> subprocess.Popen[str]:
+        command = [sys.executable, "-c", WRITING, str(path)]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        assert process.stdout is not None
+        assert process.stdout.readline() == "writing\n"
+        return process
+
+    def temporary() -> list[Path]:
+        return sorted(set(tmp_path.iterdir()) - {path, *others})
+
+    killed, living = start(), start()
+    assert len(temporary()) == 2
+    killed.send_signal(signal.SIGKILL)
+    killed.communicate()
+    assert path.read_text() == "old"
+    write_bytes(path, b"new")
+    assert len(temporary()) == 1  # of the one that still writes
+    living.kill()
+    living.communicate()
+    write_bytes(path, b"newer")
+    assert temporary() == []
+    assert path.read_text() == "newer"
+    assert all(each.exists() for each in others)
+
+
+def test_one_who_writes_the_same_file_meanwhile_is_left_alone(tmp_path) -> None:
+    path = tmp_path / "a.txt"
+    with open_atomically(path) as file:
+        file.write("last")
+        write_bytes(path, b"meanwhile")
+        assert path.read_text() == "meanwhile"
+    assert path.read_text() == "last"
+    assert list(tmp_path.iterdir()) == [path]

@@ -12,6 +12,7 @@ from paminsa_viz.model.grids import Field, Grid
 from paminsa_viz.model.load import LoadCase
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.precision import Bound, field_drive_errors
+from paminsa_viz.precision.manufacture import manufactured_pose
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
 
@@ -71,6 +72,26 @@ def test_where_errors_have_no_bound_the_reason_is_that_of_the_pose() -> None:
         assert words[code[place]].startswith(f"no-bound:{bound.word}")
         assert words[code[place]].endswith(f":leg{leg + 1}") == (leg >= 0)
     assert len(seen) > 3
+
+
+def test_deviations_are_how_far_the_pose_is_from_the_one_that_was_asked_for() -> None:
+    """Of a robot with one shaft longer: the legs' heights by hand, the rest as its own solver."""
+    design = APPENDIX_4.vary({"leg2.shaft": 2e-4})
+    field = solved(-0.5)
+    poses = field.grid.poses()
+    found = manufactured_pose(design, poses)
+    change = found.pose - poses
+    expected = {
+        "x": change[..., 0], "y": change[..., 1], "theta": change[..., 2], "z": change[..., 3],
+        "horizontal": np.hypot(change[..., 0], change[..., 1]),
+        "tilt": np.hypot(found.tilt[..., 0], found.tilt[..., 1]),
+    }  # fmt: skip
+    for name, values in expected.items():
+        got = QUANTITIES[f"deviation_{name}"].over(field, design)
+        np.testing.assert_allclose(got, values, rtol=1e-9, atol=1e-15, err_msg=name)
+    k = design.geometry.magnification
+    z = QUANTITIES["deviation_z"].over(field, design)
+    np.testing.assert_allclose(np.abs(z), k * 2e-4 / 3, rtol=5e-3)  # of one leg of three
 
 
 def test_forces_in_a_plane_are_said_to_be_and_that_of_joint_5_is_not() -> None:

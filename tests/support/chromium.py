@@ -14,6 +14,9 @@ import pytest
 
 from paminsa_viz.explorer.browser.bridge import STORE_KEY
 from paminsa_viz.explorer.core import tab_store
+from paminsa_viz.explorer.core.docks import left_dock
+from paminsa_viz.explorer.core.workspaces import view_of
+from paminsa_viz.explorer.tabs import WORKSPACES
 from tests.support.desk import input_labeled
 
 FLAGS = [
@@ -218,8 +221,28 @@ class Tab:
         return until(steady, "the element stays where it is")
 
     def open_tab(self, name: str) -> None:
-        """Open a tab of a panel."""
+        """Open a section, with its workspace; another tab of a panel; or the folder of files."""
+        path = self.session.paths.get(name)
+        if name == "File":
+            if not self.page.get_by_test_id("gallery").is_visible():
+                self.page.get_by_text("File", exact=True).first.click()
+                self.page.get_by_test_id("gallery").wait_for()
+            return
+        if path is not None:
+            self.open_workspace(path.partition("/")[0])
         self.page.get_by_role("tab", name=name, exact=True).click()
+
+    def open_workspace(self, name: str) -> None:
+        """Open a workspace, and wait for the tab of the left dock that opens with it."""
+        before, known = self.state.workspace, view_of(self.state, name)
+        self.page.get_by_role("tab", name=name, exact=True).click()
+        until(lambda: self.state.workspace == name, f"workspace {name}")
+        if before in ("", name) or left_dock(self.state, self.session.window)[1]:
+            return
+        first = next(one.beside for one in WORKSPACES if one.name == name)
+        beside = first if known is None or not known.beside else known.beside
+        found = self.page.get_by_role("tab", name=beside, exact=True)
+        until(lambda: found.get_attribute("aria-selected") == "true", f"{beside} beside {name}")
 
     def text(self, test_id: str) -> str:
         """Return the text of a readout."""

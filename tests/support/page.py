@@ -136,7 +136,8 @@ def tab(one_tab: Tab) -> Tab:
         return replace(state, **computed) == first
 
     one_tab.page.bring_to_front()
-    one_tab.session.dispatch("test", lambda _: initial_state())
+    # What the page has said of its tabs it does not say again.
+    one_tab.session.dispatch("test", lambda s: replace(initial_state(), workspace=s.workspace))
     one_tab.open_tab("Pose")
     until(
         lambda: at_start(one_tab.state) and one_tab.handle("x  [mm]").value == 0,

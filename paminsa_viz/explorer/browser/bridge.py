@@ -13,7 +13,7 @@ import logging
 import math
 import threading
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -78,12 +78,15 @@ class Bridge:
                 self._run(asset(name))
         self.on("missing", _report_missing)
 
-    def open(self) -> None:
+    def open(self, tabs: Mapping[str, str] | None = None) -> None:
         """Set up the tab's side; a ``hello`` with the saved state, or None, comes back.
 
         After it comes a ``shown``, once what has been sent so far is on the screen; it may come
         twice. A ``graphics`` names what draws the 3D view. Where the page says nothing for
         `HELLO_TIMEOUT` there is a ``late``; all of them may still come then.
+
+        Args:
+            tabs: Paths of tabs by the names that a browser may have kept of them.
         """
         try:
             config = {
@@ -92,6 +95,7 @@ class Bridge:
                 "title": TITLE,
                 "missingAfter": MISSING_AFTER,
                 "foldedDock": FOLDED_DOCK,
+                "tabs": dict(tabs or {}),
             }
         except AttributeError as error:
             _report_missing([f"messages from the page ({error})"])

@@ -55,6 +55,8 @@
 
   // What is found, how many levels above it the mark is put, and its name. One level above a text
   // is its entry, two is the container of the entry.
+  const FIRST_TABS = ["Robot", "Pose", "Path", "Loads", "Requirements", "Logs"]
+    .map((name) => `[role="tab"][title="${name}"]`).join();
   const MARKS = [
     [".pv-strip", 1, "strip"],
     [".pv-heading", 1, "heading"],
@@ -78,7 +80,8 @@
     [".paminsa-playback", 2, "playback"],
     [".paminsa-limits", 2, "limits"],
     ['[data-testid="motion-points"]', 2, "motion-points"],
-    ['[role="tab"][title="Pose"]', 1, "tabs"],
+    ['[role="tab"][title="Robot"]', 1, "workspaces"],
+    [FIRST_TABS, 1, "tabs"],
     ["p > label[for]", 2, "label"],
     ["p > label[for]", 3, "row"],
   ];

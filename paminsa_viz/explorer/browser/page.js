@@ -97,23 +97,37 @@
   const tabs = () => [...document.querySelectorAll('[role="tab"]')];
   const isOpen = (tab) => tab.getAttribute("aria-selected") === "true";
   const nameOf = (tab) => tab.textContent.trim();
+  // Of a hidden row of tabs the page does not say which tab it lies in: that is remembered of when
+  // it was seen.
   const OPEN_BESIDE = ':scope > [role="tablist"] > [role="tab"][aria-selected="true"]';
-  const pathOf = (tab) => {
-    const names = [nameOf(tab)];
-    let box = tab.closest('[role="tablist"]')?.parentElement?.parentElement;
-    for (; box; box = box.parentElement) {
-      const around = box.querySelector(OPEN_BESIDE);
-      if (around) names.unshift(nameOf(around));
+  const around = new WeakMap();
+  const pathAround = (row) => {
+    if (!row.getClientRects().length && around.has(row)) return around.get(row);
+    const names = [];
+    for (let box = row.parentElement?.parentElement; box; box = box.parentElement) {
+      const open = box.querySelector(OPEN_BESIDE);
+      if (open) names.unshift(nameOf(open));
     }
-    return names.join("/");
+    around.set(row, names);
+    return names;
   };
-  let wanted = [];
+  const pathOf = (tab) => {
+    const row = tab.closest('[role="tablist"]');
+    return [...(row ? pathAround(row) : []), nameOf(tab)].join("/");
+  };
+  const withOuter = (path) =>
+    path.split("/").map((_, index, names) => names.slice(0, index + 1).join("/"));
+  const rowOf = (path) => path.split("/").slice(0, -1).join("/");
+  const MOST_KEPT = 40;
+  let wanted = []; // to be opened; those of a row that is not there yet are waited for
   try {
-    wanted = JSON.parse(sessionStorage.getItem(tabsKey) || "[]");
+    const kept = JSON.parse(sessionStorage.getItem(tabsKey) || "[]");
+    wanted = kept.map((name) => config.tabs[name] ?? name);
+    // Names that an earlier page has kept have none of the tabs around them.
+    if (!kept.some((name) => name.includes("/"))) wanted = wanted.flatMap(withOuter);
   } catch (error) {
     console.warn(error);
   }
-  let attempts = 50; // once the page is whole: a tab that is no more is not waited for
   let reportedTabs = "";
   const followTabs = () => {
     const paths = new Map(tabs().map((tab) => [tab, pathOf(tab)]));
@@ -124,10 +138,11 @@
     for (const tab of found.filter((each) => !isOpen(each)))
       tab.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", bubbles: true }));
     const opened = new Set(found.filter(isOpen).map((tab) => paths.get(tab)));
-    wanted = wanted.filter((path) => !opened.has(path));
-    if (wanted.length && (!isWhole || --attempts > 0)) return;
-    wanted = [];
-    const kept = JSON.stringify(open.map((tab) => paths.get(tab)));
+    wanted = wanted.filter((path) => !opened.has(path)).slice(-MOST_KEPT);
+    if (!isWhole) return; // rows are still to come, and open their first tab
+    const rows = new Set([...paths.values()].map(rowOf));
+    const waiting = wanted.filter((path) => !rows.has(rowOf(path)));
+    const kept = JSON.stringify([...waiting, ...open.map((tab) => paths.get(tab))]);
     try {
       if (kept !== sessionStorage.getItem(tabsKey)) sessionStorage.setItem(tabsKey, kept);
     } catch (error) {
@@ -137,10 +152,8 @@
   every(200, followTabs);
   // Opens a tab by its path, and those around it before.
   const openTab = (path) => {
-    const names = path.split("/");
-    const around = names.map((_, index) => names.slice(0, index + 1).join("/"));
-    wanted = [...wanted.filter((each) => !around.includes(each)), ...around];
-    attempts = 50;
+    const all = withOuter(path);
+    wanted = [...wanted.filter((each) => !all.includes(each)), ...all];
     followTabs();
   };
 

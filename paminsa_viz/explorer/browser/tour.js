@@ -31,6 +31,10 @@
     if (step.tab)
       element = [...document.querySelectorAll('[role="tab"]')]
         .find((tab) => tab.textContent.trim() === step.tab);
+    if (step.heading)
+      element = [...document.querySelectorAll("body *")]
+        .find((each) => !each.querySelector("*:not(svg, svg *)") && each.textContent.trim() === step.heading
+          && !each.closest("[role=tab], style, script"));
     if (step.host) element = element?.parentElement?.parentElement;
     const box = element?.getBoundingClientRect();
     return box && box.width > 0 && box.height > 0 ? box : null;
@@ -61,6 +65,8 @@
   const start = (steps, again, attempts = 25) => {
     const pictures = new URLSearchParams(location.search).has("fixedDpr");
     if (!again && (seen() || pictures)) return;
+    // What a step is about may be in a tab that is not open.
+    for (const step of steps) if (step.opens && !boxOf(step)) window.paminsa?.openTab(step.opens);
     const shown = steps.filter(boxOf);
     if (shown.length < steps.length && attempts > 0) {
       setTimeout(() => start(steps, again, attempts - 1), 200);
@@ -96,6 +102,7 @@
     };
     const show = (index) => {
       at = index;
+      if (shown[at].opens) window.paminsa?.openTab(shown[at].opens);
       title.textContent = shown[at].title;
       text.textContent = shown[at].text;
       count.textContent = `${at + 1} of ${shown.length}`;

@@ -10,10 +10,20 @@ START: Final = "start-tour"
 """Message of the page: the tour is asked for."""
 
 
-def _step(title: str, text: str, selector: str = "", *, tab: str = "", host: bool = False) -> Any:
-    """Return a step about an element, its container, or a tab."""
-    selector = selector or "[role=tab]"
-    return {"title": title, "text": text, "selector": selector, "tab": tab, "host": host}
+def _step(
+    title: str,
+    text: str,
+    selector: str = "[role=tab]",
+    *,
+    tab: str = "",
+    heading: str = "",
+    host: bool = False,
+    opens: str = "",
+) -> Any:
+    """Return a step about an element, its container, a tab, or a folder; it may open a tab."""
+    about = {"selector": selector, "tab": tab, "heading": heading, "host": host}
+    about["opens"] = opens or tab
+    return {"title": title, "text": text, **about}
 
 
 STEPS: Final = (
@@ -35,26 +45,43 @@ STEPS: Final = (
         "Torques over the whole workspace at this θ and z. Click a map to go there, or draw a "
         "motion on it. Tabs beside them hold one map of any quantity, the motion's curves, and the "
         "export.",
-        '[data-paminsa-slot="torques"]', host=True,
+        '[data-paminsa-slot="torques"]', host=True, opens="Torque maps",
     ),
     _step(
-        "Design and Balance",
-        "Lengths, masses, payload and counterweights. Pin a design as reference (P) to see every "
-        "number next to it. The tab Balance finds the masses or springs that take gravity off M1 "
-        "to M3.",
-        tab="Design",
+        "Robot: what is it?",
+        "Pose, lengths, masses and load. Pin a design as reference (P) to see every number next to "
+        "it, in Compare.",
+        tab="Robot",
     ),
     _step(
-        "Motion",
-        "Choose a motion, or build one from poses that are typed, dragged or drawn. Play it, plot "
-        "torques and power, check them with a physics engine, simulate it with a controller.",
+        "Motion: can it move so?",
+        "Choose a motion, or build one from poses that are typed, dragged or drawn. Play it, "
+        "choose motors and gears for it, and simulate it with a controller.",
         tab="Motion",
+    ),
+    _step(
+        "Strength: does it hold?",
+        "Forces in joints and bars, stiffness and vibration, and how exact the robot is with its "
+        "drives and as it is built.",
+        tab="Strength",
+    ),
+    _step(
+        "Optimize: what should it be?",
+        "Ask for a workspace and bounds, and have them proven. Balance finds the masses or springs "
+        "that take gravity off M1 to M3, Synthesis the lengths.",
+        tab="Optimize",
+    ),
+    _step(
+        "Built: does the real one agree?",
+        "Open a log of the built robot to identify its masses and friction, or find the best "
+        "motion to record one with.",
+        tab="Built",
     ),
     _step(
         "Examples and files",
         "Five example robots are a click away, next to design files and share codes. This tour can "
-        "be started again there.",
-        tab="File",
+        "be started again there. Ctrl+K finds everything else.",
+        heading="File",
     ),
 )  # fmt: skip
 """What a newcomer is shown, in this order; a step whose element is not on the page is left out."""

@@ -54,6 +54,7 @@ class Frame:
             be there.
         balance: M_p2 of the current design [N].
         motions: What the session knows along its motion.
+        is_preview: Whether it shows a robot that is not the session's, as while a search runs.
     """
 
     state: State
@@ -65,6 +66,7 @@ class Frame:
     reference_torques: Array | None
     balance: float
     motions: MotionStore
+    is_preview: bool = False
 
     @cached_property
     def analysis(self) -> TrajectoryAnalysis | None:
@@ -131,8 +133,14 @@ class Frame:
         return tuple(locus for locus in Locus if here[locus.value] * home[locus.value] < 0)
 
 
-def compute(state: State, motions: MotionStore | None = None) -> Frame:
-    """Return what a state shows; the store has what is known along the motion."""
+def compute(state: State, motions: MotionStore | None = None, *, is_preview: bool = False) -> Frame:
+    """Return what a state shows.
+
+    Args:
+        state: The state.
+        motions: What is known along the motion.
+        is_preview: Whether the state is not the session's, but what is shown in its place.
+    """
     document, last_reachable = state.document, state.last_reachable
     configuration = inverse_kinematics(last_reachable.geometry, last_reachable.pose)
     here, reference = state.shown_design, None
@@ -149,4 +157,5 @@ def compute(state: State, motions: MotionStore | None = None) -> Frame:
         reference_torques=reference,
         balance=static_imbalance(document.design),
         motions=motions or MotionStore(),
+        is_preview=is_preview,
     )

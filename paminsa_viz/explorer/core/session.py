@@ -10,7 +10,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Protocol
@@ -90,8 +90,9 @@ class Session:
         camera: The camera preset chosen last, and its position [m].
         motions: What is known along the motion; for the worker alone.
         exporting: Held while a file is made for the tab.
-        open_tabs: Names of the tabs that are open, None until the page has said so.
         user: The tab as one who works with results that are kept.
+        open_tabs: Paths of the tabs that are open, None until the page has said so.
+        paths: Paths of the tabs of sections by their names.
     """
 
     def __init__(
@@ -124,6 +125,7 @@ class Session:
         self.exporting = threading.Lock()
         self.user = User()
         self.open_tabs: frozenset[str] | None = None
+        self.paths: Mapping[str, str] = {}
         self._turn = 0
         self._frame_due: float | None = None
         self._thread: threads.Running | None = None
@@ -171,13 +173,14 @@ class Session:
         """Whether what is in a tab may be seen; without a name, it is in none."""
         return not tab or self.open_tabs is None or tab in self.open_tabs
 
-    def open_tab(self, path: str) -> None:
+    def open_tab(self, name: str) -> None:
         """Open a tab of the page, so that what a person has asked for is seen.
 
         Args:
-            path: Its name, after those of the tabs it lies in: ``"Accuracy/Drives"``.
+            name: That of a section; or of another tab, after those of the tabs it lies in:
+                ``"Strength/Errors/Drives"``.
         """
-        self.bridge.call("openTab", path)
+        self.bridge.call("openTab", self.paths.get(name, name))
 
     def dispatch(
         self,
@@ -349,7 +352,8 @@ class Session:
             self.notify("Something went wrong", "Details are in the program's log.", bad=True)
 
     def _draw(self, state: State, *, dragging: bool) -> None:
-        frame = compute(self._shown(state), self.motions)
+        shown = self._shown(state)
+        frame = compute(shown, self.motions, is_preview=shown is not state)
         errors = self._draw_together(self.immediate, frame, dragging)
         time.sleep(FLUSH_DELAY)
         errors += self._draw_together(self.fast, frame, dragging)

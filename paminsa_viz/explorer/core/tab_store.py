@@ -25,7 +25,7 @@ from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.settings import Settings
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.explorer.state.view import Appearance
+from paminsa_viz.explorer.state.view import Appearance, WorkspaceView
 from paminsa_viz.files.plain_data import parse_json
 from paminsa_viz.model import PaminsaError
 
@@ -34,6 +34,9 @@ log = logging.getLogger(__name__)
 
 SAVE_PERIOD = 2.0
 """How long a change may stay unsaved while a search runs or a motion is played [s]."""
+
+MOST_WORKSPACES = 10
+"""Most workspaces whose views are believed."""
 
 MOST_ENDED = 20
 """Most ended tasks that are believed."""
@@ -67,6 +70,8 @@ VIEW: dict[str, Any] = {
     "table_at_rest": bool,
     "appearance": Appearance,
     "offered": Annotated[str, msgspec.Meta(max_length=LONGEST_OFFER)],
+    "workspace": str,
+    "workspaces": Annotated[tuple[WorkspaceView, ...], msgspec.Meta(max_length=MOST_WORKSPACES)],
     "ended": Annotated[tuple[str, ...], msgspec.Meta(max_length=MOST_ENDED)],
     **{place: type(part) for place, part in _parts(initial_state()) if isinstance(part, Settings)},
 }
@@ -154,14 +159,14 @@ def take(state: State, saved: str, opening: State) -> State:
     return replace(state, offered=saved[:LONGEST_OFFER])
 
 
+OF_THE_PAGE = ("docks", "offered", "ended", "workspace", "workspaces")
+"""What the page itself changes of what is kept."""
+
+
 def _work(state: State) -> object:
     """Return what a person does of that which is kept: not what the page does by itself."""
     kept = json.loads(dump(state))
-    view = {
-        name: part
-        for name, part in kept["view"].items()
-        if name not in ("docks", "offered", "ended")
-    }
+    view = {name: part for name, part in kept["view"].items() if name not in OF_THE_PAGE}
     view["layers"] = sorted(set(view["layers"]) - {"fine"})
     return kept | {"view": view}
 

@@ -59,7 +59,7 @@ class Panel:
         Args:
             session: The session.
             entries: What is built.
-            tab: Name of the tab it is in. While something is dragged and the tab is not open, only
+            tab: Path of the tab it is in. While something is dragged and the tab is not open, only
                 its jobs follow the state.
         """
         self._session, self._gui = session, session.client.gui

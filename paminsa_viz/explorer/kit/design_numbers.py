@@ -35,7 +35,7 @@ class SliderGroup:
     """A folder of sliders.
 
     Attributes:
-        tab: Its tab.
+        tab: The section that it is in.
         title: Its heading.
         prefixes: Starts of the paths that it holds.
         open: Whether it is open at first.
@@ -63,33 +63,29 @@ GROUPS = (
     SliderGroup("Masses", "Links of each leg", ("links.",)),
     SliderGroup("Masses", "Joints of each leg", ("joints.",)),
     SliderGroup(
-        "Geometry", "Pantograph",
+        "Lengths", "Pantograph",
         ("geometry.magnification", "geometry.crank", "geometry.coupler"),
     ),
     SliderGroup(
-        "Geometry", "Base and platform",
+        "Lengths", "Base and platform",
         ("geometry.base_radius", "geometry.platform_radius", "geometry.platform_joint_height"),
     ),
     SliderGroup(
-        "Geometry", "Arms, shafts and guides",
+        "Lengths", "Arms, shafts and guides",
         ("geometry.arm", "geometry.shaft", "geometry.guide", "geometry.axis"),
     ),
     SliderGroup(
-        "Inertia, friction, g", "Inertias of platform and payload",
-        ("platform.inertia", "payload.inertia"),
+        "Masses", "Inertias of platform and payload", ("platform.inertia", "payload.inertia"),
+        open=False,
     ),
-    SliderGroup(
-        "Inertia, friction, g", "Inertias of the links", ("inertias.",), open=False
-    ),
-    SliderGroup("Inertia, friction, g", "Gravity", ("gravity",)),
-    SliderGroup("Inertia, friction, g", "Friction of the actuators", ("friction.",), open=False),
+    SliderGroup("Masses", "Inertias of the links", ("inertias.",), open=False),
+    SliderGroup("Masses", "Gravity", ("gravity",), open=False),
+    SliderGroup("Masses", "Friction of the actuators", ("friction.",), open=False),
     SliderGroup("Load", "External force", ("load.force",)),
     SliderGroup("Load", "External moment", ("load.moment",)),
     SliderGroup("Load", "Point of the force, from the center", ("load.point",)),
 )  # fmt: skip
 """Every number of a design, once."""
-
-TABS: tuple[str, ...] = tuple(dict.fromkeys(group.tab for group in GROUPS))
 
 NAMES = {
     "platform.mass": "platform",

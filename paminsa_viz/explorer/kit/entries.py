@@ -50,7 +50,7 @@ class Then:
     Attributes:
         action: The action.
         says: What is said once it has been carried out, if anything.
-        opens: Path of the tab where it is seen, see `Session.open_tab`.
+        opens: Name of the tab where it is seen, see `Session.open_tab`.
     """
 
     action: Action

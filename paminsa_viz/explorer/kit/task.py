@@ -199,6 +199,8 @@ class Task(Generic[Job, Result]):
 class Follower(Generic[Job, Result]):
     """What follows what is shown: whenever it is another job, that one is run.
 
+    Nothing is run for a preview, which shows one robot after the other; see `NOT_OF_PREVIEW`.
+
     Attributes:
         place: Where the state holds the last outcome.
         wanted: The job of a frame, or None for none.
@@ -224,6 +226,10 @@ class Follower(Generic[Job, Result]):
         if self.receive is not None:
             return self.receive(state, outcome)
         return self.place.write(state, outcome)
+
+
+NOT_OF_PREVIEW = "Not computed of the robots that a search shows while it runs."
+"""What the text of a follower's result says in a preview."""
 
 
 class Run(NamedTuple):
@@ -345,7 +351,8 @@ class FollowerRunner:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Request the job that is wanted."""
         follower, state = self._follower, frame.state
-        job, known, now = follower.wanted(frame), follower.place.read(state), time.monotonic()
+        job = None if frame.is_preview else follower.wanted(frame)
+        known, now = follower.place.read(state), time.monotonic()
         if job != self._seen:
             self._seen, self._since = job, now
         last = self.background.wanted

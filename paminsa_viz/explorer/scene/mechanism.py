@@ -14,10 +14,9 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.scene.nodes import Node, arrows, ball, copies, label, lines
 from paminsa_viz.explorer.state.layers import LegendRow
-from paminsa_viz.explorer.state.synthesis import Shown
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
+from paminsa_viz.model.kinematics import Configuration
 from paminsa_viz.model.leg_points import bar_length
 from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.units import number
@@ -33,12 +32,6 @@ DOT: Final = 0.0085
 
 NUMBER_SIZE: Final = (16.0, 20.0)
 """Width and height of a joint's number on the screen [px]."""
-
-BEST_COLOR: Final = "#CC79A7"
-"""A hue of the Okabe-Ito set that no leg has."""
-
-BEST_NODE: Final = "/synthesis/best"
-"""Scene name of the best robot of a search."""
 
 
 def _directions(configuration: Configuration) -> tuple[Array, Array, Array]:
@@ -94,18 +87,6 @@ def skeleton(frame: Frame) -> Iterator[Node]:
         for joint, place in zip(JOINTS, places, strict=True):
             name = f"/skeleton/numbers/{leg}/{joint}"
             yield label(name, str(joint), place, "bottom-left", 0.95, spaced=NUMBER_SIZE)
-
-
-def best_robot(frame: Frame) -> Iterator[Node]:
-    """Draw the layer ``best_so_far``: the best robot of a search, as lines next to the robot."""
-    synthesis = frame.state.synthesis
-    best = synthesis.best
-    ghost = synthesis.settings.shown is Shown.GHOST and synthesis.running is not None
-    if not ghost or best is None or best.design is None:
-        return
-    x, y, z = best.center
-    bars = sticks(inverse_kinematics(best.design.geometry, (x, y, 0.0, z)))
-    yield lines(BEST_NODE, bars.reshape(-1, 2, 3), BEST_COLOR, 4.0)
 
 
 LINKS: Final = ("b1", "b2", "b3", "b4", "b7", "b8", "b10")

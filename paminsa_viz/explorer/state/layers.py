@@ -145,7 +145,7 @@ register(
           "Outline of the largest one, see the tab Requirements",
           "features.requirements.layers:proven_workspace", default=True, animated=False),
     Layer("best_so_far", "Best robot so far", "Of the search of the tab Synthesis, as lines",
-          "scene.mechanism:best_robot", default=True),
+          "features.synthesis.layers:best_robot", default=True),
     Layer("path", "Path of the motion", "Colored by torque, and on the maps",
           "scene.path:motion_path"),
     Layer("points", "Points of the motion",

@@ -34,6 +34,23 @@ class Dock:
 
 
 @dataclass(frozen=True)
+class WorkspaceView:
+    """How a workspace was left.
+
+    Attributes:
+        name: Its name.
+        layers: Keys of the layers of the scene that were shown.
+        quantity: Key of what the single map showed.
+        beside: Name of the tab that was open in the left dock.
+    """
+
+    name: str
+    layers: frozenset[str]
+    quantity: str
+    beside: str
+
+
+@dataclass(frozen=True)
 class Docks(Settings):
     """The dock of the maps, left, and that of the tabs, right."""
 

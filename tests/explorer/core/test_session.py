@@ -103,6 +103,23 @@ def test_first_frame_is_drawn_at_once(bench: Bench) -> None:
     assert bench.page.flushes
 
 
+def test_what_is_shown_in_place_of_the_state_is_marked_as_a_preview() -> None:
+    def shown(state: State) -> State:
+        return actions.move(state, y=0.01) if state.document.pose[0] else state
+
+    frames: list[Frame] = []
+    view: Any = SimpleNamespace(draw=lambda frame, dragging: frames.append(frame))
+    made = Session(SilentPage(), initial_state(), shown)  # type: ignore[arg-type]
+    made.immediate.append(view)
+    made.start()
+    eventually(lambda: frames)
+    made.dispatch("x", to(0.02))
+    eventually(lambda: frames[-1].state.document.pose[:2] == (0.02, 0.01))
+    stop(made)
+    assert not frames[0].is_preview
+    assert frames[-1].is_preview
+
+
 def test_last_of_500_requests_wins_and_is_one_step(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -17,9 +17,12 @@ from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.maps import MapStore
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.features.clearance.tab import CLEARANCE
 from paminsa_viz.explorer.features.export.tab import export_entries
+from paminsa_viz.explorer.features.files.tab import FILE
 from paminsa_viz.explorer.features.maps.tab import single_entries, torque_entries
 from paminsa_viz.explorer.features.motion.plots import INPUTS as PLOT_INPUTS
+from paminsa_viz.explorer.features.view.tab import view_entries
 from paminsa_viz.explorer.kit import bindings
 from paminsa_viz.explorer.kit.bindings import Binding, same
 from paminsa_viz.explorer.kit.entries import Entry, Worker, given
@@ -36,7 +39,7 @@ from paminsa_viz.explorer.kit.inputs import (
 )
 from paminsa_viz.explorer.state.motion import Kind
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.explorer.tabs import TABS
+from paminsa_viz.explorer.tabs import sections
 from paminsa_viz.model import InvalidInput
 from tests.support.desk import SilentPage, desk_with, stop
 from tests.support.raw_page import eventually
@@ -56,21 +59,21 @@ def name(entry: Input, state: State) -> str:
     return given(entry.label, state) or entry.key
 
 
-TAB = {tab.name: tuple(tab.entries()) for tab in TABS}
+TAB = {one.name: tuple(one.entries()) for one in sections().values()}
 NO_PICTURE: Any = SimpleNamespace(scales=())
 PANELS: dict[str, tuple[Entry, ...]] = {
     "pose": TAB["Pose"],
-    "design": TAB["Design"],
+    "design": (*TAB["Lengths"], *TAB["Masses"], *TAB["Load"]),
     "balance": TAB["Balance"],
-    "motion": TAB["Motion"],
+    "motion": (*TAB["Path"], *TAB["Simulate"]),
     "plots": PLOT_INPUTS,
     "drives": TAB["Drives"],
     "loads": TAB["Loads"],
-    "accuracy": TAB["Accuracy"],
+    "accuracy": TAB["Errors"],
     "stiffness": TAB["Stiffness"],
-    "view": TAB["View"],
+    "view": (*view_entries(), *CLEARANCE),
     "export": tuple(export_entries(MapStore())),
-    "file": TAB["File"],
+    "file": FILE,
     "torque maps": torque_entries("torque maps", NO_PICTURE),
     "single map": single_entries("single map", NO_PICTURE),
 }
@@ -300,7 +303,7 @@ def test_input_is_set_back_after_a_refused_value(
 
 def test_a_number_typed_again_as_it_is_shown_changes_nothing(server: viser.ViserServer) -> None:
     path = "geometry.guide_link_length"
-    entry = next(e for e in inputs_in(TAB["Design"]) if e.key == f"design.{path}")
+    entry = next(e for e in inputs_in(PANELS["design"]) if e.key == f"design.{path}")
     assert isinstance(entry, Slider)
     with desk_with(server, [entry]) as desk:
         for value in (0.3635, 0.1 + 0.2, 1 / 3):  # not the number shown, in meters, to the last bit

@@ -1,4 +1,4 @@
-"""Clearance in the tab View: the nearest bodies, which pairs are checked, and what is enough."""
+"""Clearance in the panel View: the nearest bodies, which pairs are checked, and what is enough."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from paminsa_viz.explorer.features.clearance.actions import ALONG_MOTION, OF_POS
 from paminsa_viz.explorer.kit.entries import Entry, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Checkbox
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
+from paminsa_viz.explorer.kit.task import NOT_OF_PREVIEW
 from paminsa_viz.explorer.kit.text import note, status
 from paminsa_viz.explorer.state.clearance import ClearanceSettings
 from paminsa_viz.explorer.state.state import State
@@ -19,6 +20,8 @@ def clearance_html(frame: Frame) -> str:
     """Return the nearest bodies of the pose."""
     state = frame.state
     found = clearance.nearest(state)
+    if frame.is_preview:
+        return note("clearance", NOT_OF_PREVIEW, muted=True)
     if found is None:
         known = state.clearance.pose is not None and state.clearance.pose.result is None
         text = "No pair of bodies is checked." if known else "Computing …"

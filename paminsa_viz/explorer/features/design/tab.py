@@ -8,8 +8,8 @@ from functools import partial
 
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.kit.design_numbers import GROUPS, TABS, SliderGroup, is_changed, slider
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Entry, Folder, Html, Tabs
+from paminsa_viz.explorer.kit.design_numbers import GROUPS, SliderGroup, is_changed, slider
+from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Entry, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Dropdown, Slider
 from paminsa_viz.explorer.kit.robot_texts import gauge_html, of_pose
 from paminsa_viz.explorer.kit.text import render
@@ -102,7 +102,7 @@ def _set_frame(state: State, frame: LoadFrame) -> State:
     return actions.change_document(state, design=changed)
 
 
-LOAD = (
+ABOVE_LOAD = (
     Html("design.load", content=load_html),
     Dropdown(
         "design.load.frame", "Direction fixed in",
@@ -115,15 +115,13 @@ LOAD = (
 """What is above the sliders of the load."""
 
 
-def _tab(tab: str) -> tuple[Entry, ...]:
-    folders = tuple(_folder(group) for group in GROUPS if group.tab == tab)
-    return (*LOAD, *folders) if tab == "Load" else folders
+def _folders(section: str) -> tuple[Entry, ...]:
+    """Return the folders of a section, a group of numbers each."""
+    return tuple(_folder(group) for group in GROUPS if group.tab == section)
 
 
-DESIGN = (
-    Html("design.gauge", content=gauge_html),
-    Tabs(
-        "design.tabs",
-        tabs={tab: _tab(tab) for tab in TABS},
-    ),
-)
+LENGTHS: tuple[Entry, ...] = _folders("Lengths")
+
+MASSES: tuple[Entry, ...] = (Html("design.gauge", content=gauge_html), *_folders("Masses"))
+
+LOAD: tuple[Entry, ...] = (*ABOVE_LOAD, *_folders("Load"))

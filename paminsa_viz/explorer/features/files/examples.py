@@ -30,7 +30,7 @@ class Example:
         label: What a person reads.
         note: What can be seen on it.
         design: The robot.
-        opens: Path of the tab where that is.
+        opens: Name of the section where that is.
         prepare: What else of the state it changes, once the design is open.
     """
 
@@ -83,7 +83,7 @@ EXAMPLES: tuple[Example, ...] = (
     Example(
         "payload", "Heavy payload",
         "10 kg on the balanced robot: only M4 holds it at rest. Drives are chosen for the preset "
-        "motion, see the tabs Motion and Drives.",
+        "motion, see the sections Path and Drives.",
         ExampleDesign.PAYLOAD, "Drives", lambda state: motions.choose_preset(state, "paper-like"),
     ),
     Example(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from viser import Icon
@@ -73,6 +74,14 @@ def _open(session: Session, name: str, content: bytes) -> None:
     )  # fmt: skip
 
 
+def _save_page(session: Session) -> None:
+    from paminsa_viz.explorer.features.one_file import one_file
+
+    document = session.state.document
+    name = f"{Path(file_name(document.design)).stem}.html"
+    session.client.send_file_download(name, one_file(document).encode(), save_immediately=True)
+
+
 def _copy_link(session: Session) -> None:
     session.bridge.call("copyLink", persistence.share_code(session.state.document))
 
@@ -114,6 +123,11 @@ FILE = (
                 effect=Run(
                     lambda session: session.submit(partial(_download, session)), at_once=True
                 ),
+            ),
+            Button(
+                "file.page", "Save as a page", icon=Icon.HTML, undo=False,
+                hint="One HTML file with the essential part of this page; it needs no server",
+                effect=Run(lambda session: session.guard(lambda: _save_page(session))),
             ),
             Upload(
                 "file.upload", "Open a file…", receive=_open, icon=Icon.UPLOAD,

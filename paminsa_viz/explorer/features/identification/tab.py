@@ -105,7 +105,7 @@ def _upload(place: str, label: str, hint: str) -> Upload:
     )  # fmt: skip
 
 
-IDENTIFY: tuple[Entry, ...] = (
+LOGS: tuple[Entry, ...] = (
     Html("identify.logs", content=text.logs_html, idle=True),
     _upload("log", "Open a log…", "Positions and torques of the built robot over time"),
     ButtonGroup("identify.examples", "Logs", choices=_log_choices),
@@ -148,7 +148,7 @@ IDENTIFY: tuple[Entry, ...] = (
                     ),
                     "Play the log": Then(
                         actions.use_log_motion, "The robot runs the motion of the log.",
-                        opens="Motion",
+                        opens="Path",
                     ),
                 },
                 hint="The nearest masses and the friction; or the log’s motion in the scene",
@@ -167,29 +167,27 @@ IDENTIFY: tuple[Entry, ...] = (
             ),
         ),
     ),
-    Folder(
-        "identify.excitation", "Motion for a log",
-        entries=(
-            *map(_setting, ("period", "harmonics", "seconds")),
-            *actions.SEARCH.buttons(
-                Button(
-                    "identify.search", "Find the best motion", icon=Icon.WAVE_SINE,
-                    effect=actions.SEARCH.start, undo=False,
-                    hint="A D-optimal multi-sine within the drives’ limits and κ ≤ 5",
-                ),
-            ),
-            actions.SEARCH.worker,
-            Html("identify.excited", content=text.excitation_html, idle=True),
-            ButtonGroup(
-                "identify.motion", "Motion", visible=_has_motion,
-                choices={
-                    "Use as motion": Then(
-                        actions.use_excitation,
-                        "The motion to record a log with is the current one.", opens="Motion",
-                    ),
-                    "Export CSV": export("the motion", excitation_csv),
-                },
-            ),
+)  # fmt: skip
+
+EXCITE: tuple[Entry, ...] = (
+    *map(_setting, ("period", "harmonics", "seconds")),
+    *actions.SEARCH.buttons(
+        Button(
+            "identify.search", "Find the best motion", icon=Icon.WAVE_SINE,
+            effect=actions.SEARCH.start, undo=False,
+            hint="A D-optimal multi-sine within the drives’ limits and κ ≤ 5",
         ),
+    ),
+    actions.SEARCH.worker,
+    Html("identify.excited", content=text.excitation_html, idle=True),
+    ButtonGroup(
+        "identify.motion", "Motion", visible=_has_motion,
+        choices={
+            "Use as motion": Then(
+                actions.use_excitation,
+                "The motion to record a log with is the current one.", opens="Path",
+            ),
+            "Export CSV": export("the motion", excitation_csv),
+        },
     ),
 )  # fmt: skip

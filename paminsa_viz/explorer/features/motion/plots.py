@@ -166,7 +166,7 @@ def caption_html(state: State, found: MotionResults | None, drawn: tuple[Chart, 
     if found is None:
         return render("motion/empty.j2", text=status_line(state, None)[1])
     if not drawn:
-        text = "nothing has been simulated yet: press Simulate in the tab “Motion”"
+        text = "nothing has been simulated yet: press Simulate in the section “Simulate”"
         return render("motion/empty.j2", text=text)
     sources, first = found.sources, found.analysis.check.first
     compared = state.plots.plot in COMPARED

@@ -188,6 +188,5 @@ MOTION: tuple[Entry, ...] = (
             Html("motion.legend", content=_legend_html),
         ),
     ),
-    Folder("motion.simulation", "Simulation", open=False, entries=SIMULATING),
 )  # fmt: skip
-"""Status and playback, the motion, its duration, its path, and its simulation."""
+"""Status and playback, the motion, its duration, and its path."""

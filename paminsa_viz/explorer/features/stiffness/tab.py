@@ -18,7 +18,7 @@ from paminsa_viz.explorer.kit.design_numbers import is_changed, slider
 from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Entry, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
-from paminsa_viz.explorer.kit.task import Follower
+from paminsa_viz.explorer.kit.task import NOT_OF_PREVIEW, Follower
 from paminsa_viz.explorer.kit.text import note, render
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.stiffness import CASES, ElasticJob, StiffnessState
@@ -150,6 +150,8 @@ ANALYSIS = Follower(
 
 def result_html(frame: Frame) -> str:
     """Return stiffness, deflection and frequencies at the pose, or why there are none."""
+    if frame.is_preview:
+        return note("stiffness-preview", NOT_OF_PREVIEW, muted=True)
     outcome = frame.state.stiffness.outcome
     if outcome is None:
         return ""
@@ -179,7 +181,7 @@ def result_html(frame: Frame) -> str:
 def shares_html(frame: Frame) -> str:
     """Return the share of each part in the strain energy as bars, the largest first."""
     outcome, result = frame.state.stiffness.outcome, frame.state.stiffness.result
-    if outcome is None or result is None or result.shares is None:
+    if frame.is_preview or outcome is None or result is None or result.shares is None:
         return ""
     shares = np.asarray(result.shares.share)
     rows = sorted(zip(SHARE_LABELS, shares.tolist(), strict=True), key=lambda row: -row[1])

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from paminsa_viz.explorer.core.actions import load_design, move, stop_following, with_document
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.kit.task import Task
+from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.synthesis import (
     BestSoFar,
@@ -20,6 +22,7 @@ from paminsa_viz.explorer.state.synthesis import (
 )
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.progress import Progress
+from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.units import format_value
 
 if TYPE_CHECKING:
@@ -136,6 +139,17 @@ def found_name(result: SynthesisResult) -> str:
     return f"Synthesized, {objective.label} {format_value(result.objective, objective.unit, 3)}"
 
 
+def best_pose(center: Sequence[float | None], requirements: Requirements) -> Pose:
+    """Return where a robot of a search is drawn, shown and opened.
+
+    Args:
+        center: Middle of its workspace [m].
+        requirements: Those of the search, whose middle heading it has.
+    """
+    x, y, z = (float(place or 0.0) for place in center)
+    return x, y, sum(requirements.theta) / 2, z
+
+
 def open_result(state: State) -> State:
     """Work on the robot that was found, with the design that the search began with as reference.
 
@@ -156,8 +170,8 @@ def open_result(state: State) -> State:
     opened = load_design(
         with_document(shown, document), replace(result.design, name=found_name(result))
     )
-    x, y, z = (float(place or 0.0) for place in result.workspace.center)
-    return move(opened, x=x, y=y, theta=sum(searched.theta) / 2, z=z)
+    x, y, theta, z = best_pose(result.workspace.center, searched)
+    return move(opened, x=x, y=y, theta=theta, z=z)
 
 
 def previewed(state: State) -> State:
@@ -168,8 +182,7 @@ def previewed(state: State) -> State:
         return state
     if best is None or best.design is None or state.document.design != job.reference:
         return state
-    x, y, z = best.center
-    theta = sum(job.case.requirements.theta) / 2
+    pose = best_pose(best.center, job.case.requirements)
     design = replace(best.design, name=f"{state.document.design.name}, best so far")
-    document = replace(state.document, design=design, pose=(x, y, theta, z))
+    document = replace(state.document, design=design, pose=pose)
     return with_document(stop_following(state), document)

@@ -1,24 +1,67 @@
-"""The View tab: cameras, the theme, layers of the scene."""
+"""The View panel: cameras, the theme, layers of the scene."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import partial
 
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Entry, Html, Run
+from paminsa_viz.explorer.core.actions import set_layers
+from paminsa_viz.explorer.kit.entries import ButtonGroup, Entry, Folder, Html, Run
 from paminsa_viz.explorer.kit.inputs import Dropdown, Slider, attribute
 from paminsa_viz.explorer.kit.setting_inputs import layer_switch
 from paminsa_viz.explorer.scene.cameras import CAMERAS, look
 from paminsa_viz.explorer.state.layers import LAYERS
+from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.view import Appearance
 
 LEGS = tuple(name for name in CAMERAS if name.startswith("Leg"))
 WHOLE = tuple(name for name in CAMERAS if name not in LEGS)
 
 
+GROUPS = {
+    "Robot": ("mesh", "skeleton", "mass_centers", "labels", "fine", "shadows", "gizmo",
+              "pinned_design", "best_so_far"),
+    "Forces": ("gravity", "torques", "load", "force_polygon", "wrench_solid", "joint_forces",
+               "utilization"),
+    "Ground and workspace": ("floor_map", "workspace", "singularity", "volume",
+                             "required_workspace", "proven_workspace", "joint_limits"),
+    "Motion": ("path", "points", "wanted_pose", "escape_twist"),
+    "Deformation and errors": ("mode_shape", "deflection", "compliance", "drive_errors",
+                               "contacts", "clearance"),
+}  # fmt: skip
+"""Keys of the layers by the folders of their switches; others are in the first one."""
+
+PLAIN = ("mesh", "labels", "pinned_design", "wanted_pose")
+
+PRESETS = {
+    "Plain": PLAIN,
+    "Torques": (*PLAIN, "torques", "load", "floor_map", "workspace", "singularity"),
+    "Forces": (*PLAIN, "load", "joint_forces", "utilization"),
+    "Workspace": (*PLAIN, "volume", "required_workspace", "proven_workspace", "joint_limits"),
+    "Motion": (*PLAIN, "path", "points", "torques", "escape_twist"),
+}
+"""Keys of the layers that a button shows; how fine the picture is stays as it is."""
+
+KEPT = ("fine", "shadows")
+
+
+def grouped_layers() -> dict[str, tuple[str, ...]]:
+    """Return the keys of all registered layers by their folders."""
+    known = {key for keys in GROUPS.values() for key in keys}
+    others = tuple(key for key in LAYERS if key not in known)
+    first = next(iter(GROUPS))
+    return {name: keys + (others if name == first else ()) for name, keys in GROUPS.items()}
+
+
+def show_only(state: State, layers: Iterable[str]) -> State:
+    """Show these layers and no others."""
+    shown = frozenset(layers)
+    return set_layers(state, **{key: key in shown for key in LAYERS if key not in KEPT})
+
+
 def view_entries() -> tuple[Entry, ...]:
     """Return the entries of the tab for the layers that are registered."""
     return (
-        Html("layers", content=lambda _: '<span class="pv-layers"></span>'),
         _cameras("camera", "Camera", WHOLE),
         _cameras("camera.leg", "Face leg", LEGS),
         Dropdown(
@@ -27,9 +70,23 @@ def view_entries() -> tuple[Entry, ...]:
                      "dark": Appearance.DARK},
             **attribute("appearance"),
         ),
+        ButtonGroup(
+            "layers.presets", "Show",
+            choices={name: partial(show_only, layers=keys) for name, keys in PRESETS.items()},
+            hint="Switches the layers below to a set of them",
+        ),
         *(
-            layer_switch(f"layers.{layer.key}", layer.key, layer.label, layer.hint)
-            for layer in LAYERS.values()
+            Folder(
+                f"layers.{name}", name, open=number == 0,
+                entries=(
+                    Html(f"layers.{name}.mark", content='<span class="pv-layers"></span>'),
+                    *(
+                        layer_switch(f"layers.{key}", key, LAYERS[key].label, LAYERS[key].hint)
+                        for key in keys
+                    ),
+                ),
+            )
+            for number, (name, keys) in enumerate(grouped_layers().items())
         ),
         Slider(
             "floor_opacity", "Map opacity", range=(0.1, 1.0), step=0.05,

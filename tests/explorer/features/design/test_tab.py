@@ -11,7 +11,13 @@ from hypothesis import strategies as st
 
 from paminsa_viz.explorer.core import actions, history
 from paminsa_viz.explorer.core.frame import compute
-from paminsa_viz.explorer.features.design.tab import DESIGN, WHOLE_GROUP, balance_hint
+from paminsa_viz.explorer.features.design.tab import (
+    LENGTHS,
+    LOAD,
+    MASSES,
+    WHOLE_GROUP,
+    balance_hint,
+)
 from paminsa_viz.explorer.kit import bindings
 from paminsa_viz.explorer.kit.design_numbers import (
     GROUPS,
@@ -35,7 +41,7 @@ from paminsa_viz.units import number, symbol_text
 from tests.support.desk import Desk
 from tests.support.samples import random_design
 
-PANEL = DESIGN
+PANEL = (*LENGTHS, *MASSES, *LOAD)
 ROWS = {p.path: slider(p) for group in GROUPS for p in group.parameters}
 MASSES = [p.path for p in PARAMETERS if p.unit == "kg"]
 

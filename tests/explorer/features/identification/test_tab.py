@@ -29,7 +29,7 @@ from tests.support.desk import Desk
 from tests.support.raw_page import upload_messages
 from tests.support.tasks import delivered, finished
 
-PANEL = identify_panel.IDENTIFY
+PANEL = (*identify_panel.LOGS, *identify_panel.EXCITE)
 HEAD = "t_s,theta1_deg,theta2_deg,theta3_deg,Z_mm,torque1_Nm,torque2_Nm,torque3_Nm,force4_N\n"
 
 

@@ -17,8 +17,8 @@ from paminsa_viz.explorer.features.requirements import actions
 from paminsa_viz.explorer.features.requirements.layers import outline
 from paminsa_viz.explorer.features.requirements.volumes import find_volume
 from paminsa_viz.explorer.features.synthesis import actions as synthesis
+from paminsa_viz.explorer.features.synthesis.layers import BEST_NODE
 from paminsa_viz.explorer.scene.context import SceneContext
-from paminsa_viz.explorer.scene.mechanism import BEST_NODE
 from paminsa_viz.explorer.scene.nodes import LayerView
 from paminsa_viz.explorer.scene.places import found_at
 from paminsa_viz.explorer.state.layers import LAYERS

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,16 +14,23 @@ import pytest
 from paminsa_viz.explorer.core import actions as designs
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.requirements import current_check
+from paminsa_viz.explorer.features.clearance.actions import OF_POSE
+from paminsa_viz.explorer.features.clearance.tab import clearance_html
 from paminsa_viz.explorer.features.requirements import actions as requirements
+from paminsa_viz.explorer.features.stiffness.tab import ANALYSIS, result_html
 from paminsa_viz.explorer.features.synthesis import actions, cases, solving
 from paminsa_viz.explorer.features.synthesis import texts as text
 from paminsa_viz.explorer.features.synthesis.charts import clicked_point, front_figure, shown_front
+from paminsa_viz.explorer.features.synthesis.layers import best_robot
 from paminsa_viz.explorer.features.synthesis.solving import search
 from paminsa_viz.explorer.features.synthesis.tab import SYNTHESIZE
+from paminsa_viz.explorer.kit.task import NOT_OF_PREVIEW, FollowerRunner
+from paminsa_viz.explorer.scene.mechanism import sticks
 from paminsa_viz.explorer.state.outcome import Outcome, solve
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.synthesis import BestSoFar, EffortChoice, SearchResult, Shown
 from paminsa_viz.model import APPENDIX_4, InvalidInput
+from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
 from paminsa_viz.synthesis.answer.prices import RequirementPrice
 from paminsa_viz.synthesis.search.buildability import buildability_rows
@@ -248,6 +256,37 @@ def test_a_search_without_an_answer_says_why_and_cannot_be_opened(asked: State) 
     assert "is excluded" in shown
     with pytest.raises(InvalidInput, match="no robot"):
         actions.open_result(received)
+
+
+def test_the_best_robot_has_one_pose_as_a_ghost_as_the_robot_and_opened(asked: State) -> None:
+    """Its heading is the middle of the required ones, whether it is drawn, shown or opened."""
+    theta = (0.2, 0.6)
+    turned = asked.updated("document.requirements", theta=theta)
+    best = BestSoFar(10, 0.4, True, APPENDIX_4, (0.01, 0.0, -0.5))
+    ghost = told(actions.start(turned), best)
+    (node,) = best_robot(compute(ghost))
+    drawn = node.live["points"].reshape(3, 9, 2, 3)
+    pose = (0.01, 0.0, 0.4, -0.5)
+    expected = sticks(inverse_kinematics(APPENDIX_4.geometry, pose))
+    np.testing.assert_allclose(drawn, expected.reshape(drawn.shape), atol=1e-6)
+    shown = actions.previewed(ghost.updated("synthesis.settings", shown=Shown.ROBOT))
+    assert shown.document.pose == pytest.approx(pose)
+    assert shown.last_reachable.pose == pytest.approx(pose)
+
+
+def test_nothing_follows_the_robots_of_a_preview_and_texts_say_so(asked: State) -> None:
+    started = actions.start(asked.updated("synthesis.settings", shown=Shown.ROBOT))
+    best = BestSoFar(10, 0.4, True, APPENDIX_4, (0.0, 0.0, -0.5))
+    shown = actions.previewed(told(started, best))
+    session: Any = SimpleNamespace(closed=True)
+    for follower in (OF_POSE, ANALYSIS):
+        runner = FollowerRunner(session, follower)
+        for state, is_preview in ((shown, True), (asked, False)):
+            runner.draw(compute(state, is_preview=is_preview), False)
+            assert (runner.background.wanted is None) is is_preview
+    preview = compute(shown, is_preview=True)
+    for shown_text in (clearance_html(preview), result_html(preview)):
+        assert NOT_OF_PREVIEW in shown_text
 
 
 def test_the_best_so_far_takes_the_robots_place_only_while_it_is_asked_for(asked: State) -> None:

@@ -1,0 +1,50 @@
+"""``paminsa-viz page``: the explorer in one HTML file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.flags import DesignFlags, check_output
+from paminsa_viz.cli.output import print_written
+from paminsa_viz.files.atomic import write_bytes
+from paminsa_viz.webpage import code_page, design_page
+
+DESCRIPTION = """\
+Write the explorer in one HTML file, which opens from a disk, a mail or any static host.
+
+  paminsa-viz page --out explorer.html                        Appendix 4's robot
+  paminsa-viz page --out explorer.html --design robot.toml    another one
+  paminsa-viz page --out explorer.html --code PMZ1-...        what a share code describes
+
+It has the pose, masses, lengths and load with torques, limits, singularities, balance and the three
+torque maps, computed in the browser by the program's own formulas, and asks no server for anything.
+Motions, optimization and all else are in the served page alone."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Page(DesignFlags):
+    """Flags of the command."""
+
+    out: Annotated[Path, tyro.conf.arg(metavar="FILE.html")]
+    """File to write; one that exists is replaced."""
+    code: Annotated[str | None, tyro.conf.arg(metavar="PMZ1-...")] = None
+    """Share code to open the page with, instead of a design."""
+
+    def run(self) -> int:
+        """Write the page."""
+        check_output("--out", self.out, [".html", ".htm"])
+        others = (self.design, self.knee, self.load, self.load_point, self.load_frame)
+        if self.code is not None and any(each is not None for each in others):
+            raise UsageError("--code holds a whole design; leave the other flags of the robot out")
+        text = design_page(self.given_design()) if self.code is None else code_page(self.code)
+        write_bytes(self.out, text.encode())
+        print_written([self.out])
+        return 0
+
+
+FLAGS = Page

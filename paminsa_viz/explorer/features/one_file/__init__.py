@@ -1,0 +1,167 @@
+"""The explorer in one file: a page that needs no server, with the essential part of this one.
+
+Its numbers come from the formulas of the model, printed as JavaScript; labels, units, ranges and
+hints of its inputs are those of the tables that the served page is built from.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from paminsa_viz.codegen.javascript import FLOOR_MOD, JavaScript
+from paminsa_viz.codegen.printer import Printer
+from paminsa_viz.explorer.core import persistence
+from paminsa_viz.explorer.features.pose.tab import POSE
+from paminsa_viz.explorer.kit import design_numbers
+from paminsa_viz.explorer.kit.entries import given
+from paminsa_viz.explorer.kit.inputs import Slider
+from paminsa_viz.explorer.state.document import Document
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.files.design_schema import KEY_OF, SCHEMA_VERSION
+from paminsa_viz.model import (
+    APPENDIX_4,
+    PARAMETER,
+    Design,
+    InvalidInput,
+    kinematic_formulas,
+    measures,
+    robot,
+)
+from paminsa_viz.model.leg import leg_position, mechanism_of_lengths
+from paminsa_viz.model.load import WRENCH, wrench_at_center
+from paminsa_viz.model.lumped import MASS_PATHS, Masses, coefficients_of_masses
+from paminsa_viz.model.ranges import possible_range
+from paminsa_viz.model.reach import MARGINS, workspace_radius
+from paminsa_viz.old_names import KNEES
+from paminsa_viz.palette import ACTUATOR_COLORS, DARK, LIGHT, Theme
+from paminsa_viz.version import MADE_BY
+
+FORMULAS = (
+    mechanism_of_lengths,
+    coefficients_of_masses,
+    leg_position,
+    kinematic_formulas.leg_angles,
+    kinematic_formulas.lift_position,
+    kinematic_formulas.wrench_torques,
+    wrench_at_center,
+    robot.unit_torques,
+    measures.least_margin,
+    measures.dexterity,
+    measures.singular_distances,
+)
+"""What the page computes with, and all that these call."""
+
+SHOWN_TABS = ("Masses", "Geometry", "Load")
+"""Tabs of the design's numbers that change what the page shows."""
+
+ONLY_SERVED = (
+    "motions, balance, springs, tolerances, drives, accuracy, stiffness, clearance, "
+    "identification, requirements, synthesis and all exports"
+)
+"""What the page does not have."""
+
+
+def one_file(document: Document) -> str:
+    """Return the page, opened with a document, as the text of one HTML file.
+
+    Raises:
+        InvalidInput: If the document has what the page does not know.
+    """
+    if any(each is not None and each.counterweights for each in designs(document)):
+        raise InvalidInput(
+            "page in one file", "it knows no counterweights; use the report or the served page"
+        )
+    parts = {
+        "TITLE": "PAMINSA explorer in one file",
+        "STYLE": _colors(":root", LIGHT) + _colors(":root.dark", DARK) + _text("page.css"),
+        "DATA": json.dumps(_data(document), ensure_ascii=False).replace("<", "\\u003c"),
+        "FORMULAS": _formulas(),
+        "ROBOT": _text("robot.js"),
+        "PICTURES": _text("pictures.js"),
+        "PAGE": _text("page.js"),
+    }
+    return re.sub(r"@([A-Z]+)@", lambda found: parts[found[1]], _text("page.html"))
+
+
+def designs(document: Document) -> tuple[Design | None, ...]:
+    """Return the designs of a document."""
+    return document.design, document.reference
+
+
+@cache
+def _formulas() -> str:
+    """Return the formulas in JavaScript."""
+    printer = Printer(JavaScript())
+    printer.add(*FORMULAS)
+    return FLOOR_MOD + printer.text()
+
+
+@cache
+def _text(name: str) -> str:
+    return (files(__name__) / name).read_text(encoding="utf-8")
+
+
+def _colors(selector: str, theme: Theme) -> str:
+    names = ("paper", "ink", "muted", "faint", "good", "warn", "bad", "reachless")
+    pairs = [f"--{name}: {getattr(theme, name)};" for name in names]
+    pairs += [f"--m{i}: {theme.shown(color)};" for i, color in enumerate(ACTUATOR_COLORS, 1)]
+    return f"{selector} {{ {' '.join(pairs)} }}\n"
+
+
+def _data(document: Document) -> dict[str, Any]:
+    """Return what the page knows of the program besides its formulas."""
+    state, g = initial_state(document.design), document.design.geometry
+    return {
+        "madeBy": MADE_BY,
+        "document": persistence.dump(document),
+        "version": persistence.VERSION,
+        "prefix": persistence.PREFIX,
+        "longestCode": persistence.LONGEST_CODE,
+        "longestText": persistence.LONGEST_TEXT,
+        "farthest": persistence.FARTHEST,
+        "schemaVersion": SCHEMA_VERSION,
+        "knees": {"lower": "lower", "upper": "upper", **KNEES},
+        "parameters": {path: _parameter(path) for path in PARAMETER},
+        "masses": dict(zip(Masses._fields, MASS_PATHS, strict=True)),
+        "load": [f"load.{name}" for name in (*WRENCH, "point_x", "point_y", "point_z")],
+        "heading": list(kinematic_formulas.HEADING),
+        "limits": [limit.label for limit in MARGINS],
+        # No singular circle is larger than that.
+        "radius": min(workspace_radius(g), g.base_radius + g.platform_radius),
+        "pose": [_slider(entry, state) for entry in POSE if isinstance(entry, Slider)],
+        "groups": [
+            {
+                "title": group.title,
+                "open": group.tab == "Masses" and group.open,
+                "sliders": [
+                    _slider(design_numbers.slider(item), state) | {"path": item.path}
+                    for item in group.parameters
+                ],
+            }
+            for group in design_numbers.GROUPS
+            if group.tab in SHOWN_TABS
+        ],
+        "onlyServed": ONLY_SERVED,
+    }
+
+
+def _slider(entry: Slider, state: State) -> dict[str, Any]:
+    low, high = entry.ends(state, given(entry.range, state))
+    return {
+        "label": given(entry.label, state), "hint": given(entry.hint, state),
+        "low": low, "high": high, "step": entry.step, "factor": entry.unit.factor,
+    }  # fmt: skip
+
+
+def _parameter(path: str) -> dict[str, Any]:
+    item = PARAMETER[path]
+    least, most = item.limits or possible_range(item.unit, item.positive)
+    key = KEY_OF[path]
+    return {
+        "value": APPENDIX_4.stored(path), "least": least, "most": most,
+        "positive": item.positive, "signed": item.signed, "table": key.table, "key": key.name,
+    }  # fmt: skip

@@ -1,0 +1,401 @@
+/** Inputs, numbers and undo of the page in one file. A step is a whole document; links hold one. */
+(() => {
+  const find = (id) => document.getElementById(id);
+  const CELLS = 81; // cells of a map along each side
+  const WHILE_MOVED = 41; // the same while something is moved, where the maps are slow
+  const SLOW = 30; // time of three maps from which they are made coarser while moved [ms]
+  const NEAR = 10; // condition number from which a pose is near a singularity
+
+  let doc = null;
+  let robot = null;
+  let shown = null; // the last pose that can be taken, with what was solved there
+  const back = [];
+  const forward = [];
+  let moving = false;
+  let spent = 0;
+  let view = { turn: 0.6, tilt: 0.35 };
+
+  // --- the document ---------------------------------------------------------------------------
+  const say = (text) => {
+    find("message").textContent = text;
+    find("message").hidden = !text;
+  };
+  let lastSource = "";
+  const set = (changed, source = "") => {
+    if (changed === doc || JSON.stringify(changed) === JSON.stringify(doc)) return;
+    const found = [changed, changed.reference ?? changed].map(problem).find(Boolean);
+    if (found) {
+      say(`${found}; nothing was changed`);
+      draw();
+      return;
+    }
+    say("");
+    if (doc && !(source && source === lastSource)) back.push(doc);
+    lastSource = source;
+    forward.length = 0;
+    take(changed);
+  };
+  const take = (changed) => {
+    doc = changed;
+    robot = robotOf(doc);
+    request();
+    follow();
+  };
+  const undo = (from, to) => {
+    if (!from.length) return;
+    to.push(doc);
+    lastSource = "";
+    say("");
+    take(from.pop());
+  };
+  const move = (changes, source) =>
+    set({ ...doc, pose: doc.pose.map((value, index) => changes[index] ?? value) }, source);
+  const vary = (path, value, source) =>
+    set({ ...doc, design: { ...doc.design, [path]: value } }, source);
+  const setKnee = (knee) => {
+    if (knee === doc.knee) return;
+    const [x, y, theta, z] = doc.pose;
+    const height = valueOf(doc, "geometry.platform_joint_height");
+    set({ ...doc, knee, pose: [x, y, theta, -z - 2 * height] });
+  };
+
+  // --- links: the address follows the work ----------------------------------------------------
+  let timer = 0;
+  let address = window.location.hash;
+  const follow = () => {
+    clearTimeout(timer);
+    timer = setTimeout(async () => {
+      address = `#${await shareCode(doc)}`;
+      try {
+        window.history.replaceState(null, "", address);
+      } catch (error) {
+        console.warn(error); // a browser that lets no file do so
+      }
+    }, 300);
+  };
+  const openHash = async () => {
+    let code = window.location.hash.slice(1, PAGE.longestCode + 2);
+    try {
+      code = decodeURIComponent(code);
+    } catch (error) {
+      console.warn(error);
+    }
+    if (!/^\s*PMZ/.test(code)) return false;
+    try {
+      set(await openShareCode(code));
+      return true;
+    } catch (error) {
+      if (!(error instanceof RangeError)) throw error;
+      say(`This link was not opened: ${error.message}.`);
+      if (doc) follow();
+      return false;
+    }
+  };
+
+  // --- inputs ---------------------------------------------------------------------------------
+  const number = (value, digits) => Number.isFinite(value)
+    ? value.toFixed(digits).replace("-", "\u2212") : value === Infinity ? "∞" : "–";
+  const decimals = (step) => Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+  const fields = [];
+  const addSlider = (parent, entry, id, read, write) => {
+    const row = document.createElement("div");
+    row.className = "field";
+    row.title = entry.hint ?? "";
+    const label = Object.assign(document.createElement("label"), { textContent: entry.label });
+    label.htmlFor = id;
+    const range = Object.assign(document.createElement("input"), { type: "range", id: `${id}.range` });
+    range.setAttribute("aria-label", `${entry.label}, slider`);
+    const box = Object.assign(document.createElement("input"), { type: "number", id, step: "any" });
+    [range.min, range.max, range.step] = [entry.low, entry.high, entry.step];
+    // As the program rounds a number that is read in another unit.
+    const toSi = (text) => entry.factor === 1 ? Number(text)
+      : Number((Number(text) / entry.factor).toFixed(entry.factor <= 1000 ? 12 : 24));
+    range.addEventListener("input", () => {
+      moving = true;
+      write(toSi(range.value), id);
+    });
+    range.addEventListener("change", () => {
+      moving = false;
+      lastSource = "";
+      request();
+    });
+    box.addEventListener("change", () => {
+      if (box.value.trim() && Number.isFinite(Number(box.value))) write(toSi(box.value));
+      else draw();
+    });
+    row.append(label, range, box);
+    parent.append(row);
+    fields.push(() => {
+      const value = Number(((read() ?? 0) * entry.factor).toFixed(9));
+      range.min = Math.min(entry.low, value);
+      range.max = Math.max(entry.high, value);
+      range.value = value;
+      const text = String(Number(value.toFixed(Math.max(decimals(entry.step), 6))));
+      if (document.activeElement !== box || !moving) box.value = text;
+      row.classList.toggle("changed", Boolean(entry.path) && entry.path in doc.design);
+    });
+  };
+  PAGE.pose.forEach((entry, index) => addSlider(
+    find("pose"), entry, `pose.${index}`, () => doc.pose[index],
+    (value, source) => move({ [index]: value }, source),
+  ));
+  for (const group of PAGE.groups) {
+    const box = document.createElement("details");
+    box.open = group.open;
+    const title = Object.assign(document.createElement("summary"), { textContent: group.title });
+    box.append(title);
+    for (const entry of group.sliders)
+      addSlider(box, entry, entry.path, () => valueOf(doc, entry.path)
+        ?? valueOf(doc, "geometry.guide_link_length"),
+      (value, source) => vary(entry.path, value, source));
+    find("design").append(box);
+  }
+  find("knee").addEventListener("change", () => setKnee(find("knee").value));
+  find("name").addEventListener("change", () => set({ ...doc, name: find("name").value }));
+
+  // --- buttons --------------------------------------------------------------------------------
+  const buttons = {};
+  const addButton = (text, hint, run) => {
+    const button = Object.assign(document.createElement("button"), {
+      type: "button", textContent: text, title: hint,
+    });
+    button.addEventListener("click", run);
+    find("buttons").append(button);
+    buttons[text] = button;
+  };
+  const download = (name, content) => {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(content);
+    link.download = name;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  };
+  const stem = () => doc.name.replace(/[^\w.-]+/g, "-").replace(/^[-.]+|[-.]+$/g, "") || "design";
+  addButton("Undo", "Undo the last change (Ctrl+Z)", () => undo(back, forward));
+  addButton("Redo", "Do again what was undone last (Ctrl+Shift+Z)", () => undo(forward, back));
+  addButton("Pin", "Compare torques with this design", () => {
+    const { name, design, load_frame: frame } = doc;
+    set({ ...doc, reference: doc.reference ? null : { name, design, ...(frame && { load_frame: frame }) } });
+  });
+  addButton("Balance by m₇", "Set m₇ so that M_p2 = 0: no static torque of M1 to M3 (Eq. 8)", () =>
+    vary("joints.j7", balancedMass()));
+  addButton("Copy link", "The address of this file with the design; it opens in the file alone", async () => {
+    const link = `${window.location.href.split("#")[0]}#${await shareCode(doc)}`;
+    try {
+      await navigator.clipboard.writeText(link);
+      say("The link is on the clipboard.");
+    } catch {
+      say(link);
+    }
+  });
+  addButton("Copy code", "The share code: it opens behind the # of any page of paminsa-viz", async () => {
+    const code = await shareCode(doc);
+    try {
+      await navigator.clipboard.writeText(code);
+      say("The share code is on the clipboard.");
+    } catch {
+      say(code);
+    }
+  });
+  addButton("Design as TOML", "A design file for paminsa-viz", () =>
+    download(`${stem()}.toml`, new Blob([designFile()], { type: "text/plain" })));
+  addButton("Maps as PNG", "The three maps as a picture", () => {
+    const canvases = [...find("maps").querySelectorAll("canvas")];
+    const whole = document.createElement("canvas");
+    whole.width = canvases.reduce((sum, each) => sum + each.width + 10, 0);
+    whole.height = canvases[0].height + 24;
+    const context = whole.getContext("2d");
+    context.fillStyle = "#ffffff";
+    context.fillRect(0, 0, whole.width, whole.height);
+    context.fillStyle = "#000000";
+    context.font = "16px sans-serif";
+    canvases.reduce((left, each, index) => {
+      context.fillText(titles[index].textContent, left + 4, 17);
+      context.drawImage(each, left, 24);
+      return left + each.width + 10;
+    }, 0);
+    whole.toBlob((content) => download(`${stem()}-maps.png`, content));
+  });
+  addButton("Light / dark", "Change the colors of the page", () => {
+    document.documentElement.classList.toggle("dark");
+    request();
+  });
+  document.addEventListener("keydown", (event) => {
+    if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+    event.preventDefault();
+    if (event.shiftKey) undo(forward, back);
+    else undo(back, forward);
+  });
+  if (window.matchMedia("(prefers-color-scheme: dark)").matches)
+    document.documentElement.classList.add("dark");
+
+  /** M_p2 is linear in m_7: -g/k for a kilogram. */
+  const balancedMass = () => {
+    const slope = -robot.g / robot.mechanism.k;
+    return valueOf(doc, "joints.j7") - robot.imbalance / slope;
+  };
+  const toml = (value) => Number.isInteger(value) ? `${value.toFixed(1)}` : String(value);
+  const designFile = () => {
+    const tables = new Map([["", []]]);
+    const rows = (table) => tables.get(table) ?? tables.set(table, []).get(table);
+    for (const [path, value] of Object.entries(doc.design)) {
+      const { table, key } = PAGE.parameters[path];
+      rows(table).push(`${key} = ${toml(value)}`);
+    }
+    if (doc.knee === "upper") rows("geometry").push('knee = "upper"');
+    if (doc.load_frame === "platform") rows("load").push('frame = "platform"');
+    const head = [
+      `# Written by ${PAGE.madeBy}, the page in one file. Without a value it is Appendix 4's.`,
+      `name = ${JSON.stringify(doc.name)}`, `schema_version = ${PAGE.schemaVersion}`,
+      ...tables.get(""),
+    ];
+    tables.delete("");
+    const parts = [...tables].map(([table, lines]) => [`\n[${table}]`, ...lines].join("\n"));
+    return `${[head.join("\n"), ...parts].join("\n")}\n`;
+  };
+
+  // --- maps and the view ----------------------------------------------------------------------
+  const canvases = [];
+  const titles = [];
+  let solvedMaps = null; // maps, and the number of their cells
+  const extent = () => PAGE.radius || 0.1;
+  const placeIn = (canvas, event) => {
+    const box = canvas.getBoundingClientRect();
+    return [
+      extent() * (2 * (event.clientX - box.left) / box.width - 1),
+      extent() * (1 - 2 * (event.clientY - box.top) / box.height),
+    ];
+  };
+  [0, 1, 2].forEach((index) => {
+    const figure = document.createElement("figure");
+    const title = document.createElement("figcaption");
+    const canvas = document.createElement("canvas");
+    canvas.setAttribute("role", "img");
+    figure.append(title, canvas);
+    find("maps").append(figure);
+    canvases.push(canvas);
+    titles.push(title);
+    const go = (event) => {
+      const [x, y] = placeIn(canvas, event).map((value) => Number(value.toFixed(6)));
+      move({ 0: x, 1: y }, `map.${index}`);
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      lastSource = "";
+      go(event);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (event.buttons & 1) go(event);
+      const [x, y] = placeIn(canvas, event);
+      const found = solvePose(robot, [x, y, doc.pose[2], doc.pose[3]]);
+      const value = found.ok ? `${number(found.torques[index], 3)} N·m` : "out of reach";
+      find("hover").textContent =
+        `x ${number(1e3 * x, 1)} mm, y ${number(1e3 * y, 1)} mm: τ${"₁₂₃"[index]} ${value}`;
+    });
+  });
+  const turn = (dx, dy) => {
+    view = { turn: view.turn + dx, tilt: Math.max(-1.57, Math.min(1.57, view.tilt + dy)) };
+    request();
+  };
+  find("robot").addEventListener("pointermove", (event) => {
+    if (event.buttons & 1) turn(-0.01 * event.movementX, 0.01 * event.movementY);
+  });
+  find("robot").addEventListener("keydown", (event) => {
+    const step = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] };
+    if (!step[event.key]) return;
+    event.preventDefault();
+    turn(...step[event.key]);
+  });
+
+  // --- numbers --------------------------------------------------------------------------------
+  const fill = (id, rows, head) => {
+    const line = (cells, name) => `<tr>${cells.map((cell) => `<${name}>${cell}</${name}>`).join("")}</tr>`;
+    if (head) find(id).tHead.innerHTML = line(head, "th");
+    find(id).tBodies[0].innerHTML = rows.map((cells) => line(cells, "td")).join("");
+  };
+  const drawNumbers = (solved) => {
+    const degrees = 180 / Math.PI;
+    const pinned = doc.reference && solvePose(robotOf(doc.reference, doc.knee), doc.pose);
+    fill("actuators", solved.torques.map((torque, index) => {
+      const [digits, unit] = index < 3 ? [3, "N·m"] : [2, "N"];
+      const position = index < 3 ? `${number(degrees * solved.actuators[index], 2)}°`
+        : `${number(1e3 * solved.actuators[3], 1)} mm`;
+      const other = pinned
+        ? [number(pinned.torques[index], digits), number(torque - pinned.torques[index], digits)] : [];
+      return [`M${index + 1}`, position, `${number(torque, digits)} ${unit}`, ...other];
+    }), ["", "position", "static torque", ...(pinned ? ["pinned", "difference"] : [])]);
+    const mass = balancedMass();
+    fill("quality", [
+      ["M<sub>p2</sub>, static imbalance (Eq. 8)", `${number(robot.imbalance, 4)} N`],
+      ["balanced by m₇ =", mass >= 0 ? `${number(mass, 3)} kg` : "none"],
+      ["least margin", `${number(1e3 * solved.margin, 1)} mm, leg ${solved.leg}, ${PAGE.limits[solved.limit]}`],
+      ["condition number", number(solved.condition, 3)],
+      ["to the singular circle", `${number(1e3 * solved.position, 1)} mm`],
+      ["to a singular rotation", Number.isFinite(solved.rotation)
+        ? `${number(degrees * solved.rotation, 2)}°` : "none"],
+    ]);
+    const near = !(solved.condition < NEAR);
+    const beyond = solved.position < 0 || solved.rotation < 0;
+    find("status").className = !solved.ok ? "bad" : near || beyond ? "warn" : "ok";
+    find("status").textContent = !solved.ok
+      ? `Out of reach: leg ${solved.leg}, ${PAGE.limits[solved.limit]}, by ${number(-1e3 * solved.margin, 1)} mm`
+      : beyond ? "Beyond a type-2 singularity" : near ? "Near a singularity" : "Ok";
+  };
+
+  let waiting = 0;
+  const request = () => {
+    waiting ||= requestAnimationFrame(() => {
+      waiting = 0;
+      draw();
+    });
+  };
+  let key = "";
+  const draw = () => {
+    const solved = solvePose(robot, doc.pose);
+    if (solved.ok) shown = { robot, pose: doc.pose, solved };
+    fields.forEach((run) => run());
+    find("knee").value = doc.knee;
+    if (document.activeElement !== find("name")) find("name").value = doc.name;
+    document.title = `${doc.name} - PAMINSA explorer in one file`;
+    buttons.Undo.disabled = !back.length;
+    buttons.Redo.disabled = !forward.length;
+    buttons.Pin.textContent = doc.reference ? "Unpin" : "Pin";
+    buttons["Balance by m₇"].disabled = !(balancedMass() >= 0);
+    drawNumbers(solved);
+    if (shown) drawRobot(find("robot"), shown.robot, shown.pose, shown.solved, view);
+    const n = moving && spent > SLOW ? WHILE_MOVED : CELLS;
+    const wanted = JSON.stringify([doc.design, doc.load_frame, doc.knee, doc.pose[2], doc.pose[3], n]);
+    if (wanted !== key) {
+      const start = performance.now();
+      solvedMaps = { values: solveMaps(robot, doc.pose[2], doc.pose[3], extent(), n), n };
+      spent = performance.now() - start;
+      solvedMaps.limit = colorLimit(solvedMaps.values);
+      key = wanted;
+    }
+    const { values, limit } = solvedMaps;
+    const m = robot.mechanism;
+    const singular = Math.sqrt(Math.max(0, m.base_radius ** 2 + m.platform_radius ** 2
+      - 2 * m.base_radius * m.platform_radius * Math.cos(doc.pose[2])));
+    canvases.forEach((canvas, index) => {
+      drawMap(canvas, values[index], solvedMaps.n, limit, doc.pose, extent(), singular);
+      titles[index].textContent =
+        `τ${"₁₂₃"[index]}: blue ${number(-limit, 2)} to red ${number(limit, 2)} N·m`;
+      canvas.setAttribute("aria-label", `Map of the static torque of M${index + 1}; `
+        + `${number(solved.torques[index], 3)} N·m at the pose`);
+    });
+    document.documentElement.dataset.drawn = Number(document.documentElement.dataset.drawn ?? 0) + 1;
+  };
+
+  find("about").textContent = `Written by ${PAGE.madeBy}. All numbers are computed here by the same `
+    + `formulas. Only in the served page (pip install, then paminsa-viz): ${PAGE.onlyServed}.`;
+  new ResizeObserver(() => doc && request()).observe(find("pictures"));
+  window.addEventListener("hashchange", () => window.location.hash !== address && openHash());
+  const begin = async () => {
+    const linked = await openHash();
+    const refusal = find("message").textContent;
+    if (!linked) set(checkedDocument(PAGE.document));
+    if (refusal) say(refusal);
+  };
+  begin();
+  window.paminsaPage = { robotOf, solvePose, solveMaps, openShareCode, shareCode, designFile };
+})();

@@ -1,0 +1,51 @@
+"""``page``: the explorer in one file, of a design or of a share code."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from paminsa_viz.explorer.core import persistence
+from paminsa_viz.explorer.core.persistence import share_code
+from paminsa_viz.explorer.state.document import Document
+from paminsa_viz.files.design_file import save_design
+from paminsa_viz.model import APPENDIX_4, Counterweight, Design
+from tests.support.commands import check_refused, run
+
+LIGHT = APPENDIX_4.vary({"links.b3": 0.2})
+CODE = share_code(Document(design=LIGHT, pose=(0.01, 0.02, 0.3, -0.5)))
+
+
+def opened_with(path: str) -> Document:
+    """Return the document that a written page opens with."""
+    found = re.search(r"^const PAGE = (.*);$", Path(path).read_text(encoding="utf-8"), re.M)
+    assert found is not None
+    return persistence.load(json.loads(found[1])["document"])
+
+
+def test_design_and_code_are_written(capsys) -> None:
+    save_design(LIGHT, "light.toml")
+    assert run("page", capsys, "--out", "a.html", "--design", "light.toml") == (
+        0, "a.html: written\n", "",
+    )  # fmt: skip
+    assert opened_with("a.html").design == LIGHT
+    assert run("page", capsys, "--out", "b.html", "--code", CODE)[0] == 0
+    assert opened_with("b.html") == Document(design=LIGHT, pose=(0.01, 0.02, 0.3, -0.5))
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        (("--code", "PMZ2-abc"), "another version"),
+        (("--code", CODE[:-9]), "share code: it is damaged or incomplete"),
+        (("--code", CODE, "--knee", "upper"), "--code holds a whole design"),
+        (("--design", "heavy.toml"), "counterweights"),
+    ],
+)
+def test_what_cannot_be_a_page_is_refused(words: tuple[str, ...], place: str, capsys) -> None:
+    save_design(Design(counterweights=(Counterweight("b4", 9, 0.1, 1.0),)), "heavy.toml")
+    check_refused("page", capsys, "--out", "x.html", *words, place=place)
+    assert not Path("x.html").exists()

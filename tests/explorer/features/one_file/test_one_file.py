@@ -1,0 +1,312 @@
+"""The explorer in one file, opened from a disk: its numbers, what it refuses, and how it works."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.explorer.core.persistence import open_share_code, share_code
+from paminsa_viz.explorer.features.one_file import one_file
+from paminsa_viz.explorer.state.document import Document
+from paminsa_viz.files.design_file import read_design
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Counterweight,
+    InvalidInput,
+    KneeBranch,
+    LoadCase,
+    LoadFrame,
+    PaminsaError,
+    check_reach,
+    inverse_kinematics,
+    static_torques,
+)
+from paminsa_viz.model.singularity import measure_singularity
+from paminsa_viz.model.statics import static_imbalance
+from paminsa_viz.webpage import code_page
+from tests.explorer.test_page_access import CHECK, RULES
+from tests.support.chromium import until, watch_errors
+from tests.support.samples import random_design, random_poses
+
+START = Document(design=APPENDIX_4, pose=(0.08, 0.05, np.pi / 3, -0.55))
+OTHER = Document(
+    design=replace(APPENDIX_4.vary({"links.b3": 0.777, "payload.mass": 3.0}), name="Light, 3 kg"),
+    pose=(0.05, -0.03, 0.4, -0.55),
+    reference=APPENDIX_4,
+)
+
+
+def test_what_the_page_does_not_know_is_refused() -> None:
+    weights = (Counterweight("b4", 9, 0.1, 1.0),)
+    for place in ("design", "reference"):
+        document = replace(START, **{place: replace(APPENDIX_4, counterweights=weights)})
+        with pytest.raises(InvalidInput, match="counterweights"):
+            one_file(document)
+
+
+def test_text_of_a_design_does_not_become_script() -> None:
+    name = "</script><script>alert(1)//@PAGE@"
+    text = one_file(replace(START, design=replace(APPENDIX_4, name=name)))
+    assert text.count("</script>") == 1
+    assert len(text.encode()) < 1_500_000
+
+
+class Opened:
+    """The page in a browser, opened from a file, and what happened in it."""
+
+    def __init__(self, browser: Any, path: Path) -> None:
+        self.context = browser.new_context(accept_downloads=True)
+        self.page = self.context.new_page()
+        self.requests: list[str] = []
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.errors = watch_errors(self.page)
+        self.address = path.as_uri()
+        self.open("")
+
+    def open(self, link: str) -> None:
+        self.page.goto("about:blank")
+        self.page.goto(f"{self.address}#{link}".rstrip("#"))
+        self.wait_drawn()
+
+    def wait_drawn(self) -> None:
+        """Wait for the first picture."""
+        drawn = "document.documentElement.dataset.drawn"
+        until(lambda: self.page.evaluate(drawn), "the page is drawn")
+
+    def code(self) -> str:
+        return self.page.evaluate("location.hash").removeprefix("#")
+
+    def document(self) -> Document | None:
+        """Return what the address says, None while it is no code."""
+        try:
+            return open_share_code(self.code())
+        except PaminsaError:
+            return None
+
+    def wait(self, true_of: Callable[[Document], Any]) -> Document:
+        """Wait until something is true of what the address says, and return that."""
+        return until(
+            lambda: (found := self.document()) and true_of(found) and found, "the address follows"
+        )
+
+    def text(self, name: str) -> str:
+        return self.page.get_by_test_id(name).inner_text()
+
+
+@pytest.fixture(scope="module")
+def opened(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Opened]:
+    path = tmp_path_factory.mktemp("page") / "explorer.html"
+    path.write_text(code_page(share_code(START)), encoding="utf-8")
+    page = Opened(browser, path)
+    yield page
+    page.context.close()
+    own = (page.address, "about:blank", "data:", "blob:")
+    assert all(url.startswith(own) for url in page.requests)
+    assert page.errors == []
+
+
+SOLVE = """async (rows) => {
+  const { openShareCode, robotOf, solvePose } = window.paminsaPage;
+  const found = [];
+  for (const [code, c, s] of rows) {
+    const doc = await openShareCode(code);
+    const robot = robotOf(doc);
+    const solved = solvePose(robot, doc.pose, c, s);
+    found.push([solved.ok ? 1 : 0, robot.imbalance, solved.margin, ...solved.torques,
+      ...solved.actuators, solved.determinant, solved.condition, solved.position,
+      solved.rotation].map((value) => Number.isFinite(value) ? value : null));
+  }
+  return found;
+}"""
+
+
+def random_documents(count: int) -> Iterator[Document]:
+    """Yield random designs at usable poses; both knees, half of them with a load."""
+    rng = np.random.default_rng(32)
+    while count > 0:
+        design = random_design(rng)
+        design = design.with_knee(list(KneeBranch)[rng.integers(2)])
+        if rng.random() < 0.5:
+            frame = list(LoadFrame)[rng.integers(2)]
+            design = replace(design, load=LoadCase(*rng.normal(size=9), frame=frame))
+        for x, y, theta, z in random_poses(rng, design, 5).tolist():
+            yield Document(design=design, pose=(x, y, theta, z))
+            count -= 1
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_numbers_of_links_are_those_of_python(opened: Opened) -> None:
+    documents = list(random_documents(1000))
+    rows = [[share_code(d), np.cos(d.pose[2]), np.sin(d.pose[2])] for d in documents]
+    found = np.array(opened.page.evaluate(SOLVE, rows), dtype=float)
+    wanted = []
+    for document in documents:
+        design, pose = document.design, document.pose
+        reach = check_reach(design.geometry, pose)
+        far = measure_singularity(design.geometry, pose)
+        wanted.append([
+            float(reach.ok), static_imbalance(design), reach.margins.min(),
+            *static_torques(design, pose), *inverse_kinematics(design.geometry, pose).actuators,
+            far.determinant, far.condition, far.position_distance, far.rotation_distance,
+        ])  # fmt: skip
+    wanted = np.array(wanted)
+    wanted[~np.isfinite(wanted)] = np.nan
+    np.testing.assert_allclose(found, wanted, rtol=1e-12, atol=1e-12)
+    # Without arc functions and sums of products, cosine and sine given, they are the same bits.
+    loaded = np.array([document.design.load.acts for document in documents])
+    exact = [0, 1, 2, 3, 4, 5, 6]
+    np.testing.assert_array_equal(found[~loaded][:, exact], wanted[~loaded][:, exact])
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_maps_are_those_of_python(opened: Opened) -> None:
+    run = """async ([code, radius, n]) => {
+      const doc = await window.paminsaPage.openShareCode(code);
+      const robot = window.paminsaPage.robotOf(doc);
+      const [, , theta, z] = doc.pose;
+      const start = performance.now();
+      const maps = window.paminsaPage.solveMaps(robot, theta, z, radius, n);
+      return [maps.map((map) => Array.from(map, (v) => Number.isFinite(v) ? v : null)),
+        performance.now() - start];
+    }"""
+    radius, n = 0.3, 81
+    for document in (START, OTHER):
+        values, took = opened.page.evaluate(run, [share_code(document), radius, n])
+        place = radius * (2 * (np.arange(n) + 0.5) / n - 1)
+        y, x = np.meshgrid(place, place, indexing="ij")
+        rest = [np.full(x.shape, value) for value in document.pose[2:]]
+        torque = static_torques(document.design, np.stack([x, y, *rest], axis=-1))[..., :3]
+        wanted = np.moveaxis(torque, -1, 0).reshape(3, -1)
+        found = np.array(values, dtype=float)
+        assert np.isfinite(found).mean() > 0.5
+        # Next to a singularity the rounding of cos theta counts.
+        np.testing.assert_allclose(found, wanted, rtol=1e-9)
+        assert took < 500  # some 10 ms on a machine that has time
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_person_changes_undoes_shares_and_saves(opened: Opened) -> None:
+    opened.open(share_code(START))
+    page = opened.page
+    x = page.locator('[id="pose.0.range"]')
+    x.focus()
+    x.press("ArrowRight")
+    opened.wait(lambda found: found.pose[0] == 0.081)
+    torque = static_torques(APPENDIX_4, (0.081, *START.pose[1:]))
+    for value in torque[:3]:
+        assert f"{value:.3f}".replace("-", "−") in opened.text("actuators")
+    page.get_by_label("m₇ B3, B7 [kg]", exact=True).fill("1.25")
+    page.get_by_label("m₇ B3, B7 [kg]", exact=True).press("Enter")
+    page.get_by_role("button", name="Pin").click()
+    page.get_by_role("button", name="Balance by m₇").click()
+    balanced = opened.wait(lambda found: abs(static_imbalance(found.design)) < 1e-12)
+    assert balanced.reference == APPENDIX_4.vary({"joints.j7": 1.25})
+    assert "balanced by m₇ =\t3.063 kg" in opened.text("quality")
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Design as TOML").click()
+    saved = read_design(Path(waiting.value.path()).read_bytes(), "download")
+    assert saved == balanced.design
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Maps as PNG").click()
+    assert Path(waiting.value.path()).read_bytes().startswith(b"\x89PNG")
+    page.keyboard.press("Control+z")
+    opened.wait(lambda found: found.design.joints.j7 == 1.25)
+    page.keyboard.press("Control+Shift+Z")
+    opened.wait(lambda found: found == balanced)
+    page.reload()
+    opened.wait_drawn()
+    opened.wait(lambda found: found == balanced)
+    assert page.get_by_role("columnheader", name="difference").count() == 1
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_click_on_a_map_goes_there_and_the_knee_is_mirrored(opened: Opened) -> None:
+    opened.open(share_code(START))
+    canvas = opened.page.locator("#maps canvas").nth(1)
+    box = canvas.bounding_box()
+    opened.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    opened.wait(lambda found: max(map(abs, found.pose[:2])) < 2e-3)
+    assert "τ₂" in opened.page.locator("#hover").inner_text()
+    opened.page.get_by_label("Knee branch").select_option("upper")
+    found = opened.wait(lambda found: found.design.geometry.knee is KneeBranch.UPPER)
+    assert check_reach(found.design.geometry, found.pose).ok
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("link", "says"),
+    [
+        (share_code(OTHER)[:-30], "it is damaged or incomplete"),
+        ("PMZ0-eJw", "it is from another version of paminsa_viz (packing 0)"),
+        ("PMZ1-" + "A" * 50_000, "it is too long"),
+        ("PMZ1-%3Cscript%3E", "it is damaged or incomplete"),
+    ],
+)
+def test_link_that_cannot_be_opened_says_why(opened: Opened, link: str, says: str) -> None:
+    opened.open(link)
+    message = opened.page.locator("#message")
+    until(lambda: says in message.inner_text(), "it is said")
+    assert "\n" not in message.inner_text()
+    opened.wait(lambda found: found == START)
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+@pytest.mark.parametrize("other", [OTHER, START])
+def test_documents_pass_through_the_page_unchanged(opened: Opened, other: Document) -> None:
+    run = """async (code) => {
+      const { openShareCode, shareCode } = window.paminsaPage;
+      return shareCode(await openShareCode(code));
+    }"""
+    found = open_share_code(opened.page.evaluate(run, share_code(other)))
+    assert found == other
+    assert found.design.name == other.design.name
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_contrast_names_and_roles(opened: Opened) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
+    opened.open(share_code(OTHER))
+    page = opened.page
+    page.evaluate("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
+    page.evaluate(axe.axe_script)
+    for _ in range(2):
+        found = page.evaluate(CHECK, RULES)["violations"]
+        assert [(each["id"], each["nodes"][0]["html"]) for each in found] == []
+        page.get_by_role("button", name="Light / dark").click()
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_maps_follow_a_drag_of_theta(opened: Opened) -> None:
+    opened.open(share_code(START))
+    slider = opened.page.get_by_label("θ  [°], slider")
+    before = opened.page.locator("#maps figcaption").first.inner_text()
+    rate = slider.evaluate("""async (slider) => {
+      const drawn = () => Number(document.documentElement.dataset.drawn);
+      const [start, first] = [performance.now(), drawn()];
+      for (let step = 0; step < 40; step++) {
+        slider.value = 10 + step;
+        slider.dispatchEvent(new Event("input"));
+        await new Promise(requestAnimationFrame);
+      }
+      slider.dispatchEvent(new Event("change"));
+      return 1000 * (drawn() - first) / (performance.now() - start);
+    }""")
+    print(f"{rate:.0f} maps a second")
+    assert rate > 2  # 20 and more on a machine that has time
+    assert opened.page.locator("#maps figcaption").first.inner_text() != before
+    opened.wait(lambda found: abs(found.pose[2] - np.radians(49.0)) < 1e-9)
+    opened.page.get_by_role("button", name="Undo").click()
+    opened.wait(lambda found: found == START)
