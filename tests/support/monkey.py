@@ -11,6 +11,7 @@ import argparse
 import contextlib
 import logging
 import math
+import os
 import random
 import sys
 import threading
@@ -185,4 +186,6 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    code = main()
+    sys.stdout.flush()
+    os._exit(code)  # tasks may still compute in native code, which Python's end would abort

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.outcome import TaskState
-from paminsa_viz.explorer.state.settings import setting
+from paminsa_viz.explorer.state.settings import Settings, setting
 from paminsa_viz.model import Design
 from paminsa_viz.precision.manufacture import MonteCarlo
 
@@ -32,17 +32,24 @@ class MonteCarloJob:
 
 
 @dataclass(frozen=True)
+class MonteCarloSettings(Settings):
+    """What a person set for the next job."""
+
+    robots: int = setting(2000, "Robots", range=(1.0, float(MOST_ROBOTS)), step=100.0)
+    seed: int = setting(0, "Seed", "The same seed draws the same robots", range=(0.0, 1e9))
+
+
+@dataclass(frozen=True)
 class MonteCarloState(TaskState[MonteCarloJob, MonteCarlo]):
     """What a session shows of manufacture.
 
     Attributes:
-        robots, seed: Settings of the next job.
+        settings: What a person set.
         coordinate: Index in `unequal_legs.COORDINATES` whose shares are shown.
         leg, length: Which deviation is shown, by their indices.
     """
 
-    robots: int = setting(2000, "Robots", range=(1.0, float(MOST_ROBOTS)), step=100.0)
-    seed: int = setting(0, "Seed", "The same seed draws the same robots", range=(0.0, 1e9))
+    settings: MonteCarloSettings = field(default_factory=MonteCarloSettings)
     coordinate: int = 0
     leg: int = 0
     length: int = 0

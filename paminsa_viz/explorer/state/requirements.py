@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.explorer.state.outcome import Outcome, TaskState
-from paminsa_viz.explorer.state.settings import setting
+from paminsa_viz.explorer.state.settings import Settings, setting
 from paminsa_viz.model import Design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
@@ -107,8 +107,8 @@ LargestOutcome = Outcome[LargestJob, "LargestWorkspace"]
 
 
 @dataclass(frozen=True)
-class LargestState(TaskState[LargestJob, "LargestWorkspace"]):
-    """The search for the largest workspace, and what a person set for it."""
+class LargestSettings(Settings):
+    """What a person set for the search for the largest workspace."""
 
     shape: WorkspaceShape = setting(
         WorkspaceShape.CYLINDER, "Shape",
@@ -121,6 +121,26 @@ class LargestState(TaskState[LargestJob, "LargestWorkspace"]):
     seconds: float = setting(
         15.0, "Time limit [s]", "Longer proofs leave a smaller gap", range=(1.0, 600.0)
     )
+
+    @property
+    def possible(self) -> bool:
+        if self.growth == LargestSettings.growth:
+            return True
+        # Late: a page that proves nothing does without.
+        from paminsa_viz.synthesis.proof.regions import Growth
+
+        return self.growth in Growth.__members__
+
+
+@dataclass(frozen=True)
+class LargestState(TaskState[LargestJob, "LargestWorkspace"]):
+    """The search for the largest workspace.
+
+    Attributes:
+        settings: What a person set.
+    """
+
+    settings: LargestSettings = field(default_factory=LargestSettings)
 
     @property
     def proven(self) -> Placed | None:

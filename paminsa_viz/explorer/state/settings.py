@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
@@ -56,7 +57,7 @@ def setting_fields(kind: Any) -> dict[str, Setting]:
 
 @dataclass(frozen=True)
 class Settings:
-    """Base of settings, whose numbers are in their ranges.
+    """Base of settings: numbers are in their ranges, and choices among their options.
 
     Raises:
         InvalidInput: If one is not.
@@ -64,12 +65,14 @@ class Settings:
 
     def __post_init__(self) -> None:
         for name, one in setting_fields(self).items():
-            low, high = one.range
             value = getattr(self, name)
-            if low is None or high is None or low <= value <= high:
-                continue
-            ends = f"{one.unit.from_si(low):g} to {one.unit.from_si(high):g}"
-            raise InvalidInput(one.label, f"{ends} is possible, not {one.unit.from_si(value):g}")
+            if one.options is not None:
+                if value not in one.options.values():
+                    texts = ", ".join(one.options)
+                    raise InvalidInput(one.label, f"choose one of: {texts}; not {value!r:.40}")
+            elif one.range != (None, None) and not _within(value, one.range):
+                shown = one.unit.from_si(value)
+                raise InvalidInput(one.label, f"{_ends(one)} is possible, not {shown:g}")
 
     @property
     def possible(self) -> bool:
@@ -80,6 +83,19 @@ class Settings:
     def saved(self) -> Settings:
         """What of them is kept across a reload."""
         return self
+
+
+def _within(value: float, ends: Range) -> bool:
+    low, high = ends
+    # Not a number is in no range.
+    return (-math.inf if low is None else low) <= value <= (math.inf if high is None else high)
+
+
+def _ends(one: Setting) -> str:
+    low, high = (None if end is None else f"{one.unit.from_si(end):g}" for end in one.range)
+    if low is None:
+        return f"at most {high}"
+    return f"at least {low}" if high is None else f"{low} to {high}"
 
 
 def changed_data(value: Any, start: Any) -> dict[str, Any]:

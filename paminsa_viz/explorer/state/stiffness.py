@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from paminsa_viz.elastostatics.stiffness import (
 )
 from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.outcome import Outcome
-from paminsa_viz.explorer.state.settings import setting
+from paminsa_viz.explorer.state.settings import Settings, setting
 from paminsa_viz.model import Design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.elastic import BARS
@@ -85,22 +85,33 @@ ElasticOutcome = Outcome[ElasticJob, ElasticResult]
 
 
 @dataclass(frozen=True)
-class StiffnessState:
-    """Stiffness and vibration of a session.
+class StiffnessSettings(Settings):
+    """What a person set.
 
     Attributes:
-        mode: Which mode is animated, from 0.
         case: Key of the load case.
         bar: Whose section values are edited.
-        outcome: The last result.
     """
 
-    mode: int = 0
     case: str = setting(
         "load", "Load case", "Deflection and strain energy are under this load",
         options={name: key for key, (name, _) in CASES.items()},
     )  # fmt: skip
     bar: str = setting("b4", "Bar", options={bar.upper(): bar for bar in BARS})
+
+
+@dataclass(frozen=True)
+class StiffnessState:
+    """Stiffness and vibration of a session.
+
+    Attributes:
+        settings: What a person set.
+        mode: Which mode is animated, from 0.
+        outcome: The last result.
+    """
+
+    settings: StiffnessSettings = field(default_factory=StiffnessSettings)
+    mode: int = 0
     outcome: ElasticOutcome | None = None
 
     @property

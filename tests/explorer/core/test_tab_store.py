@@ -47,6 +47,14 @@ CHANGED = (
         ranges=(("geometry.base_radius", (0.2, 0.5)),),
     )
 )  # fmt: skip
+FORMER = CHANGED
+"""What the former version kept as well."""
+CHANGED = (
+    CHANGED.updated("loads.settings", leg=2, bar="b8", joint="5", along=True)
+    .updated("stiffness.settings", case="tilt_x", bar="b7")
+    .updated("monte_carlo.settings", robots=500, seed=4)
+    .updated("requirements.largest.settings", growth="VERTICAL", free=True, seconds=60.0)
+)
 
 
 def test_every_setting_is_changed_here() -> None:
@@ -96,6 +104,13 @@ def test_everything_kept_comes_back() -> None:
         ("drives.settings", {"order": "beauty"}),
         ("drives.settings", {"cycle": [1]}),
         ("synthesis.settings", {"objective": "beauty"}),
+        ("loads.settings", {"leg": 3}),
+        ("loads.settings", {"bar": "b99"}),
+        ("stiffness.settings", {"case": "gale"}),
+        ("monte_carlo.settings", {"robots": 10**9}),
+        ("monte_carlo.settings", {"seed": -1}),
+        ("requirements.largest.settings", {"seconds": 1e6}),
+        ("requirements.largest.settings", {"growth": "WEALTH"}),
         ("synthesis.settings", {"ranges": [["geometry.base_radius", [math.nan, 1.0]]]}),
     ],
     ids=str,
@@ -125,9 +140,9 @@ def test_unknown_layers_are_dropped_and_old_stores_are_read() -> None:
 
 
 def test_tab_that_a_former_version_kept_is_read() -> None:
-    """It was saved with `CHANGED` when the parts of the state had other names."""
+    """It was saved with `FORMER` when the parts of the state had other names."""
     kept = Path(__file__).with_name("former_tab.json").read_text("utf-8")
-    expected = CHANGED.updated("clearance.settings", required=0.01)
+    expected = FORMER.updated("clearance.settings", required=0.01)
     found = tab_store.restore(initial_state(), kept)
     assert found.ended == ("synthesis",)
     assert replace(found, ended=()) == expected

@@ -31,7 +31,7 @@ def shown_section(state: State) -> tuple[Instant, str, int] | None:
     """Return what the chart of the bar shows, or None where there are no forces."""
     at = instant(state)
     known = state.document.pose == at.pose and forces_at(at).status == Limit.OK
-    return (at, state.loads.bar, state.loads.leg) if known else None
+    return (at, state.loads.settings.bar, state.loads.settings.leg) if known else None
 
 
 def section_figure(at: Instant, bar: str, leg: int) -> Tree:
@@ -64,7 +64,7 @@ def section_figure(at: Instant, bar: str, leg: int) -> Tree:
 def shown_curves(state: State) -> tuple[MotionLoads, str] | None:
     """Return what the chart along the motion shows, or None."""
     loads = found(state)
-    return None if loads is None else (loads, state.loads.joint)
+    return None if loads is None else (loads, state.loads.settings.joint)
 
 
 def curves_figure(loads: MotionLoads, joint: str) -> Tree:

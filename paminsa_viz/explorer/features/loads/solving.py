@@ -40,7 +40,7 @@ def is_current(state: State) -> bool:
 def found(state: State) -> MotionLoads | None:
     """Return the loads along the current motion, if they are wanted and known."""
     outcome = state.loads.outcome
-    wanted = state.loads.along and is_current(state)
+    wanted = state.loads.settings.along and is_current(state)
     return outcome.result if outcome is not None and wanted else None
 
 
@@ -64,7 +64,7 @@ def find_loads(analysis: TrajectoryAnalysis, _: object) -> MotionLoads:
 
 ALONG_MOTION = Follower(
     Place(lambda state: state.loads.outcome),
-    lambda frame: frame.analysis if frame.state.loads.along else None,
+    lambda frame: frame.analysis if frame.state.loads.settings.along else None,
     find_loads,
     idle=True,
 )

@@ -32,7 +32,7 @@ from paminsa_viz.explorer.kit.downloads import export
 from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Entry, Html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import note, render
-from paminsa_viz.explorer.state.loads import LoadsState
+from paminsa_viz.explorer.state.loads import LoadsSettings
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.loads_table import bar_table, bearing_table, joint_table, motion_loads_table
 from paminsa_viz.files.tables import DataTable, table_bytes
@@ -61,7 +61,7 @@ def joints(frame: Frame) -> str:
     """Return the table of the joints of the chosen leg."""
     if problem(frame):
         return ""
-    at, leg = instant(frame.state), frame.state.loads.leg
+    at, leg = instant(frame.state), frame.state.loads.settings.leg
     forces, sideways = forces_at(at), sideways_at(at)
     rows = []
     for index, joint in enumerate(JOINTS):
@@ -81,7 +81,7 @@ def bars(frame: Frame) -> str:
     """Return the table of the bars of the chosen leg."""
     if problem(frame):
         return ""
-    view = frame.state.loads
+    view = frame.state.loads.settings
     inner, use = bars_at(instant(frame.state))
     rows = [
         (
@@ -95,7 +95,7 @@ def bars(frame: Frame) -> str:
 
 def motion(frame: Frame) -> str:
     """Return the motion table of the chosen leg, or why there is none."""
-    view, outcome = frame.state.loads, frame.state.loads.outcome
+    view, outcome = frame.state.loads.settings, frame.state.loads.outcome
     if not view.along:
         return ""
     if frame.analysis is None:
@@ -143,7 +143,10 @@ def file(state: State, name: str) -> exports.File:
         InvalidInput: If there are no numbers.
     """
     what = exports.file_name(
-        state, TABLES[name].format(state.loads.bar), "csv", at_pose=name in ("Joints", "Bar")
+        state,
+        TABLES[name].format(state.loads.settings.bar),
+        "csv",
+        at_pose=name in ("Joints", "Bar"),
     )
     return exports.File(what, table_bytes(_table(state, name), "csv"))
 
@@ -161,7 +164,7 @@ def _table(state: State, name: str) -> DataTable:
         raise InvalidInput("pose", "there are no joint forces at this pose")
     if name == "Joints":
         return joint_table(forces, pose, sideways_at(at))
-    return bar_table(forces, pose, state.loads.bar)
+    return bar_table(forces, pose, state.loads.settings.bar)
 
 
 def _text(value: Any) -> str:
@@ -175,7 +178,7 @@ def _percent(share: float) -> str:
     return f"{number(100 * share, 2)} %"
 
 
-_setting = SettingInputs("loads", "loads", LoadsState)
+_setting = SettingInputs("loads", "loads.settings", LoadsSettings)
 
 LOADS: tuple[Entry, ...] = (
     Html("loads.intro", content=intro, idle=True),

@@ -250,7 +250,7 @@ def largest_job(state: State) -> LargestJob:
     Raises:
         InvalidInput: If nothing is required.
     """
-    document, asked = state.document, state.requirements.largest
+    document, asked = state.document, state.requirements.largest.settings
     if not document.requirements.bounds:
         raise InvalidInput("requirements", "add one first: nothing but reach bounds the workspace")
     return LargestJob(

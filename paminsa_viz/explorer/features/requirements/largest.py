@@ -10,7 +10,7 @@ from paminsa_viz.explorer.kit.entries import Button, Html, Then
 from paminsa_viz.explorer.kit.robot_texts import workspace_text
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import note, render
-from paminsa_viz.explorer.state.requirements import LargestState
+from paminsa_viz.explorer.state.requirements import LargestSettings
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.synthesis.proof.evidence import Evidence, Verdict
@@ -66,7 +66,7 @@ def _is_proven(state: State) -> bool:
     return search.proven is not None and search.running is None
 
 
-_setting = SettingInputs("largest", "requirements.largest", LargestState)
+_setting = SettingInputs("largest", "requirements.largest.settings", LargestSettings)
 
 LARGEST_WORKSPACE = (
     _setting("shape"),

@@ -21,7 +21,7 @@ from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.kit.task import NOT_OF_PREVIEW, Follower
 from paminsa_viz.explorer.kit.text import note, render
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.explorer.state.stiffness import CASES, ElasticJob, StiffnessState
+from paminsa_viz.explorer.state.stiffness import CASES, ElasticJob, StiffnessSettings
 from paminsa_viz.model import PARAMETER
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS, SECTION_VALUES
@@ -121,7 +121,7 @@ def _section(name: str, label: str, step: float) -> Number:
     return _open_number(
         f"stiffness.section.{name}", f"{label} [{display.text}]",
         "Of the chosen bar; 0: that of its tube",
-        lambda state: f"elastic.{state.stiffness.bar}_{name}", step, display,
+        lambda state: f"elastic.{state.stiffness.settings.bar}_{name}", step, display,
     )  # fmt: skip
 
 
@@ -134,13 +134,13 @@ def can_wait(state: State) -> bool:
     if outcome is None:
         return True
     job, elastic = outcome.job, state.document.design.elastic
-    changed = job.design.elastic != elastic or job.case != state.stiffness.case
+    changed = job.design.elastic != elastic or job.case != state.stiffness.settings.case
     return not changed and not state.layers.intersection(LAYERS)
 
 
 def _job(frame: Frame) -> ElasticJob:
     state = frame.state
-    return ElasticJob(frame.shown_design, state.last_reachable.pose, state.stiffness.case)
+    return ElasticJob(frame.shown_design, state.last_reachable.pose, state.stiffness.settings.case)
 
 
 ANALYSIS = Follower(
@@ -210,7 +210,7 @@ def _modes(state: State) -> dict[str, int]:
     return texts or {f"{i + 1}": i for i in range(MODES)}
 
 
-_setting = SettingInputs("stiffness", "stiffness", StiffnessState)
+_setting = SettingInputs("stiffness", "stiffness.settings", StiffnessSettings)
 
 STIFFNESS = (
     Html("stiffness.result", content=result_html),

@@ -64,7 +64,7 @@ def test_a_singular_pose_has_no_numbers() -> None:
 
 
 def test_random_robots_come_from_the_seed_and_go_stale(moved: State) -> None:
-    started = robots.DRAW.start(moved.updated("monte_carlo", robots=300, seed=7))
+    started = robots.DRAW.start(moved.updated("monte_carlo.settings", robots=300, seed=7))
     job = started.monte_carlo.running
     assert job is not None
     done = delivered(robots.DRAW, started, solve(draw_robots, job))
@@ -146,8 +146,16 @@ def test_buttons_set_all_tolerances(moved: State) -> None:
 
 def test_the_button_draws_robots_on_the_page(server: viser.ViserServer) -> None:
     with desk_with(server, panel.MANUFACTURE) as desk:
-        desk.dispatch(lambda s: s.updated("monte_carlo", robots=50))
+        desk.dispatch(lambda s: s.updated("monte_carlo.settings", robots=50))
         desk.dispatch(robots.DRAW.start)
         desk.until(lambda: desk.state.monte_carlo.outcome is not None)
         assert desk.state.monte_carlo.running is None
         desk.until(lambda: "50 robots" in desk.handle("manufacture.found").content)
+
+
+def test_too_many_robots_are_refused_in_one_line(server: viser.ViserServer) -> None:
+    with desk_with(server, panel.MANUFACTURE) as desk:
+        desk.dispatch(lambda s: s.updated("monte_carlo.settings", robots=50))
+        desk.set("manufacture.robots", 1e9)
+        desk.noticed("Robots: 1 to 200000 is possible, not 1e+09")
+        assert desk.state.monte_carlo.settings.robots == 50

@@ -29,14 +29,14 @@ def known(shown: tuple[Any, ...] | None) -> tuple[Any, ...]:
 
 
 def along() -> State:
-    state = motions.choose_kind(initial_state().updated("loads", along=True), Kind.ARCH)
+    state = motions.choose_kind(initial_state().updated("loads.settings", along=True), Kind.ARCH)
     analysis = compute(state).analysis
     assert analysis is not None
     return ALONG_MOTION.deliver(state, solve(find_loads, analysis))
 
 
 def test_tables_are_those_of_the_pose_and_the_leg() -> None:
-    state = actions.move(initial_state(), x=0.05, theta=0.3).updated("loads", leg=2)
+    state = actions.move(initial_state(), x=0.05, theta=0.3).updated("loads.settings", leg=2)
     frame = compute(state)
     forces = joint_forces(APPENDIX_4, state.document.pose)
     text = tab.joints(frame)
@@ -92,7 +92,7 @@ def test_the_motion_table_is_of_the_current_motion() -> None:
     heavier = actions.vary(state, {"payload.mass": 2.0})
     assert "Computing" in tab.motion(compute(heavier))
     assert chart.shown_curves(heavier) is None
-    assert not tab.motion(compute(state.updated("loads", along=False)))
+    assert not tab.motion(compute(state.updated("loads.settings", along=False)))
 
 
 def test_files_hold_what_is_shown() -> None:

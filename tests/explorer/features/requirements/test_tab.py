@@ -168,7 +168,7 @@ def test_a_largest_workspace_is_stale_once_what_it_is_of_has_changed() -> None:
     assert actions.LARGEST.changes(actions.use_largest(kept)) == ()
     other = actions.set_workspace(kept, size=(0.3, 0.3, 0.9))
     assert actions.LARGEST.changes(other) == ("size",)
-    assert actions.LARGEST.changes(kept.updated("requirements.largest", seconds=60.0)) == (
+    assert actions.LARGEST.changes(kept.updated("requirements.largest.settings", seconds=60.0)) == (
         "seconds",
     )
     assert actions.LARGEST.changes(actions.clear(kept)) == ("requirements",)

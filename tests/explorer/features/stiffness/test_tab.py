@@ -26,13 +26,15 @@ PATH = "stiffness.outcome"
 
 
 def analyzed(state: State) -> State:
-    job = ElasticJob(compute(state).shown_design, state.last_reachable.pose, state.stiffness.case)
+    job = ElasticJob(
+        compute(state).shown_design, state.last_reachable.pose, state.stiffness.settings.case
+    )
     return panel.ANALYSIS.deliver(state, solve(analyze_elasticity, job))
 
 
 def loaded(case: str = "load") -> State:
     design = APPENDIX_4.vary({"payload.mass": 10.0})
-    return analyzed(frame_at(POSE, design).state.updated("stiffness", case=case))
+    return analyzed(frame_at(POSE, design).state.updated("stiffness.settings", case=case))
 
 
 def test_readouts_are_the_models() -> None:
@@ -109,10 +111,10 @@ def test_joints_and_sections_that_are_left_open_are_zero() -> None:
     assert soft.document.design.elastic.guide == 1e7
     assert joint.apply(soft, 0.0).document.design == APPENDIX_4
     section = panel._section("inertia_in", "I", 1.0)
-    given = section.apply(state.updated("stiffness", bar="b8"), 1e-7)
+    given = section.apply(state.updated("stiffness.settings", bar="b8"), 1e-7)
     assert given.document.design.elastic.b8_inertia_in == 1e-7
     assert section.read(given) == 1e-7
-    assert section.read(given.updated("stiffness", bar="b4")) == 0.0
+    assert section.read(given.updated("stiffness.settings", bar="b4")) == 0.0
 
 
 def test_motors_that_compensate_are_the_models() -> None:
