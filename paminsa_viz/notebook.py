@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.files.atomic import write_bytes
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.reach import home_pose
@@ -85,6 +86,7 @@ class InlinePicture:
         write_bytes(path, self.svg)
 
 
+@of_design
 def robot_view(
     design: Design = APPENDIX_4,
     pose: ArrayLike | None = None,
@@ -127,6 +129,7 @@ def motion_view(
     return InlinePage(motion_html(design, trajectory), height)
 
 
+@of_design
 def map_view(
     design: Design = APPENDIX_4,
     pose: ArrayLike | None = None,

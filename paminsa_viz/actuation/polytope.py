@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.actuation.wrench_capability import capability
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
@@ -124,6 +125,7 @@ def _point_inside(half_planes: Array) -> Array | None:
     return found.x[:2] if found.status == 0 and found.x[2] > 1e-9 else None
 
 
+@of_design
 def wrench_polytope(design: Design, pose: ArrayLike) -> WrenchPolytope:
     """Return the wrench polytope of a design at one pose (4,) [m, m, rad, m].
 

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.actuation.transmission import SPEED_ROWS
 from paminsa_viz.model import backend
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import OutputLimits
@@ -53,6 +54,7 @@ class ActuatorLimits(NamedTuple):
     speed: Array
 
 
+@of_design
 def actuator_limits(design: Design) -> ActuatorLimits:
     """Return the limits of a design's drives, those of `DEFAULT_LIMITS` where they have none.
 
@@ -215,6 +217,7 @@ def _least(room: Array, size: Array, axis: int = 0) -> Array:
         return np.where(size > 0, room / size, np.where(room < 0, room, np.inf)).min(axis=axis)
 
 
+@of_design
 def capability(design: Design, pose: ArrayLike) -> Capability:
     """Return the capability at poses (..., 4) [m, m, rad, m]."""
     pose = as_vectors(pose, "pose")

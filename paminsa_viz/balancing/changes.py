@@ -8,6 +8,7 @@ import numpy as np
 
 from paminsa_viz.balancing.program import Levers, Variable
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design, of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import PARAMETER, Design, Geometry
 from paminsa_viz.model.leg_points import bar_length, bar_point, counterweight_point
@@ -101,6 +102,7 @@ def beyond(bar: str, joint: int, longest: float, most: float) -> CounterweightRa
     return CounterweightRange(bar, joint, 0.0, longest, most)
 
 
+@of_geometry
 def along(geometry: Geometry, bar: str, most: float) -> CounterweightRange:
     """Return the range between the two joints of a bar, up to a mass [kg]."""
     return CounterweightRange(bar, BAR_ENDS[bar][0], -bar_length(geometry, bar), 0.0, most)
@@ -179,6 +181,7 @@ def _inertias(mass: MassRange) -> list[str]:
     return [path for path in MASS_PATHS if path.startswith(f"inertias.{name}_")]
 
 
+@of_design
 def whole_mass(design: Design) -> float:
     """Return the mass of all that moves, all three legs, platform and payload [kg]."""
     paths = [path for path in MASS_PATHS if PARAMETER[path].group in ("joints", "links")]

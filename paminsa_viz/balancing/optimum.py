@@ -13,6 +13,7 @@ from paminsa_viz.balancing.program import Infeasible, Program, Solution
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.balancing.terms import Term, deviations
 from paminsa_viz.errors import InvalidInput, PaminsaError
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
 
 WIDER = 100.0
@@ -154,6 +155,7 @@ class InfeasibleBounds(PaminsaError):
         super().__init__(f"the bounds do not allow it: {shortfalls}; {remedy}")
 
 
+@of_design
 def optimize(
     design: Design,
     changes: Changes,

@@ -27,6 +27,7 @@ from paminsa_viz.balancing.optimum import (
 from paminsa_viz.balancing.program import Infeasible, Levers, Program, Solution, SolverFailed
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.balancing.terms import MP2, AddedMass, MassChange
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.statics import static_imbalance
 
@@ -39,6 +40,7 @@ MOST_ADDED = 20.0
 """By how much each of them may grow by default [kg]."""
 
 
+@of_design
 def paper_changes(design: Design, most: float = MOST_ADDED) -> Changes:
     """Return what the paper's balance may change: the masses in M_p2, each only upward.
 
@@ -55,6 +57,7 @@ def paper_changes(design: Design, most: float = MOST_ADDED) -> Changes:
     )
 
 
+@of_design
 def balance(
     design: Design,
     changes: Changes | None = None,

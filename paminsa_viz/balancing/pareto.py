@@ -16,6 +16,7 @@ from paminsa_viz.balancing.changes import Changes
 from paminsa_viz.balancing.optimum import Optimum, optimize
 from paminsa_viz.balancing.terms import Term
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
 from paminsa_viz.progress import Progress, go_on
 
@@ -59,6 +60,7 @@ class ParetoFront:
     before: tuple[float, float]
 
 
+@of_design
 def pareto_front(
     design: Design,
     changes: Changes,

@@ -18,6 +18,7 @@ from paminsa_viz.balancing.terms import (
     TrajectoryRms,
 )
 from paminsa_viz.errors import InvalidDesign, InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import PARAMETER, PARAMETERS, Design
 from paminsa_viz.model.grids import Field, Grid, solve_field
@@ -103,6 +104,7 @@ class Tornado:
         return sorted(found, key=lambda bar: -bar.swing(output))
 
 
+@of_design
 def tornado(
     design: Design,
     grid: Grid,

@@ -14,6 +14,7 @@ from paminsa_viz.balancing.program import Program, Variable
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.balancing.springs import Spring, SpringPlace, spring_lengths, unit_spring_torques
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.statics import static_torques
@@ -68,6 +69,7 @@ def springs_of(places: Sequence[SpringPlace], state: Array) -> tuple[Spring, ...
     return tuple(springs)
 
 
+@of_design
 def fit_springs(
     design: Design, places: Sequence[SpringPlace], pose: ArrayLike, *, measure: str = "peak"
 ) -> SpringFit:

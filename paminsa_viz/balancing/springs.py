@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import leg_states
@@ -173,12 +174,14 @@ def _legs(geometry: Geometry, pose: Array) -> LegPosition:
     return leg_states(geometry, pose, still, still)[0]
 
 
+@of_geometry
 def spring_lengths(geometry: Geometry, spring: Spring | SpringPlace, pose: ArrayLike) -> Array:
     """Return how long a spring is, (..., 3 legs) [m]; NaN where the bars cannot close."""
     legs = _legs(geometry, as_vectors(pose, "pose"))
     return _lengths(geometry, legs, spring.first, spring.second)[0]
 
 
+@of_geometry
 def spring_energy(geometry: Geometry, spring: Spring, pose: ArrayLike) -> Array:
     """Return the energy in the three springs together, (...) [J]."""
     stretch = spring_lengths(geometry, spring, pose) - spring.free_length
@@ -202,6 +205,7 @@ def unit_spring_torques(
     return whole, free
 
 
+@of_geometry
 def spring_torques(geometry: Geometry, springs: Sequence[Spring], pose: ArrayLike) -> Array:
     """Return what actuators have to hold against springs, dV/dq, (..., 4) [N m, N].
 

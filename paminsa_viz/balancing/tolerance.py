@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput, name_hint
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.leg_points import counterweight_point
@@ -61,6 +62,7 @@ def _relative(tolerances: Tolerances, paths: list[str]) -> Array:
     return values
 
 
+@of_design
 def mass_tolerance(design: Design, tolerances: Tolerances, pose: ArrayLike) -> MassTolerance:
     """Return the spread of M_p2 and of the static torques of M1..M3 from masses.
 
@@ -131,6 +133,7 @@ LENGTH_PATHS = (
 """Lengths that static torques depend on."""
 
 
+@of_design
 def length_tolerance(
     design: Design, tolerances: Tolerances, pose: ArrayLike, *, samples: int = 200, seed: int = 0
 ) -> LengthTolerance:

@@ -12,6 +12,7 @@ from paminsa_viz.clearance import kernels
 from paminsa_viz.clearance.shapes import ALL_PAIRS, FRAMES, PairGroup, Shapes, shapes_of
 from paminsa_viz.dimensions.placement import BODIES, place_parts
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -72,6 +73,7 @@ def clearance_reason(distance: float, names: tuple[str, str], required: float = 
     return ""
 
 
+@of_design
 def clearance(design: Design, pose: ArrayLike, pairs: Iterable[PairGroup] = ALL_PAIRS) -> Clearance:
     """Return the least clearance between the bodies of a design.
 
@@ -89,6 +91,7 @@ def clearance(design: Design, pose: ArrayLike, pairs: Iterable[PairGroup] = ALL_
     return Clearance(shapes, distance[..., 0], nearest[..., 0], points[..., 0, :, :])
 
 
+@of_design
 def group_clearance(
     design: Design, pose: ArrayLike, groups: Iterable[PairGroup] = tuple(PairGroup)
 ) -> Array:
@@ -102,6 +105,7 @@ def group_clearance(
     return _search(design, pose, shapes, chosen, slots, len(order))[0]
 
 
+@of_design
 def pair_clearance(design: Design, pose: ArrayLike) -> Array:
     """Return the distance of every pair of ``shapes_of(design).pairs``, (..., pairs) [m]."""
     shapes = shapes_of(design)
@@ -126,6 +130,7 @@ class NearestPoints:
     points: Array
 
 
+@of_design
 def nearest_points(
     design: Design, pose: ArrayLike, pairs: Iterable[PairGroup] = ALL_PAIRS
 ) -> NearestPoints | None:

@@ -17,6 +17,7 @@ from paminsa_viz.clearance.leg_shapes import leg_bodies
 from paminsa_viz.clearance.solids import WORLD, Body, BodyPart
 from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.kept import kept
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry, KneeBranch
 from paminsa_viz.model.parameters import Counterweight
@@ -179,6 +180,7 @@ class Shapes:
         return np.array([i for i, g in enumerate(self.groups) if g in chosen], dtype=np.int64)
 
 
+@of_design
 def shapes_of(design: Design) -> Shapes:
     """Return the bodies of a design and the pairs that are checked; the last ones are kept.
 

@@ -23,6 +23,7 @@ from paminsa_viz.codegen.kit import design_header, header, template
 from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.archives import zipped
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques
@@ -65,6 +66,7 @@ class _Variables(NamedTuple):
         return [*self.inputs, *self.tunable, *self.fixed]
 
 
+@of_design
 def build_fmu(design: Design, kind: FmuKind) -> bytes:
     """Return an FMU with its sources and the binary of this platform.
 

@@ -16,6 +16,7 @@ from paminsa_viz.codegen.c99 import C99
 from paminsa_viz.codegen.printer import Printer
 from paminsa_viz.codegen.single import single_precision
 from paminsa_viz.model import kinematic_formulas, measures, robot
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import (
@@ -100,6 +101,7 @@ TOLERANCE = {False: 1e-9, True: max(SINGLE_BOUNDS.values())}
 """What the test program allows, in double and in single precision."""
 
 
+@of_design
 def controller_kit(design: Design, *, single: bool = False) -> dict[str, str]:
     """Return the controller kit of a design: texts by the names of their files.
 

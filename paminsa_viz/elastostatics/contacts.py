@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.elastostatics.leg_frame import leg_frame
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import LEG_AXES
@@ -57,6 +58,7 @@ def pair_name(index: int) -> str:
     return f"{first.upper()}–{second.upper()}"
 
 
+@of_design
 def contacts(design: Design, pose: ArrayLike) -> Contacts:
     """Return the gaps between the bars of each leg that no joint connects.
 

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.elastostatics.modes import Modes, natural_modes
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import NO_DRIVES
@@ -44,6 +45,7 @@ def drive_matrix(design: Design) -> Array:
     return np.diag([elastic.drive_rotary] * 3 + [elastic.drive_linear])
 
 
+@of_design
 def drive_stiffness(design: Design, pose: ArrayLike, *, loaded: bool = True) -> Array:
     """Return K of the drives alone in (x, y, theta, z), (..., 4, 4) [N/m, N, N m/rad].
 
@@ -110,6 +112,7 @@ def _load_rate(design: Design, pose: Array) -> Array:
     return found
 
 
+@of_design
 @np.errstate(all="ignore")
 def drive_modes(design: Design, pose: ArrayLike) -> Modes:
     """Return frequencies and modes of the robot whose drives alone are elastic, held at rest.

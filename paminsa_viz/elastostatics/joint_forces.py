@@ -28,6 +28,7 @@ from paminsa_viz.elastostatics.leg_equilibrium import (
     radial_force,
     solve_plane,
 )
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, together, unfolded
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import friction_torque
@@ -131,6 +132,7 @@ def magnitude(force: Array) -> Array:
     return size
 
 
+@of_design
 def joint_forces(
     design: Design,
     pose: ArrayLike,

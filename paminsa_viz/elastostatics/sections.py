@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.leg_points import bar_length
 
@@ -46,6 +47,7 @@ class TubeFit(NamedTuple):
     axial_ratio: float
 
 
+@of_design
 def tube_fits(design: Design) -> tuple[TubeFit, ...]:
     """Compare the tubes of the pantograph's bars with the design's masses and inertias."""
     found = []

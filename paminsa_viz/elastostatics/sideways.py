@@ -24,6 +24,7 @@ from paminsa_viz.elastostatics.leg_loads import (
     carried,
     leg_rows,
 )
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 
@@ -70,6 +71,7 @@ class SidewaysForces:
         return found
 
 
+@of_design
 def sideways_forces(
     design: Design, pose: ArrayLike, *, load: ArrayLike | None = None, shear: bool = False
 ) -> SidewaysForces:

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.elastostatics.leg_compliance import LegCompliance, leg_compliance
 from paminsa_viz.elastostatics.leg_frame import LegFrame, leg_frame
 from paminsa_viz.elastostatics.leg_loads import PARTS
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors, in_blocks
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
@@ -117,6 +118,7 @@ def field_stiffness(field: Field, design: Design) -> PlatformStiffness:
     return replace(found, design=design)
 
 
+@of_design
 def platform_stiffness(
     design: Design, pose: ArrayLike, *, shear: bool = False
 ) -> PlatformStiffness:
@@ -179,6 +181,7 @@ def _softest(block: Array) -> Array:
         return 1 / (0.5 * (a + d) + np.hypot(0.5 * (a - d), b))
 
 
+@of_design
 def load_wrench(design: Design, pose: ArrayLike) -> Array:
     """Return the wrench of a design's payload and load at P, (..., 6) [N, N m], in base axes.
 
@@ -210,6 +213,7 @@ class StrainShares:
             return self.energy.sum(axis=-2) / self.total[..., None]
 
 
+@of_design
 def strain_shares(
     design: Design, pose: ArrayLike, wrench: ArrayLike | None = None, *, shear: bool = False
 ) -> StrainShares:
@@ -268,6 +272,7 @@ class Compensation:
     tilt: Array
 
 
+@of_design
 def compensate(
     design: Design, pose: ArrayLike, wrench: ArrayLike | None = None, *, shear: bool = False
 ) -> Compensation:

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.elastostatics.leg_frame import LegFrame, leg_frame
 from paminsa_viz.elastostatics.leg_matrices import LegMatrices, leg_matrices
 from paminsa_viz.elastostatics.leg_model import RETAINED
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 
@@ -72,6 +73,7 @@ class Structure:
         return np.concatenate([ends, inside], axis=-1)
 
 
+@of_design
 def structure(
     design: Design, pose: ArrayLike, *, divisions: int = 1, shear: bool = False
 ) -> Structure:

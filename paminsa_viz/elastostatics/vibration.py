@@ -30,6 +30,7 @@ from paminsa_viz.elastostatics.leg_matrices import LegMatrices, leg_matrices
 from paminsa_viz.elastostatics.leg_model import RETAINED
 from paminsa_viz.elastostatics.modes import Modes, natural_modes
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import check_reach
@@ -141,6 +142,7 @@ def iterated_modes(robot: ReducedRobot, count: int = 1) -> Modes:
     return replace(found, shapes=y @ found.shapes)
 
 
+@of_design
 @np.errstate(invalid="ignore")
 def first_frequencies(design: Design, pose: ArrayLike) -> Array:
     """Return the first natural frequency of the whole robot, (...) [Hz].
@@ -169,6 +171,7 @@ def first_frequencies(design: Design, pose: ArrayLike) -> Array:
     return found.reshape(pose.shape[:-1])
 
 
+@of_design
 def robot_modes(
     design: Design,
     pose: ArrayLike,

@@ -45,6 +45,7 @@ from paminsa_viz.files.design_writer import name_problem, write_design
 from paminsa_viz.files.errors import DesignFileError, printable
 from paminsa_viz.files.plain_data import UnusableData, parse_plain_toml
 from paminsa_viz.files.toml_lines import find_line
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.drive import ACTUATORS, Drive
 from paminsa_viz.model.parameters import Counterweight
@@ -103,6 +104,7 @@ def read_bytes(path: str | os.PathLike[str]) -> bytes:
         raise as_file_error(os.fspath(path), error, "read", DesignFileError) from error
 
 
+@of_design
 def save_design(
     design: Design,
     path: str | os.PathLike[str],

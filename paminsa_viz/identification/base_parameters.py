@@ -29,6 +29,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.model.arguments import of_design, of_geometry
 from paminsa_viz.model.arrays import Array, together
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.lumped import (
@@ -73,6 +74,7 @@ LEG_PARAMETERS: tuple[int, ...] = (1, 2, 3, 4, 5, 7, 8, 9)
 _PLACE = {name: place for place, name in enumerate(COEFFICIENTS)}
 
 
+@of_geometry
 def base_matrix(geometry: Geometry, gravity: float = 9.81) -> Array:
     """Return B, (11, 18): b = B c with c in the order of `lumped.COEFFICIENTS`."""
     k, per_b4, per_b8 = (
@@ -115,6 +117,7 @@ SELECTION: Array = _selection()
 """S, (18, 11): base regressor X = Y S. The torques are Y c = X B c for every motion."""
 
 
+@of_design
 def base_parameters(design: Design) -> Array:
     """Return b of a design, (11,) in the order of `BASE_PARAMETERS` [N, kg, kg m^2]."""
     b = base_matrix(design.geometry, design.gravity) @ lumped_coefficients(design)
@@ -134,6 +137,7 @@ def mass_columns(design: Design) -> tuple[Array, Array]:
     return columns, base_parameters(design) - columns @ mass_vector(design)
 
 
+@of_geometry
 def base_regressor(
     geometry: Geometry, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
 ) -> Array:
@@ -151,6 +155,7 @@ def base_regressor(
     return y @ SELECTION
 
 
+@of_geometry
 def leg_base_regressor(
     geometry: Geometry, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
 ) -> Array:
@@ -168,6 +173,7 @@ def leg_base_regressor(
     return found.reshape(*shape, *found.shape[1:])
 
 
+@of_geometry
 def identity_row(geometry: Geometry, gravity: float) -> Array:
     """Return a, (11,), with a b = 0 for any masses: M_p2 - 2 g (b_3 - (k-1)/2 b_4 + k/2 b_5) [N].
 

@@ -27,6 +27,7 @@ from paminsa_viz.identification.information import (
     natural_height,
 )
 from paminsa_viz.identification.multi_sine import MultiSineFamily
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import SPEED_UNITS, TORQUE_UNITS
@@ -106,6 +107,7 @@ class Excitation:
         return float(np.exp(0.5 * self.gain / self.parameters))
 
 
+@of_design
 def optimize_excitation(
     design: Design,
     limits: ExcitationLimits,

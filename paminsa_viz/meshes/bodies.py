@@ -39,6 +39,7 @@ from paminsa_viz.meshes.solids import (
     tube,
     turn,
 )
+from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.kinematics import AXIS_ANGLES
 
@@ -293,6 +294,7 @@ def ground_glb(geometry: Geometry, *, dark: bool = False) -> bytes:
         return make_body("ground", geometry).renamed("dark").glb(plain=True)
 
 
+@of_geometry
 def prepare(geometry: Geometry) -> None:
     """Make and keep every body's GLB, so that no scene need wait for them; the plain ones first."""
     for fine in (False, True):

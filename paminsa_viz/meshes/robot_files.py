@@ -27,6 +27,7 @@ from paminsa_viz.meshes import bodies, loads
 from paminsa_viz.meshes.library import Z_UP, fixed_part
 from paminsa_viz.meshes.part import ACCENT, SURFACES, MeshPart, add_part, glb_bytes
 from paminsa_viz.meshes.solids import Array
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Configuration
 
@@ -41,6 +42,7 @@ _CARRIERS: Final = {
 """Bodies of a leg in `paminsa_viz.dimensions.placement`, and the MuJoCo bodies that carry them."""
 
 
+@of_design
 def assemble_glb(design: Design, configuration: Configuration, *, ground: bool = True) -> bytes:
     """Return the posed robot as a GLB with one named node for each body.
 

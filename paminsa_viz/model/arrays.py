@@ -38,7 +38,8 @@ def as_numbers(values: ArrayLike, argument: str) -> Array:
     except ValueError:
         raise InvalidInput(argument, "the rows have different lengths") from None
     if array.dtype.kind not in "buif":
-        raise InvalidInput(argument, "real numbers are needed")
+        came = type(values).__name__ if array.dtype.kind == "O" else array.dtype.name
+        raise InvalidInput(argument, f"real numbers are needed, not {came}")
     return array.astype(np.float64, copy=False)
 
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import backend
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors, together
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.jacobians import (
@@ -82,6 +83,7 @@ def _finite_rows(values: Array) -> NDArray[np.bool_]:
     return np.einsum("ij,j->i", values, np.zeros(values.shape[1])) == 0.0
 
 
+@of_design
 def inverse_dynamics(
     design: Design,
     pose: ArrayLike,
@@ -144,6 +146,7 @@ def _friction(design: Design, p: Array, v: Array) -> Array:
     return friction_torque(design.actuator_friction, actuator_velocity(design, p, v))
 
 
+@of_design
 @np.errstate(all="ignore")
 def platform_wrench(
     design: Design,
@@ -181,6 +184,7 @@ def platform_wrench(
     return (on_point + on_actuators + masses * a + weight - held).reshape(*shape, 4)
 
 
+@of_design
 def torque_breakdown(
     design: Design,
     pose: ArrayLike,
@@ -227,6 +231,7 @@ def friction_torque(friction: Friction | ActuatorFriction, speed: ArrayLike) -> 
     return friction_formula(viscous, coulomb, friction.transition_speed, speed)
 
 
+@of_design
 def mass_matrix(design: Design, pose: ArrayLike, misprints: Misprint = Misprint.NONE) -> Array:
     """Return M with T = v.M v/2, v = (x', y', theta', z'), (..., 4, 4) [kg, kg m, kg m^2].
 
@@ -247,6 +252,7 @@ def mass_matrix(design: Design, pose: ArrayLike, misprints: Misprint = Misprint.
     return matrix
 
 
+@of_design
 @np.errstate(all="ignore")
 def forward_dynamics(
     design: Design,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, aligned, together
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.jacobians import actuator_velocity
@@ -12,6 +13,7 @@ from paminsa_viz.model.kinematics import inverse_kinematics, leg_states
 from paminsa_viz.model.lumped import Misprint, lumped_coefficients, potential_constant, term_factors
 
 
+@of_design
 def potential_energy(design: Design, pose: ArrayLike) -> Array:
     """Return V, (...) [J] (Eq. 11): zero height is the plane of the guides.
 
@@ -30,6 +32,7 @@ def potential_energy(design: Design, pose: ArrayLike) -> Array:
     return design.gravity * rest + legs.sum(axis=-1)
 
 
+@of_design
 @np.errstate(all="ignore")
 def kinetic_energy(
     design: Design, pose: ArrayLike, velocity: ArrayLike, misprints: Misprint = Misprint.NONE
@@ -69,6 +72,7 @@ def kinetic_energy(
     return total.reshape(shape)
 
 
+@of_design
 @np.errstate(all="ignore")
 def actuator_power(
     design: Design, pose: ArrayLike, velocity: ArrayLike, torque: ArrayLike

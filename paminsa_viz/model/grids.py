@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model import backend, robot
+from paminsa_viz.model.arguments import of_design, of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.model.design import Design, Geometry
@@ -129,6 +130,7 @@ class Field:
         return against
 
 
+@of_geometry
 def solve_field(geometry: Geometry, grid: Grid, *, threads: int | None = None) -> Field:
     """Solve reach and unit torques on a grid; what else the geometry decides is solved on demand.
 
@@ -148,6 +150,7 @@ def solve_field(geometry: Geometry, grid: Grid, *, threads: int | None = None) -
     return Field(grid, geometry, status, leg, threads, solved)
 
 
+@of_design
 def rotary_torques(design: Design, grid: Grid, threads: int | None = None) -> Array:
     """Return the static torques of M1..M3 alone, (3, ...) [N m]; the fastest way to a map.
 

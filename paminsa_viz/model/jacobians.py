@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, aligned, as_vectors
-from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematic_formulas import speed_row_rates, speed_rows, wrench_torques
 from paminsa_viz.model.kinematics import HEADINGS, LEG_AXES
 from paminsa_viz.model.leg import LegVector, leg_vector, mechanism
@@ -21,6 +22,7 @@ def leg_vectors(geometry: Geometry, pose: Array) -> LegVector:
     )
 
 
+@of_geometry
 @np.errstate(all="ignore")
 def closure(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) -> Array:
     """Return s_1..s_4 of Eqs. 16 and 17, (..., 4) [m]; zero where pose and actuators agree.
@@ -38,6 +40,7 @@ def closure(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) -> Array:
     return np.concatenate([s, (lift - q[..., 3] + geometry.shaft_length)[..., None]], axis=-1)
 
 
+@of_geometry
 @np.errstate(all="ignore")
 def closure_matrix(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) -> Array:
     """Return A_ij, the derivatives of s_i by (x, y, theta, z, theta_1..3, Z), (..., 4, 8)."""
@@ -65,6 +68,7 @@ def _matrix(rows: tuple[Array, ...], lift: float, shape: tuple[int, ...]) -> Arr
     return matrix
 
 
+@of_geometry
 @np.errstate(all="ignore")
 def inverse_jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
     """Return G with (theta_1', theta_2', theta_3', Z') = G (x', y', theta', z'), (..., 4, 4)."""
@@ -73,6 +77,7 @@ def inverse_jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
     return _matrix(rows, 1 / geometry.magnification, x.shape)
 
 
+@of_geometry
 @np.errstate(all="ignore")
 def jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
     """Return J, the inverse of `inverse_jacobian`, (..., 4, 4); not finite where it is singular.
@@ -86,6 +91,7 @@ def jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
     return _matrix(rows, geometry.magnification, x.shape)
 
 
+@of_geometry
 @np.errstate(all="ignore")
 def inverse_jacobian_rate(geometry: Geometry, pose: ArrayLike, velocity: ArrayLike) -> Array:
     """Return dG/dt along a platform velocity, (..., 4, 4).
@@ -100,13 +106,15 @@ def inverse_jacobian_rate(geometry: Geometry, pose: ArrayLike, velocity: ArrayLi
     return _matrix(rates, 0.0, x.shape)
 
 
+@of_geometry
 @np.errstate(all="ignore")
-def actuator_velocity(design: Design, pose: ArrayLike, velocity: ArrayLike) -> Array:
+def actuator_velocity(geometry: Geometry, pose: ArrayLike, velocity: ArrayLike) -> Array:
     """Return the actuators' speeds for a platform velocity, (..., 4) [rad/s, m/s]."""
     p, v = aligned(pose=pose, velocity=velocity)
-    return np.einsum("...ij,...j->...i", inverse_jacobian(design.geometry, p), v)
+    return np.einsum("...ij,...j->...i", inverse_jacobian(geometry, p), v)
 
 
+@of_geometry
 @np.errstate(all="ignore")
 def actuator_acceleration(
     geometry: Geometry, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike

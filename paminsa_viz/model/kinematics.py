@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematic_formulas import (
@@ -84,6 +85,7 @@ def _leg_positions(geometry: Geometry, pose: Array) -> LegPosition:
     )  # fmt: skip
 
 
+@of_geometry
 def inverse_kinematics(geometry: Geometry, pose: ArrayLike) -> Configuration:
     """Solve the inverse kinematics (Appendix 1).
 
@@ -150,6 +152,7 @@ def leg_states(
         return g, leg_motion(mechanism(geometry), g, *v, *a)
 
 
+@of_geometry
 def joint_rates(
     geometry: Geometry, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
 ) -> JointMotion:
@@ -214,6 +217,7 @@ class AssemblyModes:
     valid: NDArray[np.bool_]
 
 
+@of_geometry
 @np.errstate(all="ignore")
 def forward_kinematics(geometry: Geometry, actuators: ArrayLike) -> AssemblyModes:
     """Return all poses for given actuator positions, in closed form.
@@ -244,6 +248,7 @@ _BRANCHES = np.array([1.0, -1.0])
 """Both solutions, in the order of `AssemblyModes`."""
 
 
+@of_geometry
 @np.errstate(all="ignore")
 def nearest_solution(geometry: Geometry, actuators: ArrayLike, near: ArrayLike) -> Array:
     """Return the valid assembly mode that lies nearest to a given pose, (..., 4).

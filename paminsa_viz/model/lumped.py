@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from paminsa_viz.model.arguments import of_design, of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import PARAMETERS, Design, Geometry
 from paminsa_viz.model.leg_points import PointWeights, counterweight_point
@@ -200,11 +201,13 @@ def _lumped(geometry: Geometry, gravity: float, masses: Masses, misprints: Mispr
     return list(coefficients_of_masses(masses, k, guide_link, gravity, m7_factor))
 
 
+@of_design
 def mass_vector(design: Design) -> Array:
     """Return the masses and inertias in the order of `MASS_PATHS`, (28,) [kg, kg m^2]."""
     return np.array(_MASS_VALUES(design), dtype=np.float64)
 
 
+@of_design
 def lumped_coefficients(design: Design, misprints: Misprint = Misprint.NONE) -> Array:
     """Return c, (18,), in the order of `COEFFICIENTS` (Appendices 2 and 3).
 
@@ -245,6 +248,7 @@ def point_mass_column(point: PointWeights, gravity: float) -> Array:
     return column
 
 
+@of_geometry
 def lumped_matrix(
     geometry: Geometry, gravity: float = 9.81, misprints: Misprint = Misprint.NONE
 ) -> Array:

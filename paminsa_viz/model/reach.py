@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.errors import UnreachablePose
 from paminsa_viz.model import backend, measures, robot
+from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.leg import mechanism
@@ -117,6 +118,7 @@ def status_words(status: ArrayLike, leg: ArrayLike = -1) -> NDArray[np.str_]:
     return np.char.add(words, legs)
 
 
+@of_geometry
 def check_reach(geometry: Geometry, pose: ArrayLike) -> Reach:
     """Say for each pose whether the robot can take it, with either branch of the knee.
 
@@ -191,6 +193,7 @@ def home_pose(geometry: Geometry) -> tuple[float, float, float, float]:
     return (0.0, 0.0, 0.0, round(z5 - geometry.platform_joint_height, 3))
 
 
+@of_geometry
 def require_reachable(geometry: Geometry, pose: ArrayLike) -> None:
     """Check one pose.
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.model import backend
+from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, together
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.jacobians import actuator_acceleration, jacobian
@@ -23,6 +24,7 @@ BLOCK = 4096
 """States worked on at a time; bounds the memory of the intermediate terms to some 20 MB."""
 
 
+@of_geometry
 @np.errstate(invalid="ignore")
 def torque_regressor(
     geometry: Geometry,
@@ -59,6 +61,7 @@ def torque_regressor(
     return y.reshape(*shape, 4, terms.shape[1])
 
 
+@of_geometry
 def drive_regressor(
     geometry: Geometry, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
 ) -> Array:

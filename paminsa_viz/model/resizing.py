@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.elastic import SECTION_VALUES
@@ -137,6 +138,7 @@ def _grown_sections(design: Design, after: Geometry) -> dict[str, float | None]:
     return found
 
 
+@of_design
 def resized(design: Design, values: Mapping[str, float], law: BarLaw = IN_PROPORTION) -> Design:
     """Return the design with other lengths.
 

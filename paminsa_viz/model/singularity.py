@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.model import backend, measures
+from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import wrap
@@ -34,6 +35,7 @@ NEAR_LOCUS = 1e-6
 """How far from a type-2 singular pose `escape_twist` is still defined [m]."""
 
 
+@of_geometry
 @np.errstate(invalid="ignore")
 def singular_radius(geometry: Geometry, theta: ArrayLike) -> Array:
     """Return the radius of the circle of type-2 singular positions at theta [rad], (...) [m]."""
@@ -42,12 +44,14 @@ def singular_radius(geometry: Geometry, theta: ArrayLike) -> Array:
     return np.sqrt(np.maximum(rb**2 + rp**2 - 2 * rb * rp * np.cos(theta), 0.0))
 
 
+@of_geometry
 def singular_rotation(geometry: Geometry) -> float:
     """Return the |theta| at which every position is singular [rad]; NaN if R_pl > R_b."""
     ratio = geometry.platform_radius / geometry.base_radius
     return float(np.arccos(ratio)) if ratio <= 1 else float("nan")
 
 
+@of_geometry
 def escape_twist(geometry: Geometry, pose: ArrayLike) -> Array:
     """Return t_s, the platform's motion that no actuator feels at a type-2 singular pose, (..., 4).
 
@@ -109,6 +113,7 @@ class Singularity:
     serial_distance: Array
 
 
+@of_geometry
 def measure_singularity(geometry: Geometry, pose: ArrayLike) -> Singularity:
     """Measure poses (..., 4) [m, m, rad, m] against every singularity.
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.model import backend, robot
+from paminsa_viz.model.arguments import of_design, of_geometry
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import PARAMETER, Design, Geometry
 from paminsa_viz.model.jacobians import jacobian
@@ -30,6 +31,7 @@ UNIT_TORQUES = backend.Formula(robot.unit_torques, 4)
 """Gamma of M1..M4, see `unit_torques`."""
 
 
+@of_geometry
 def unit_torques(geometry: Geometry, pose: ArrayLike) -> Array:
     """Return Gamma, (..., 4): static torques [m] and force [1] of M1..M4 for M_p2 = 1 N.
 
@@ -41,6 +43,7 @@ def unit_torques(geometry: Geometry, pose: ArrayLike) -> Array:
     return gamma.reshape(pose.shape)
 
 
+@of_design
 def lift_constant(design: Design) -> float:
     """Return the part of F_4 that does not depend on the pose [N].
 
@@ -51,6 +54,7 @@ def lift_constant(design: Design) -> float:
     return float(k * (c[16] * design.gravity + 3 * c[0]) + 3 * c[2])
 
 
+@of_design
 @np.errstate(invalid="ignore")
 def static_torques(design: Design, pose: ArrayLike) -> Array:
     """Return Q^st, the torques of M1..M3 [N m] and the force of M4 [N] that hold the robot.
@@ -70,6 +74,7 @@ def static_torques(design: Design, pose: ArrayLike) -> Array:
     return torque
 
 
+@of_geometry
 @np.errstate(invalid="ignore")
 def load_torques(
     geometry: Geometry, load: LoadCase, pose: ArrayLike, extra: ArrayLike | None = None
@@ -89,6 +94,7 @@ def load_torques(
     return -np.einsum("...ij,...i->...j", jacobian(geometry, pose), w)
 
 
+@of_design
 def static_imbalance(design: Design) -> float:
     """Return M_p2 [N]: zero means statically balanced: no torque of M1..M3 anywhere (Eq. 8)."""
     return float(lumped_coefficients(design)[1])
@@ -125,6 +131,7 @@ BODIES: tuple[str, ...] = tuple(
 """Bodies of a leg that have weight."""
 
 
+@of_design
 @np.errstate(invalid="ignore")
 def static_breakdown(design: Design, pose: ArrayLike) -> StaticBreakdown:
     """Split the static torques by body and leg (Eq. 1); arguments as in `static_torques`."""

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.precision.calibration_problem import COUNT, GAP, CalibrationProblem
@@ -100,6 +101,7 @@ class Calibration:
         return bool(np.linalg.norm(new.rms * scale) < np.linalg.norm(old.rms * scale))
 
 
+@of_design
 def calibrate(
     design: Design, measured: Measurements, *, validate: float = 0.0, seed: int = 0
 ) -> Calibration:

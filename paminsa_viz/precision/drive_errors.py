@@ -30,6 +30,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.kept import kept
 from paminsa_viz.model import backend
 from paminsa_viz.model.accuracy import DriveAccuracy
+from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, as_vectors, unfolded
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.grids import WRENCH_TORQUES, Field
@@ -115,6 +116,7 @@ class DriveErrors:
         return self.bound == Bound.OK
 
 
+@of_geometry
 def drive_errors(geometry: Geometry, accuracy: DriveAccuracy, pose: ArrayLike) -> DriveErrors:
     """Return the errors at poses.
 

@@ -18,6 +18,7 @@ from paminsa_viz.model.accuracy import (
     Leg3Deviations,
     LegDeviations,
 )
+from paminsa_viz.model.arguments import of_design, of_geometry
 from paminsa_viz.model.arrays import Array, as_numbers
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES
@@ -50,6 +51,7 @@ INDEX: dict[str, int] = {name: index for index, name in enumerate(LENGTH_NAMES)}
 """Place of a length on the last axis, by its name."""
 
 
+@of_geometry
 def nominal_lengths(geometry: Geometry) -> Array:
     """Return the lengths of a robot as it was drawn, (3, 14) [m, rad]."""
     g, share = geometry, 1 / geometry.magnification
@@ -78,11 +80,13 @@ def deviation_array(design: Design) -> Array:
     return np.array([astuple(leg) for leg in design.deviations])
 
 
+@of_design
 def design_lengths(design: Design) -> Array:
     """Return the lengths of a design's legs, deviations included, (3, 14) [m, rad]."""
     return nominal_lengths(design.geometry) + deviation_array(design)
 
 
+@of_design
 def with_deviations(design: Design, values: ArrayLike) -> Design:
     """Return a design whose legs have the deviations (3, 14) [m, rad].
 

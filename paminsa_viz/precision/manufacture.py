@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.kept import kept
 from paminsa_viz.model.accuracy import NO_TOLERANCES, Tolerances
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors, in_blocks
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
@@ -88,6 +89,7 @@ class ToleranceErrors:
     shares: Array
 
 
+@of_design
 def tolerance_errors(design: Design, pose: ArrayLike) -> ToleranceErrors:
     """Return the errors by a design's tolerances at poses (..., 4); NaN out of reach."""
     pose = as_vectors(pose, "pose")
@@ -107,6 +109,7 @@ def _field_errors(field: Field, design: Design) -> ToleranceErrors:
     return tolerance_errors(design, field.grid.poses())
 
 
+@of_design
 def manufactured_pose(design: Design, pose: ArrayLike) -> UnequalPose:
     """Return where a design's legs put the platform if the controller takes all legs as equal.
 
@@ -138,6 +141,7 @@ def _lengths_alone(field: Field, design: Design, tolerances: Tolerances) -> Desi
     )  # fmt: skip
 
 
+@of_design
 def design_sensitivities(design: Design, pose: ArrayLike) -> Sensitivities:
     """Return the first-order errors of a design's own legs at poses (..., 4)."""
     lengths = design_lengths(design)
@@ -240,6 +244,7 @@ class MonteCarlo:
         return np.quantile(sizes, share, axis=0, method="inverted_cdf")
 
 
+@of_design
 def monte_carlo(
     design: Design,
     pose: ArrayLike,

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.precision.leg_lengths import INDEX, LENGTHS, nominal_lengths
@@ -97,6 +98,7 @@ def predict(design: Design, deviations: ArrayLike, measured: Measurements) -> Un
     return solve_pose(design.geometry, lengths, measured.actuators, measured.poses[:, :4])
 
 
+@of_design
 def prediction_errors(
     design: Design, deviations: ArrayLike, measured: Measurements
 ) -> PredictionErrors:

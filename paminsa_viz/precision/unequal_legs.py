@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import LEG_AXES, Configuration, inverse_kinematics
@@ -89,6 +90,7 @@ class UnequalPose(NamedTuple):
         return np.concatenate([self.pose, self.tilt], axis=-1)
 
 
+@of_geometry
 def solve_pose(
     geometry: Geometry, lengths: ArrayLike, actuators: ArrayLike, near: ArrayLike
 ) -> UnequalPose:
@@ -112,6 +114,7 @@ def solve_pose(
     return _solve(geometry, lengths, state, _FORWARD, side)
 
 
+@of_geometry
 def solve_actuators(geometry: Geometry, lengths: ArrayLike, pose: ArrayLike) -> UnequalPose:
     """Solve the inverse kinematics with unequal legs: actuators and tilt for wanted poses (..., 4).
 
@@ -149,6 +152,7 @@ def nominal_pose(geometry: Geometry, pose: ArrayLike) -> UnequalPose:
     )  # fmt: skip
 
 
+@of_geometry
 def sensitivities(geometry: Geometry, lengths: ArrayLike, solution: UnequalPose) -> Sensitivities:
     """Return the first-order errors of legs (..., 3, 14) at solved poses.
 

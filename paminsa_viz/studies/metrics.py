@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.balancing.changes import whole_mass
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field, Grid, solve_field
@@ -78,6 +79,7 @@ class Region:
         return np.hypot(x[None, :], y[:, None]) <= self.radius
 
 
+@of_design
 def default_region(design: Design) -> Region:
     """Return half the base radius about the center, at 0 and 30 degrees, at the home height."""
     height = home_pose(design.geometry)[3]
@@ -235,6 +237,7 @@ def global_indices(keys: Sequence[str]) -> tuple[Metric[RegionResults], ...]:
     return tuple(metric(quantity, *kind) for quantity in find(keys) for kind in kinds)
 
 
+@of_design
 def measure_design(
     design: Design,
     region: Region,
@@ -270,6 +273,7 @@ MOTION_METRICS: tuple[Metric[TrajectoryAnalysis], ...] = (
 RUNS = str(status_words(Limit.OK))  # word for a motion that a design can run
 
 
+@of_design
 def measure_motion(design: Design, trajectory: Trajectory) -> tuple[str, float, tuple[float, ...]]:
     """Return a word, a time [s] and the `MOTION_METRICS` [SI] of a design on a motion.
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import COORDINATES, Field, Grid, solve_field
@@ -36,6 +37,7 @@ class SweepSummary:
     largest_at: dict[str, tuple[float, ...]]
 
 
+@of_design
 def sweep_blocks(
     design: Design,
     grid: Grid,
@@ -58,6 +60,7 @@ def sweep_blocks(
         yield part, field, {q.key: q.over(field, design) for q in found}
 
 
+@of_design
 def sweep(
     design: Design,
     grid: Grid,

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import TorqueBreakdown
@@ -188,6 +189,7 @@ class TrajectoryAnalysis:
         return self.work.sum(axis=1) + given - (self.energy - self.energy[0])
 
 
+@of_design
 def analyze(
     design: Design,
     trajectory: Trajectory,

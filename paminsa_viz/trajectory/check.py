@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.errors import InvalidInput, PaminsaError
+from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import wrap
@@ -123,6 +124,7 @@ class ImpossibleTrajectory(PaminsaError):
         super().__init__(f"the trajectory cannot be run: {event.explanation}")
 
 
+@of_geometry
 def check_path(
     geometry: Geometry, trajectory: Trajectory, clearance: float = SINGULAR_CLEARANCE
 ) -> PathCheck:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import mass_matrix
@@ -78,6 +79,7 @@ class Controller:
         return Gains(mode, stiffness, damping, p, d)
 
 
+@of_design
 def actuator_inertia(design: Design, pose: ArrayLike) -> Array:
     """Return what each actuator feels of the robot's inertia at a pose, (..., 4) [kg m^2, kg]."""
     j = jacobian(design.geometry, pose)

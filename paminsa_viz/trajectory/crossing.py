@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput, PaminsaError
+from paminsa_viz.model.arguments import of_design, of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.dynamics import platform_wrench
@@ -113,6 +114,7 @@ class CrossingRefused(PaminsaError):
         super().__init__(problem)
 
 
+@of_geometry
 def crossings(geometry: Geometry, path: Path) -> tuple[Crossing, ...]:
     """Return where a path meets type-2 loci, in its order.
 
@@ -200,6 +202,7 @@ def path_coefficients(design: Design, path: Path, s: Array) -> tuple[Array, Arra
     return by_growth - constant, by_rate - constant, constant
 
 
+@of_design
 def crossing_condition(design: Design, path: Path, s: float) -> CrossingCondition:
     """Return the condition that a motion on a path has to satisfy where it crosses a locus.
 

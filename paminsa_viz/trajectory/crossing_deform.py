@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.singularity import escape_twist
@@ -78,6 +79,7 @@ class DeformedPlan:
     deviation: float
 
 
+@of_design
 def plan_deformed(
     design: Design,
     path: Path,

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import mass_matrix, platform_wrench
@@ -26,6 +27,7 @@ UNPLANNED_LAW = TimeLaw(Profile.QUINTIC)
 """What a motion is compared with that does not meet the condition."""
 
 
+@of_design
 def escape_inertia(design: Design, pose: ArrayLike) -> Array:
     """Return t_s^T M t_s at type-2 singular poses (..., 4), (...) [kg m^2].
 
@@ -52,6 +54,7 @@ class CrossingDrift:
     shift: tuple[float, ...]
 
 
+@of_design
 def payload_drift(
     design: Design, found: TimeOptimalPlan, error: float, clearance: float = SINGULAR_CLEARANCE
 ) -> tuple[CrossingDrift, ...]:
@@ -125,6 +128,7 @@ class CrossingLoad:
     torque: tuple[float, ...]
 
 
+@of_design
 def crossing_loads(design: Design, trajectory: Trajectory) -> tuple[CrossingLoad, ...]:
     """Return what a robot needs at the planned crossings of a motion, friction left out.
 

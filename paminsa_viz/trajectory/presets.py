@@ -11,6 +11,7 @@ from functools import partial
 
 import numpy as np
 
+from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.reach import workspace_height
@@ -22,6 +23,7 @@ _FROM = (-0.08, 0.06, -0.4, -0.08)
 _TO = (0.1, -0.05, 0.5, 0.08)
 
 
+@of_geometry
 def preset_center(geometry: Geometry) -> Array:
     """Return the pose (4,) about which the presets lie, in the middle of the natural side.
 
@@ -63,6 +65,7 @@ class Preset:
     build: Callable[[Geometry], Plan]
 
 
+@of_geometry
 def paper_like(geometry: Geometry) -> Plan:
     """Return a move of all four coordinates whose largest acceleration is exactly 1 m/s^2.
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput, PaminsaError
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import forward_dynamics
@@ -122,6 +123,7 @@ class SimulationFailed(PaminsaError):
         super().__init__(f"the simulation failed at {t:.4g} s: {message}")
 
 
+@of_design
 def simulate(
     design: Design,
     trajectory: Trajectory,

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque
@@ -166,6 +167,7 @@ class SolvedTrajectory:
         )
 
 
+@of_geometry
 def solve_trajectory(
     geometry: Geometry,
     trajectory: Trajectory,

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import Limit, reach_status
@@ -103,6 +104,7 @@ class TimeOptimalPlan:
         return self.curve.path
 
 
+@of_design
 def time_optimal(
     design: Design,
     path: Path,

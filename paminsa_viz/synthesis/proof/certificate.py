@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grid import Grid
@@ -37,6 +38,7 @@ from paminsa_viz.synthesis.proof.regions import PoseRegion
 FIXED = (False, False, False)
 
 
+@of_design
 def prove(
     design: Design,
     requirements: Requirements,

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.progress import Progress, go_on
@@ -222,6 +223,7 @@ class LargestWorkspace:
     seconds: float
 
 
+@of_design
 def largest_workspace(
     design: Design,
     requirements: Requirements,

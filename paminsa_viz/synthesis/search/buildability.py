@@ -13,6 +13,7 @@ import numpy as np
 
 from paminsa_viz.clearance import clearance
 from paminsa_viz.dimensions.needs import needed_guide, needed_shaft
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import mass_vector
@@ -104,6 +105,7 @@ def best_height(design: Design, workspace: Workspace, theta: Range) -> Workspace
     return placed[int(np.argmax(margins.min(axis=1)))]
 
 
+@of_design
 def buildability(design: Design, workspace: Workspace, theta: Range) -> Buildability:
     """Return whether a robot can be built as it is drawn, and how stiff it is.
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grid import xy_grid
@@ -112,6 +113,7 @@ class Slice:
     causes: tuple[VolumeCause, ...]
 
 
+@of_design
 def cause_slice(
     design: Design,
     requirements: Requirements,

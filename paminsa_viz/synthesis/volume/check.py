@@ -7,6 +7,7 @@ from enum import Enum
 
 import numpy as np
 
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
 from paminsa_viz.progress import Progress, go_on, keep_on
 from paminsa_viz.quantities.requirement_text import requirement_label
@@ -66,6 +67,7 @@ class RequirementsCheck:
         return self.over is not Over.BEST and all(item.holds for item in self.items)
 
 
+@of_design
 def check_requirements(
     design: Design,
     requirements: Requirements,

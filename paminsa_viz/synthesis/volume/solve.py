@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.progress import Progress, go_on
@@ -120,6 +121,7 @@ class Volume:
         return {self.causes[code]: codes[code] / count for code in np.flatnonzero(codes)}
 
 
+@of_design
 def solve_volume(
     design: Design,
     requirements: Requirements,

@@ -1,0 +1,69 @@
+"""Checks on the robot that a public function takes as its first argument.
+
+A function of lengths takes a whole `Design` as well; what is no robot at all is refused in one
+line that says which argument, what came and what is allowed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.design import Design, Geometry
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def of_geometry(
+    function: Callable[Concatenate[Geometry, P], R],
+) -> Callable[Concatenate[Geometry | Design, P], R]:
+    """Let a function whose first argument is a `Geometry` take a `Design`, and refuse all else.
+
+    The decorated function raises InvalidInput if its first argument is neither.
+    """
+
+    def geometry_of(value: object) -> Geometry:
+        if isinstance(value, Geometry):
+            return value
+        if isinstance(value, Design):
+            return value.geometry
+        raise InvalidInput("geometry", f"a Geometry or a Design is needed, not {_kind(value)}")
+
+    return cast(Any, _checked(function, "geometry", geometry_of))
+
+
+def of_design(function: Callable[Concatenate[Design, P], R]) -> Callable[Concatenate[Design, P], R]:
+    """Let a function whose first argument is a `Design` refuse all else.
+
+    The decorated function raises InvalidInput if its first argument is no design.
+    """
+
+    def design_of(value: object) -> Design:
+        if isinstance(value, Design):
+            return value
+        raise InvalidInput("design", f"a Design is needed, not {_kind(value)}")
+
+    return cast(Any, _checked(function, "design", design_of))
+
+
+def _checked(
+    function: Callable[..., R], argument: str, check: Callable[[object], object]
+) -> Callable[..., R]:
+    @wraps(function)
+    def checked(*args: Any, **named: Any) -> R:
+        if args:
+            return function(check(args[0]), *args[1:], **named)
+        if argument in named:
+            named[argument] = check(named[argument])
+        return function(**named)
+
+    return checked
+
+
+def _kind(value: object) -> str:
+    """Return the type of a value that is refused, with its article."""
+    name = type(value).__name__
+    return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
