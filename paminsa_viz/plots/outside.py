@@ -78,7 +78,8 @@ def paint_outside(
     """
     code = outside.code[rows, columns]
     step, thick = max(round(SPACING * em), 4), max(round(em / 11), 1)
-    lines = _lines(*code.shape, step, thick)
+    height, width = code.shape
+    lines = _lines(height, width, step, thick)
     direction = (np.arange(len(outside.reasons)) - 1) % len(STROKES)
     colors = np.zeros((len(outside.reasons), 4), dtype=np.uint8)
     colors[1:, :3] = [rgb(color) for color in outside.colors[1:]]

@@ -153,7 +153,7 @@ def test_keys_alone_reach_every_control_and_show_where_they_are(tab: Tab, name: 
     tab.wait_frames(500)
     tab.page.evaluate("document.activeElement.blur()")
     count = tab.page.evaluate(CONTROLS)
-    assert count > 25
+    assert count >= 20
     reached: set[int] = set()
     for _ in range(count + 20):
         tab.page.keyboard.press("Tab")
@@ -320,4 +320,4 @@ def test_layout_is_the_same_however_many_pixels_the_view_has(
         until(lambda: coarse.session.pixel_ratio == 0.5, "half of one for one of the page's")
     fitted = camera_of(edges[1] - edges[0], 700)
     until(lambda: np.allclose(coarse.session.camera[1], fitted, atol=3e-3), "it fits again")
-    assert coarse.session.window == (1280, 720)
+    until(lambda: coarse.session.window == (1280, 700), "the window's newest size")

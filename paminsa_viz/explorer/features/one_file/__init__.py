@@ -55,8 +55,11 @@ FORMULAS = (
 )
 """What the page computes with, and all that these call."""
 
-SHOWN_TABS = ("Masses", "Geometry", "Load")
-"""Tabs of the design's numbers that change what the page shows."""
+SHOWN_TABS = ("Lengths", "Masses", "Load")
+"""Sections of the design's numbers that change what the page shows."""
+
+ONLY_MOVING = ("platform.inertia", "payload.inertia", "inertias.", "friction.")
+"""Starts of the paths of numbers among them that change nothing at rest."""
 
 ONLY_SERVED = (
     "motions, balance, springs, tolerances, drives, accuracy, stiffness, clearance, "
@@ -143,7 +146,7 @@ def _data(document: Document) -> dict[str, Any]:
                 ],
             }
             for group in design_numbers.GROUPS
-            if group.tab in SHOWN_TABS
+            if group.tab in SHOWN_TABS and not set(group.prefixes) & set(ONLY_MOVING)
         ],
         "onlyServed": ONLY_SERVED,
     }
