@@ -44,7 +44,7 @@ def test_table_over_the_region_has_the_statistics(capsys) -> None:
     values = (*worst.values(), linear["median"], rms["median"])
     texts = " ".join(format_ascii(value, "m:um", 3) for value in values)
     _, printed, _ = run("accuracy", capsys, "--cells", "8")
-    assert f"in the plane {texts}" in " ".join(printed.split())
+    assert f"position {texts}" in " ".join(printed.split())
     assert linear["median"] < linear["p95"]
 
 

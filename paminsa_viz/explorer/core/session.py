@@ -24,6 +24,7 @@ from paminsa_viz.explorer.core.frame import Frame, compute
 from paminsa_viz.explorer.core.history import History, Snapshot
 from paminsa_viz.explorer.core.motion import advance_time
 from paminsa_viz.explorer.core.motion_results import MotionStore
+from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.state import State, Steps
 from paminsa_viz.kept import User
 from paminsa_viz.model import PaminsaError
@@ -93,6 +94,7 @@ class Session:
         user: The tab as one who works with results that are kept.
         open_tabs: Paths of the tabs that are open, None until the page has said so.
         paths: Paths of the tabs of sections by their names.
+        linked: The document that the page's address was told last.
     """
 
     def __init__(
@@ -126,6 +128,7 @@ class Session:
         self.user = User()
         self.open_tabs: frozenset[str] | None = None
         self.paths: Mapping[str, str] = {}
+        self.linked: Document | None = None
         self._turn = 0
         self._frame_due: float | None = None
         self._thread: threads.Running | None = None

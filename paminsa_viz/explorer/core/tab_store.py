@@ -195,7 +195,8 @@ def open_link(session: Session, data: object) -> None:
 
 def follow_link(session: Session) -> None:
     """Write the document to the address of the page; one too long for a code leaves it empty."""
-    code = persistence.share_code(session.state.document)
+    session.linked = session.state.document
+    code = persistence.share_code(session.linked)
     session.bridge.call("followLink", code if len(code) <= persistence.LONGEST_CODE else "")
 
 
@@ -219,4 +220,5 @@ class TabStore:
         if text != self._kept:
             self._kept = text
             self._session.bridge.save(text)
+        if self._session.linked is not self._session.state.document:
             follow_link(self._session)

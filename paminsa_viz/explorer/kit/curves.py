@@ -18,7 +18,7 @@ from paminsa_viz.plots.series_uplot import (
 LOWEST, HIGHEST = 158, 340
 """Height of a chart with its heading and axis [px]."""
 
-OTHERS = 300
+OTHERS = 308
 """What else is in the dock with two charts [px]: tabs, caption, numbers, inputs."""
 
 PLACE = "motion"
