@@ -18,6 +18,7 @@ from paminsa_viz.errors import PaminsaError
 from paminsa_viz.explorer.core import actions, tab_store
 from paminsa_viz.explorer.core.persistence import share_code
 from paminsa_viz.explorer.state.balance import CounterweightSlot, Goal
+from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.drives import DriveSettings
 from paminsa_viz.explorer.state.maps import MapView, RangeMode
 from paminsa_viz.explorer.state.settings import Settings
@@ -165,6 +166,7 @@ class Saver:
         self.state = state
         self.saved: list[str] = []
         self.called: list[tuple[str, str]] = []
+        self.linked: Document | None = None
         self.bridge = SimpleNamespace(
             save=self.saved.append, call=lambda *call: self.called.append(call)
         )
@@ -186,6 +188,20 @@ def test_changes_are_saved_while_the_page_is_not_idle_but_not_with_every_frame(
     assert session.saved[-1] == tab_store.dump(session.state)
     assert len(session.called) == len(session.saved)
     assert session.called[-1] == ("followLink", share_code(session.state.document))
+
+
+def test_address_follows_back_to_what_is_saved_already() -> None:
+    """A link is opened and left again before the page is idle: what is saved has not changed."""
+    session = Saver(initial_state())
+    store = tab_store.TabStore(cast(Any, session))
+    store.draw(cast(Any, None), dragging=False)
+    first = session.state
+    session.state = first.updated("document", pose=(0.01, 0.0, 0.0, -0.5))
+    tab_store.follow_link(cast(Any, session))
+    session.state = first
+    store.draw(cast(Any, None), dragging=False)
+    assert session.called[-1] == ("followLink", share_code(first.document))
+    assert len(session.saved) == 1
 
 
 def test_address_of_a_document_too_long_for_a_code_is_empty(
