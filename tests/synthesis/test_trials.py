@@ -78,7 +78,7 @@ def test_reach_margins_are_the_least_over_all_poses(shape, rb, rp, size, at, tur
     dense = check_reach(geometry, poses_of(workspace, theta, 20000, 1)).margins
     least = dense.reshape(-1, 4).min(axis=0)
     assert (found <= least + 1e-12).all()
-    assert found == pytest.approx(least, abs=0.02)  # as dense as the poses are
+    assert found == pytest.approx(least, abs=0.05)  # as dense as the poses are
 
 
 @pytest.mark.parametrize("name", GOOD)
