@@ -18,7 +18,7 @@ from playwright.sync_api import sync_playwright
 from paminsa_viz.app import App, AppOptions
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
-from paminsa_viz.explorer.features.identify import actions as identify_actions
+from paminsa_viz.explorer.features.identification import actions as identify_actions
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.example_logs import example_log
 from paminsa_viz.model import APPENDIX_4, Design, backend
@@ -82,14 +82,14 @@ def requirements(tab: Tab) -> None:
 
 def volume(tab: Tab) -> None:
     """Wait for the volume of the requirements, finely sampled."""
-    until(lambda: tab.state.requiring.fine is not None, "the volume")
+    until(lambda: tab.state.requirements.fine is not None, "the volume")
 
 
 def synthesize(tab: Tab) -> None:
     requirements(tab)
-    tab.open_tab("Synthesize")
+    tab.open_tab("Synthesis")
     tab.click("Search")
-    until(lambda: tab.state.synthesizing.outcome is not None, "the answer", 300.0)
+    until(lambda: tab.state.synthesis.outcome is not None, "the answer", 300.0)
     tab.page.get_by_role("button", name="Open as current design").scroll_into_view_if_needed()
 
 
@@ -120,16 +120,16 @@ def vibration(tab: Tab) -> None:
 
 
 def identify(tab: Tab) -> None:
-    tab.open_tab("Identify")
+    tab.open_tab("Identification")
     log = example_log()
     tab.dispatch(lambda state: identify_actions.use_log(state, "log", log))
-    until(lambda: tab.state.identifying.result is not None, "the log is identified")
+    until(lambda: tab.state.identification.result is not None, "the log is identified")
 
 
 def drives(tab: Tab) -> None:
     tab.open_tab("Drives")
     tab.click("Find drives")
-    until(lambda: tab.state.driving.result is not None, "the drives")
+    until(lambda: tab.state.drives.result is not None, "the drives")
 
 
 def forces(tab: Tab) -> None:

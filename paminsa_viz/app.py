@@ -44,6 +44,10 @@ FIRST_TAB_TIMEOUT = 2.0
 COLLECTION_DELAY = 3.0
 """Time from the closing of a page to the freeing of its memory [s]."""
 
+TRIM_PERIOD = 20.0
+"""How often memory that open pages no longer need is given back [s]: glibc keeps it, and beside
+what is in use that can be as much again."""
+
 M_ARENA_MAX, ARENAS = -8, 2
 """How many pools of memory glibc keeps. With one for every thread, half of what the pages take
 stays with the program when they are closed."""
@@ -172,17 +176,20 @@ class App:
         self._closed_page.set()
 
     def _free_memory(self) -> None:
-        """Free what closed pages held, soon after they are gone.
+        """Free what closed pages held, soon after they are gone, and at times what open ones did.
 
         A page of viser and its callbacks hold each other, so only the garbage collector frees them;
         on its own it would do so after hundreds of megabytes.
         """
-        while self._closed_page.wait() and not self._stopped.wait(COLLECTION_DELAY):
-            self._closed_page.clear()
-            from paminsa_viz.plots.text import close_fonts
+        while not self._stopped.is_set():
+            if self._closed_page.wait(TRIM_PERIOD):
+                if self._stopped.wait(COLLECTION_DELAY):
+                    return
+                self._closed_page.clear()
+                from paminsa_viz.plots.text import close_fonts
 
-            close_fonts()
-            gc.collect()
+                close_fonts()
+                gc.collect()
             call_allocator("malloc_trim", 0)
 
     def stop(self) -> None:

@@ -1,6 +1,7 @@
-"""The robot at a pose as files of other programs: what there is, and what each is for.
+"""The robot as files of other programs: what there is, and what each is for.
 
-The command ``paminsa-viz export`` and the page's tab *Export* read `TARGETS`.
+The command ``paminsa-viz export`` reads `TARGETS`; the page's tab *Export* reads `CODE` as well,
+which is what ``paminsa-viz code`` writes into a folder.
 """
 
 from __future__ import annotations
@@ -8,10 +9,16 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
 
+from paminsa_viz.files.archives import zipped
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import inverse_kinematics
+
+if TYPE_CHECKING:
+    from paminsa_viz.codegen.fmu import FmuKind
 
 Files = dict[str, bytes]
 """Contents by what follows the file's name: its ending, or that of a file beside it."""
@@ -82,6 +89,21 @@ def _dxf(design: Design, pose: Array, servos: bool) -> Files:
     return {".dxf": dxf_text(design, pose=pose.tolist()).encode()}
 
 
+def _c(design: Design, pose: Array, servos: bool) -> Files:
+    from paminsa_viz.codegen.kit import controller_kit
+
+    del pose, servos
+    kit = {name: text.encode() for name, text in controller_kit(design).items()}
+    return {".zip": zipped(kit, "controller")}
+
+
+def _fmu(design: Design, pose: Array, servos: bool, *, kind: FmuKind) -> Files:
+    from paminsa_viz.codegen.fmu import build_fmu
+
+    del pose, servos
+    return {".fmu": build_fmu(design, kind)}
+
+
 TARGETS: Mapping[str, Target] = {
     "glb": Target("GLB", (".glb",), "a 3D model: Blender, CAD viewers, slides", _glb),
     "mjcf": Target(
@@ -92,3 +114,16 @@ TARGETS: Mapping[str, Target] = {
     "dxf": Target("DXF", (".dxf",), "CAD: center lines from above and in the legs' planes", _dxf),
 }
 """Kinds of files by the flag of the command."""
+
+CODE: Mapping[str, Target] = {
+    "controller": Target("C", (".zip",), "controllers: kinematics and dynamics in one header", _c),
+    "plant": Target(
+        "FMU plant", (".fmu",), "Simulink, Modelica: torques in, motion out",
+        partial(_fmu, kind="plant"),
+    ),
+    "inverse": Target(
+        "FMU inverse", (".fmu",), "the same: a motion in, torques out",
+        partial(_fmu, kind="inverse"),
+    ),
+}  # fmt: skip
+"""What is made of the design's formulas, by name."""

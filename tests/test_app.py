@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import threading
 import weakref
 from typing import Any
 
@@ -12,8 +13,11 @@ from paminsa_viz import app as program
 from paminsa_viz.app import App, AppOptions
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.explorer import page
+from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.page import build
+from paminsa_viz.kept import kept_bytes
+from paminsa_viz.meshes import prepare
 from paminsa_viz.model import APPENDIX_4
 from tests.support.raw_page import RawPage, eventually
 
@@ -33,6 +37,50 @@ def test_what_a_closed_page_held_is_freed_soon(monkeypatch: pytest.MonkeyPatch) 
         eventually(lambda: session() is None)
     finally:
         gc.enable()
+        running.stop()
+
+
+@pytest.mark.slow
+def test_results_that_only_a_closed_page_asked_for_are_not_kept() -> None:
+    running = App(AppOptions(port=0, browser=False), APPENDIX_4)
+
+    def visit() -> int:
+        """Use a page with a design of its own, and return how much was kept meanwhile."""
+        page = RawPage(running.server)
+        number = page.client.client_id
+        session = eventually(lambda: running.sessions.get(number))
+        for kind in ("hello", "shown"):
+            session.bridge._deliver(kind, None)
+        assert session.built.wait(60)
+        drawn = threading.Event()
+        changes = {"geometry.base_radius": 0.31 + number / 1e4}
+        session.dispatch("test", lambda state: actions.vary(state, changes))
+        session.submit(lambda: session.submit(drawn.set))  # after the next picture
+        assert drawn.wait(60)
+        assert session.state.document.design.geometry.base_radius > 0.305
+        held = kept_bytes()
+        page.socket.close()
+        eventually(lambda: number not in running.sessions)
+        return held
+
+    try:
+        prepare(APPENDIX_4.geometry)  # what the program keeps for the next page
+        visit()
+        first = kept_bytes()
+        assert visit() > first + 100_000
+        assert kept_bytes() <= first
+    finally:
+        running.stop()
+
+
+def test_memory_is_given_back_while_pages_are_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    called: list[str] = []
+    monkeypatch.setattr(program, "TRIM_PERIOD", 0.02)
+    monkeypatch.setattr(program, "call_allocator", lambda name, *_: called.append(name))
+    running = App(AppOptions(port=0, browser=False), APPENDIX_4)
+    try:
+        eventually(lambda: called.count("malloc_trim") > 1)
+    finally:
         running.stop()
 
 

@@ -14,12 +14,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.kept import kept
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS, NO_DRIVES
@@ -251,7 +252,7 @@ def duty_cycle(design: Design, duties: Sequence[Duty], *, slower: float = 1.0) -
     return DutyCycle(plain, tuple(duties), slower, loads)
 
 
-@lru_cache(maxsize=4)
+@kept(4)
 def _solved(design: Design, motion: Trajectory) -> tuple[TrajectoryAnalysis, Array, Array]:
     """Return a motion at its own pace, the torques that hold it (n, 4), the largest inertias (4,).
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import combinations, pairwise
 from typing import Final, NamedTuple
 
@@ -16,6 +16,7 @@ from paminsa_viz.clearance.frame_shapes import frame_bodies, moving_bodies
 from paminsa_viz.clearance.leg_shapes import leg_bodies
 from paminsa_viz.clearance.solids import WORLD, Body, BodyPart
 from paminsa_viz.dimensions.placement import BODIES
+from paminsa_viz.kept import kept
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry, KneeBranch
 from paminsa_viz.model.parameters import Counterweight
@@ -227,7 +228,7 @@ def _pairs(bodies: tuple[Body, ...], knee: KneeBranch) -> Pairs:
     return tuple(pairs), tuple(groups), tuple(excluded)
 
 
-_kept_shapes = lru_cache(maxsize=32)(build_shapes)
+_kept_shapes = kept(32)(build_shapes)
 
 
 def arrays_of(bodies: tuple[Body, ...]) -> ShapeArrays:

@@ -10,13 +10,13 @@ down with a ram.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
+from paminsa_viz.kept import kept
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.kinematics import AXIS_ANGLES
@@ -84,7 +84,7 @@ def mast_radius(geometry: Geometry) -> float:
     return float(max(outer, radius + 0.12))
 
 
-@lru_cache(maxsize=64)
+@kept(64)
 def layout(geometry: Geometry) -> FrameLayout:
     """Return the frame's heights and radii for a geometry."""
     reach = geometry.crank_length + geometry.coupler_length

@@ -23,7 +23,6 @@ material.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,6 +36,7 @@ from paminsa_viz.elastostatics.bar_diagram import (
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JointForces, joint_forces
 from paminsa_viz.elastostatics.leg_bodies import PANTOGRAPH, Vector, bar_masses, joint_places
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.kept import kept
 from paminsa_viz.model.arrays import Array, in_blocks
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.elastic import BARS
@@ -234,7 +234,7 @@ def utilization(forces: JointForces, bars: tuple[str, ...] = BARS) -> Array:
     return np.stack(stress, axis=-1)
 
 
-@lru_cache(maxsize=2)
+@kept(2)
 def field_joint_forces(field: Field, design: Design) -> Array:
     """Return the largest force of each of `JOINTS` over the legs, and two moments, (12, ...).
 
@@ -249,7 +249,7 @@ def field_joint_forces(field: Field, design: Design) -> Array:
     return _over(field, design, measure)
 
 
-@lru_cache(maxsize=2)
+@kept(2)
 def field_bar_loads(field: Field, design: Design) -> Array:
     """Return `BAR_MEASURES` of the bar and leg where each is largest, (3, ...), at rest."""
 

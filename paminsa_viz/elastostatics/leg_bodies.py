@@ -11,9 +11,9 @@ positive where it turns r toward z, so that it raises a bar.
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import Any, NamedTuple
 
+from paminsa_viz.kept import kept
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.leg import LegMotion, LegPosition
@@ -62,7 +62,7 @@ class BarMass(NamedTuple):
     moments: tuple[float, float, float]
 
 
-@lru_cache(maxsize=64)
+@kept(64)
 def bar_masses(design: Design) -> dict[str, BarMass]:
     """Return the masses of B3, B4, B7 and B8, counterweights included."""
     return {bar: _bar_mass(design, bar) for bar in PANTOGRAPH}

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +23,7 @@ from paminsa_viz.elastostatics.beams import beam_mass, beam_stiffness, body_mass
 from paminsa_viz.elastostatics.leg_frame import LegFrame
 from paminsa_viz.elastostatics.leg_model import FIXED, SPANS, LegModel, leg_model
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.kept import kept
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 
@@ -161,7 +162,7 @@ def leg_matrices(design: Design, divisions: int = 1, shear: bool = False) -> Leg
     return _built(design, divisions, shear)
 
 
-@lru_cache(maxsize=16)
+@kept(16)
 def _built(design: Design, divisions: int, shear: bool) -> LegMatrices:
     model = leg_model(design.elastic, divisions)
     stiffness, mass = np.zeros((2, TERMS, model.size, model.size))

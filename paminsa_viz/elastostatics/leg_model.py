@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import NamedTuple
 
+from paminsa_viz.kept import kept
 from paminsa_viz.model.elastic import Elastic
 
 FIXED = -1
@@ -113,7 +113,7 @@ def leg_model(elastic: Elastic, divisions: int = 1) -> LegModel:
     return _leg_model(soft, divisions)
 
 
-@lru_cache(maxsize=32)
+@kept(32)
 def _leg_model(soft: frozenset[str], divisions: int) -> LegModel:
     made = _LegBuilder(soft)
     joint5, carriage = made.new(3), *made.new(1)

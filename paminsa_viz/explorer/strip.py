@@ -33,7 +33,7 @@ def requirements_html(state: State) -> str:
 
 def springs_html(frame: Frame) -> str:
     """Return the torques with the springs that were fitted, or nothing without any."""
-    if frame.state.springing.result is None:
+    if frame.state.springs.result is None:
         return ""
     from paminsa_viz.explorer.features.springs.actions import relieved  # loads SciPy
 

@@ -87,8 +87,8 @@ def _stiffness() -> Entries:
     return STIFFNESS
 
 
-def _identify() -> Entries:
-    from paminsa_viz.explorer.features.identify.tab import IDENTIFY
+def _identification() -> Entries:
+    from paminsa_viz.explorer.features.identification.tab import IDENTIFY
 
     return IDENTIFY
 
@@ -133,9 +133,9 @@ TABS = (
     Tab("Loads", _loads),
     Tab("Accuracy", _accuracy),
     Tab("Stiffness", _stiffness),
-    Tab("Identify", _identify),
+    Tab("Identification", _identification),
     Tab("Requirements", _requirements),
-    Tab("Synthesize", _synthesis),
+    Tab("Synthesis", _synthesis),
     Tab("Compare", _compare, fast=False),
     Tab("View", _view),
     Tab("File", _files, fast=False),

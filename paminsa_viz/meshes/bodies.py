@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache, partial
+from functools import partial
 from itertools import pairwise
 from typing import Final
 
@@ -19,6 +19,7 @@ from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.layout import layout, plinth_radius, polar
 from paminsa_viz.dimensions.placement import BODIES
+from paminsa_viz.kept import kept
 from paminsa_viz.meshes import frame
 from paminsa_viz.meshes.library import fixed_part
 from paminsa_viz.meshes.part import MeshPart
@@ -98,7 +99,7 @@ def make_body(body: str, geometry: Geometry) -> MeshPart:
     return _made(_MOVING_MAKERS[kind], lengths_of(body, geometry), is_plain()).copy()
 
 
-@lru_cache(maxsize=64)
+@kept(64)
 def _made(maker: Callable[..., MeshPart], lengths: tuple[object, ...], plain: bool) -> MeshPart:
     """Return a moving body; the three legs share it."""
     del plain  # only tells one from the other
@@ -270,7 +271,7 @@ _MOVING_MAKERS: Final[dict[str, Callable[..., MeshPart]]] = {
 """Makers of bodies by kind; those of moving bodies take what `lengths_of` returns."""
 
 
-@lru_cache(maxsize=256)
+@kept(256)
 def body_glb(body: str, geometry: Geometry, *, fine: bool = True) -> bytes:
     """Return a body as a colored GLB in its own frame, z up; the last ones made are kept.
 

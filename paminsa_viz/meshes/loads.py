@@ -15,6 +15,7 @@ from paminsa_viz.dimensions.attached import (
     place_along,
     stub,
 )
+from paminsa_viz.kept import kept
 from paminsa_viz.meshes.library import fixed_part
 from paminsa_viz.meshes.part import MeshPart
 from paminsa_viz.meshes.solids import ACROSS, ALONG, Array, moved, rod, turn
@@ -53,7 +54,7 @@ def counterweight(geometry: Geometry, weight: Counterweight) -> MeshPart:
     return part.add("accent", moved(hub, (x, y, 0.0), ACROSS))
 
 
-@lru_cache(maxsize=64)
+@kept(64)
 def counterweight_glb(geometry: Geometry, weight: Counterweight, color: str) -> bytes:
     """Return a counterweight as a GLB in its bar's frame, its hub in ``color`` (``#rrggbb``)."""
     return counterweight(geometry, weight).glb(color)

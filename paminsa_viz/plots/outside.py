@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.kept import kept
 from paminsa_viz.palette import rgb
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class Outside:
         )
 
 
-@lru_cache(maxsize=8)
+@kept(8)
 def _lines(height: int, width: int, step: int, thick: int) -> NDArray[np.bool_]:
     """Return where lines of each direction of `STROKES` are, (directions, height, width)."""
     down, right = np.arange(height)[:, None], np.arange(width)

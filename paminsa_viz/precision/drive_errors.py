@@ -22,12 +22,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.kept import kept
 from paminsa_viz.model import backend
 from paminsa_viz.model.accuracy import DriveAccuracy
 from paminsa_viz.model.arrays import Array, as_vectors, unfolded
@@ -135,7 +135,7 @@ def drive_errors(geometry: Geometry, accuracy: DriveAccuracy, pose: ArrayLike) -
     return DriveErrors(pose, accuracy, *unfolded(found, pose.shape[:-1]))
 
 
-@lru_cache(maxsize=4)
+@kept(4)
 def field_drive_errors(field: Field, accuracy: DriveAccuracy) -> DriveErrors:
     """Return the errors over a solved grid; those of the last few are kept."""
     pose = field.grid.poses()

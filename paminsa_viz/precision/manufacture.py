@@ -12,12 +12,13 @@ their tolerances and solves their poses by exact kinematics.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.kept import kept
 from paminsa_viz.model.accuracy import NO_TOLERANCES, Tolerances
 from paminsa_viz.model.arrays import Array, as_vectors, in_blocks
 from paminsa_viz.model.design import Design
@@ -101,7 +102,7 @@ def field_tolerance_errors(field: Field, design: Design) -> ToleranceErrors:
     return _field_errors(field, _lengths_alone(field, design, design.tolerances))
 
 
-@lru_cache(maxsize=4)
+@kept(4)
 def _field_errors(field: Field, design: Design) -> ToleranceErrors:
     return tolerance_errors(design, field.grid.poses())
 
@@ -123,7 +124,7 @@ def field_manufactured_pose(field: Field, design: Design) -> UnequalPose:
     return _field_poses(field, _lengths_alone(field, design, NO_TOLERANCES))
 
 
-@lru_cache(maxsize=4)
+@kept(4)
 def _field_poses(field: Field, design: Design) -> UnequalPose:
     poses = field.grid.poses()
     return UnequalPose(*in_blocks(partial(manufactured_pose, design), poses, BLOCK))

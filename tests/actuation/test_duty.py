@@ -79,6 +79,32 @@ def test_winding_temperature_is_that_of_its_differential_equation(time: float, e
         assert share == pytest.approx(np.max(path), rel=5e-3)
 
 
+@pytest.mark.parametrize("repeats", [1.0, 4.0])
+def test_winding_temperature_of_constant_torques_in_turn_has_a_closed_form(repeats: float) -> None:
+    """Three samples a motion, so that each of them counts: q_1 for 3 s, rest, q_2 for 2 s, rest."""
+    rng = np.random.default_rng(2)
+    time, t = 4.0, np.array([0.0, 0.5, 3.0])
+    first, second = (np.tile(random_load(rng, 9).passages[0].signals[:, [3]], 3) for _ in range(2))
+    drive = replace(SERVO, gear_ratio=20.0, thermal_time_constant=time, brake=True)
+    table = drive_table([drive])
+    q_1, q_2 = (
+        float((table.factors()[0] @ part[:, 0] / drive.rated_torque) ** 2)
+        for part in (first, second)
+    )
+    passages = (DutyMotion(t, first, repeats, 1.0, 0.0), DutyMotion(t[:2] * 4, second, 1, 0.3, 0.0))
+    passages = (passages[0], passages[1]._replace(signals=second[:, :2]))
+    one = [(q_1, 3.0), (0.0, 1.0)] * int(repeats) + [(q_2, 2.0), (0.0, 0.3)]
+    temperature, peak = 0.0, 0.0
+    for _ in range(60):  # cycles until it is periodic
+        peak = 0.0
+        for heat, span in one:
+            fade = np.exp(-span / time)
+            temperature = heat + (temperature - heat) * fade
+            peak = max(peak, temperature)
+    share = thermal_share(ActuatorLoad("M1", passages, 1.0), table)[0]
+    assert share == pytest.approx(peak, rel=1e-9)
+
+
 def test_repetitions_and_dwells_weigh_the_means(motion) -> None:  # type: ignore[no-untyped-def]
     other = PRESET["circle"].build(APPENDIX_4.geometry).sample(500)
     apart = duty_cycle(APPENDIX_4, [Duty(motion)] * 3 + [Duty(other, 1, 2.0)]).loads

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from paminsa_viz.actuation.drive_table import drive_table, pair_table
+from paminsa_viz.actuation.drive_table import combined, drive_table, pair_table
 from paminsa_viz.actuation.duty import ActuatorLoad
 from paminsa_viz.actuation.ratios import figure_of_merit, ratio_intervals
-from paminsa_viz.actuation.sizing import envelope_share, size_drives
+from paminsa_viz.actuation.sizing import LIMITS, envelope_share, size_drives
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import Drive
 from paminsa_viz.model.arrays import Array
 from tests.actuation.loads import random_drives, random_load
@@ -171,3 +172,23 @@ def test_drives_with_and_without_limits_stand_in_one_table() -> None:
     found = ratio_intervals(load, drive_table(drives))
     np.testing.assert_allclose(found.low, [one.low[0] for one in ends], rtol=1e-12)
     np.testing.assert_allclose(found.high, [one.high[0] for one in ends], rtol=1e-12)
+
+
+def test_ratio_of_inertias_may_be_below_one_and_counts_only_if_it_is_limited() -> None:
+    load = random_load(np.random.default_rng(4), 101)
+    table = drive_table([replace(SERVO, gear_ratio=ratio) for ratio in (20.0, 80.0)])
+    place = LIMITS.index("inertia ratio")
+    own = load.inertia / (np.array([20.0, 80.0]) ** 2 * SERVO.inertia)
+    assert not size_drives(load, table).shares[:, place].any()
+    for most in (0.5, 30.0):
+        np.testing.assert_allclose(
+            size_drives(load, table, inertia_ratio=most).shares[:, place], own / most, rtol=1e-12
+        )
+    with pytest.raises(InvalidInput, match="above 0"):
+        size_drives(load, table, inertia_ratio=0.0)
+
+
+@pytest.mark.parametrize("braked", [(False, False), (True, False), (False, True), (True, True)])
+def test_a_drive_has_a_brake_if_one_of_its_parts_has_one(braked: tuple[bool, bool]) -> None:
+    motor, gear = (replace(part, brake=b) for part, b in zip((SERVO, GEAR), braked, strict=True))
+    assert combined(motor, gear).brake == any(braked)

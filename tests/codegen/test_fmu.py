@@ -73,22 +73,17 @@ def written(folder: Path, design: Design, kind: FmuKind) -> Path:
     return path
 
 
-class Slave(FMU2Slave):
-    """A slave whose variables have names."""
-
-    references: dict[str, int]
-
-
 @contextmanager
 def running(path: Path, folder: Path, **start: float) -> Iterator[Any]:
     """Yield a slave that is initialized."""
     described = fmpy.read_model_description(path)
     place = fmpy.extract(str(path), unzipdir=str(folder / "unzipped"))
-    slave = Slave(
-        guid=described.guid, unzipDirectory=place,
-        modelIdentifier=described.coSimulation.modelIdentifier, instanceName="robot",
-    )  # fmt: skip
-    slave.references = {v.name: v.valueReference for v in described.modelVariables}
+    name = described.coSimulation.modelIdentifier
+    slave = FMU2Slave(
+        guid=described.guid, unzipDirectory=place, modelIdentifier=name, instanceName="robot"
+    )
+    references = {v.name: v.valueReference for v in described.modelVariables}
+    setattr(slave, "references", references)  # noqa: B010
     slave.instantiate()
     slave.setupExperiment(startTime=0.0)
     slave.enterInitializationMode()

@@ -102,8 +102,8 @@ def changed(state: State) -> State:
         actions.set_layers(state, path=False)
         .updated("map_view", quantity="condition", **low_high)
         .updated("plots", plot="power")
-        .updated("identifying.settings", cut_off=9.0)
-        .updated("identifying", log=example_log())
+        .updated("identification.settings", cut_off=9.0)
+        .updated("identification", log=example_log())
     )
 
 
@@ -115,7 +115,7 @@ def test_tabs_are_independent_and_find_their_state_after_a_reload(
     for name in opened:
         tab.open_tab(name)
     tab.dispatch(changed)
-    until(lambda: tab.state.identifying.log is not None, "the log")
+    until(lambda: tab.state.identification.log is not None, "the log")
     both = ((tab, 40), (second, -70))
     for each, x in both:
         each.dispatch(lambda s, x=x: actions.move(s, x=1e-3 * x))
@@ -130,8 +130,8 @@ def test_tabs_are_independent_and_find_their_state_after_a_reload(
         until(lambda t=each, x=x: t.handle(SLIDERS[0]).value == x, "the slider shows it")
     assert (tab.state.map_view, tab.state.layers) == (kept.map_view, kept.layers)
     assert (tab.state.plots, tab.state.document.motion) == (kept.plots, kept.document.motion)
-    assert tab.state.identifying.settings.cut_off == 9.0
-    assert tab.state.identifying.log is None
+    assert tab.state.identification.settings.cut_off == 9.0
+    assert tab.state.identification.log is None
     assert second.state.map_view != kept.map_view
     for name in opened:
         found = tab.page.get_by_role("tab", name=name, exact=True)

@@ -60,8 +60,8 @@ WEIGHT = """name => {
 
 def test_a_mode_is_animated_and_a_diameter_changes_its_frequency(tab: Tab) -> None:
     tab.open_tab("Stiffness")
-    until(lambda: bool(tab.state.elastic_view.result), "a result")
-    before = tab.state.elastic_view.result
+    until(lambda: bool(tab.state.stiffness.result), "a result")
+    before = tab.state.stiffness.result
     assert before is not None
     result = tab.page.get_by_test_id("stiffness-result")
     result.get_by_text(f"{before.frequencies[0]:.3g}").first.wait_for()
@@ -81,10 +81,10 @@ def test_a_mode_is_animated_and_a_diameter_changes_its_frequency(tab: Tab) -> No
     field.fill("60")
     field.press("Tab")
     until(
-        lambda: tab.state.elastic_view.result.frequencies[0] > 1.02 * before.frequencies[0],  # type: ignore[union-attr]
+        lambda: tab.state.stiffness.result.frequencies[0] > 1.02 * before.frequencies[0],  # type: ignore[union-attr]
         "a stiffer robot",
     )
-    after = tab.state.elastic_view.outcome
+    after = tab.state.stiffness.outcome
     assert after is not None
     assert after.job.design.elastic.b4_outer == 0.06
 
@@ -99,20 +99,20 @@ def give(tab: Tab, name: str, content: bytes) -> None:
 
 
 def test_log_is_identified_drawn_and_used_and_a_wrong_one_changes_nothing(tab: Tab) -> None:
-    tab.open_tab("Identify")
+    tab.open_tab("Identification")
     give(tab, "log.csv", LOG.read_bytes())
-    until(lambda: tab.state.identifying.result is not None, "the log is identified", 60.0)
+    until(lambda: tab.state.identification.result is not None, "the log is identified", 60.0)
     numbers = tab.page.get_by_test_id("identify-numbers")
     numbers.wait_for()
-    unknown = tab.state.identifying.result.identification.unknown
+    unknown = tab.state.identification.result.identification.unknown
     assert numbers.locator("tr.pv-unknown").count() == len(unknown) > 0
     assert tab.page.locator(".uplot canvas").count() >= 2
     tab.click("Use as design")
     until(lambda: tab.state.document.design != APPENDIX_4, "its numbers are the design's")
-    findings = tab.state.identifying.result
+    findings = tab.state.identification.result
     give(tab, "wrong.csv", LOG.read_bytes().replace(b"torque1_Nm", b"torque9_Nm"))
     tab.page.get_by_text("there is no such column").first.wait_for()
-    assert tab.state.identifying.result is findings
+    assert tab.state.identification.result is findings
     assert tab.errors == []
 
 
@@ -148,7 +148,7 @@ def test_a_mark_turns_when_a_length_breaks_its_requirement_and_a_click_leads_the
     until(lambda: tab.state.document.pose != before, "the robot is at the worst pose")
     condition = tab.session.state.document.requirements.bounds[0]
     assert condition.quantity == "condition"
-    until(lambda: tab.state.requiring.fine is not None, "the fine volume")
+    until(lambda: tab.state.requirements.fine is not None, "the fine volume")
     tab.page.get_by_test_id("requirements-volume").get_by_text("dm³").first.wait_for()
 
 
@@ -157,8 +157,8 @@ def test_the_largest_workspace_is_proven_and_used(tab: Tab) -> None:
     tab.open_tab("Requirements")
     tab.page.get_by_text("Largest workspace", exact=True).click()
     tab.click("Find the largest")
-    until(lambda: tab.state.requiring.largest.outcome is not None, "a proof")
-    proven = tab.state.requiring.largest.proven
+    until(lambda: tab.state.requirements.largest.outcome is not None, "a proof")
+    proven = tab.state.requirements.largest.proven
     assert proven is not None
     tab.page.get_by_test_id("largest-result").get_by_text("Proven").wait_for()
     assert proven[1][0] > 0.16
@@ -174,12 +174,12 @@ def test_a_search_is_adopted_with_the_design_before_as_reference(
 ) -> None:
     monkeypatch.setitem(cases.EFFORTS, EffortChoice.QUICK, Effort(12, 6))
     ask(tab)
-    tab.open_tab("Synthesize")
+    tab.open_tab("Synthesis")
     tab.page.get_by_test_id("synthesize-intro").get_by_text("160").wait_for()
     tab.click("Search")
-    until(lambda: tab.state.synthesizing.outcome is not None, "an answer")
+    until(lambda: tab.state.synthesis.outcome is not None, "an answer")
     tab.page.get_by_test_id("synthesis-result").get_by_text("footprint").wait_for()
-    found = tab.state.synthesizing.answer
+    found = tab.state.synthesis.answer
     assert found is not None
     tab.click("Open as current design")
     until(lambda: tab.state.document.design == found.design, "the robot that was found")

@@ -51,7 +51,7 @@ def test_infeasible_bounds_are_shown_and_relaxed_ones_solved(balance: Tab) -> No
     limit(0.5)
     balance.page.get_by_text("Optimization settings").click()
     balance.click("Optimize")
-    until(lambda: balance.state.balancing.outcome is not None, "the task is done")
+    until(lambda: balance.state.balance.outcome is not None, "the task is done")
     status = balance.page.get_by_test_id("balance-status")
     status.get_by_text("The bounds do not allow it").wait_for()
     assert "raise weight on B8 past 8 from 0.5 to 3.896 kg" in status.inner_text()
@@ -72,8 +72,8 @@ def test_click_on_the_front_takes_that_design(balance: Tab) -> None:
     page = balance.page
     page.get_by_text("Pareto front: dynamic vs. static torque").click()
     balance.click("Compute the front")
-    until(lambda: balance.state.balancing.front is not None, "the front")
-    designs = balance.state.balancing.points
+    until(lambda: balance.state.balance.front is not None, "the front")
+    designs = balance.state.balance.points
     points = page.locator(".js-plotly-plot .scatterlayer .trace").first.locator("path.point")
     until(lambda: points.count() == len(designs), "its points are drawn")
     points.nth(3).scroll_into_view_if_needed()

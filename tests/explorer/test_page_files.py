@@ -48,6 +48,8 @@ def has_content(png: bytes) -> bool:
         ("View as PNG", "png", has_content),
         ("MJCF", "xml", lambda content: b"<mujoco" in content),
         ("MJCF with meshes", "zip", lambda content: content.startswith(b"PK")),
+        ("USD", "usda", lambda content: content.startswith(b"#usda")),
+        ("C", "zip", lambda content: content.startswith(b"PK")),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
@@ -97,7 +99,7 @@ def test_an_example_is_one_click_and_one_key_press(tab: Tab) -> None:
     gallery.get_by_text("Heavy payload").click()
     until(lambda: tab.state.document.design.payload.mass == 10.0, "the payload is there")
     cards.nth(2).press("Enter")
-    until(lambda: tab.state.springing.outcome, "the springs are fitted")
+    until(lambda: tab.state.springs.outcome, "the springs are fitted")
     tab.open_tab("Balance")
     tab.page.get_by_text("Springs", exact=True).click()
     tab.page.get_by_text("91 N/m").wait_for()

@@ -185,7 +185,7 @@ def test_simulation_shows_its_error(motion: Tab) -> None:
     load_kernel()  # on a loaded machine the first compilation takes longer than a page is given
     motion.page.get_by_text("Simulation", exact=True).click()
     motion.page.get_by_role("button", name="Simulate", exact=True).click()
-    until(lambda: motion.state.simulating.outcome is not None, "it has run")
+    until(lambda: motion.state.simulation.outcome is not None, "it has run")
     motion.page.get_by_test_id("simulation").get_by_text("Ran to the end").wait_for()
     assert motion.state.plots.plot == "errors"
     until(lambda: motion.page.get_by_text("Error of x, y, z").is_visible(), "its error is plotted")

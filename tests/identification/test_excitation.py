@@ -15,6 +15,7 @@ from paminsa_viz.identification import (
     NoExcitation,
     optimize_excitation,
 )
+from paminsa_viz.identification.excitation import kept_limits
 from paminsa_viz.identification.excitation_search import random_motions
 from paminsa_viz.identification.information import LIMITED, Information
 from paminsa_viz.identification.multi_sine import MultiSineFamily
@@ -154,6 +155,27 @@ def test_best_motion_keeps_its_limits_and_beats_300_random_ones() -> None:
     assert np.all(state.pose[:, 3] < -ROBOT.geometry.platform_joint_height)
     assert all(row.kept for row in found.limits)
     assert max(speed / limits.speed) > 0.9 or condition > 0.9 * limits.condition
+
+
+def test_what_a_motion_takes_of_its_limits_is_that_of_its_whole_period() -> None:
+    info = information()
+    plan = Plan(info.family.curve(some_motion(info), periods=2), 2 * PERIOD)
+    rows = kept_limits(ROBOT, limits_of(ROBOT), plan, ExcitationSettings(period=PERIOD))
+    assert [row.name for row in rows][:8] == list(LIMITED[:8])
+    t = np.linspace(0.0, PERIOD, 4001)
+    pose, velocity, acceleration = plan.at(t)
+    measured = [
+        *np.abs(actuator_velocity(ROBOT, pose, velocity)).T,
+        *np.abs(inverse_dynamics(ROBOT, pose, velocity, acceleration).torque).T,
+        measure_singularity(ROBOT.geometry, pose).condition,
+        -ROBOT.geometry.platform_joint_height - pose[:, 3],
+        check_reach(ROBOT.geometry, pose).margins.min(axis=(-1, -2)),
+    ]
+    for row, values in zip(rows, measured, strict=True):
+        extreme = values.min() if row.least else values.max()
+        assert row.value == pytest.approx(extreme, rel=2e-2, abs=1e-6), row.name
+        assert 0.0 <= row.t <= PERIOD
+        assert np.interp(row.t, t, values) == pytest.approx(row.value, rel=1e-2, abs=1e-6)
 
 
 def test_search_is_reproducible_by_its_seed() -> None:

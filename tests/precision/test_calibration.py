@@ -10,7 +10,15 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, check_reach, inverse_kinematics
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    KneeBranch,
+    check_reach,
+    inverse_kinematics,
+    measure_singularity,
+)
+from paminsa_viz.model.reach import home_pose
 from paminsa_viz.precision.calibration import KNOWN, calibrate, describe
 from paminsa_viz.precision.calibration_problem import CalibrationProblem, measuring_poses
 from paminsa_viz.precision.leg_lengths import INDEX, deviation_array, with_deviations
@@ -182,6 +190,28 @@ def test_too_few_or_unusable_measurements_are_refused() -> None:
 def candidates6(poses: Any) -> Any:
     """Return level poses (n, 4) with their tilt of zero, (n, 6)."""
     return np.concatenate([poses, np.zeros((len(poses), 2))], axis=-1)
+
+
+@pytest.mark.parametrize("knee", list(KneeBranch))
+@pytest.mark.parametrize("coordinates", [4, 6])
+def test_proposed_poses_are_home_s_side_and_clear_of_limits(
+    knee: KneeBranch, coordinates: int
+) -> None:
+    design = APPENDIX_4.with_knee(knee)
+    geometry = design.geometry
+    poses = measuring_poses(design, 12, coordinates=coordinates, seed=3)
+    home = np.array(home_pose(geometry))
+    height = poses[:, 3] + geometry.platform_joint_height
+    assert (np.sign(height) == np.sign(home[3] + geometry.platform_joint_height)).all()
+    reach = check_reach(geometry, poses)
+    assert reach.ok.all()
+    assert reach.margins.min() > 0.05 * geometry.base_radius
+    found, start = measure_singularity(geometry, poses), measure_singularity(geometry, home)
+    assert (found.condition < 10).all()
+    assert (np.sign(found.determinant) == np.sign(start.determinant)).all()
+    # they are spread: all of the heights and headings are seen
+    assert np.ptp(poses[:, 2]) > 1.0
+    assert np.ptp(poses[:, 3]) > 0.2
 
 
 @pytest.mark.slow

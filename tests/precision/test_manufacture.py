@@ -60,6 +60,13 @@ def test_worst_errors_bound_robots_at_their_corners_and_are_reached(case: Case, 
     assert np.allclose(np.diagonal(errors[:6]), found.worst, rtol=1e-3, atol=1e-12)
     assert (np.hypot(errors[:, 0], errors[:, 1]) <= found.horizontal * (1 + 1e-3)).all()
     assert (np.hypot(errors[:, 4], errors[:, 5]) <= found.tilt * (1 + 1e-3)).all()
+    # and the largest distances are reached: in each direction by the corner that goes farthest
+    generators = (slopes * widths).reshape(6, -1)
+    angle = np.linspace(0.0, np.pi, 2001)
+    toward = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    for rows, largest in ((slice(0, 2), found.horizontal), (slice(4, 6), found.tilt)):
+        farthest = np.abs(toward @ generators[rows]).sum(axis=1).max()
+        assert farthest == pytest.approx(largest, rel=1e-5, abs=1e-15)
 
 
 @given(case=cases())
@@ -161,6 +168,7 @@ def test_robots_without_a_solution_are_counted() -> None:
     [
         ({"robots": 0}, "robots: 1 to 1000000"),
         ({"robots": 10**7}, "robots: 1 to 1000000"),
+        ({"robots": 500_001, "pose": BY_HAND[:2]}, "robots: 1 to 500000 are possible with 2"),
         ({"seed": -1}, "seed: a whole number"),
         ({"pose": (0, 0, 0, -3)}, "pose: a pose cannot be taken: the bars of a leg"),
     ],
@@ -170,6 +178,10 @@ def test_impossible_draws_are_refused(options: dict[str, Any], problem: str) -> 
     pose = options.pop("pose", BY_HAND[0])
     with pytest.raises(InvalidInput, match=problem):
         monte_carlo(APPENDIX_4, pose, **options)
+
+
+def test_one_robot_is_enough() -> None:
+    assert monte_carlo(APPENDIX_4, BY_HAND, robots=1).errors.shape == (1, len(BY_HAND), 6)
 
 
 def test_a_calibrated_robot_is_controlled_by_its_own_lengths() -> None:

@@ -128,7 +128,7 @@ def tab(one_tab: Tab) -> Tab:
     def at_start(state: State) -> bool:
         """Whether it is the first state but for what is computed by itself."""
         first = initial_state()
-        computed = {"elastic_view": first.elastic_view, "clearing": first.clearing}
+        computed = {"stiffness": first.stiffness, "clearance": first.clearance}
         return replace(state, **computed) == first
 
     one_tab.page.bring_to_front()

@@ -36,7 +36,7 @@ def with_document(state: State, document: Document) -> State:
     """
     document = with_names_apart(document)
     if state.playback.following:
-        document = at_instant(document, state.simulating, state.playback.time)
+        document = at_instant(document, state.simulation, state.playback.time)
     last_reachable = state.last_reachable
     if check_reach(document.design.geometry, document.pose).ok.all():
         last_reachable = LastReachable(document.design.geometry, document.pose)

@@ -14,18 +14,18 @@ from paminsa_viz.trajectory import TrajectoryAnalysis
 
 def pose_job(state: State) -> PoseJob:
     """Return what is wanted at the last reachable pose, with the current masses."""
-    return PoseJob(state.shown_design, state.last_reachable.pose, state.clearance_view.pairs)
+    return PoseJob(state.shown_design, state.last_reachable.pose, state.clearance.settings.pairs)
 
 
 def motion_job(state: State, analysis: TrajectoryAnalysis) -> MotionJob:
     """Return what is wanted along the motion."""
-    pairs = state.clearance_view.pairs
+    pairs = state.clearance.settings.pairs
     return MotionJob(analysis.design, analysis.trajectory, pairs, analysis)
 
 
 def nearest(state: State) -> NearestPoints | None:
     """Return the nearest bodies of the last reachable pose, None if they are not known."""
-    outcome = state.clearing.pose
+    outcome = state.clearance.pose
     if outcome is None or outcome.job.pose != state.last_reachable.pose:
         return None
     return outcome.result if outcome.job == pose_job(state) else None
@@ -33,7 +33,7 @@ def nearest(state: State) -> NearestPoints | None:
 
 def along(state: State, analysis: TrajectoryAnalysis) -> MotionClearance | None:
     """Return the clearance along the motion, None if it is not known."""
-    outcome = state.clearing.motion
+    outcome = state.clearance.motion
     known = outcome is not None and outcome.job == motion_job(state, analysis)
     return outcome.result if outcome is not None and known else None
 
@@ -43,5 +43,5 @@ def reason(state: State) -> tuple[float, str]:
     found = nearest(state)
     if found is None:
         return float("nan"), ""
-    required = state.clearance_view.required
+    required = state.clearance.settings.required
     return found.distance, clearance_reason(found.distance, found.names, required)

@@ -69,7 +69,7 @@ class MotionStore:
             reference = self._analysis("reference", document.reference, motion)
         if state.plots.published:
             published = self._analysis("published", document.design, motion, Misprint.ALL)
-        simulation, answer = state.simulating.result, state.engine_answer
+        simulation, answer = state.simulation.result, state.engine_answer
         if answer is not None and not serves(answer, current, state.plots.checker):
             answer = None
         near = None

@@ -6,12 +6,12 @@ Everything here is a pure function. Results are kept, since many views ask for t
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from paminsa_viz.explorer.state.motion import MOST_SAMPLES, Kind, Motion, Pose, Timing
+from paminsa_viz.kept import kept
 from paminsa_viz.model import Design, Geometry, InvalidInput, PaminsaError, check_reach
 from paminsa_viz.trajectory import (
     PRESET,
@@ -73,7 +73,7 @@ def planned(motion: Motion, design: Design) -> Planned:
     return _planned(motion, design.geometry, design if shown else None)
 
 
-@lru_cache(maxsize=_KEPT)
+@kept(_KEPT)
 def _planned(motion: Motion, geometry: Geometry, design: Design | None) -> Planned:
     try:
         if motion.kind is Kind.TABLE:
@@ -230,13 +230,13 @@ def with_point(motion: Motion, geometry: Geometry, index: int, pose: Pose) -> di
     return {"waypoints": (*way[:index], pose, *way[index + 1 :])}
 
 
-@lru_cache(maxsize=_KEPT)
+@kept(_KEPT)
 def checked(trajectory: Trajectory, geometry: Geometry) -> PathCheck:
     """Return where and why a robot fails on a trajectory."""
     return check_path(geometry, trajectory)
 
 
-@lru_cache(maxsize=_KEPT)
+@kept(_KEPT)
 def checked_poses(geometry: Geometry, poses: tuple[Pose, ...]) -> tuple[bool, ...]:
     """Return whether a robot can be at each of some poses."""
     if not poses:

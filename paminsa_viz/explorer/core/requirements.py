@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 from paminsa_viz.explorer.core.saved_requirements import asked
 from paminsa_viz.explorer.state.requirements import Placed, VolumeOutcome
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.kept import kept
 from paminsa_viz.model import Design
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.volume.check import RequirementsCheck, check_requirements
@@ -15,7 +14,7 @@ CHEAP = 3e-6
 """Cost of all quantities [s a pose] up to which a given workspace is checked at once: some 5 ms."""
 
 
-@lru_cache(maxsize=4)
+@kept(4)
 def _at_once(design: Design, requirements: Requirements) -> RequirementsCheck:
     return check_requirements(design, requirements)
 
@@ -32,7 +31,7 @@ def current_check(state: State) -> RequirementsCheck | None:
     document = state.document
     if not asked(document.requirements):
         return None
-    for outcome in (state.requiring.fine, state.requiring.quick):
+    for outcome in (state.requirements.fine, state.requirements.quick):
         if outcome is not None and outcome.result is not None and outcome.job.serves(document):
             return outcome.result.check
     if is_quick(document.requirements):
@@ -42,7 +41,7 @@ def current_check(state: State) -> RequirementsCheck | None:
 
 def current_volume(state: State) -> VolumeOutcome | None:
     """Return the volume of the current design, the fine one if it is there."""
-    for outcome in (state.requiring.fine, state.requiring.quick):
+    for outcome in (state.requirements.fine, state.requirements.quick):
         if outcome is not None and outcome.job.serves(state.document):
             return outcome
     return None

@@ -25,6 +25,7 @@ from paminsa_viz.explorer.core.history import History, Snapshot
 from paminsa_viz.explorer.core.motion import advance_time
 from paminsa_viz.explorer.core.motion_results import MotionStore
 from paminsa_viz.explorer.state.state import State, Steps
+from paminsa_viz.kept import User
 from paminsa_viz.model import PaminsaError
 
 log = logging.getLogger(__name__)
@@ -90,6 +91,7 @@ class Session:
         motions: What is known along the motion; for the worker alone.
         exporting: Held while a file is made for the tab.
         open_tabs: Names of the tabs that are open, None until the page has said so.
+        user: The tab as one who works with results that are kept.
     """
 
     def __init__(
@@ -120,6 +122,7 @@ class Session:
         self.camera: tuple[str, tuple[float, float, float]] = ("", (0.0, 0.0, 0.0))
         self.motions = MotionStore()
         self.exporting = threading.Lock()
+        self.user = User()
         self.open_tabs: frozenset[str] | None = None
         self._turn = 0
         self._frame_due: float | None = None
@@ -151,6 +154,7 @@ class Session:
         self._wake.set()
         if self._thread is not None:
             self._thread.join(LONGEST_CLOSING)
+        self.user.leave()
 
     @property
     def pixel_ratio(self) -> float:
@@ -262,6 +266,10 @@ class Session:
             self._state = self._with_steps(self._state)
 
     def _run(self) -> None:
+        with self.user.working():
+            self._work()
+
+    def _work(self) -> None:
         idle_due: float | None = None
         drawn: State | None = None
         failed: State | None = None
@@ -330,7 +338,8 @@ class Session:
     def guard(self, job: Callable[[], None]) -> None:
         """Run a request on this thread; its failure is notified and stops no other request."""
         try:
-            job()
+            with self.user.working():
+                job()
         except PaminsaError as error:
             self.notify("Not possible", str(error), bad=True)
         except Exception:

@@ -9,18 +9,18 @@ import numpy as np
 from paminsa_viz.explorer.core.planning import planned, pose_at
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.motion import Pose
-from paminsa_viz.explorer.state.simulation import Simulating
+from paminsa_viz.explorer.state.simulation import SimulationState
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.trajectory import Simulation
 
 
-def shown_simulation(document: Document, simulating: Simulating) -> Simulation | None:
+def shown_simulation(document: Document, own: SimulationState) -> Simulation | None:
     """Return the simulation that is played, or None where the motion itself is.
 
     An outcome of another design or motion is not shown.
     """
-    outcome = simulating.outcome
-    if not simulating.shown or outcome is None or outcome.result is None:
+    outcome = own.outcome
+    if not own.shown or outcome is None or outcome.result is None:
         return None
     job = outcome.job
     trajectory = planned(document.motion, document.design).trajectory
@@ -37,7 +37,7 @@ def simulated_pose(simulation: Simulation, time: float) -> Pose:
     return (x, y, theta, z)
 
 
-def at_instant(document: Document, simulating: Simulating, time: float) -> Document:
+def at_instant(document: Document, own: SimulationState, time: float) -> Document:
     """Return a document with the pose of its motion at a time [s], or of the simulated one.
 
     It is the same where there is none, and where the robot cannot be.
@@ -45,7 +45,7 @@ def at_instant(document: Document, simulating: Simulating, time: float) -> Docum
     found = planned(document.motion, document.design)
     if found.trajectory is None:
         return document
-    simulation = shown_simulation(document, simulating)
+    simulation = shown_simulation(document, own)
     if simulation is not None:
         return replace(document, pose=simulated_pose(simulation, time))
     pose = pose_at(found.trajectory, document.design.geometry, time)
@@ -54,7 +54,7 @@ def at_instant(document: Document, simulating: Simulating, time: float) -> Docum
 
 def wanted_pose(state: State) -> Pose | None:
     """Return where the robot should be while a simulation is shown; None where none is."""
-    simulation = shown_simulation(state.document, state.simulating)
+    simulation = shown_simulation(state.document, state.simulation)
     if simulation is None or not state.playback.following:
         return None
     trajectory = planned(state.document.motion, state.document.design).trajectory

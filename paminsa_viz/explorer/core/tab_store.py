@@ -39,24 +39,22 @@ MOST_ENDED = 20
 """Most ended tasks that are believed."""
 
 
-def running_tasks(part: Any, path: str = "") -> Iterator[str]:
-    """Yield the places of the tasks that run in a part of the state."""
+def _parts(part: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the dataclasses in a part of the state, with their places."""
     for item in fields(part):
         value, place = getattr(part, item.name), f"{path}{item.name}"
-        if isinstance(value, TaskState):
-            if value.running is not None:
-                yield place
-            yield from running_tasks(value, f"{place}.")
+        if is_dataclass(value):
+            yield place, value
+            yield from _parts(value, f"{place}.")
 
 
-def _settings(part: Any, path: str = "") -> Iterator[tuple[str, type[Settings]]]:
-    """Yield the places and types of all settings in a part of the state."""
-    for item in fields(part):
-        value, place = getattr(part, item.name), f"{path}{item.name}"
-        if isinstance(value, Settings):
-            yield place, type(value)
-        elif is_dataclass(value):
-            yield from _settings(value, f"{place}.")
+TASKS = tuple(place for place, part in _parts(initial_state()) if isinstance(part, TaskState))
+"""Places of all tasks of the state."""
+
+
+def running_tasks(state: State) -> Iterator[str]:
+    """Yield the places of the tasks that run."""
+    return (place for place in TASKS if attrgetter(place)(state).running is not None)
 
 
 LONGEST_OFFER = 20_000
@@ -70,9 +68,29 @@ VIEW: dict[str, Any] = {
     "appearance": Appearance,
     "offered": Annotated[str, msgspec.Meta(max_length=LONGEST_OFFER)],
     "ended": Annotated[tuple[str, ...], msgspec.Meta(max_length=MOST_ENDED)],
-    **dict(_settings(initial_state())),
+    **{place: type(part) for place, part in _parts(initial_state()) if isinstance(part, Settings)},
 }
 """Parts of the state that say how it is shown or what is set, and their types."""
+
+
+FORMER_PLACES = {
+    "balancing": "balance",
+    "clearance_view": "clearance.settings",
+    "driving": "drives",
+    "identifying": "identification",
+    "requiring": "requirements",
+    "simulating": "simulation",
+    "springing": "springs",
+    "synthesizing": "synthesis",
+    "tolerating": "tolerances",
+}
+"""What places of the state were called by versions that tabs may still be kept from."""
+
+
+def _present(place: str) -> str:
+    """Return what a place of the state is called now."""
+    start, dot, rest = place.partition(".")
+    return f"{FORMER_PLACES.get(start, start)}{dot}{rest}"
 
 
 def dump(state: State) -> str:
@@ -94,7 +112,8 @@ def restore(state: State, text: str) -> State:
         PaminsaError: If the document cannot be read.
     """
     state = actions.restore(state, persistence.load(text))
-    view = parse_json(text).get("view", {})
+    kept = parse_json(text).get("view", {})
+    view = {_present(name): part for name, part in kept.items()} if isinstance(kept, dict) else {}
     for name, kind in VIEW.items():
         try:
             value = msgspec.convert(view[name], kind)
@@ -103,7 +122,8 @@ def restore(state: State, text: str) -> State:
         if not isinstance(value, Settings) or value.possible:
             part, _, attribute = name.rpartition(".")
             state = state.updated(part, **{attribute: value})
-    known = replace(state, layers=state.layers & frozenset(LAYERS))
+    ended = tuple(map(_present, state.ended))
+    known = replace(state, layers=state.layers & frozenset(LAYERS), ended=ended)
     if known.document.reference is None and known.map_view.difference:
         return known.updated("map_view", difference=False)
     return known

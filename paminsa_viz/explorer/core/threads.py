@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from contextvars import copy_context
 from queue import SimpleQueue
 
 
 class Running:
-    """Something that a thread does."""
+    """Something that a thread does, for the same user of `kept` as who has started it."""
 
     def __init__(self, run: Callable[[], None]) -> None:
-        self._run = run
+        self._run, self._context = run, copy_context()
         self._ended = threading.Event()
 
     def join(self, timeout: float | None = None) -> None:
@@ -29,7 +30,7 @@ class Running:
     def work(self) -> None:
         """Do it; what fails is for the thread's own hook, as in a thread that ends with it."""
         try:
-            self._run()
+            self._context.run(self._run)
         except Exception as error:
             thread = threading.current_thread()
             hook = threading.ExceptHookArgs((type(error), error, error.__traceback__, thread))

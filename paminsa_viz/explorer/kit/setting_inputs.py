@@ -61,7 +61,7 @@ class SettingInputs:
 
         Args:
             prefix: What the keys of the inputs begin with.
-            path: Place of the settings, such as ``"springing.settings"``.
+            path: Place of the settings, such as ``"springs.settings"``.
             kind: Their dataclass.
             change: Makes the state with another value, where more changes with it.
         """

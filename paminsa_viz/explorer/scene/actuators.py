@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -17,6 +16,7 @@ from paminsa_viz.dimensions.placement import about_z
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.nodes import Node, label, mesh
 from paminsa_viz.explorer.state.layers import LegendRow
+from paminsa_viz.kept import kept
 from paminsa_viz.model import lift_constant, lumped_coefficients
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
@@ -112,7 +112,7 @@ def arrow_scales(design: Design) -> tuple[float, float]:
     return max(torque, 1e-6), max(1.5 * lift_constant(design), 1e-6)
 
 
-@lru_cache(maxsize=8)
+@kept(8)
 def _arc_places(geometry: Geometry) -> tuple[tuple[float, ...], ...]:
     height = ARC_HEIGHT * geometry.knee.sign
     return tuple((*geometry.base_radius * axis, height) for axis in LEG_AXES)

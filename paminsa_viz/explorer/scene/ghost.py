@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import struct
 from abc import ABC, abstractmethod
-from functools import lru_cache
 from typing import ClassVar, Final
 
 import numpy as np
@@ -14,6 +13,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.simulated import wanted_pose
 from paminsa_viz.explorer.scene.bodies import Robot
 from paminsa_viz.explorer.scene.context import SceneContext
+from paminsa_viz.kept import kept
 from paminsa_viz.model import Design
 from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
 
@@ -23,7 +23,7 @@ _JSON: Final = 20
 """Where the description in a GLB starts, after its header and the head of the first chunk."""
 
 
-@lru_cache(maxsize=64)
+@kept(64)
 def translucent(glb: bytes) -> bytes:
     """Return a GLB whose materials are seen through."""
     length = struct.unpack_from("<I", glb, 12)[0]

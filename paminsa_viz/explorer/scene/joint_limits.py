@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -14,6 +13,7 @@ from paminsa_viz.explorer.core.maps import half_width
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.scene.nodes import Node, Nodes, lines, mesh
+from paminsa_viz.kept import kept
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES, LEG_AXES, Configuration, inverse_kinematics
@@ -39,7 +39,7 @@ TICK: Final = 0.022
 """Half the length of the tick at an end of joint 8's travel [m]."""
 
 
-@lru_cache(maxsize=16)
+@kept(16)
 def turning_ranges(
     geometry: Geometry, theta: float, z: float, limit: float = CONDITION_LIMIT
 ) -> tuple[tuple[float, float], ...]:

@@ -98,9 +98,9 @@ def skeleton(frame: Frame) -> Iterator[Node]:
 
 def best_robot(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``best_so_far``: the best robot of a search, as lines next to the robot."""
-    synthesizing = frame.state.synthesizing
-    best = synthesizing.best
-    ghost = synthesizing.settings.shown is Shown.GHOST and synthesizing.running is not None
+    synthesis = frame.state.synthesis
+    best = synthesis.best
+    ghost = synthesis.settings.shown is Shown.GHOST and synthesis.running is not None
     if not ghost or best is None or best.design is None:
         return
     x, y, z = best.center

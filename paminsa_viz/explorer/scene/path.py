@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache, lru_cache
+from functools import cache
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.motion_results import split_path
 from paminsa_viz.explorer.scene.curves import linear_colors, segments
 from paminsa_viz.explorer.scene.nodes import Node, curves, lines
+from paminsa_viz.kept import kept
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.palette import BAD, INK
 from paminsa_viz.plots import colors
@@ -81,7 +82,7 @@ def motion_path(frame: Frame) -> tuple[Node, ...]:
     return _drawn(frame.analysis, state.plots.color, height)
 
 
-@lru_cache(maxsize=4)
+@kept(4)
 def _drawn(analysis: TrajectoryAnalysis, actuator: int, height: float) -> tuple[Node, ...]:
     found = split_path(analysis)
     torque = analysis.torque[found.samples, actuator]

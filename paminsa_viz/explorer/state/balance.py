@@ -257,7 +257,7 @@ BalanceOutcome = Outcome[BalanceJob, Balanced]
 
 
 @dataclass(frozen=True)
-class Balancing(TaskState[BalanceJob, Balanced]):
+class BalanceState(TaskState[BalanceJob, Balanced]):
     """The balancing of a session; one of its tasks runs at a time.
 
     Attributes:

@@ -53,13 +53,15 @@ class MotionJob:
 
 
 @dataclass(frozen=True)
-class Clearing:
-    """What is known of clearances.
+class ClearanceState:
+    """What is checked, and what is known of clearances.
 
     Attributes:
+        settings: What a person set.
         pose, motion: The last results; they may be of another pose or motion. The nearest bodies
             are None where there are none.
     """
 
+    settings: ClearanceSettings = field(default_factory=ClearanceSettings)
     pose: Outcome[PoseJob, NearestPoints | None] | None = None
     motion: Outcome[MotionJob, MotionClearance] | None = None

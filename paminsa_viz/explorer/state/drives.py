@@ -88,7 +88,7 @@ class DriveLists:
 
 
 @dataclass(frozen=True)
-class Driving(TaskState[DriveJob, DriveLists]):
+class DrivesState(TaskState[DriveJob, DriveLists]):
     """The drives of a session.
 
     Attributes:

@@ -144,7 +144,7 @@ register(
     Layer("proven_workspace", "Proven workspace",
           "Outline of the largest one, see the tab Requirements",
           "features.requirements.layers:proven_workspace", default=True, animated=False),
-    Layer("best_so_far", "Best robot so far", "Of the search of the tab Synthesize, as lines",
+    Layer("best_so_far", "Best robot so far", "Of the search of the tab Synthesis, as lines",
           "scene.mechanism:best_robot", default=True),
     Layer("path", "Path of the motion", "Colored by torque, and on the maps",
           "scene.path:motion_path"),

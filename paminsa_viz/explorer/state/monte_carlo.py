@@ -32,7 +32,7 @@ class MonteCarloJob:
 
 
 @dataclass(frozen=True)
-class Manufacture(TaskState[MonteCarloJob, MonteCarlo]):
+class MonteCarloState(TaskState[MonteCarloJob, MonteCarlo]):
     """What a session shows of manufacture.
 
     Attributes:

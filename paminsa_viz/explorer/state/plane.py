@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from paminsa_viz.kept import kept
 from paminsa_viz.model import Design, Field, Geometry, Limit
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.singular_limit import counting
@@ -44,7 +44,7 @@ class PlaneJob:
         return field.grid.poses()[field.status == Limit.OK]
 
 
-@lru_cache(maxsize=4)
+@kept(4)
 def _plane(geometry: Geometry, theta: float, z: float, cells: int, limit: float) -> Field:
     field = workspace_field(geometry, theta, z, cells)
     near = (field.status == Limit.OK) & ~counting(field, limit)

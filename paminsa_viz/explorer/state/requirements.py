@@ -133,7 +133,7 @@ class LargestState(TaskState[LargestJob, "LargestWorkspace"]):
 
 
 @dataclass(frozen=True)
-class Requiring:
+class RequirementsState:
     """What the tab *Requirements* shows.
 
     Attributes:

@@ -84,7 +84,7 @@ class SimulationJob:
 
 
 @dataclass(frozen=True)
-class Simulating(TaskState[SimulationJob, Simulation]):
+class SimulationState(TaskState[SimulationJob, Simulation]):
     """The simulation of a session.
 
     Attributes:

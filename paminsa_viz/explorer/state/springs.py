@@ -64,7 +64,7 @@ class SpringSettings(Settings):
 
 
 @dataclass(frozen=True)
-class Springing(TaskState[PlaneJob, SpringFit]):
+class SpringsState(TaskState[PlaneJob, SpringFit]):
     """The springs of a session: their fit and its settings."""
 
     settings: SpringSettings = field(default_factory=SpringSettings)

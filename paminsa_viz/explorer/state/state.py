@@ -5,24 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from paminsa_viz.explorer.state.balance import Balancing
-from paminsa_viz.explorer.state.clearance import ClearanceSettings, Clearing
+from paminsa_viz.explorer.state.balance import BalanceState
+from paminsa_viz.explorer.state.clearance import ClearanceState
 from paminsa_viz.explorer.state.document import Document, LastReachable
-from paminsa_viz.explorer.state.drives import Driving
+from paminsa_viz.explorer.state.drives import DrivesState
 from paminsa_viz.explorer.state.export import ExportSettings
-from paminsa_viz.explorer.state.identify import Identifying
+from paminsa_viz.explorer.state.identification import IdentificationState
 from paminsa_viz.explorer.state.layers import default_layers
 from paminsa_viz.explorer.state.loads import LoadsState
 from paminsa_viz.explorer.state.maps import MapView
-from paminsa_viz.explorer.state.monte_carlo import Manufacture
+from paminsa_viz.explorer.state.monte_carlo import MonteCarloState
 from paminsa_viz.explorer.state.motion import Playback, PlotView, PointEditing
 from paminsa_viz.explorer.state.outcome import TaskState
-from paminsa_viz.explorer.state.requirements import Requiring
-from paminsa_viz.explorer.state.simulation import Answer, Simulating
-from paminsa_viz.explorer.state.springs import Springing
-from paminsa_viz.explorer.state.stiffness import ElasticView
-from paminsa_viz.explorer.state.synthesis import Synthesizing
-from paminsa_viz.explorer.state.tolerances import Tolerating
+from paminsa_viz.explorer.state.requirements import RequirementsState
+from paminsa_viz.explorer.state.simulation import Answer, SimulationState
+from paminsa_viz.explorer.state.springs import SpringsState
+from paminsa_viz.explorer.state.stiffness import StiffnessState
+from paminsa_viz.explorer.state.synthesis import SynthesisState
+from paminsa_viz.explorer.state.tolerances import TolerancesState
 from paminsa_viz.explorer.state.view import Appearance, Docks
 from paminsa_viz.model import APPENDIX_4, Design
 from paminsa_viz.model.reach import home_pose
@@ -49,10 +49,9 @@ class State:
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
         point_editing: Which of the poses that a motion is built from is edited, and how.
-        simulating, balancing, springing, tolerating, clearing, driving, manufacture, loads,
-            elastic_view, identifying, requiring, synthesizing, engine_answer: Jobs of the session
-            and what came of them.
-        clearance_view: Which pairs of bodies are checked for clearance, and what is enough.
+        simulation, balance, springs, tolerances, clearance, drives, monte_carlo, loads, stiffness,
+            identification, requirements, synthesis, engine_answer: What a person set in each of
+            these features, its jobs, and what came of them.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
         export, recording: How files are exported, and what is made of a motion's picture.
@@ -73,19 +72,18 @@ class State:
     playback: Playback = field(default_factory=Playback)
     plots: PlotView = field(default_factory=PlotView)
     point_editing: PointEditing = field(default_factory=PointEditing)
-    simulating: Simulating = field(default_factory=Simulating)
-    balancing: Balancing = field(default_factory=Balancing)
-    springing: Springing = field(default_factory=Springing)
-    tolerating: Tolerating = field(default_factory=Tolerating)
-    clearance_view: ClearanceSettings = field(default_factory=ClearanceSettings)
-    clearing: Clearing = field(default_factory=Clearing)
-    driving: Driving = field(default_factory=Driving)
-    manufacture: Manufacture = field(default_factory=Manufacture)
+    simulation: SimulationState = field(default_factory=SimulationState)
+    balance: BalanceState = field(default_factory=BalanceState)
+    springs: SpringsState = field(default_factory=SpringsState)
+    tolerances: TolerancesState = field(default_factory=TolerancesState)
+    clearance: ClearanceState = field(default_factory=ClearanceState)
+    drives: DrivesState = field(default_factory=DrivesState)
+    monte_carlo: MonteCarloState = field(default_factory=MonteCarloState)
     loads: LoadsState = field(default_factory=LoadsState)
-    elastic_view: ElasticView = field(default_factory=ElasticView)
-    identifying: Identifying = field(default_factory=Identifying)
-    requiring: Requiring = field(default_factory=Requiring)
-    synthesizing: Synthesizing = field(default_factory=Synthesizing)
+    stiffness: StiffnessState = field(default_factory=StiffnessState)
+    identification: IdentificationState = field(default_factory=IdentificationState)
+    requirements: RequirementsState = field(default_factory=RequirementsState)
+    synthesis: SynthesisState = field(default_factory=SynthesisState)
     engine_answer: Answer | None = None
     condition_limit: float = CONDITION_LIMIT
     export: ExportSettings = field(default_factory=ExportSettings)
@@ -112,7 +110,7 @@ class State:
         return design if design.geometry == shown else replace(design, geometry=shown)
 
     def updated(self, part: str, **changes: Any) -> State:
-        """Return the state with other attributes of a part, such as ``"simulating.settings"``."""
+        """Return the state with other attributes of a part, such as ``"simulation.settings"``."""
         return _updated(self, part, changes)
 
 

@@ -85,7 +85,7 @@ ElasticOutcome = Outcome[ElasticJob, ElasticResult]
 
 
 @dataclass(frozen=True)
-class ElasticView:
+class StiffnessState:
     """Stiffness and vibration of a session.
 
     Attributes:

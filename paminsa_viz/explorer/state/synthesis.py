@@ -170,8 +170,8 @@ class PriceJob:
 
 
 @dataclass(frozen=True)
-class Synthesizing(TaskState[SynthesisJob, SearchResult]):
-    """What the tab *Synthesize* shows.
+class SynthesisState(TaskState[SynthesisJob, SearchResult]):
+    """What the tab *Synthesis* shows.
 
     Attributes:
         settings: What a person set.

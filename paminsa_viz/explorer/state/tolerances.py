@@ -29,7 +29,7 @@ class ToleranceSettings(Settings):
 
 
 @dataclass(frozen=True)
-class Tolerating(TaskState[PlaneJob, LengthTolerance]):
+class TolerancesState(TaskState[PlaneJob, LengthTolerance]):
     """Tolerances of a session, and the robots that are drawn within that of lengths."""
 
     settings: ToleranceSettings = ToleranceSettings()

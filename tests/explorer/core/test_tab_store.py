@@ -6,6 +6,7 @@ import json
 import math
 from dataclasses import replace
 from operator import attrgetter
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -33,15 +34,15 @@ CHANGED = replace(
     table_at_rest=True,
 ).updated("plots", plot="power", published=True, color=2)
 CHANGED = CHANGED.updated(
-    "springing.settings", start=SpringsFrom.GUIDE, height=0.2, least=0.1, most=0.3
-).updated("tolerating.settings", mass=0.05, length=0.002)
+    "springs.settings", start=SpringsFrom.GUIDE, height=0.2, least=0.1, most=0.3
+).updated("tolerances.settings", mass=0.05, length=0.002)
 CHANGED = (
-    CHANGED.updated("balancing.settings", goal=Goal.RMS, slot_b8=CounterweightSlot(0.2, 3.0))
-    .updated("driving.settings", order="margin", same=False, dwell=0.5)
-    .updated("identifying.settings", cut_off=9.0, legs=True, gains="1 2 3 40", harmonics=7)
-    .updated("simulating.settings", control=ControlMode.FEED_FORWARD, bandwidth=5.0)
+    CHANGED.updated("balance.settings", goal=Goal.RMS, slot_b8=CounterweightSlot(0.2, 3.0))
+    .updated("drives.settings", order="margin", same=False, dwell=0.5)
+    .updated("identification.settings", cut_off=9.0, legs=True, gains="1 2 3 40", harmonics=7)
+    .updated("simulation.settings", control=ControlMode.FEED_FORWARD, bandwidth=5.0)
     .updated(
-        "synthesizing.settings", objective="moving_mass", seed=3,
+        "synthesis.settings", objective="moving_mass", seed=3,
         ranges=(("geometry.base_radius", (0.2, 0.5)),),
     )
 )  # fmt: skip
@@ -52,7 +53,7 @@ def test_every_setting_is_changed_here() -> None:
     places = [name for name in tab_store.VIEW if isinstance(attrgetter(name)(start), Settings)]
     assert len(places) >= 8
     docks = Docks(Dock(500), Dock(folded=True))
-    changed = CHANGED.updated("clearance_view", required=0.01).updated("", docks=docks)
+    changed = CHANGED.updated("clearance.settings", required=0.01).updated("", docks=docks)
     for name in places:
         assert attrgetter(name)(changed) != attrgetter(name)(start), name
     assert tab_store.restore(start, tab_store.dump(changed)) == changed
@@ -62,9 +63,9 @@ def test_catalog_and_cycle_come_from_files_and_are_not_kept() -> None:
     motion = PRESET["arch"].build(APPENDIX_4.geometry).sample()
     opened = {"catalog": generic_catalog(), "cycle": (Duty(motion),), "dwell": 0.5}
     found = tab_store.restore(
-        initial_state(), tab_store.dump(CHANGED.updated("driving.settings", **opened))
+        initial_state(), tab_store.dump(CHANGED.updated("drives.settings", **opened))
     )
-    assert found.driving.settings == DriveSettings(order="margin", same=False, dwell=0.5)
+    assert found.drives.settings == DriveSettings(order="margin", same=False, dwell=0.5)
 
 
 def test_everything_kept_comes_back() -> None:
@@ -84,17 +85,17 @@ def test_everything_kept_comes_back() -> None:
         ("condition_limit", 0.5),
         ("layers", [1, 2]),
         ("table_at_rest", None),
-        ("springing.settings", {"height": 2.0}),
-        ("springing.settings", {"start": "nowhere"}),
-        ("springing.settings", {"least": math.nan}),
-        ("tolerating.settings", {"mass": -0.1}),
-        ("tolerating.settings", {"length": "long"}),
-        ("balancing.settings", {"slot_b8": {"max_lever": math.nan}}),
-        ("balancing.settings", {"motion_weight": 2.0}),
-        ("driving.settings", {"order": "beauty"}),
-        ("driving.settings", {"cycle": [1]}),
-        ("synthesizing.settings", {"objective": "beauty"}),
-        ("synthesizing.settings", {"ranges": [["geometry.base_radius", [math.nan, 1.0]]]}),
+        ("springs.settings", {"height": 2.0}),
+        ("springs.settings", {"start": "nowhere"}),
+        ("springs.settings", {"least": math.nan}),
+        ("tolerances.settings", {"mass": -0.1}),
+        ("tolerances.settings", {"length": "long"}),
+        ("balance.settings", {"slot_b8": {"max_lever": math.nan}}),
+        ("balance.settings", {"motion_weight": 2.0}),
+        ("drives.settings", {"order": "beauty"}),
+        ("drives.settings", {"cycle": [1]}),
+        ("synthesis.settings", {"objective": "beauty"}),
+        ("synthesis.settings", {"ranges": [["geometry.base_radius", [math.nan, 1.0]]]}),
     ],
     ids=str,
 )
@@ -112,22 +113,32 @@ def test_unknown_layers_are_dropped_and_old_stores_are_read() -> None:
     data = json.loads(tab_store.dump(CHANGED))
     data["view"]["layers"] += ["a layer of another version"]
     assert tab_store.restore(initial_state(), json.dumps(data)).layers == CHANGED.layers
-    del data["view"]["springing.settings"], data["view"]["tolerating.settings"]
+    del data["view"]["springs.settings"], data["view"]["tolerances.settings"]
     old = tab_store.restore(initial_state(), json.dumps(data))
     assert old.map_view == CHANGED.map_view
-    assert old.springing == initial_state().springing
+    assert old.springs == initial_state().springs
     del data["view"]
     assert tab_store.restore(initial_state(), json.dumps(data)).document == CHANGED.document
     with pytest.raises(PaminsaError):
         tab_store.restore(initial_state(), "{}")
 
 
+def test_tab_that_a_former_version_kept_is_read() -> None:
+    """It was saved with `CHANGED` when the parts of the state had other names."""
+    kept = Path(__file__).with_name("former_tab.json").read_text("utf-8")
+    expected = CHANGED.updated("clearance.settings", required=0.01)
+    found = tab_store.restore(initial_state(), kept)
+    assert found.ended == ("synthesis",)
+    assert replace(found, ended=()) == expected
+
+
 def test_running_tasks_are_kept_as_ended_by_a_reload() -> None:
     state = initial_state()
-    running = state.updated("synthesizing", running=object())
+    running = state.updated("synthesis", running=object())
+    running = running.updated("requirements.largest", running=object())
     found = tab_store.restore(state, tab_store.dump(running))
-    assert found.ended == ("synthesizing",)
-    assert found.synthesizing.running is None
+    assert set(found.ended) == {"synthesis", "requirements.largest"}
+    assert found.synthesis.running is None
     assert tab_store.restore(state, tab_store.dump(state)).ended == ()
 
 

@@ -17,16 +17,16 @@ from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import PaminsaError
 from tests.support.raw_page import TIMEOUT, eventually
 
-PLACE = Place(lambda state: state.tolerating)
+PLACE = Place(lambda state: state.tolerances)
 
 
 def length(state: State) -> float:
     """Return the job of a state: a number that is set."""
-    return state.tolerating.settings.length * 10
+    return state.tolerances.settings.length * 10
 
 
 def with_job(state: State, job: float) -> State:
-    return state.updated("tolerating.settings", length=job / 10)
+    return state.updated("tolerances.settings", length=job / 10)
 
 
 class Bench:
@@ -48,7 +48,7 @@ class Bench:
         assert not step
         self.state = action(self.state)
         self.sources.append(source.rpartition(".")[2])
-        if source == "tolerating.result":
+        if source == "tolerances.result":
             self.done.release()
 
     def _find(self, job: float, report: Any) -> float:
@@ -79,7 +79,7 @@ class Bench:
         """Let jobs end; return the task once an outcome was received."""
         self.may_end.release(count)
         assert self.done.acquire(timeout=TIMEOUT)
-        return self.state.tolerating
+        return self.state.tolerances
 
 
 @pytest.fixture
@@ -121,7 +121,7 @@ def test_stop_and_start_again_ends_the_old_run_though_no_view_saw_the_stop(bench
     assert bench.canceled[0] is True
     assert task.running is None or task.outcome is None
     bench.draw()
-    eventually(lambda: bench.state.tolerating.result == 10.0)
+    eventually(lambda: bench.state.tolerances.result == 10.0)
     assert bench.ran == [0.1, 0.1]
     assert bench.canceled == [True, False]
     assert bench.sources.count("progress") == 1
@@ -156,7 +156,7 @@ def test_a_task_is_started_or_stopped_and_outcomes_of_others_are_dropped(bench: 
     task, idle = bench.task, initial_state()
     entries: Any = task.buttons(Button("draw", "Draw", effect=task.start))
     running = entries[0].effect(idle)
-    ticket = running.tolerating.ticket
+    ticket = running.tolerances.ticket
     assert [entry.visible(idle) for entry in entries] == [True, False, False]
     assert [entry.visible(running) for entry in entries] == [False, True, True]
     assert entries[1].read(task.report(running, ticket, 0.5)) == 0.5
@@ -164,20 +164,20 @@ def test_a_task_is_started_or_stopped_and_outcomes_of_others_are_dropped(bench: 
     outcome = Outcome(length(running), 1.0)
     assert task.deliver(running, ticket - 1, outcome) is running
     ended = task.deliver(running, ticket, outcome)
-    assert (task.result(ended), ended.tolerating.running) == (1.0, None)
+    assert (task.result(ended), ended.tolerances.running) == (1.0, None)
     assert task.deliver(ended, ticket, outcome) is ended
     stopped = entries[2].effect(running)
-    assert (stopped.tolerating.running, stopped.tolerating.outcome) == (None, None)
+    assert (stopped.tolerances.running, stopped.tolerances.outcome) == (None, None)
     assert task.outcome(task.forget(ended)) is None
 
 
 def test_a_result_says_what_has_changed_since(bench: Bench) -> None:
     task, state = bench.task, initial_state()
-    made = replace(task, job=lambda state: state.tolerating.settings)
+    made = replace(task, job=lambda state: state.tolerances.settings)
     started = made.start(state)
-    found = made.deliver(started, started.tolerating.ticket, Outcome(made.job(state), 1.0))
+    found = made.deliver(started, started.tolerances.ticket, Outcome(made.job(state), 1.0))
     assert (made.is_stale(found), made.stale_text(found)) == (False, "")
-    other = found.updated("tolerating.settings", mass=0.1, length=0.05)
+    other = found.updated("tolerances.settings", mass=0.1, length=0.05)
     assert made.is_stale(other)
     assert made.stale_text(other) == "Changed since: “Masses ±” and “Lengths ±”."
-    assert not made.is_stale(other.updated("tolerating", settings=state.tolerating.settings))
+    assert not made.is_stale(other.updated("tolerances", settings=state.tolerances.settings))

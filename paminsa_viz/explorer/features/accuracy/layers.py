@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -16,6 +15,7 @@ from paminsa_viz.explorer.scene.curves import segments
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import Node, label, lines, mesh
 from paminsa_viz.explorer.state.motion import Pose
+from paminsa_viz.kept import kept
 from paminsa_viz.model import DriveAccuracy, Geometry, jacobian
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors
@@ -44,7 +44,7 @@ def shown_errors(frame: Frame) -> DriveErrors:
     return _errors(design.geometry, design.accuracy, (x, y, theta, z))
 
 
-@lru_cache(maxsize=8)
+@kept(8)
 def _errors(geometry: Geometry, accuracy: DriveAccuracy, pose: Pose) -> DriveErrors:
     return drive_errors(geometry, accuracy, pose)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache, partial
+from functools import partial
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.kept import kept
 from paminsa_viz.model import PARAMETER, Design
 from paminsa_viz.model.accuracy import LEG_NAMES, NO_DEVIATIONS, NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.leg_lengths import LENGTHS
@@ -33,7 +34,7 @@ LEAST_SHARE = 0.005
 """Smallest share that has a bar."""
 
 
-@lru_cache(maxsize=4)
+@kept(4)
 def _tolerance_errors(design: Design, pose: Pose) -> ToleranceErrors:
     return tolerance_errors(design, pose)
 
@@ -50,7 +51,7 @@ def tolerances_html(frame: Frame) -> str:
 
 def shares_html(frame: Frame) -> str:
     """Return the share of each length in the variance of a coordinate, as bars."""
-    index = frame.state.manufacture.coordinate
+    index = frame.state.monte_carlo.coordinate
     share = _tolerance_errors(*shown_lengths(frame)).shares[index]
     order = [i for i in np.argsort(-share) if share[i] >= LEAST_SHARE]
     bars = [(LENGTHS[i].symbol, LENGTHS[i].label, 100 * float(share[i])) for i in order]
@@ -89,13 +90,13 @@ def _leg_choices(state: State) -> dict[str, Effect]:
 
 def _deviation(state: State) -> tuple[str, float]:
     """Return the path of the deviation that is shown, and millimeters or degrees of its unit."""
-    shown = state.manufacture
+    shown = state.monte_carlo
     length = LENGTHS[shown.length]
     return f"{LEG_NAMES[shown.leg]}.{length.name}", display_unit(length.unit).factor
 
 
 def _deviation_label(state: State) -> str:
-    return f"off by [{display_unit(LENGTHS[state.manufacture.length].unit).text}]"
+    return f"off by [{display_unit(LENGTHS[state.monte_carlo.length].unit).text}]"
 
 
 def _read_deviation(state: State) -> float:
@@ -144,7 +145,7 @@ MANUFACTURE = (
     Dropdown(
         "manufacture.coordinate", "Shares in", options={NAMES[i]: i for i in SHOWN},
         hint="Which lengths the error of a coordinate comes from",
-        **attribute("manufacture.coordinate"),
+        **attribute("monte_carlo.coordinate"),
     ),
     Html("manufacture.shares", content=shares_html, idle=True),
     Folder(
@@ -162,12 +163,12 @@ MANUFACTURE = (
         entries=(
             Dropdown(
                 "manufacture.leg", "Leg", options={f"leg {i + 1}": i for i in range(3)},
-                **attribute("manufacture.leg"),
+                **attribute("monte_carlo.leg"),
             ),
             Dropdown(
                 "manufacture.length", "Length",
                 options={f"{symbol_text(a.symbol)} {a.label}": i for i, a in enumerate(LENGTHS)},
-                **attribute("manufacture.length"),
+                **attribute("monte_carlo.length"),
             ),
             Number(
                 "manufacture.deviation", _deviation_label, range=(-100.0, 100.0), step=0.01,

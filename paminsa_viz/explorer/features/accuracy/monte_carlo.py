@@ -12,7 +12,7 @@ from paminsa_viz.explorer.kit.entries import Button, Entry, Html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.kit.text import render
-from paminsa_viz.explorer.state.monte_carlo import Manufacture, MonteCarloJob
+from paminsa_viz.explorer.state.monte_carlo import MonteCarloJob, MonteCarloState
 from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Design
@@ -69,11 +69,11 @@ def draw_robots(job: MonteCarloJob, progress: Progress) -> MonteCarlo:
 
 def _job(state: State) -> MonteCarloJob:
     """Return the job for the pose where the robot is: only lengths and tolerances count."""
-    own, pose = state.manufacture, state.last_reachable.pose
+    own, pose = state.monte_carlo, state.last_reachable.pose
     return MonteCarloJob(toleranced(state.shown_design), pose, own.robots, own.seed)
 
 
-DRAW = Task(Place(lambda state: state.manufacture), _job, draw_robots)
+DRAW = Task(Place(lambda state: state.monte_carlo), _job, draw_robots)
 """Draws robots at random."""
 
 
@@ -97,7 +97,7 @@ def monte_carlo_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
-_setting = SettingInputs("manufacture", "manufacture", Manufacture)
+_setting = SettingInputs("manufacture", "monte_carlo", MonteCarloState)
 
 MONTE_CARLO: tuple[Entry, ...] = (
     _setting("robots", undo=False),

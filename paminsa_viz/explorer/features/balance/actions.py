@@ -29,18 +29,18 @@ AnyOutcome = Outcome[BalanceJob, Any]
 
 def change_settings(state: State, **changes: Any) -> State:
     """Change the optimization settings; a failure with earlier settings is forgotten."""
-    balancing = state.balancing
-    settings = replace(balancing.settings, **changes)
-    if settings == balancing.settings:  # an input may say again what it holds
+    balance = state.balance
+    settings = replace(balance.settings, **changes)
+    if settings == balance.settings:  # an input may say again what it holds
         return state
-    refused = balancing.outcome is not None and balancing.outcome.error is not None
-    outcome = None if refused else balancing.outcome
-    return state.updated("balancing", settings=settings, outcome=outcome)
+    refused = balance.outcome is not None and balance.outcome.error is not None
+    outcome = None if refused else balance.outcome
+    return state.updated("balance", settings=settings, outcome=outcome)
 
 
 def choose_goal(state: State, goal: Goal) -> State:
     """Choose what is minimized: a balance is exact; other goals are not, until it is set."""
-    if goal is state.balancing.settings.goal:
+    if goal is state.balance.settings.goal:
         return state
     return change_settings(state, goal=goal, exact=goal.static)
 
@@ -48,7 +48,7 @@ def choose_goal(state: State, goal: Goal) -> State:
 def make_job(state: State, task: BalanceKind) -> BalanceJob:
     """Return a task for the current state, with the settings that it depends on."""
     found = motions.planned(state)
-    settings = state.balancing.settings.of(task)
+    settings = state.balance.settings.of(task)
     return plane_job(BalanceJob, state, settings, task, found.trajectory, found.problem)
 
 
@@ -73,7 +73,7 @@ def start(state: State, task: BalanceKind) -> State:
 
 
 def _require_idle(state: State) -> None:
-    if state.balancing.running is not None:
+    if state.balance.running is not None:
         raise InvalidInput("balance", "the last task still runs; stop it or wait")
 
 
@@ -85,13 +85,13 @@ def receive_result(state: State, outcome: AnyOutcome) -> State:
     """
     job, balanced = outcome.job, outcome.result
     if job.task is BalanceKind.FRONT:
-        return state.updated("balancing", front=outcome)
+        return state.updated("balance", front=outcome)
     if job.task is BalanceKind.SENSITIVITY:
-        return state.updated("balancing", tornado=outcome)
+        return state.updated("balance", tornado=outcome)
     if balanced is not None and state.document.design != job.design:
         error = InvalidInput("design", "it was changed in the meantime; start again")
-        return state.updated("balancing", outcome=Outcome(job, error=error))
-    state = state.updated("balancing", outcome=outcome)
+        return state.updated("balance", outcome=Outcome(job, error=error))
+    state = state.updated("balance", outcome=outcome)
     if balanced is None or balanced.after == state.document.design:
         return state
     return _compared(state, balanced.after, job.design)
@@ -110,15 +110,15 @@ def _task(kind: BalanceKind, kept: Callable[[State], AnyOutcome | None]) -> Task
     kinds = (BalanceKind.PAPER, BalanceKind.OPTIMUM)
     own = kinds if kind in kinds else (kind,)
     return Task(
-        Place(lambda state: state.balancing), partial(make_job, task=kind), run,
+        Place(lambda state: state.balance), partial(make_job, task=kind), run,
         receive=receive_result, kept=kept, own=lambda job: job.task in own, again=_again, undo=True,
     )  # fmt: skip
 
 
 TASKS = {
-    BalanceKind.OPTIMUM: _task(BalanceKind.OPTIMUM, lambda state: state.balancing.outcome),
-    BalanceKind.FRONT: _task(BalanceKind.FRONT, lambda state: state.balancing.front),
-    BalanceKind.SENSITIVITY: _task(BalanceKind.SENSITIVITY, lambda state: state.balancing.tornado),
+    BalanceKind.OPTIMUM: _task(BalanceKind.OPTIMUM, lambda state: state.balance.outcome),
+    BalanceKind.FRONT: _task(BalanceKind.FRONT, lambda state: state.balance.front),
+    BalanceKind.SENSITIVITY: _task(BalanceKind.SENSITIVITY, lambda state: state.balance.tornado),
 }
 """The tasks of the balance; one of them runs at a time."""
 
@@ -131,15 +131,15 @@ def choose_point(state: State, index: int) -> State:
     Raises:
         InvalidInput: If there is no such point.
     """
-    front, points = state.balancing.front, state.balancing.points
+    front, points = state.balance.front, state.balance.points
     if front is None or index not in range(len(points)):
         raise InvalidInput("front", "there is no such point")
-    return _compared(state.updated("balancing", outcome=None), points[index], front.job.design)
+    return _compared(state.updated("balance", outcome=None), points[index], front.job.design)
 
 
 def chosen_point(state: State) -> int | None:
     """Return which point of the front is worked on, or None."""
-    points, design = state.balancing.points, state.document.design
+    points, design = state.balance.points, state.document.design
     return points.index(design) if design in points else None
 
 

@@ -25,7 +25,7 @@ OUTPUT_LABELS = ("M_p2", "peak, static", "RMS, static", "peak, dynamic", "RMS, d
 
 def shown_front(state: State) -> tuple[ParetoFront, int | None] | None:
     """Return what the front's chart shows, or None."""
-    outcome = state.balancing.front
+    outcome = state.balance.front
     if outcome is None or outcome.result is None or not outcome.result.designs:
         return None
     return outcome.result.front, balancing.chosen_point(state)
@@ -60,9 +60,9 @@ def clicked_point(data: Any, state: State) -> int | None:
 
 def shown_tornado(state: State) -> tuple[Tornado, int] | None:
     """Return what the tornado chart shows, or None."""
-    outcome = state.balancing.tornado
+    outcome = state.balance.tornado
     found = None if outcome is None else outcome.result
-    return None if found is None else (found, state.balancing.output)
+    return None if found is None else (found, state.balance.output)
 
 
 def tornado_figure(tornado: Tornado, output: int) -> Tree:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -36,6 +35,7 @@ from paminsa_viz.explorer.state.balance import (
     WeightClearance,
     changes_of,
 )
+from paminsa_viz.kept import kept
 from paminsa_viz.model import (
     Design,
     Geometry,
@@ -262,6 +262,6 @@ def motion(job: BalanceJob) -> SolvedTrajectory:
     return solved
 
 
-@lru_cache(maxsize=2)
+@kept(2)
 def _solved(geometry: Geometry, trajectory: Trajectory, gravity: float) -> SolvedTrajectory:
     return solve_trajectory(geometry, trajectory, gravity=gravity)

@@ -36,13 +36,11 @@ from paminsa_viz.explorer.state.balance import (
 from paminsa_viz.explorer.state.settings import MILLIMETERS, PERCENT, PLAIN
 from paminsa_viz.explorer.state.state import State
 
-_setting = SettingInputs(
-    "balance", "balancing.settings", BalanceSettings, balancing.change_settings
-)
+_setting = SettingInputs("balance", "balance.settings", BalanceSettings, balancing.change_settings)
 
 
 def _busy(state: State) -> bool:
-    return state.balancing.running is not None
+    return state.balance.running is not None
 
 
 def _idle(state: State) -> bool:
@@ -53,7 +51,7 @@ def _slot(name: str, bar: str, joint: int) -> Pair:
     """Return the input of a counterweight slot: longest lever and largest mass."""
 
     def read(state: State) -> tuple[float, float]:
-        slot = getattr(state.balancing.settings, name)
+        slot = getattr(state.balance.settings, name)
         return slot.max_lever, slot.max_mass
 
     def apply(state: State, value: tuple[float, float]) -> State:
@@ -68,7 +66,7 @@ def _slot(name: str, bar: str, joint: int) -> Pair:
 
 
 def _frees_masses(state: State) -> bool:
-    return state.balancing.settings.movable is not FreeMasses.NONE
+    return state.balance.settings.movable is not FreeMasses.NONE
 
 
 SETTINGS = (
@@ -76,8 +74,8 @@ SETTINGS = (
     Slider(
         "balance.motion_weight", "Weight of motion [%]", range=(0.0, 100.0), step=1.0, unit=PERCENT,
         hint="Against the static torques; each peak relative to its current value",
-        visible=lambda state: state.balancing.settings.goal is Goal.BOTH,
-        **attribute("balancing.settings.motion_weight", balancing.change_settings),
+        visible=lambda state: state.balance.settings.goal is Goal.BOTH,
+        **attribute("balance.settings.motion_weight", balancing.change_settings),
     ),
     _setting("exact"),
     Html(
@@ -92,7 +90,7 @@ SETTINGS = (
     _setting("max_increase", visible=_frees_masses),
     _setting("max_decrease", visible=_frees_masses),
     _setting(
-        "max_added", visible=lambda state: not state.balancing.settings.goal.static
+        "max_added", visible=lambda state: not state.balance.settings.goal.static
     ),
     Button(
         "balance.optimize", "Optimize", visible=_idle,
@@ -110,7 +108,7 @@ def _has_front(state: State) -> bool:
 
 
 def _points(state: State) -> tuple[float, float]:
-    return 1.0, float(max(len(state.balancing.points), 2))
+    return 1.0, float(max(len(state.balance.points), 2))
 
 
 def _click(state: State, data: Any) -> State:
@@ -154,7 +152,7 @@ SENSITIVITY = (
             Dropdown(
                 "balance.output", "Output",
                 options={label: index for index, label in enumerate(charts.OUTPUT_LABELS)},
-                **attribute("balancing.output"),
+                **attribute("balance.output"),
             ),
             chart("tornado.chart", charts.shown_tornado, charts.tornado_figure, 1.15),
         ),
@@ -183,7 +181,7 @@ BALANCE: tuple[Entry, ...] = (
     Folder("balance.settings", "Optimization settings", entries=SETTINGS, open=False),
     Html(
         "balance.details",
-        content=lambda frame: text.details_html(frame.state.balancing.outcome),
+        content=lambda frame: text.details_html(frame.state.balance.outcome),
     ),
     Folder("balance.weights", "Counterweights of each leg", entries=COUNTERWEIGHTS),
 )  # fmt: skip

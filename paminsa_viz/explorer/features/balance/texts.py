@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from functools import lru_cache
 from html import escape
 from itertools import groupby
 from operator import attrgetter
@@ -24,6 +23,7 @@ from paminsa_viz.explorer.state.balance import (
     Goal,
     WeightClearance,
 )
+from paminsa_viz.kept import kept
 from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.units import number, percent_change, symbol_html, symbols_html, unit_text
@@ -42,7 +42,7 @@ _SIDES = {"low": "≥", "high": "≤", "nearest": "lever ≥", "farthest": "leve
 
 def status_html(frame: Frame) -> str:
     """Return what came of the last optimization, in a line or two."""
-    state, outcome = frame.state, frame.state.balancing.outcome
+    state, outcome = frame.state, frame.state.balance.outcome
     if OPTIMUM.runs(state):
         return status("balance-status", "plain", "Optimizing …")
     if outcome is None:
@@ -102,7 +102,7 @@ def variable_html(name: str) -> Markup:
     return Markup(symbols_html(name))
 
 
-@lru_cache(maxsize=4)
+@kept(4)
 def details_html(outcome: BalanceOutcome | None) -> str:
     """Return what was changed, what that does, and the certificate; empty without a result."""
     found = None if outcome is None else outcome.result
@@ -187,23 +187,23 @@ def _relaxable(item: ActiveConstraint) -> bool:
 
 def front_html(frame: Frame) -> str:
     """Return what the Pareto front is, or why there is none."""
-    balancing = frame.state.balancing
-    if balancing.front is not None and balancing.front.error is not None:
-        return problem_html(balancing.front.error, "front")
+    balance = frame.state.balance
+    if balance.front is not None and balance.front.error is not None:
+        return problem_html(balance.front.error, "front")
     return render(
-        "balance/front.j2", count=len(balancing.points), stale=FRONT.stale_text(frame.state)
+        "balance/front.j2", count=len(balance.points), stale=FRONT.stale_text(frame.state)
     )
 
 
 def sensitivity_html(frame: Frame) -> str:
     """Return what the tornado chart is of, or that it is being computed, or why there is none."""
-    balancing = frame.state.balancing
-    outcome = balancing.tornado
+    balance = frame.state.balance
+    outcome = balance.tornado
     if SENSITIVITY.runs(frame.state):
         return status("tornado", "plain", "Computing …")
     if outcome is not None and outcome.error is not None:
         return problem_html(outcome.error, "tornado")
     return render(
-        "balance/sensitivity.j2", outcome=outcome, output=balancing.output,
+        "balance/sensitivity.j2", outcome=outcome, output=balance.output,
         stale=SENSITIVITY.stale_text(frame.state),
     )  # fmt: skip

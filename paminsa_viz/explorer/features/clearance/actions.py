@@ -14,9 +14,9 @@ from paminsa_viz.plots.clearance_series import MotionClearance, motion_clearance
 
 def set_pairs(state: State, group: PairGroup, checked: bool) -> State:
     """Check a group of pairs, or no longer."""
-    before = state.clearance_view.pairs
+    before = state.clearance.settings.pairs
     pairs = before | {group} if checked else before - {group}
-    return state.updated("clearance_view", pairs=frozenset(pairs))
+    return state.updated("clearance.settings", pairs=frozenset(pairs))
 
 
 def find_nearest(job: PoseJob, _: object) -> NearestPoints | None:
@@ -34,10 +34,10 @@ def _motion_job(frame: Frame) -> MotionJob | None:
 
 
 OF_POSE = Follower(
-    Place(lambda state: state.clearing.pose), lambda frame: pose_job(frame.state), find_nearest,
+    Place(lambda state: state.clearance.pose), lambda frame: pose_job(frame.state), find_nearest,
     idle=True,
 )  # fmt: skip
 
 ALONG_MOTION = Follower(
-    Place(lambda state: state.clearing.motion), _motion_job, find_along, idle=True
+    Place(lambda state: state.clearance.motion), _motion_job, find_along, idle=True
 )

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from paminsa_viz.elastostatics.contacts import contacts, pair_name
-from paminsa_viz.explorer.core import clearance as clearing
+from paminsa_viz.explorer.core import clearance
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.nodes import Node, ball, curves, label, mesh
 from paminsa_viz.palette import BAD, INK, WARN
@@ -46,10 +46,10 @@ def nearest_bodies(frame: Frame) -> Iterator[Node]:
 
     A pose whose clearance is not known yet has none.
     """
-    found = clearing.nearest(frame.state)
+    found = clearance.nearest(frame.state)
     if found is None:
         return
-    little = WARN if found.distance < frame.state.clearance_view.required else INK
+    little = WARN if found.distance < frame.state.clearance.settings.required else INK
     color = BAD if found.distance < 0 else little
     yield curves("/clearance/line", [found.points], color, 4.0)
     text = f"{found.names[0]} – {found.names[1]}: {format_value(found.distance, 'm', 3)}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from paminsa_viz.clearance import PairGroup
-from paminsa_viz.explorer.core import clearance as clearing
+from paminsa_viz.explorer.core import clearance
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.clearance.actions import ALONG_MOTION, OF_POSE, set_pairs
 from paminsa_viz.explorer.kit.entries import Entry, Folder, Html
@@ -18,12 +18,12 @@ from paminsa_viz.units import format_value
 def clearance_html(frame: Frame) -> str:
     """Return the nearest bodies of the pose."""
     state = frame.state
-    found = clearing.nearest(state)
+    found = clearance.nearest(state)
     if found is None:
-        known = state.clearing.pose is not None and state.clearing.pose.result is None
+        known = state.clearance.pose is not None and state.clearance.pose.result is None
         text = "No pair of bodies is checked." if known else "Computing …"
         return note("clearance", text, muted=True)
-    distance, why = clearing.reason(state)
+    distance, why = clearance.reason(state)
     level, title = "ok", f"{format_value(distance, 'm', 3)} apart"
     if why:
         level, title = ("bad", "Bodies overlap") if distance < 0 else ("warn", "Bodies are close")
@@ -33,7 +33,7 @@ def clearance_html(frame: Frame) -> str:
 
 def _switch(group: PairGroup) -> Checkbox:
     def read(state: State) -> bool:
-        return group in state.clearance_view.pairs
+        return group in state.clearance.settings.pairs
 
     def apply(state: State, checked: bool) -> State:
         return set_pairs(state, group, checked)
@@ -52,7 +52,7 @@ CLEARANCE: tuple[Entry, ...] = (
         "clearance", "Clearance between bodies", open=False,
         entries=(
             Html("clearance.text", content=clearance_html),
-            SettingInputs("clearance", "clearance_view", ClearanceSettings)("required"),
+            SettingInputs("clearance", "clearance.settings", ClearanceSettings)("required"),
             *map(_switch, PairGroup),
         ),
     ),

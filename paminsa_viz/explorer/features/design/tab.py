@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
@@ -14,6 +14,7 @@ from paminsa_viz.explorer.kit.inputs import Dropdown, Slider
 from paminsa_viz.explorer.kit.robot_texts import gauge_html, of_pose
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.kept import kept
 from paminsa_viz.model import (
     Geometry,
     LoadFrame,
@@ -30,7 +31,7 @@ WHOLE_GROUP = "all"
 """What the button says that resets a whole group."""
 
 
-@lru_cache(maxsize=8)
+@kept(8)
 def _shares(geometry: Geometry, gravity: float) -> Array:
     """Return the change of M_p2 with each mass [N/kg], in the order of `MASS_PATHS`."""
     return lumped_matrix(geometry, gravity)[1]

@@ -21,11 +21,11 @@ RPM = 30 / math.pi
 
 def shown_drive(state: State) -> tuple[DriveFigures, DutyCycle, int, tuple[int, ...]] | None:
     """Return what the chart shows: a drive, its cycle, its actuator, and all with such a drive."""
-    driving = state.driving
-    if driving.shown is None or driving.result is None:
+    drives = state.drives
+    if drives.shown is None or drives.result is None:
         return None
-    actuator = driving.actuator
-    return driving.shown, driving.result.selection.cycle, actuator, driving.shared(actuator)
+    actuator = drives.actuator
+    return drives.shown, drives.result.selection.cycle, actuator, drives.shared(actuator)
 
 
 def chart_figure(

@@ -43,7 +43,7 @@ from paminsa_viz.units import NONE, number
 
 
 def _job(state: State) -> DriveJob:
-    settings = state.driving.settings
+    settings = state.drives.settings
     duties = settings.cycle or (_current(state)._replace(repeats=1.0),)
     bare = replace(state.document.design, drives=NO_DRIVES)
     return DriveJob(bare, duties, settings)
@@ -51,7 +51,7 @@ def _job(state: State) -> DriveJob:
 
 def _current(state: State) -> Duty:
     """Return the current motion as it would be added to the cycle."""
-    found, settings = motions.planned(state), state.driving.settings
+    found, settings = motions.planned(state), state.drives.settings
     if found.trajectory is None:
         raise InvalidInput("motion", found.problem or "there is none yet; see the tab “Motion”")
     return Duty(found.trajectory, settings.count, settings.dwell)
@@ -63,18 +63,18 @@ def add_motion(state: State) -> State:
     Raises:
         InvalidInput: If there is no motion, or the cycle is full.
     """
-    cycle = state.driving.settings.cycle
+    cycle = state.drives.settings.cycle
     if len(cycle) == MOST_MOTIONS:
         raise InvalidInput("cycle", f"at most {MOST_MOTIONS} motions are possible here")
-    return state.updated("driving.settings", cycle=(*cycle, _current(state)))
+    return state.updated("drives.settings", cycle=(*cycle, _current(state)))
 
 
 def receive(state: State, outcome: Outcome[DriveJob, DriveLists]) -> State:
     """Take over a result; the first of its drives is shown."""
-    return state.updated("driving", outcome=outcome, row=0)
+    return state.updated("drives", outcome=outcome, row=0)
 
 
-SEARCH = Task(Place(lambda state: state.driving), _job, find_drives, receive=receive)
+SEARCH = Task(Place(lambda state: state.drives), _job, find_drives, receive=receive)
 """Searches for drives for the cycle or, without one, the current motion."""
 
 
@@ -84,14 +84,14 @@ def choose(state: State, row: int | None) -> State:
     Raises:
         InvalidInput: If there is none.
     """
-    driving, design = state.driving, state.document.design
-    if driving.result is None:
+    own, design = state.drives, state.document.design
+    if own.result is None:
         raise InvalidInput("drives", "none have been found yet")
     if row is None:
-        return actions.with_design(state, driving.result.selection.design(design))
+        return actions.with_design(state, own.result.selection.design(design))
     drives: Any = list(design.drives)
-    for j in driving.shared(driving.actuator):
-        drives[j] = driving.listed[row].drive
+    for j in own.shared(own.actuator):
+        drives[j] = own.listed[row].drive
     return actions.change_design(state, drives=tuple(drives))
 
 
@@ -99,7 +99,7 @@ def _open(session: Session, name: str, content: bytes) -> None:
     if not content:
         raise CatalogError(name, "is empty or too large")
     catalog = read_catalog(content, name)
-    action = methodcaller("updated", "driving.settings", catalog=catalog)
+    action = methodcaller("updated", "drives.settings", catalog=catalog)
     parts = len(catalog.motors), len(catalog.gears), len(catalog.transmissions)
     text = "{}: {} motors, {} gears, {} screws and belts".format(name, *parts)
     opened = partial(session.notify, "Catalog opened", text)
@@ -108,7 +108,7 @@ def _open(session: Session, name: str, content: bytes) -> None:
 
 def intro_html(frame: Frame) -> str:
     """Return what is searched: the motion and the catalog."""
-    settings = frame.state.driving.settings
+    settings = frame.state.drives.settings
     found = motions.planned(frame.state)
     return render(
         "drives/intro.j2", motion=found.trajectory, catalog=settings.catalog, cycle=settings.cycle
@@ -117,25 +117,25 @@ def intro_html(frame: Frame) -> str:
 
 def list_html(frame: Frame) -> str:
     """Return the list of an actuator's drives, or why there is none."""
-    driving = frame.state.driving
-    outcome, found = driving.outcome, driving.result
+    drives = frame.state.drives
+    outcome, found = drives.outcome, drives.result
     if outcome is None or found is None:
         return ""
     return render(
-        "drives/list.j2", rows=driving.listed, chosen=driving.row,
-        name=_name(frame.state, driving.actuator), advice=found.advice[driving.actuator],
-        count=len(found.selection.rows[driving.actuator]),
+        "drives/list.j2", rows=drives.listed, chosen=drives.row,
+        name=_name(frame.state, drives.actuator), advice=found.advice[drives.actuator],
+        count=len(found.selection.rows[drives.actuator]),
         stale=SEARCH.stale_text(frame.state),
     )  # fmt: skip
 
 
 def _name(state: State, actuator: int) -> str:
-    return "M1 to M3" if len(state.driving.shared(actuator)) > 1 else ACTUATORS[actuator]
+    return "M1 to M3" if len(state.drives.shared(actuator)) > 1 else ACTUATORS[actuator]
 
 
 def facts_html(frame: Frame) -> str:
     """Return the figures of the drive in its envelope."""
-    shown = frame.state.driving.shown
+    shown = frame.state.drives.shown
     if shown is None:
         return ""
     return render("drives/facts.j2", rows=fact_rows(shown))
@@ -181,7 +181,7 @@ def _count(drive: Drive) -> str:
 
 def own_html(frame: Frame) -> str:
     """Return the drives of the design and, on the motion of the search, their margins."""
-    design, outcome = frame.state.document.design, frame.state.driving.outcome
+    design, outcome = frame.state.document.design, frame.state.drives.outcome
     sized: tuple[DriveFigures | None, ...] = (None,) * 4
     now = SEARCH.now(frame.state)
     same = now is not None and outcome is not None and now.same_robot(outcome.job)
@@ -195,22 +195,22 @@ def own_html(frame: Frame) -> str:
 
 
 def _found(state: State) -> bool:
-    return state.driving.result is not None
+    return state.drives.result is not None
 
 
 def _options(state: State) -> dict[str, int]:
     names = [
         f"{i + 1}: {one.drive.name or one.drive.summary}"
-        for i, one in enumerate(state.driving.listed)
+        for i, one in enumerate(state.drives.listed)
     ]
     return {name: row for row, name in enumerate(names)} or {"–": 0}
 
 
 def _choices(state: State) -> dict[str, Effect]:
     found: dict[str, Effect] = {}
-    if state.driving.shown is not None:
-        name = _name(state, state.driving.actuator)
-        found[f"Use for {name}"] = Then(partial(choose, row=state.driving.row), _used)
+    if state.drives.shown is not None:
+        name = _name(state, state.drives.actuator)
+        found[f"Use for {name}"] = Then(partial(choose, row=state.drives.row), _used)
     if _found(state):
         found["First of each list"] = Then(partial(choose, row=None), _used)
     if any(state.document.design.drives):
@@ -220,14 +220,14 @@ def _choices(state: State) -> dict[str, Effect]:
 
 def _cycle_choices(state: State) -> dict[str, Effect]:
     found: dict[str, Effect] = {"Add this motion": add_motion}
-    if state.driving.settings.cycle:
-        found["Clear"] = methodcaller("updated", "driving.settings", cycle=())
+    if state.drives.settings.cycle:
+        found["Clear"] = methodcaller("updated", "drives.settings", cycle=())
     return found
 
 
 def problem_html(frame: Frame) -> str:
     """Return why there are no drives."""
-    outcome = frame.state.driving.outcome
+    outcome = frame.state.drives.outcome
     problem = "" if outcome is None else outcome.problem
     return note("drives-problem", problem) if problem else ""
 
@@ -237,7 +237,7 @@ USUAL_RATIO = 10.0
 
 
 def _limits_ratio(state: State) -> bool:
-    return state.driving.settings.inertia_ratio > 0
+    return state.drives.settings.inertia_ratio > 0
 
 
 def _used(state: State) -> str:
@@ -249,7 +249,7 @@ def _used(state: State) -> str:
     return f"Drives of the design: {chosen or 'none'}. Undo goes back."
 
 
-_setting = SettingInputs("drives", "driving.settings", DriveSettings)
+_setting = SettingInputs("drives", "drives.settings", DriveSettings)
 
 DRIVES = (
     Html("drives.intro", content=intro_html, idle=True),
@@ -259,7 +259,7 @@ DRIVES = (
         hint="Of the robot over the motor, at the motor's shaft; otherwise it is limited",
         read=lambda state: not _limits_ratio(state),
         apply=lambda state, any_ratio: state.updated(
-            "driving.settings", inertia_ratio=0.0 if any_ratio else USUAL_RATIO
+            "drives.settings", inertia_ratio=0.0 if any_ratio else USUAL_RATIO
         ),
     ),
     _setting("inertia_ratio", visible=_limits_ratio),
@@ -281,13 +281,13 @@ DRIVES = (
             Dropdown(
                 "drives.actuator", "Actuator",
                 options={name: j for j, name in enumerate(ACTUATORS)},
-                read=lambda state: state.driving.actuator,
-                apply=lambda state, j: state.updated("driving", actuator=j, row=0),
+                read=lambda state: state.drives.actuator,
+                apply=lambda state, j: state.updated("drives", actuator=j, row=0),
             ),
             Html("drives.list", content=list_html, idle=True),
             Dropdown(
                 "drives.row", "Drive", options=_options, hint="Shown in its envelope",
-                **attribute("driving.row"),
+                **attribute("drives.row"),
             ),
             chart("drives.chart", shown_drive, chart_figure, 1.0),
             Html("drives.facts", content=facts_html, idle=True),

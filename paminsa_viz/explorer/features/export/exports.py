@@ -11,6 +11,7 @@ from paminsa_viz.explorer.features.motion.simulation import SIMULATION
 from paminsa_viz.explorer.kit.downloads import File, file_name, plain
 from paminsa_viz.explorer.state.motion import FIGURES, SIMULATED
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.exports import TARGETS, Target
 from paminsa_viz.files.archives import zipped
 from paminsa_viz.files.tables import TABLE_FORMATS, DataTable, table_bytes
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
@@ -78,10 +79,29 @@ def _maps_name(state: State, kind: str) -> str:
 
 def robot(state: State) -> File:
     """Write the robot at its pose as a GLB."""
-    from paminsa_viz.meshes import assemble_glb
+    return program(state, TARGETS["glb"], "robot")
 
+
+def program(state: State, target: Target, what: str) -> File:
+    """Write the robot at its pose for another program: one file, or several in a zip archive.
+
+    Args:
+        state: What to write.
+        target: The kind of file.
+        what: What the file's name says of it.
+
+    Raises:
+        PaminsaError: If the format cannot hold the design, nothing could hold the pose, or a
+            compiler is missing.
+    """
     design, configuration = _posed(state)
-    return File(file_name(state, "robot", "glb", at_pose=True), assemble_glb(design, configuration))
+    (ending, content), *beside = target.files(design, configuration.pose).items()
+    name = file_name(state, what, "zip" if beside else ending[1:], at_pose=True)
+    if not beside:
+        return File(name, content)
+    stem = name.removesuffix(".zip")
+    files = {ending: content, **dict(beside)}
+    return File(name, zipped({stem + each: files[each] for each in files}, stem))
 
 
 def mujoco_model(state: State, meshes: bool) -> File:
@@ -95,14 +115,14 @@ def mujoco_model(state: State, meshes: bool) -> File:
         InvalidInput: If nothing could hold the pose, or a link has too little mass to be moved.
         InvalidDesign: If a bar's inertias belong to no rigid body.
     """
+    if not meshes:
+        return program(state, TARGETS["mjcf"], "mujoco")
     # Late, as the shapes are: they bring large libraries.
     from paminsa_viz.engines.exported import exported_mjcf
     from paminsa_viz.meshes.robot_files import robot_files
 
     design, configuration = _posed(state)
     text = exported_mjcf(design, pose=configuration.pose.tolist())
-    if not meshes:
-        return File(file_name(state, "mujoco", "xml", at_pose=True), text.encode())
     name = file_name(state, "mujoco", "zip", at_pose=True)
     files = robot_files(text, design, configuration)
     return File(name, zipped(files, name.removesuffix(".zip")))
@@ -123,7 +143,7 @@ def volume_file(state: State, kind: str) -> File:
     from paminsa_viz.synthesis.volume.solve import solve_volume
     from paminsa_viz.synthesis.volume.surface import volume_bytes  # loads SciPy
 
-    document, known = state.document, state.requiring.fine
+    document, known = state.document, state.requirements.fine
     if known is not None and known.result is not None and known.job.serves(document):
         volume = known.result.volume
     else:

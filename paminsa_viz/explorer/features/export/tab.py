@@ -21,10 +21,13 @@ from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.view import Appearance
+from paminsa_viz.exports import CODE, TARGETS, Target
 from paminsa_viz.files.tables import TABLE_FORMATS
 from paminsa_viz.plots.animations import ANIMATION_FORMATS
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.quantities import QUANTITIES
+
+_MODELS = {name: each for name, each in TARGETS.items() if name != "glb"}
 
 log = logging.getLogger(__name__)
 
@@ -68,6 +71,14 @@ def export_entries(
             for kind, label in labels.items()
         }
 
+    def programs(targets: Mapping[str, Target]) -> dict[str, Run]:
+        return {
+            each.label: export(
+                f"the robot as {each.label}", partial(exports.program, target=each, what=name)
+            )
+            for name, each in targets.items()
+        }
+
     figures = {name: each.label for name, each in FIGURE_FORMATS.items()}
     tables = {name: name.upper() for name in TABLE_FORMATS}
     return (
@@ -103,8 +114,7 @@ def export_entries(
         Html(
             "export.robot_heading",
             content=render(
-                "export/heading.j2", kind="", title="Robot",
-                text="in its current pose; in MuJoCo’s viewer, sliders move it",
+                "export/heading.j2", kind="", title="Robot", text="in its current pose",
             ),
         ),
         Dropdown(
@@ -123,6 +133,20 @@ def export_entries(
             },
             hint="The 3D view as it is, or the posed robot",
         ),
+        Html(
+            "export.programs",
+            content=render("export/programs.j2", programs=[*CODE.values(), *_MODELS.values()]),
+        ),
+        ButtonGroup(
+            "export.code", "code", choices=programs(CODE),
+            hint="The design’s formulas: C in a ZIP, or FMI 2.0 units for co-simulation, which "
+            "need a C compiler on the server",
+        ),
+        ButtonGroup(
+            "export.models", "models",
+            choices=programs({name: each for name, each in _MODELS.items() if name != "mjcf"}),
+            hint="The bodies with their joints; a URDF comes in a ZIP with a table of its loops",
+        ),
         ButtonGroup(
             "export.mujoco", "MuJoCo",
             choices={
@@ -133,8 +157,7 @@ def export_entries(
                     "the MuJoCo model", partial(exports.mujoco_model, meshes=True)
                 ),
             },
-            hint="All masses, loops and actuators for MuJoCo: one XML file, or a ZIP with the "
-            "real shapes",
+            hint="One XML file, or a ZIP with the real shapes; in MuJoCo’s viewer sliders move it",
         ),
         Html("export.volume_heading", content=_volume_heading),
         ButtonGroup(

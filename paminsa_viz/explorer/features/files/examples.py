@@ -43,7 +43,7 @@ class Example:
 
 
 def _with_springs(state: State) -> State:
-    return springs.FIT.start(state.updated("springing", settings=SpringSettings()))
+    return springs.FIT.start(state.updated("springs", settings=SpringSettings()))
 
 
 CYLINDER = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.2), (0.0, 0.0, -0.599))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.planning import planned
 from paminsa_viz.explorer.kit.task import Follower
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.kept import kept
 from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.elastic import BARS
@@ -108,13 +108,13 @@ def instant(state: State) -> Instant:
     )
 
 
-@lru_cache(maxsize=8)
+@kept(8)
 def forces_at(at: Instant) -> JointForces:
     """Return the joint forces at an instant."""
     return joint_forces(at.design, at.pose, at.velocity, at.acceleration, load=at.load)
 
 
-@lru_cache(maxsize=8)
+@kept(8)
 def bars_at(at: Instant) -> tuple[Array, Array]:
     """Return N, V, M of each bar that are largest in size, and the bars' utilization.
 
@@ -126,7 +126,7 @@ def bars_at(at: Instant) -> tuple[Array, Array]:
     return inner, utilization(forces)
 
 
-@lru_cache(maxsize=8)
+@kept(8)
 def sideways_at(at: Instant) -> Array | None:
     """Return the sideways forces at the joints, (3 legs, 10) [N], or None for a moving robot.
 

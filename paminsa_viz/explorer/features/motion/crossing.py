@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
 from markupsafe import Markup
 
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.kept import kept
 from paminsa_viz.model import Design
 from paminsa_viz.trajectory import CrossingDrift, TimeOptimalPlan, payload_drift, unplanned_torque
 from paminsa_viz.units import number
@@ -26,7 +26,7 @@ def chart_html(frame: Frame) -> str:
     return _chart(frame.state.document.design, found)
 
 
-@lru_cache(maxsize=4)
+@kept(4)
 def _chart(design: Design, found: TimeOptimalPlan) -> str:
     from paminsa_viz.plots.crossing_figure import crossing_svg  # matplotlib is slow to load
 
@@ -50,7 +50,7 @@ def crossing_html(frame: Frame) -> str:
     return render("status.j2", testid="motion-crossing", level=level, title=title, lines=lines)
 
 
-@lru_cache(maxsize=4)
+@kept(4)
 def crossing_lines(design: Design, found: TimeOptimalPlan) -> tuple[str, ...]:
     """Return what each crossing of a plan needs, and what cannot be certified there."""
     low, high = (number(value, 3) for value in found.durations)

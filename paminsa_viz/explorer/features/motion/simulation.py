@@ -25,7 +25,7 @@ def wanted_job(state: State) -> SimulationJob:
     Raises:
         InvalidInput: If there is no motion, or it is too long.
     """
-    settings = state.simulating.settings
+    settings = state.simulation.settings
     return make_job(state.document.design, planned(state).trajectory, settings)
 
 
@@ -52,14 +52,14 @@ def run(job: SimulationJob, _: object) -> Simulation:
 
 def receive(state: State, outcome: Outcome[SimulationJob, Simulation]) -> State:
     """Take over an outcome, and play it if it is of what is shown."""
-    received = state.updated("simulating", outcome=outcome)
-    if shown_simulation(received.document, received.simulating) is None:
+    received = state.updated("simulation", outcome=outcome)
+    if shown_simulation(received.document, received.simulation) is None:
         return with_document(received, received.document)
     return play(received.updated("playback", time=0.0))
 
 
 SIMULATION = Task(
-    Place(lambda state: state.simulating), wanted_job, run, receive=receive, undo=True
+    Place(lambda state: state.simulation), wanted_job, run, receive=receive, undo=True
 )
 """Simulates the robot on the current motion."""
 
@@ -79,5 +79,5 @@ def simulate(state: State) -> State:
 
 def show_simulation(state: State, shown: bool) -> State:
     """Let the robot in the scene move as simulated, or as planned."""
-    changed = state.updated("simulating", shown=shown)
+    changed = state.updated("simulation", shown=shown)
     return with_document(changed, changed.document)

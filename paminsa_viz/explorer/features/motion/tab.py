@@ -6,7 +6,7 @@ import numpy as np
 from viser import Icon
 
 from paminsa_viz.clearance import clearance_reason
-from paminsa_viz.explorer.core import clearance as clearing
+from paminsa_viz.explorer.core import clearance
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.motion import point_entries as motion_points
@@ -53,9 +53,9 @@ def status_html(frame: Frame) -> str:
     if found.trajectory is None:
         level, title = "plain", "No motion yet"
     lines = [line, f"shortest: {found.bound}"] if found.bound else [line]
-    near = None if analysis is None else clearing.along(state, analysis)
+    near = None if analysis is None else clearance.along(state, analysis)
     if near is not None and reachable:
-        why = clearance_reason(near.distance, near.names, state.clearance_view.required)
+        why = clearance_reason(near.distance, near.names, state.clearance.settings.required)
         if why:
             level, title = "bad" if near.distance < 0 else "warn", f"{title}, bodies too close"
             lines.insert(0, f"{why}, at {number(near.t, 3)} s")
@@ -104,21 +104,21 @@ def _legend_html(frame: Frame) -> str:
 
 
 def _has_feedback(state: State) -> bool:
-    return state.simulating.settings.control is not ControlMode.FEED_FORWARD
+    return state.simulation.settings.control is not ControlMode.FEED_FORWARD
 
 
 def simulation_html(frame: Frame) -> str:
     """Return what came of the last simulation."""
-    simulating = frame.state.simulating
+    own = frame.state.simulation
     level, title, lines = "plain", "Simulating …", []
-    outcome = simulating.outcome
-    if simulating.running is None and outcome is None:
+    outcome = own.outcome
+    if own.running is None and outcome is None:
         text = (
             "The controller does not know of a part of the payload. Errors and torques are plotted "
             "in “Motion plots”, and the robot moves as simulated in the scene."
         )
         return note("simulation", text, muted=True)
-    if simulating.running is None and outcome is not None:
+    if own.running is None and outcome is not None:
         level, title, lines = "bad", "Not simulated", [outcome.problem]
         simulation = outcome.result
         if simulation is not None:
@@ -138,7 +138,7 @@ def simulation_html(frame: Frame) -> str:
     return status("simulation", level, title, *lines)
 
 
-_setting = SettingInputs("simulation", "simulating.settings", SimulationSettings)
+_setting = SettingInputs("simulation", "simulation.settings", SimulationSettings)
 
 SIMULATING: tuple[Entry, ...] = (
     _setting("control"),
@@ -156,8 +156,8 @@ SIMULATING: tuple[Entry, ...] = (
         "simulation.shown", "Play it in the scene",
         hint="The robot moves as simulated, next to a translucent one where it should be; without "
         "it, it moves as planned",
-        visible=lambda state: state.simulating.outcome is not None,
-        read=lambda state: state.simulating.shown, apply=show_simulation,
+        visible=lambda state: state.simulation.outcome is not None,
+        read=lambda state: state.simulation.shown, apply=show_simulation,
     ),
 )  # fmt: skip
 

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from math import ceil, floor
 
 import numpy as np
 
 from paminsa_viz.dimensions.layout import layout
-from paminsa_viz.explorer.core import actions
-from paminsa_viz.explorer.core import clearance as clearing
+from paminsa_viz.explorer.core import actions, clearance
 from paminsa_viz.explorer.core.frame import Frame, Health
 from paminsa_viz.explorer.core.session import Session
-from paminsa_viz.explorer.kit.entries import Button, Folder, Html, Run
+from paminsa_viz.explorer.kit.entries import Button, Html, Run
 from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.kit.robot_texts import of_pose
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.kept import kept
 from paminsa_viz.model import Geometry, KneeBranch
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.reach import MARGINS, home_pose, workspace_radius
@@ -37,7 +36,7 @@ def status_html(frame: Frame) -> str:
         lines += [f"the {locus.label} lies between this pose and home" for locus in frame.barriers]
     level, title = LEVELS[frame.health], frame.health.value.capitalize()
     if frame.health is not Health.UNREACHABLE:
-        distance, why = clearing.reason(frame.state)
+        distance, why = clearance.reason(frame.state)
         if why:
             lines = [why, *lines] if frame.health is not Health.OK else [why]
             level = "bad" if distance < 0 else "warn"
@@ -99,7 +98,7 @@ LEAST_STEPS = 5
 Range = tuple[float, float]
 
 
-@lru_cache(maxsize=64)
+@kept(64)
 def pose_limits(geometry: Geometry) -> tuple[Range, Range, Range, Range]:
     """Return (lowest, highest) of the sliders for x, y, theta, z, in mm and degrees."""
     radius = float(max(ceil(1e3 * workspace_radius(geometry) / GRAIN), LEAST_STEPS) * GRAIN)
@@ -162,20 +161,15 @@ POSE = (
         hint="Which root of Appendix 1 the knee 9 takes; switching mirrors the height",
         read=lambda state: state.document.design.geometry.knee, apply=actions.set_knee,
     ),
-    Folder(
-        "pose.steps",
-        entries=(
-            Html("pose.steps.mark", content='<span class="pv-button-row"></span>'),
-            Button("pose.home", "Home", effect=actions.go_home, color="gray",
-                   hint="The middle of the workspace (key: H)"),
-            Button("pose.undo", "Undo", effect=Run(Session.undo, at_once=True), color="gray",
-                   hint="The last change of design, pose, motion or requirements (Ctrl+Z)",
-                   disabled=lambda state: not state.steps.back),
-            Button("pose.redo", "Redo", effect=Run(Session.redo, at_once=True), color="gray",
-                   hint="What was undone last (Ctrl+Shift+Z)",
-                   disabled=lambda state: not state.steps.forward),
-        ),
-    ),
+    Html("pose.steps.mark", content='<span class="pv-button-row"></span>'),
+    Button("pose.home", "Home", effect=actions.go_home, color="gray",
+           hint="The middle of the workspace (key: H)"),
+    Button("pose.undo", "Undo", effect=Run(Session.undo, at_once=True), color="gray",
+           hint="The last change of design, pose, motion or requirements (Ctrl+Z)",
+           disabled=lambda state: not state.steps.back),
+    Button("pose.redo", "Redo", effect=Run(Session.redo, at_once=True), color="gray",
+           hint="What was undone last (Ctrl+Shift+Z)",
+           disabled=lambda state: not state.steps.forward),
     Html("readout.quality", content=quality_html),
     Number(
         "pose.condition_limit", "κ counts up to", range=(1.5, 1e6), step=1.0, undo=False,

@@ -65,13 +65,13 @@ def change(state: State, **changes: Any) -> State:
 
 def selected(state: State) -> Requirement | None:
     """Return the requirement that is edited, or None."""
-    bounds, index = state.document.requirements.bounds, state.requiring.selected
+    bounds, index = state.document.requirements.bounds, state.requirements.selected
     return bounds[index] if 0 <= index < len(bounds) else None
 
 
 def select(state: State, index: int) -> State:
     """Edit another requirement."""
-    return state.updated("requiring", selected=index)
+    return state.updated("requirements", selected=index)
 
 
 def edit(state: State, **changes: Any) -> State:
@@ -84,7 +84,7 @@ def edit(state: State, **changes: Any) -> State:
     if one is None:
         return state
     bounds = list(state.document.requirements.bounds)
-    bounds[state.requiring.selected] = replace(one, **changes)
+    bounds[state.requirements.selected] = replace(one, **changes)
     return change(state, bounds=tuple(bounds))
 
 
@@ -128,7 +128,7 @@ def add(state: State, quantity: str | None = None) -> State:
 
 def remove(state: State) -> State:
     """Remove the requirement that is edited."""
-    index = state.requiring.selected
+    index = state.requirements.selected
     if selected(state) is None:
         return state
     bounds = state.document.requirements.bounds
@@ -250,7 +250,7 @@ def largest_job(state: State) -> LargestJob:
     Raises:
         InvalidInput: If nothing is required.
     """
-    document, asked = state.document, state.requiring.largest
+    document, asked = state.document, state.requirements.largest
     if not document.requirements.bounds:
         raise InvalidInput("requirements", "add one first: nothing but reach bounds the workspace")
     return LargestJob(
@@ -272,14 +272,14 @@ def find_largest(job: LargestJob, progress: Progress) -> LargestWorkspace:
 
 def _largest_again(state: State, outcome: LargestOutcome) -> LargestJob:
     """Return the search anew; a workspace that was found and is required by now is no other one."""
-    proven, required = state.requiring.largest.proven, state.document.requirements.workspace
+    proven, required = state.requirements.largest.proven, state.document.requirements.workspace
     job = largest_job(state)
     used = proven is not None and required == Workspace(*proven)
     return replace(job, workspace=outcome.job.workspace) if used else job
 
 
 LARGEST = Task(
-    Place(lambda state: state.requiring.largest), largest_job, find_largest, again=_largest_again
+    Place(lambda state: state.requirements.largest), largest_job, find_largest, again=_largest_again
 )
 """Searches for the largest workspace that is proven."""
 
@@ -290,7 +290,7 @@ def use_largest(state: State) -> State:
     Raises:
         InvalidInput: If none was proven.
     """
-    proven = state.requiring.largest.proven
+    proven = state.requirements.largest.proven
     if proven is None:
         raise InvalidInput("workspace", "none is proven")
     return change(state, workspace=Workspace(*proven))

@@ -89,7 +89,7 @@ EDIT = (
     Dropdown(
         "requirements.selected", "Requirement",
         options=lambda state: names(state) or {"–": 0},
-        read=lambda state: state.requiring.selected if has_selected(state) else 0,
+        read=lambda state: state.requirements.selected if has_selected(state) else 0,
         apply=actions.select, undo=False,
     ),
     *quantity_inputs(

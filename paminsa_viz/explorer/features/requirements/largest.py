@@ -21,7 +21,7 @@ from paminsa_viz.units import format_value, number
 
 def result_html(frame: Frame) -> str:
     """Return what is proven, how far it is from what cannot be, and why it ends there."""
-    search = frame.state.requiring.largest
+    search = frame.state.requirements.largest
     outcome, found = search.outcome, search.result
     if outcome is None or search.running is not None:
         return ""
@@ -62,11 +62,11 @@ def _row(item: Evidence) -> dict[str, str]:
 
 
 def _is_proven(state: State) -> bool:
-    search = state.requiring.largest
+    search = state.requirements.largest
     return search.proven is not None and search.running is None
 
 
-_setting = SettingInputs("largest", "requiring.largest", LargestState)
+_setting = SettingInputs("largest", "requirements.largest", LargestState)
 
 LARGEST_WORKSPACE = (
     _setting("shape"),

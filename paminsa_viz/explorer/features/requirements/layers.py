@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -13,6 +12,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.requirements import placed_workspace
 from paminsa_viz.explorer.scene.nodes import Node, curves, mesh
 from paminsa_viz.explorer.state.requirements import VolumeResult
+from paminsa_viz.kept import kept
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import WorkspaceShape
 
@@ -28,13 +28,13 @@ def volume(frame: Frame) -> tuple[Node, ...]:
 
     Nothing is drawn that is of another design or of other requirements.
     """
-    outcome = frame.state.requiring.fine
+    outcome = frame.state.requirements.fine
     if outcome is None or outcome.result is None or not outcome.job.serves(frame.state.document):
         return ()
     return _surface(outcome.result)
 
 
-@lru_cache(maxsize=2)
+@kept(2)
 def _surface(found: VolumeResult) -> tuple[Node, ...]:
     return tuple(
         mesh(f"/requirements/volume/{i}", part.vertices, part.faces, part.color, opacity=OPACITY)
@@ -51,7 +51,7 @@ def required_workspace(frame: Frame) -> Iterator[Node]:
 
 def proven_workspace(frame: Frame) -> Iterator[Node]:
     """Draw the outline of the largest workspace that is proven."""
-    largest = frame.state.requiring.largest
+    largest = frame.state.requirements.largest
     outcome = largest.outcome
     if largest.proven and outcome is not None and outcome.job.serves(frame.state.document):
         yield curves("/requirements/proven", outline(*largest.proven), palette.OK, 3.0)

@@ -88,13 +88,13 @@ def list_html(frame: Frame) -> str:
     if check is not None:
         rows = [_row(item, requirements) for item in check.items]
         note = note_of(state, check)
-    return render("requirements/list.j2", rows=rows, chosen=state.requiring.selected, note=note)
+    return render("requirements/list.j2", rows=rows, chosen=state.requirements.selected, note=note)
 
 
 def note_of(state: State, check: RequirementsCheck) -> str:
     """Return what a check is over, and how fine."""
     low, high = (format_value(end, "rad") for end in state.document.requirements.theta)
-    known = state.requiring.fine
+    known = state.requirements.fine
     result = None if known is None else known.result
     fine = "finely sampled" if result and result.check is check else "coarsely sampled"
     return f"{OVER[check.over]} from θ {low} to {high}, {fine}"

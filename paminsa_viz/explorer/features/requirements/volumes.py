@@ -49,12 +49,12 @@ def receive(state: State, outcome: VolumeOutcome) -> State:
     if not outcome.job.serves(state.document) or not asked(state.document.requirements):
         return state
     name = "fine" if outcome.job.fine else "quick"
-    return state.updated("requiring", **{name: outcome})
+    return state.updated("requirements", **{name: outcome})
 
 
 def wanted_volume(frame: Frame, *, fine: bool) -> VolumeJob | None:
     """Return the job of what is shown; none while a search needs all cores, and shows others."""
-    document, searching = frame.state.document, frame.state.synthesizing.running is not None
+    document, searching = frame.state.document, frame.state.synthesis.running is not None
     if searching or not asked(document.requirements):
         return None
     return VolumeJob(document.design, document.requirements, fine)
@@ -62,11 +62,11 @@ def wanted_volume(frame: Frame, *, fine: bool) -> VolumeJob | None:
 
 VOLUMES = (
     Follower(
-        Place(lambda state: state.requiring.quick), partial(wanted_volume, fine=False),
+        Place(lambda state: state.requirements.quick), partial(wanted_volume, fine=False),
         find_volume, receive=receive,
     ),
     Follower(
-        Place(lambda state: state.requiring.fine), partial(wanted_volume, fine=True),
+        Place(lambda state: state.requirements.fine), partial(wanted_volume, fine=True),
         find_volume, receive=receive, idle=True,
     ),
 )  # fmt: skip

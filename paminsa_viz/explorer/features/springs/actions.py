@@ -31,8 +31,8 @@ def fit(job: PlaneJob, _: object) -> SpringFit:
 
 
 FIT = Task(
-    Place(lambda state: state.springing),
-    lambda state: plane_job(PlaneJob, state, state.springing.settings),
+    Place(lambda state: state.springs),
+    lambda state: plane_job(PlaneJob, state, state.springs.settings),
     fit,
 )
 """Fits the springs of the current settings to the current design."""
@@ -48,7 +48,7 @@ def relieved(state: State, torques: Array) -> Array | None:
     Returns:
         None without springs.
     """
-    found, last = state.springing.result, state.last_reachable
+    found, last = state.springs.result, state.last_reachable
     if found is None:
         return None
     return torques + spring_torques(last.geometry, found.springs, last.pose)

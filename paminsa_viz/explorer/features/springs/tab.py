@@ -43,10 +43,10 @@ def springs_html(frame: Frame) -> str:
 
 
 def _free_lengths(state: State) -> tuple[float, float]:
-    return state.springing.settings.least, state.springing.settings.most
+    return state.springs.settings.least, state.springs.settings.most
 
 
-_setting = SettingInputs("springs", "springing.settings", SpringSettings)
+_setting = SettingInputs("springs", "springs.settings", SpringSettings)
 
 SPRINGS: tuple[Entry, ...] = (
     springs.FIT.worker,
@@ -54,13 +54,13 @@ SPRINGS: tuple[Entry, ...] = (
     _setting("start"),
     _setting("height"),
     _setting(
-        "radius", visible=lambda state: state.springing.settings.start is SpringsFrom.GUIDE
+        "radius", visible=lambda state: state.springs.settings.start is SpringsFrom.GUIDE
     ),
     Pair(
         "springs.free", "Free length [mm]", range=(LENGTHS, LENGTHS), step=1.0,
         units=(MILLIMETERS, MILLIMETERS), read=_free_lengths,
         apply=lambda state, ends: state.updated(
-            "springing.settings", least=ends[0], most=ends[1]
+            "springs.settings", least=ends[0], most=ends[1]
         ),
         hint="Shortest and longest that is possible; both zero for a spring of free length zero",
     ),
@@ -72,6 +72,6 @@ SPRINGS: tuple[Entry, ...] = (
     ),
     Button(
         "springs.clear", "Remove the springs", effect=springs.FIT.forget, color="gray", undo=False,
-        visible=lambda state: state.springing.outcome is not None,
+        visible=lambda state: state.springs.outcome is not None,
     ),
 )  # fmt: skip

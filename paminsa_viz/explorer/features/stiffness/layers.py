@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -14,6 +13,7 @@ from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import NO_SHADOWS, Node, ball, curves, label, mesh
 from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.stiffness import CASES, MODE_NODE, ElasticOutcome
+from paminsa_viz.kept import kept
 from paminsa_viz.meshes.vibrating import vibrating_glb
 from paminsa_viz.units import number
 
@@ -43,7 +43,7 @@ BELOW: Final = {"mode": 0.16, "deflection": 0.23, "compliance": 0.3}
 
 def _outcome(frame: Frame) -> ElasticOutcome | None:
     """Return the result about the pose and the lengths that are shown, or None."""
-    outcome, last = frame.state.elastic_view.outcome, frame.state.last_reachable
+    outcome, last = frame.state.stiffness.outcome, frame.state.last_reachable
     if outcome is None or outcome.job.pose != last.pose:
         return None
     return outcome if outcome.job.design.geometry == last.geometry else None
@@ -55,7 +55,7 @@ def mode_shape(frame: Frame) -> tuple[Node, ...]:
     The browser plays the animation by itself. A new one is sent when the page is idle, and the old
     one is removed as soon as the robot moves.
     """
-    outcome, mode = _outcome(frame), frame.state.elastic_view.mode
+    outcome, mode = _outcome(frame), frame.state.stiffness.mode
     found = None if outcome is None else outcome.result
     if outcome is None or found is None or mode >= len(found.frequencies) or not found.shapes:
         return ()
@@ -63,7 +63,7 @@ def mode_shape(frame: Frame) -> tuple[Node, ...]:
     return _animated(outcome.job.pose, found.shapes, mode, text)
 
 
-@lru_cache(maxsize=2)
+@kept(2)
 def _animated(pose: Pose, shapes: CenterLines, mode: int, text: str) -> tuple[Node, ...]:
     moves = shapes.moves[..., mode] * LONGEST_SWING / shapes.largest[mode]
     data = vibrating_glb(shapes.points, moves, radius=TUBE, color=MODE_COLOR, period=PERIOD)

@@ -21,7 +21,7 @@ from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.kit.task import Follower
 from paminsa_viz.explorer.kit.text import note, render
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.explorer.state.stiffness import CASES, ElasticJob, ElasticView
+from paminsa_viz.explorer.state.stiffness import CASES, ElasticJob, StiffnessState
 from paminsa_viz.model import PARAMETER
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS, SECTION_VALUES
@@ -121,7 +121,7 @@ def _section(name: str, label: str, step: float) -> Number:
     return _open_number(
         f"stiffness.section.{name}", f"{label} [{display.text}]",
         "Of the chosen bar; 0: that of its tube",
-        lambda state: f"elastic.{state.elastic_view.bar}_{name}", step, display,
+        lambda state: f"elastic.{state.stiffness.bar}_{name}", step, display,
     )  # fmt: skip
 
 
@@ -130,27 +130,27 @@ def can_wait(state: State) -> bool:
 
     It may not where a layer shows it, and while elastic data change.
     """
-    outcome = state.elastic_view.outcome
+    outcome = state.stiffness.outcome
     if outcome is None:
         return True
     job, elastic = outcome.job, state.document.design.elastic
-    changed = job.design.elastic != elastic or job.case != state.elastic_view.case
+    changed = job.design.elastic != elastic or job.case != state.stiffness.case
     return not changed and not state.layers.intersection(LAYERS)
 
 
 def _job(frame: Frame) -> ElasticJob:
     state = frame.state
-    return ElasticJob(frame.shown_design, state.last_reachable.pose, state.elastic_view.case)
+    return ElasticJob(frame.shown_design, state.last_reachable.pose, state.stiffness.case)
 
 
 ANALYSIS = Follower(
-    Place(lambda state: state.elastic_view.outcome), _job, analyze_elasticity, idle=can_wait
+    Place(lambda state: state.stiffness.outcome), _job, analyze_elasticity, idle=can_wait
 )
 
 
 def result_html(frame: Frame) -> str:
     """Return stiffness, deflection and frequencies at the pose, or why there are none."""
-    outcome = frame.state.elastic_view.outcome
+    outcome = frame.state.stiffness.outcome
     if outcome is None:
         return ""
     result = outcome.result
@@ -172,13 +172,13 @@ def result_html(frame: Frame) -> str:
         "stiffness/result.j2", stiffness=stiffness, case=CASES[outcome.job.case][0],
         loaded=result.shares is not None, moved=(1e3 * twist[:3]).tolist(),
         turn=1e3 * float(twist[5]), tilt=1e3 * float(np.hypot(*twist[3:5])), motors=motors,
-        frequencies=result.frequencies, mode=frame.state.elastic_view.mode,
+        frequencies=result.frequencies, mode=frame.state.stiffness.mode,
     )  # fmt: skip
 
 
 def shares_html(frame: Frame) -> str:
     """Return the share of each part in the strain energy as bars, the largest first."""
-    outcome, result = frame.state.elastic_view.outcome, frame.state.elastic_view.result
+    outcome, result = frame.state.stiffness.outcome, frame.state.stiffness.result
     if outcome is None or result is None or result.shares is None:
         return ""
     shares = np.asarray(result.shares.share)
@@ -202,19 +202,19 @@ def sections_html(frame: Frame) -> str:
 
 
 def _modes(state: State) -> dict[str, int]:
-    result = state.elastic_view.result
+    result = state.stiffness.result
     found = () if result is None else result.frequencies
     texts = {f"{i + 1}: {number(f, 3)} Hz": i for i, f in enumerate(found)}
     return texts or {f"{i + 1}": i for i in range(MODES)}
 
 
-_setting = SettingInputs("stiffness", "elastic_view", ElasticView)
+_setting = SettingInputs("stiffness", "stiffness", StiffnessState)
 
 STIFFNESS = (
     Html("stiffness.result", content=result_html),
     Dropdown(
         "stiffness.mode", "Mode", options=_modes, hint="Natural frequency of the animated mode",
-        **attribute("elastic_view.mode"),
+        **attribute("stiffness.mode"),
     ),
     layer_switch(
         "stiffness.mode_shape", "mode_shape", "Animate mode",

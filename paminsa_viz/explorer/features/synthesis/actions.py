@@ -35,8 +35,8 @@ def set_range(state: State, path: str, ends: Range) -> State:
     """
     if ends[0] > ends[1]:
         raise InvalidInput(path, f"low <= high is needed, not {ends[0]:g} to {ends[1]:g}")
-    kept = tuple(item for item in state.synthesizing.settings.ranges if item[0] != path)
-    return state.updated("synthesizing.settings", ranges=(*kept, (path, ends)))
+    kept = tuple(item for item in state.synthesis.settings.ranges if item[0] != path)
+    return state.updated("synthesis.settings", ranges=(*kept, (path, ends)))
 
 
 def search_job(state: State) -> SynthesisJob:
@@ -47,7 +47,7 @@ def search_job(state: State) -> SynthesisJob:
     """
     from paminsa_viz.explorer.features.synthesis.cases import case_of  # loads the search
 
-    document, settings = state.document, state.synthesizing.settings
+    document, settings = state.document, state.synthesis.settings
     if document.requirements.workspace is None:
         raise InvalidInput(
             "workspace", "a required workspace is needed; choose one in the tab “Requirements”"
@@ -60,12 +60,12 @@ def search_job(state: State) -> SynthesisJob:
 
 def receive(state: State, outcome: SearchOutcome) -> State:
     """Take over a result; of a front, its first point is shown."""
-    return state.updated("synthesizing", outcome=outcome, best=None, point=0)
+    return state.updated("synthesis", outcome=outcome, best=None, point=0)
 
 
 def _again(state: State, outcome: SearchOutcome) -> SynthesisJob:
     """Return the search anew; a robot that it found and is worked on by now is no other one."""
-    found, job, document = state.synthesizing.answer, outcome.job, state.document
+    found, job, document = state.synthesis.answer, outcome.job, state.document
     requirements = document.requirements
     if found is not None and document.design == found.design:
         if requirements.workspace == found.workspace:
@@ -82,7 +82,7 @@ def _search(job: SynthesisJob, progress: Progress) -> SearchResult:
 
 
 SEARCH = Task(
-    Place(lambda state: state.synthesizing), search_job, _search, receive=receive, again=_again
+    Place(lambda state: state.synthesis), search_job, _search, receive=receive, again=_again
 )
 """Searches for a robot that meets the requirements."""
 
@@ -93,29 +93,29 @@ def start(state: State) -> State:
     Raises:
         InvalidInput: If something is missing, such as a workspace.
     """
-    return SEARCH.start(state).updated("synthesizing", best=BestSoFar())
+    return SEARCH.start(state).updated("synthesis", best=BestSoFar())
 
 
 def stop(state: State) -> State:
     """End the search with the best robot so far; at once if there is none, or if asked again."""
-    best = state.synthesizing.best
-    if state.synthesizing.stopping or best is None or not best.feasible:
+    best = state.synthesis.best
+    if state.synthesis.stopping or best is None or not best.feasible:
         return SEARCH.stop(state)
-    return state.updated("synthesizing", stopping=True)
+    return state.updated("synthesis", stopping=True)
 
 
 def choose_point(state: State, index: int) -> State:
     """Show another robot of the front."""
-    front = state.synthesizing.front
+    front = state.synthesis.front
     count = 0 if front is None else len(front.points)
-    return state.updated("synthesizing", point=index) if 0 <= index < count else state
+    return state.updated("synthesis", point=index) if 0 <= index < count else state
 
 
 def _price_job(state: State) -> PriceJob:
-    answer = state.synthesizing.answer
+    answer = state.synthesis.answer
     if answer is None or not answer.feasible:
         raise InvalidInput("synthesis", "no robot has been found yet")
-    return PriceJob(answer, state.synthesizing.settings.effort)
+    return PriceJob(answer, state.synthesis.settings.effort)
 
 
 def _find_prices(job: PriceJob, progress: Progress) -> tuple[RequirementPrice, ...]:
@@ -124,7 +124,7 @@ def _find_prices(job: PriceJob, progress: Progress) -> tuple[RequirementPrice, .
     return find_prices(job, progress)
 
 
-PRICES = Task(Place(lambda state: state.synthesizing.prices), _price_job, _find_prices)
+PRICES = Task(Place(lambda state: state.synthesis.prices), _price_job, _find_prices)
 """Works out what the requirements of the answer that is shown cost."""
 
 
@@ -145,7 +145,7 @@ def open_result(state: State) -> State:
     Raises:
         InvalidInput: If there is none.
     """
-    outcome, result = state.synthesizing.outcome, state.synthesizing.answer
+    outcome, result = state.synthesis.outcome, state.synthesis.answer
     if outcome is None or result is None or not result.feasible:
         raise InvalidInput("synthesis", "no robot has been found yet")
     searched, requirements = outcome.job.case.requirements, state.document.requirements
@@ -162,9 +162,9 @@ def open_result(state: State) -> State:
 
 def previewed(state: State) -> State:
     """Return the state with the best robot so far in the design's place, while it is shown so."""
-    synthesizing = state.synthesizing
-    best, job = synthesizing.best, synthesizing.running
-    if job is None or synthesizing.settings.shown is not Shown.ROBOT:
+    synthesis = state.synthesis
+    best, job = synthesis.best, synthesis.running
+    if job is None or synthesis.settings.shown is not Shown.ROBOT:
         return state
     if best is None or best.design is None or state.document.design != job.reference:
         return state

@@ -19,8 +19,8 @@ DESIGN_FRONT = "design front"
 
 def shown_front(state: State) -> tuple[DesignFront, int] | None:
     """Return the front that is shown and its chosen point, or None."""
-    front = None if state.synthesizing.running else state.synthesizing.front
-    return None if front is None else (front, state.synthesizing.point)
+    front = None if state.synthesis.running else state.synthesis.front
+    return None if front is None else (front, state.synthesis.point)
 
 
 def front_values(front: DesignFront) -> Array:

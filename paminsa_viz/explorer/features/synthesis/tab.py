@@ -33,11 +33,11 @@ LARGEST = 100.0
 
 
 def _sizes(state: State) -> bool:
-    return state.synthesizing.settings.objective == "volume"
+    return state.synthesis.settings.objective == "volume"
 
 
 def _points(state: State) -> tuple[float, float]:
-    front = state.synthesizing.front
+    front = state.synthesis.front
     return 1.0, float(max(0 if front is None else len(front.points), 2))
 
 
@@ -48,7 +48,7 @@ def _range(path: str, label: str, hint: str, *, size: bool = False) -> Pair:
 
     def read(state: State) -> Range:
         document = state.document
-        ranges = ranges_of(state.synthesizing.settings, document.design, document.requirements)
+        ranges = ranges_of(state.synthesis.settings, document.design, document.requirements)
         return ranges.get(path, (0.1, 0.1))  # hidden without a workspace
 
     return Pair(
@@ -60,7 +60,7 @@ def _range(path: str, label: str, hint: str, *, size: bool = False) -> Pair:
     )  # fmt: skip
 
 
-_setting = SettingInputs("synthesize", "synthesizing.settings", SynthesisSettings)
+_setting = SettingInputs("synthesize", "synthesis.settings", SynthesisSettings)
 
 RANGES = (
     *(
@@ -115,7 +115,7 @@ SYNTHESIZE = (
             Slider(
                 "synthesize.point", "Point", range=_points, step=1.0, undo=False,
                 hint="A robot of the front; click one in the chart",
-                read=lambda state: 1.0 + state.synthesizing.point,
+                read=lambda state: 1.0 + state.synthesis.point,
                 apply=lambda state, value: actions.choose_point(state, round(value) - 1),
             ),
         ),

@@ -1,4 +1,4 @@
-"""Texts of the tab *Synthesize*: the question, how far the search is, and the answer."""
+"""Texts of the tab *Synthesis*: the question, how far the search is, and the answer."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def intro_html(frame: Frame) -> str:
     low, high = (format_value(end, "rad") for end in requirements.theta)
     problem = ""
     try:
-        case_of(state.synthesizing.settings, state.document.design, requirements)
+        case_of(state.synthesis.settings, state.document.design, requirements)
     except PaminsaError as error:
         problem = str(error)
         if isinstance(error, InvalidInput) and requirements.workspace is None:
@@ -45,8 +45,8 @@ def intro_html(frame: Frame) -> str:
 
 def best_html(frame: Frame) -> str:
     """Return how far the search is."""
-    synthesizing = frame.state.synthesizing
-    best, job = synthesizing.best, synthesizing.running
+    synthesis = frame.state.synthesis
+    best, job = synthesis.best, synthesis.running
     if job is None or best is None:
         return ""
     objective = find_objective(job.case.objective)
@@ -54,22 +54,22 @@ def best_html(frame: Frame) -> str:
     if job.against:
         found = "a robot for another point of the front"
     return render(
-        "synthesis/best.j2", trials=best.trials, stopping=synthesizing.stopping,
+        "synthesis/best.j2", trials=best.trials, stopping=synthesis.stopping,
         text=found if best.feasible else "no robot yet that meets all requirements",
     )  # fmt: skip
 
 
 def has_robot(state: State) -> bool:
     """Whether a robot was found that meets all requirements."""
-    answer = state.synthesizing.answer
-    return answer is not None and answer.feasible and state.synthesizing.running is None
+    answer = state.synthesis.answer
+    return answer is not None and answer.feasible and state.synthesis.running is None
 
 
 def result_html(frame: Frame) -> str:
     """Return the answer: what was found, what decides, how sure it is, and what has changed."""
-    synthesizing = frame.state.synthesizing
-    outcome, result = synthesizing.outcome, synthesizing.answer
-    if outcome is None or synthesizing.running is not None:
+    synthesis = frame.state.synthesis
+    outcome, result = synthesis.outcome, synthesis.answer
+    if outcome is None or synthesis.running is not None:
         return ""
     if outcome.result is None or result is None:
         return note("synthesis-problem", outcome.problem)
@@ -122,7 +122,7 @@ def refusals(result: SynthesisResult) -> list[tuple[str, str]]:
 
 def against_text(state: State) -> str:
     """Return the second objective of the chosen point of a front, or nothing."""
-    front, point = state.synthesizing.front, state.synthesizing.point
+    front, point = state.synthesis.front, state.synthesis.point
     if front is None or point >= len(front.points):
         return ""
     objective = find_objective(front.objectives[1])
@@ -131,8 +131,8 @@ def against_text(state: State) -> str:
 
 def prices_html(frame: Frame) -> str:
     """Return what each requirement costs the objective."""
-    synthesizing = frame.state.synthesizing
-    outcome, result = synthesizing.prices.outcome, synthesizing.answer
+    synthesis = frame.state.synthesis
+    outcome, result = synthesis.prices.outcome, synthesis.answer
     if outcome is None or result is None or outcome.job.answer is not result:
         return ""
     if outcome.result is None:

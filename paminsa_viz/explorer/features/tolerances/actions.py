@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 
 from paminsa_viz.balancing.tolerance import (
     LengthTolerance,
@@ -17,6 +16,7 @@ from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.state.plane import PlaneJob
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.tolerances import ToleranceSettings
+from paminsa_viz.kept import kept
 from paminsa_viz.model import Design
 
 CELLS = 21
@@ -26,7 +26,7 @@ ROBOTS = 200
 """Robots that are drawn."""
 
 
-@lru_cache(maxsize=4)
+@kept(4)
 def of_masses(design: Design, pose: tuple[float, ...], mass: float) -> MassTolerance:
     """Return the spread of M_p2 and of the torques at a pose from the tolerance of masses."""
     return mass_tolerance(replace(design, name=""), mass, pose)
@@ -38,9 +38,9 @@ def draw_robots(job: PlaneJob, _: object) -> LengthTolerance:
 
 
 def _job(state: State) -> PlaneJob:
-    settings = ToleranceSettings(length=state.tolerating.settings.length)
+    settings = ToleranceSettings(length=state.tolerances.settings.length)
     return plane_job(PlaneJob, state, settings)
 
 
-DRAW = Task(Place(lambda state: state.tolerating), _job, draw_robots)
+DRAW = Task(Place(lambda state: state.tolerances), _job, draw_robots)
 """Draws robots of the current design."""

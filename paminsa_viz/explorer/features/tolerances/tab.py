@@ -17,7 +17,7 @@ LEADING = 3
 def masses_html(frame: Frame) -> str:
     """Return the spread of M_p2 and of the torques at this pose from the tolerance of masses."""
     state = frame.state
-    mass = state.tolerating.settings.mass
+    mass = state.tolerances.settings.mass
     found = of_masses(frame.shown_design, state.last_reachable.pose, mass)
     rows = [("M_p2", found.nominal, found.deviation, abs(found.nominal) + found.worst, "N")]
     rows += [
@@ -46,7 +46,7 @@ def lengths_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
-_setting = SettingInputs("tolerance", "tolerating.settings", ToleranceSettings)
+_setting = SettingInputs("tolerance", "tolerances.settings", ToleranceSettings)
 
 TOLERANCES: tuple[Entry, ...] = (
     DRAW.worker,

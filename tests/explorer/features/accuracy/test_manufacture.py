@@ -49,7 +49,7 @@ def test_errors_by_tolerances_are_listed_with_the_tilt(moved: State) -> None:
 def test_bars_are_the_shares_of_the_chosen_coordinate(moved: State) -> None:
     shares = tolerance_errors(APPENDIX_4, POSE).shares
     for index, name in enumerate(robots.NAMES):
-        text = panel.shares_html(compute(moved.updated("manufacture", coordinate=index)))
+        text = panel.shares_html(compute(moved.updated("monte_carlo", coordinate=index)))
         assert f"{100 * shares[index].max():.1f} %" in text.partition("</tr>")[0]
         assert text.count("<tr") == (shares[index] >= panel.LEAST_SHARE).sum()
         assert name in text
@@ -64,12 +64,12 @@ def test_a_singular_pose_has_no_numbers() -> None:
 
 
 def test_random_robots_come_from_the_seed_and_go_stale(moved: State) -> None:
-    started = robots.DRAW.start(moved.updated("manufacture", robots=300, seed=7))
-    job = started.manufacture.running
+    started = robots.DRAW.start(moved.updated("monte_carlo", robots=300, seed=7))
+    job = started.monte_carlo.running
     assert job is not None
     done = delivered(robots.DRAW, started, solve(draw_robots, job))
     expected = monte_carlo(APPENDIX_4, POSE, robots=300, seed=7)
-    outcome = done.manufacture.outcome
+    outcome = done.monte_carlo.outcome
     assert outcome is not None
     assert outcome.result is not None
     np.testing.assert_array_equal(outcome.result.errors, expected.errors)
@@ -87,7 +87,7 @@ def test_random_robots_come_from_the_seed_and_go_stale(moved: State) -> None:
 
 
 def test_a_job_reports_progress_and_can_be_stopped(moved: State) -> None:
-    job = robots.DRAW.start(moved).manufacture.running
+    job = robots.DRAW.start(moved).monte_carlo.running
     assert job is not None
     parts: list[float] = []
 
@@ -103,19 +103,19 @@ def test_a_job_reports_progress_and_can_be_stopped(moved: State) -> None:
 
 
 def test_too_many_robots_are_a_problem_and_no_failure(moved: State) -> None:
-    job = robots.DRAW.start(moved).manufacture.running
+    job = robots.DRAW.start(moved).monte_carlo.running
     assert job is not None
     outcome = solve(draw_robots, replace(job, robots=10**8))
     assert "robots" in outcome.problem
-    shown = moved.updated("manufacture", outcome=outcome)
+    shown = moved.updated("monte_carlo", outcome=outcome)
     assert "robots" in robots.monte_carlo_html(compute(shown))
 
 
 def test_a_deviation_is_set_in_its_unit_saved_and_tilts_the_platform(moved: State) -> None:
     assert "All legs have" in panel.legs_html(compute(moved))
     entry = deviation()
-    state = entry.apply(moved.updated("manufacture", leg=1, length=6), 0.2)  # shaft, mm
-    state = entry.apply(state.updated("manufacture", leg=2, length=10), 0.05)  # axis angle, degrees
+    state = entry.apply(moved.updated("monte_carlo", leg=1, length=6), 0.2)  # shaft, mm
+    state = entry.apply(state.updated("monte_carlo", leg=2, length=10), 0.05)  # axis angle, degrees
     design = state.document.design
     assert design.leg2.shaft == pytest.approx(2e-4)
     assert design.leg3.axis_angle == pytest.approx(np.radians(0.05))
@@ -130,7 +130,7 @@ def test_a_deviation_is_set_in_its_unit_saved_and_tilts_the_platform(moved: Stat
 
 
 def test_legs_that_cannot_close_say_so(moved: State) -> None:
-    state = deviation().apply(moved.updated("manufacture", leg=0, length=5), 900.0)
+    state = deviation().apply(moved.updated("monte_carlo", leg=0, length=5), 900.0)
     assert "No position with these legs" in panel.legs_html(compute(state))
 
 
@@ -146,8 +146,8 @@ def test_buttons_set_all_tolerances(moved: State) -> None:
 
 def test_the_button_draws_robots_on_the_page(server: viser.ViserServer) -> None:
     with desk_with(server, panel.MANUFACTURE) as desk:
-        desk.dispatch(lambda s: s.updated("manufacture", robots=50))
+        desk.dispatch(lambda s: s.updated("monte_carlo", robots=50))
         desk.dispatch(robots.DRAW.start)
-        desk.until(lambda: desk.state.manufacture.outcome is not None)
-        assert desk.state.manufacture.running is None
+        desk.until(lambda: desk.state.monte_carlo.outcome is not None)
+        assert desk.state.monte_carlo.running is None
         desk.until(lambda: "50 robots" in desk.handle("manufacture.found").content)

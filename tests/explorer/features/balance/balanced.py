@@ -20,8 +20,8 @@ START = motions.choose_preset(initial_state(), "arch")
 def started(state: State, task: BalanceKind) -> tuple[State, BalanceJob]:
     """Return the state while a task runs, and its job."""
     running = balancing.start(state, task)
-    assert running.balancing.running is not None
-    return running, running.balancing.running
+    assert running.balance.running is not None
+    return running, running.balance.running
 
 
 def solved(state: State, task: BalanceKind = BalanceKind.OPTIMUM) -> State:

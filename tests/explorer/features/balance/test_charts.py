@@ -87,11 +87,11 @@ def text(state: State) -> str:
 def test_tornado_is_sorted_and_gives_the_models_numbers() -> None:
     loaded = balancing.add_counterweight(balancing.add_counterweight(START, "b8", 8), "b3", 7)
     after = solved(loaded, BalanceKind.SENSITIVITY)
-    outcome = after.balancing.tornado
+    outcome = after.balance.tornado
     assert outcome is not None
     assert outcome.result is not None
     for output in range(len(OUTPUTS)):
-        shown = drawn(shown_tornado(after.updated("balancing", output=output)))
+        shown = drawn(shown_tornado(after.updated("balance", output=output)))
         traces = tornado_figure(*shown)["data"]
         lengths = np.abs([trace["x"] for trace in traces]).max(axis=0)
         assert len(lengths) > 5
@@ -117,7 +117,7 @@ def test_sensitivity_is_that_of_poses_away_from_limits() -> None:
 def test_without_a_motion_the_sensitivity_is_static() -> None:
     after = solved(motions.choose_kind(START, motions.Kind.TABLE), BalanceKind.SENSITIVITY)
     assert "Nothing to show" not in text(after)
-    assert "Nothing to show" in text(after.updated("balancing", output=3))
+    assert "Nothing to show" in text(after.updated("balance", output=3))
 
 
 def test_front_and_sensitivity_say_what_has_changed_since() -> None:
@@ -129,7 +129,7 @@ def test_front_and_sensitivity_say_what_has_changed_since() -> None:
     tornado: Any = SimpleNamespace(bars=(SimpleNamespace(lost=0),), ranked=lambda output: ())
     made = balancing.make_job(START, BalanceKind.SENSITIVITY)
     state = START.updated(
-        "balancing", front=Outcome(job, front), tornado=Outcome(made, tornado)
+        "balance", front=Outcome(job, front), tornado=Outcome(made, tornado)
     )  # fmt: skip
     for task, page in ((balancing.FRONT, front_html), (balancing.SENSITIVITY, sensitivity_html)):
         assert task.changes(state) == ()

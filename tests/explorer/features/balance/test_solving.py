@@ -40,7 +40,7 @@ from tests.support.tasks import delivered
 def test_papers_balance_pins_the_design_before() -> None:
     start = actions.move(START, x=0.1, y=-0.05, theta=0.3)
     after = balancing.balance_now(start)
-    assert after.balancing.running is None
+    assert after.balance.running is None
     assert static_imbalance(after.document.design) == pytest.approx(0, abs=1e-12)
     assert after.document.reference == start.document.design
     assert after.document.design.joints.j7 == pytest.approx(3.063)
@@ -58,7 +58,7 @@ def test_papers_balance_pins_the_design_before() -> None:
 
 def test_numbers_of_a_result_are_the_models() -> None:
     after = balancing.balance_now(START)
-    outcome, motion = after.balancing.outcome, motions.planned(START).trajectory
+    outcome, motion = after.balance.outcome, motions.planned(START).trajectory
     assert outcome is not None
     found = outcome.result
     assert found is not None
@@ -107,7 +107,7 @@ def test_static_torque_is_that_of_all_poses_away_from_singularities() -> None:
 def test_every_goal_is_optimal_within_its_bounds(goal: Goal, movable: FreeMasses) -> None:
     chosen = balancing.choose_goal(START, goal)
     after = solved(balancing.change_settings(chosen, movable=movable, max_decrease=0.1))
-    outcome, design = after.balancing.outcome, after.document.design
+    outcome, design = after.balance.outcome, after.document.design
     assert outcome is not None
     found = outcome.result
     assert found is not None
@@ -132,7 +132,7 @@ def test_every_goal_is_optimal_within_its_bounds(goal: Goal, movable: FreeMasses
         assert low - 1e-9 <= design.value(path) <= high + 1e-9
     if goal.static:
         assert static_imbalance(design) == pytest.approx(0, abs=1e-9)
-    assert chosen.balancing.settings.exact is goal.static
+    assert chosen.balance.settings.exact is goal.static
     text = status(after) + details_html(outcome)
     assert "Certified optimal" in text
     assert "nan" not in text
@@ -179,7 +179,7 @@ def slots(b3: float, b8: float) -> State:
 
 def test_infeasible_bounds_are_reported_with_what_to_relax() -> None:
     after = solved(slots(0.0, 0.5))
-    outcome = after.balancing.outcome
+    outcome = after.balance.outcome
     assert after.document == START.document
     assert outcome is not None
     assert isinstance(outcome.error, InfeasibleBounds)
@@ -189,7 +189,7 @@ def test_infeasible_bounds_are_reported_with_what_to_relax() -> None:
     assert details_html(outcome) == ""
     # What is suggested suffices; the report goes once something is changed, and only then.
     relaxed = balancing.change_settings(after, slot_b8=CounterweightSlot(0.1, 3.897))
-    assert relaxed.balancing.outcome is None
+    assert relaxed.balance.outcome is None
     assert static_imbalance(solved(relaxed).document.design) == pytest.approx(0, abs=1e-9)
     assert balancing.change_settings(after, slot_b8=CounterweightSlot(0.1, 0.5)) is after
     near = solved(balancing.change_settings(after, exact=False))
@@ -202,7 +202,7 @@ def test_missing_motion_and_missing_freedom_are_reported() -> None:
     assert "CSV" in status(solved(balancing.choose_goal(table, Goal.PEAK)))
     balanced = balancing.balance_now(table)  # needs no motion
     assert "Statically balanced" in status(balanced)
-    assert "–" in details_html(balanced.balancing.outcome)
+    assert "–" in details_html(balanced.balance.outcome)
     assert "give counterweights a mass" in status(solved(slots(0.0, 0.0)))
 
 

@@ -25,7 +25,7 @@ def optimum(lever: float):
     state = balancing.change_settings(
         initial_state(), slot_b8=CounterweightSlot(lever, 8.0), slot_b3=CounterweightSlot(0.0, 0.0)
     )
-    job = balancing.start(state, BalanceKind.OPTIMUM).balancing.running
+    job = balancing.start(state, BalanceKind.OPTIMUM).balance.running
     assert job is not None
     return solve(run, job)
 

@@ -10,7 +10,7 @@ import viser
 
 from paminsa_viz.clearance import ALL_PAIRS, PairGroup, clearance, nearest_points
 from paminsa_viz.explorer.core import actions, tab_store
-from paminsa_viz.explorer.core import clearance as clearing
+from paminsa_viz.explorer.core import clearance as known_clearance
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.clearance import motion_job, pose_job
 from paminsa_viz.explorer.core.frame import compute
@@ -36,7 +36,7 @@ PANEL = CLEARANCE
 
 def known(state: State) -> State:
     """Return the state once the clearance of its pose is there."""
-    return state.updated("clearing", pose=solve(find_nearest, pose_job(state)))
+    return state.updated("clearance", pose=solve(find_nearest, pose_job(state)))
 
 
 @pytest.fixture
@@ -47,9 +47,9 @@ def state() -> State:
 def test_status_names_two_bodies_and_by_how_much(state: State) -> None:
     found = nearest_points(state.document.design, state.last_reachable.pose)
     assert found is not None
-    assert found.distance > state.clearance_view.required
+    assert found.distance > state.clearance.settings.required
     assert "apart" not in status_html(compute(known(state)))
-    strict = known(state.updated("clearance_view", required=found.distance + 0.002))
+    strict = known(state.updated("clearance.settings", required=found.distance + 0.002))
     text = status_html(compute(strict))
     assert "pv-warn" in text
     assert all(name in text for name in found.names)
@@ -61,7 +61,7 @@ def test_status_names_two_bodies_and_by_how_much(state: State) -> None:
 def test_overlap_is_said_in_red(state: State) -> None:
     design = state.document.design.vary({"geometry.platform_radius": 0.02})
     overlapping = known(actions.load_design(state, design))
-    distance, why = clearing.reason(overlapping)
+    distance, why = known_clearance.reason(overlapping)
     assert distance < 0
     assert "overlap by" in why
     assert "pv-bad" in status_html(compute(overlapping))
@@ -69,17 +69,17 @@ def test_overlap_is_said_in_red(state: State) -> None:
 
 
 def test_pairs_can_be_left_out(state: State) -> None:
-    all_pairs = clearing.nearest(known(state))
+    all_pairs = known_clearance.nearest(known(state))
     assert all_pairs is not None
     assert "the platform" in all_pairs.names
     without = known(set_pairs(state, PairGroup.PLATFORM, False))
-    other = clearing.nearest(without)
+    other = known_clearance.nearest(without)
     assert other is not None
     assert other.distance > all_pairs.distance
     assert "the platform" not in other.names
-    assert clearing.nearest(set_pairs(without, PairGroup.PLATFORM, True)) is None
+    assert known_clearance.nearest(set_pairs(without, PairGroup.PLATFORM, True)) is None
     kept = tab_store.restore(initial_state(), tab_store.dump(without))
-    assert kept.clearance_view.pairs == ALL_PAIRS - {PairGroup.PLATFORM}
+    assert kept.clearance.settings.pairs == ALL_PAIRS - {PairGroup.PLATFORM}
 
 
 def test_motion_warns_with_the_time_and_has_a_curve(state: State) -> None:
@@ -96,9 +96,9 @@ def test_motion_warns_with_the_time_and_has_a_curve(state: State) -> None:
     assert found is not None
     every = clearance(analysis.design, analysis.trajectory.pose[::10]).least
     assert found.distance <= np.nanmin(every) + 1e-4
-    state = state.updated("clearing", motion=outcome)
+    state = state.updated("clearance", motion=outcome)
     assert "too close" not in motion_status(compute(state))
-    state = state.updated("clearance_view", required=found.distance + 1e-3)
+    state = state.updated("clearance.settings", required=found.distance + 1e-3)
     text = motion_status(compute(state))
     assert "pv-warn" in text
     assert found.names[0] in text
@@ -119,7 +119,7 @@ def test_line_joins_the_nearest_points(server: viser.ViserServer, state: State) 
     assert "/clearance/label" not in nodes
     shown = known(actions.set_layers(state, clearance=True))
     view.draw(compute(shown), False)
-    found = clearing.nearest(shown)
+    found = known_clearance.nearest(shown)
     assert found is not None
     points = nodes["/clearance/line"].points
     np.testing.assert_allclose(points[0], found.points, atol=1e-6)
@@ -132,9 +132,9 @@ def test_line_joins_the_nearest_points(server: viser.ViserServer, state: State) 
 
 def test_switches_and_limit_set_the_state(desk: Desk) -> None:
     desk.set("clearance.frame", False)
-    desk.until(lambda: PairGroup.FRAME not in desk.state.clearance_view.pairs)
+    desk.until(lambda: PairGroup.FRAME not in desk.state.clearance.settings.pairs)
     desk.set("clearance.required", 12.5)
-    desk.until(lambda: desk.state.clearance_view.required == 0.0125)
+    desk.until(lambda: desk.state.clearance.settings.required == 0.0125)
 
 
 def test_example_robots_do_not_touch_on_their_motions() -> None:

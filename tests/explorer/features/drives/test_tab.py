@@ -42,7 +42,7 @@ def test_lists_name_feasible_drives_and_their_margins(found: State) -> None:
     assert "M1 to M3" in text
     assert "Changed since" not in text
     assert text.count("<tr") == 1 + LISTED
-    assert all(one.feasible for row in found.driving.result.rows for one in row)  # type: ignore[union-attr]
+    assert all(one.feasible for row in found.drives.result.rows for one in row)  # type: ignore[union-attr]
     assert "RMS torque" in panel.facts_html(compute(found))
 
 
@@ -55,7 +55,7 @@ def test_the_choice_is_the_designs_and_can_be_undone_and_shared(found: State) ->
     text = panel.own_html(compute(chosen))
     assert text.count("pv-good-text") == 4
     assert "Changed since" not in panel.list_html(compute(chosen))
-    one = panel.choose(found.updated("driving", actuator=3, row=1), 1)
+    one = panel.choose(found.updated("drives", actuator=3, row=1), 1)
     assert [drive is not None for drive in one.document.design.drives] == [False] * 3 + [True]
     assert not any(actions.change_design(chosen, drives=(None,) * 4).document.design.drives)
 
@@ -63,7 +63,7 @@ def test_the_choice_is_the_designs_and_can_be_undone_and_shared(found: State) ->
 def test_lists_say_when_they_are_of_something_else(found: State) -> None:
     for other in (
         actions.vary(found, {"payload.mass": 1.0}),
-        found.updated("driving.settings", dwell=1.0),
+        found.updated("drives.settings", dwell=1.0),
     ):
         assert "Changed since" in panel.list_html(compute(other))
     assert set(panel._choices(found)) == {"Use for M1 to M3", "First of each list"}
@@ -82,21 +82,21 @@ def test_the_chart_holds_the_motion_inside_the_envelope(found: State) -> None:
     for name in ("M1", "M2", "M3"):
         assert np.abs(traces[name]["x"]).max() < np.max(traces["envelope"]["x"])
         assert np.abs(traces[name]["y"]).max() < np.max(traces["envelope"]["y"])
-    lift = drawn(found.updated("driving", actuator=3))
+    lift = drawn(found.updated("drives", actuator=3))
     assert {"M4", "M1"} & {trace["name"] for trace in lift["data"]} == {"M4"}
-    other = found.updated("driving", row=1)
+    other = found.updated("drives", row=1)
     assert panel.shown_drive(found) != panel.shown_drive(other)
     assert panel.shown_drive(initial_state()) is None
 
 
 def test_a_catalog_without_a_feasible_drive_shows_the_nearest_and_advice() -> None:
     catalog = read_catalog(WEAK, "weak.csv")
-    state = searched(initial_state().updated("driving.settings", catalog=catalog))
+    state = searched(initial_state().updated("drives.settings", catalog=catalog))
     text = panel.list_html(compute(state))
     assert "0 feasible" in text
     assert "no drive fits" in text
     assert "pv-bad-text" in text
-    lift = panel.list_html(compute(state.updated("driving", actuator=3)))
+    lift = panel.list_html(compute(state.updated("drives", actuator=3)))
     assert "&lt;b&gt;spindle" in lift
     assert "<b>spindle" not in lift
     with pytest.raises(InvalidInput):
@@ -126,7 +126,7 @@ def test_uploaded_catalog_is_read_or_refused_with_its_row() -> None:
     panel._open(session, "weak.csv", WEAK.encode())
     assert notices == ["weak.csv: 1 motors, 1 gears, 1 screws and belts"]
     state = actions_[0](initial_state())
-    assert state.driving.settings.parts.name == "weak.csv"
+    assert state.drives.settings.parts.name == "weak.csv"
     for content, problem in ((b"", "too large"), (WEAK.replace("0.8", "1.8").encode(), "row 3")):
         with pytest.raises(ValueError, match=problem):
             panel._open(session, "bad.csv", content)
@@ -141,13 +141,13 @@ def test_the_comparison_names_the_actuators_whose_drives_differ(found: State) ->
 
 
 def test_a_cycle_of_several_motions_is_searched_as_a_whole(found: State) -> None:
-    state = found.updated("driving.settings", count=3.0, dwell=0.5)
+    state = found.updated("drives.settings", count=3.0, dwell=0.5)
     state = panel.add_motion(state)
-    state = panel.add_motion(state.updated("driving.settings", count=1.0, dwell=10.0))
+    state = panel.add_motion(state.updated("drives.settings", count=1.0, dwell=10.0))
     assert "3 ×, dwell 0.5 s" in panel.intro_html(compute(state))
     assert "Changed since" in panel.list_html(compute(state))
     searched_again = searched(state)
-    outcome = searched_again.driving.outcome
+    outcome = searched_again.drives.outcome
     assert outcome is not None
     assert outcome.result is not None
     load = outcome.result.selection.cycle.loads[0]
@@ -155,6 +155,6 @@ def test_a_cycle_of_several_motions_is_searched_as_a_whole(found: State) -> None
     assert load.period == pytest.approx(4 * duration + 3 * 0.5 + 10.0)
     assert "Changed since" not in panel.list_html(compute(searched_again))
     assert "Clear" in panel._cycle_choices(state)
-    full = state.updated("driving.settings", cycle=state.driving.settings.cycle * 6)
+    full = state.updated("drives.settings", cycle=state.drives.settings.cycle * 6)
     with pytest.raises(InvalidInput, match="at most 12"):
         panel.add_motion(full)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import html
 import io
+import shutil
 import zipfile
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,6 +18,8 @@ import viser
 from PIL import Image
 
 from paminsa_viz.cli import main
+from paminsa_viz.codegen import controller_kit
+from paminsa_viz.codegen.fmu import fmu_sources
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.maps import FULL, MapStore
 from paminsa_viz.explorer.features.export import exports, pictures
@@ -23,6 +27,7 @@ from paminsa_viz.explorer.features.export.tab import export_entries
 from paminsa_viz.explorer.kit import downloads
 from paminsa_viz.explorer.kit.downloads import LONGEST_NAME, File, file_name
 from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.exports import CODE, TARGETS
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.tables import TABLE_FORMATS, table_csv, table_text
 from paminsa_viz.model import InvalidInput, KneeBranch, inverse_kinematics, static_torques
@@ -167,6 +172,49 @@ def test_mujoco_model_is_the_commands(mirrored: State, tmp_path: Path) -> None:
             np.testing.assert_allclose(own, other, atol=1e-9, err_msg=str(key))
 
 
+def zip_of(file: File) -> dict[str, bytes]:
+    with zipfile.ZipFile(io.BytesIO(file.content)) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+@pytest.mark.parametrize("name", ["usd", "dxf", "urdf"])
+def test_programs_get_what_the_command_writes(name: str, mirrored: State) -> None:
+    file = exports.program(mirrored, TARGETS[name], name)
+    design = mirrored.shown_design
+    wanted = TARGETS[name].files(design, np.array(mirrored.last_reachable.pose))
+    if name != "urdf":
+        assert file.name.endswith(f"_{name}_x40_y-20_theta29_z497{TARGETS[name].endings[0]}")
+        assert [file.content] == list(wanted.values())
+        return
+    stem = file.name.removesuffix(".zip")
+    assert zip_of(file) == {f"{stem}/{stem}{end}": content for end, content in wanted.items()}
+
+
+def test_code_is_the_designs(mirrored: State) -> None:
+    design = mirrored.shown_design
+    inside = zip_of(exports.program(mirrored, CODE["controller"], "controller"))
+    assert inside["controller/design.h"].decode() == controller_kit(design)["design.h"]
+    if shutil.which("cc"):
+        unit = exports.program(mirrored, CODE["inverse"], "inverse")
+        assert unit.name.endswith(".fmu")
+        wanted = fmu_sources(design, "inverse")
+        assert zip_of(unit)["sources/design.h"].decode() == wanted["sources/design.h"]
+
+
+def test_each_program_has_a_line_and_a_button() -> None:
+    entries: dict[str, Any] = {entry.key: entry for entry in PANEL}
+    listed = entries["export.programs"].content
+    every = [*CODE.values(), *(each for name, each in TARGETS.items() if name != "glb")]
+    buttons = {
+        label
+        for key in ("export.code", "export.models", "export.mujoco")
+        for label in entries[key].choices
+    }
+    for each in every:
+        assert f"<b>{each.label}</b> \N{NO-BREAK SPACE}{each.use}" in html.unescape(listed)
+        assert each.label in buttons
+
+
 def test_mujoco_loads_both_models_and_they_hold_their_pose(
     mujoco: Any, mirrored: State, tmp_path: Path
 ) -> None:
@@ -263,6 +311,7 @@ def test_refused_size_stops_no_later_export(desk: Desk) -> None:
     desk.until(lambda: desk.handle("export.dpi").value == 300.0)
     for key, button, text in (
         ("export.scene", "Robot as GLB", ".glb"), ("export.mujoco", "MJCF with meshes", ".zip"),
+        ("export.models", "URDF", ".zip"), ("export.code", "C", ".zip"),
     ):  # fmt: skip
         desk.set(key, button)
         desk.noticed(text)

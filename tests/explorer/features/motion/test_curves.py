@@ -77,7 +77,7 @@ def test_every_plot_has_numbers(plot: SeriesKind, state: State) -> None:
     state = replace(state, plots=PlotView(plot, actuator=2, published=True))
     if plot == "clearance":  # which is found in the background
         job = motion_job(state, results(state).analysis)
-        state = state.updated("clearing", motion=solve(find_along, job))
+        state = state.updated("clearance", motion=solve(find_along, job))
     drawn = drawn_charts(state, results(state))
     assert drawn
     for chart in drawn:
@@ -164,12 +164,12 @@ def test_path_is_split_where_it_fails(failing: State) -> None:
 
 def test_result_of_a_simulation_is_plotted_and_holds_for_its_design_only() -> None:
     state = simulation.simulate(initial_state())
-    job = state.simulating.running
+    job = state.simulation.running
     assert job is not None
     outcome = solve(run, job)
     assert outcome.result is not None
     done = delivered(simulation.SIMULATION, state, outcome)
-    assert done.simulating.running is None
+    assert done.simulation.running is None
     assert not simulation.SIMULATION.is_stale(done)
     heavier = actions.vary(done, {"links.b4": 3.0})
     assert simulation.SIMULATION.changes(heavier) == ("masses",)

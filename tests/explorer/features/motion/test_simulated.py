@@ -30,12 +30,12 @@ from tests.support.tasks import finished
 def simulated() -> State:
     """The preset motion, simulated with the settings of the start."""
     state = simulations.simulate(initial_state())
-    assert state.simulating.running is not None
+    assert state.simulation.running is not None
     return finished(simulations.SIMULATION, state)
 
 
 def simulation(state: State) -> Simulation:
-    found = state.simulating.result
+    found = state.simulation.result
     assert found is not None
     return found
 

@@ -26,12 +26,12 @@ def solved(state: State) -> State:
     """Return a state whose fine volume is a coarse one: files are of what is there."""
     document = state.document
     outcome = solve(find_volume, VolumeJob(document.design, document.requirements))
-    return state.updated("requiring", fine=outcome)
+    return state.updated("requirements", fine=outcome)
 
 
 def test_the_volume_that_is_shown_is_written_in_every_format() -> None:
     state = solved(actions.suggest(initial_state()))
-    volume = state.requiring.fine.result.volume  # type: ignore[union-attr]
+    volume = state.requirements.fine.result.volume  # type: ignore[union-attr]
     assert volume is not None
     assert set(VOLUME_KINDS) == set(VOLUME_FORMATS)
     files = {kind: volume_file(state, kind) for kind in VOLUME_KINDS}

@@ -74,7 +74,7 @@ def test_a_worst_value_leads_to_its_pose(asked: State) -> None:
 def test_a_volume_says_what_it_is_of_and_which_requirement_takes_how_much(asked: State) -> None:
     state = solved(asked)
     shown = text.volume_html(compute(state))
-    volume = state.requiring.quick.result.volume  # type: ignore[union-attr]
+    volume = state.requirements.quick.result.volume  # type: ignore[union-attr]
     assert volume is not None
     assert f"{1e3 * volume.volume:.4g}" in shown
     assert "(coarse)" in shown
@@ -82,7 +82,7 @@ def test_a_volume_says_what_it_is_of_and_which_requirement_takes_how_much(asked:
         assert bound.entry.symbol in shown
     other = designs.vary(state, {"geometry.base_radius": 0.36})
     assert "Computing" in text.volume_html(compute(other))
-    assert receive(other, state.requiring.quick) is other  # type: ignore[arg-type]
+    assert receive(other, state.requirements.quick) is other  # type: ignore[arg-type]
 
 
 def test_an_empty_volume_names_what_empties_it(asked: State) -> None:
@@ -130,7 +130,7 @@ def test_maps_are_hatched_where_a_requirement_breaks_at_their_heading_and_height
 
 
 def test_the_surface_is_closed_and_in_the_colors_of_its_causes(asked: State) -> None:
-    volume = solved(asked).requiring.quick.result.volume  # type: ignore[union-attr]
+    volume = solved(asked).requirements.quick.result.volume  # type: ignore[union-attr]
     assert volume is not None
     parts = surface_parts(volume)
     content = 0.0
@@ -144,7 +144,7 @@ def test_the_surface_is_closed_and_in_the_colors_of_its_causes(asked: State) -> 
 def test_requirements_are_added_and_changed_on_the_page(desk: Desk) -> None:
     desk.set("requirements.buttons", "Suggested set")
     desk.until(lambda: len(desk.state.document.requirements.bounds) == 4)
-    desk.until(lambda: desk.state.requiring.quick is not None)
+    desk.until(lambda: desk.state.requirements.quick is not None)
     desk.set("requirements.value", 1.01)
     desk.until(lambda: desk.state.document.requirements.bounds[0].high == 1.01)
     desk.until(lambda: "✗" in desk.handle("requirements.list").content)
@@ -161,10 +161,12 @@ def test_a_largest_workspace_is_stale_once_what_it_is_of_has_changed() -> None:
     job = actions.largest_job(state)
     placed = replace(job.workspace, center=(0.0, 0.0, -0.5))
     found: Any = SimpleNamespace(workspace=placed)
-    kept = state.updated("requiring.largest", outcome=Outcome(job, found))
+    kept = state.updated("requirements.largest", outcome=Outcome(job, found))
     assert actions.LARGEST.changes(kept) == ()
     assert actions.LARGEST.changes(actions.use_largest(kept)) == ()
     other = actions.set_workspace(kept, size=(0.3, 0.3, 0.9))
     assert actions.LARGEST.changes(other) == ("size",)
-    assert actions.LARGEST.changes(kept.updated("requiring.largest", seconds=60.0)) == ("seconds",)
+    assert actions.LARGEST.changes(kept.updated("requirements.largest", seconds=60.0)) == (
+        "seconds",
+    )
     assert actions.LARGEST.changes(actions.clear(kept)) == ("requirements",)

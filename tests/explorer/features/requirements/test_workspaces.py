@@ -53,14 +53,14 @@ def asked() -> State:
     found = outcome.result
     assert found is not None
     outcome = replace(outcome, result=replace(found, surface=surface_parts(found.volume)))
-    return state.updated("requiring", fine=outcome)
+    return state.updated("requirements", fine=outcome)
 
 
 def test_the_surface_is_of_the_current_design_and_switched_by_its_layer(
     layers: Scene, asked: State
 ) -> None:
     layers.show(asked)
-    outcome = asked.requiring.fine
+    outcome = asked.requirements.fine
     assert outcome is not None
     parts = {name for name in layers.shown if name.startswith("/requirements/volume/")}
     assert len(parts) == len(outcome.result.surface) > 1
@@ -83,7 +83,7 @@ def test_required_and_proven_workspaces_are_outlined(layers: Scene, asked: State
     job = LargestJob(document.design, document.requirements, workspace, "ALL", 1.0)
     placed = Workspace(WorkspaceShape.BOX, (0.2, 0.1, 0.3), (0.0, 0.0, -0.5))
     found: Any = SimpleNamespace(workspace=placed)
-    proven = asked.updated("requiring.largest", outcome=Outcome(job, found))
+    proven = asked.updated("requirements.largest", outcome=Outcome(job, found))
     layers.show(proven)
     points = np.asarray(layers.nodes["/requirements/proven"].points).reshape(-1, 3)
     assert points.min(axis=0) == pytest.approx([-0.1, -0.05, -0.65])
@@ -102,15 +102,15 @@ def test_outlines_have_the_size_of_their_workspace(shape: WorkspaceShape) -> Non
 
 def test_the_best_robot_is_drawn_while_it_is_searched_for(layers: Scene, asked: State) -> None:
     started = synthesis.start(asked)
-    job = started.synthesizing.running
+    job = started.synthesis.running
     assert job is not None
     layers.show(started)
     assert BEST_NODE not in layers.nodes
     best = BestSoFar(10, 0.4, True, APPENDIX_4, (0.0, 0.0, -0.5))
-    told = synthesis.SEARCH.report(started, started.synthesizing.ticket, 0.5, best=best)
+    told = synthesis.SEARCH.report(started, started.synthesis.ticket, 0.5, best=best)
     layers.show(told)
     assert BEST_NODE in layers.shown
-    layers.show(told.updated("synthesizing.settings", shown=Shown.ROBOT))
+    layers.show(told.updated("synthesis.settings", shown=Shown.ROBOT))
     assert BEST_NODE not in layers.shown
     layers.show(synthesis.SEARCH.stop(told))
     assert BEST_NODE not in layers.shown

@@ -33,8 +33,8 @@ def off_center() -> State:
 
 def test_example_of_springs_holds_itself_anywhere(off_center: State) -> None:
     state = open_example(off_center, "springs")
-    assert state.springing.running is not None
-    found = solve(springs.fit, state.springing.running).result
+    assert state.springs.running is not None
+    found = solve(springs.fit, state.springs.running).result
     assert found is not None
     (spring,) = found.springs
     # K h = M_p2 for a spring of free length zero from a mast of height h on slider 8
@@ -59,7 +59,7 @@ def test_text_compares_torques_with_and_without_springs(off_center: State) -> No
     assert "Changed since" not in text
     changed = actions.vary(state, {"links.b4": 0.9})
     assert "Changed since: masses." in springs_html(compute(changed))
-    higher = state.updated("springing.settings", height=0.2)
+    higher = state.updated("springs.settings", height=0.2)
     assert "Changed since: “Height”." in springs_html(compute(higher))
     assert "Changed since: θ." in springs_html(compute(actions.move(state, theta=0.1)))
     assert "91 N/m" not in springs_html(compute(springs.FIT.forget(state)))
@@ -72,8 +72,8 @@ def test_springs_change_nothing_else(off_center: State) -> None:
 
 
 def test_a_post_on_the_guide_only_comes_near(off_center: State) -> None:
-    state = fitted(off_center.updated("springing.settings", start=SpringsFrom.GUIDE))
-    fit = state.springing.result
+    state = fitted(off_center.updated("springs.settings", start=SpringsFrom.GUIDE))
+    fit = state.springs.result
     assert fit is not None
     assert 0.2 * fit.before < fit.after < fit.before
     assert fit.gap < 1e-6
@@ -82,22 +82,22 @@ def test_a_post_on_the_guide_only_comes_near(off_center: State) -> None:
 @pytest.mark.parametrize("changes", [{"height": 0.0}, {"least": 0.2, "most": 0.1}, {"most": 9.0}])
 def test_impossible_places_are_refused(changes: dict[str, float]) -> None:
     with pytest.raises(InvalidInput, match=r"possible|end above"):
-        initial_state().updated("springing.settings", **changes)
+        initial_state().updated("springs.settings", **changes)
 
 
 def test_fit_of_another_design_is_dropped(off_center: State) -> None:
     first = springs.FIT.start(off_center)
-    assert first.springing.running is not None
-    outcome = solve(springs.fit, first.springing.running)
+    assert first.springs.running is not None
+    outcome = solve(springs.fit, first.springs.running)
     again = springs.FIT.start(actions.vary(first, {"links.b4": 0.9}))
-    assert springs.FIT.deliver(again, first.springing.ticket, outcome) is again
+    assert springs.FIT.deliver(again, first.springs.ticket, outcome) is again
 
 
 def test_numbers_are_typed_in_millimeters(desk: Desk) -> None:
     desk.set("springs.height", 120.5)
-    desk.until(lambda: desk.state.springing.settings.height == 0.1205)
+    desk.until(lambda: desk.state.springs.settings.height == 0.1205)
     desk.set("springs.free", (50.0, 150.0))
-    desk.until(lambda: desk.state.springing.settings.most == 0.15)
+    desk.until(lambda: desk.state.springs.settings.most == 0.15)
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.key)
@@ -105,7 +105,7 @@ def test_examples_open_at_a_reachable_pose(example, off_center: State) -> None:
     state = open_example(fitted(off_center), example.key)
     frame = compute(state)
     assert frame.requested.ok.all()
-    assert state.springing.outcome is None
+    assert state.springs.outcome is None
     assert state.document.design.name
 
 

@@ -45,7 +45,7 @@ def test_labels_below_the_platform_stand_clear_of_one_another() -> None:
 def test_layers_show_the_result_and_leave_with_the_pose(
     scene: Scene, outcome: ElasticOutcome
 ) -> None:
-    shown = frame_at(POSE, layers=LAYERS).state.updated("elastic_view", outcome=outcome)
+    shown = frame_at(POSE, layers=LAYERS).state.updated("stiffness", outcome=outcome)
     scene.show(shown)
     assert MODE_NODE in scene.nodes
     assert "mode 1" in scene.nodes["/elastic/mode_label"].text
@@ -53,7 +53,7 @@ def test_layers_show_the_result_and_leave_with_the_pose(
     for name in ("deflected", "ellipsoid"):
         assert scene.nodes[f"/elastic/{name}"].visible
     moved = frame_at((0.0, 0.0, 0.0, -0.5), layers=LAYERS).state
-    scene.show(moved.updated("elastic_view", outcome=outcome), dragging=True)
+    scene.show(moved.updated("stiffness", outcome=outcome), dragging=True)
     assert MODE_NODE not in scene.nodes
     for name in ("deflected", "ellipsoid"):
         assert f"/elastic/{name}" not in scene.shown
@@ -64,12 +64,12 @@ def test_layers_show_the_result_and_leave_with_the_pose(
 def test_a_new_animation_waits_until_nothing_is_dragged(
     scene: Scene, outcome: ElasticOutcome
 ) -> None:
-    state = frame_at(POSE, layers=LAYERS).state.updated("elastic_view", outcome=outcome)
+    state = frame_at(POSE, layers=LAYERS).state.updated("stiffness", outcome=outcome)
     scene.show(state)
     before = scene.nodes[MODE_NODE].glb_data
     scene.show(state, dragging=True)
     assert scene.nodes[MODE_NODE].glb_data == before
-    other = state.updated("elastic_view", mode=1)
+    other = state.updated("stiffness", mode=1)
     scene.show(other, dragging=True)
     assert MODE_NODE not in scene.nodes
     scene.show(other)
@@ -80,7 +80,7 @@ def test_a_new_animation_waits_until_nothing_is_dragged(
 def test_ellipsoid_is_where_a_force_of_one_size_moves_the_platform(
     scene: Scene, outcome: ElasticOutcome
 ) -> None:
-    scene.show(frame_at(POSE, layers=LAYERS).state.updated("elastic_view", outcome=outcome))
+    scene.show(frame_at(POSE, layers=LAYERS).state.updated("stiffness", outcome=outcome))
     vertices = np.asarray(scene.nodes["/elastic/ellipsoid"].vertices, float)
     scale = BAR / round_scale(
         float(platform_stiffness(APPENDIX_4, POSE).ellipsoid()[0][-1]), LONGEST_AXIS
@@ -96,7 +96,7 @@ def test_ellipsoid_is_where_a_force_of_one_size_moves_the_platform(
 
 
 def test_deflection_is_drawn_to_its_scale(scene: Scene, outcome: ElasticOutcome) -> None:
-    scene.show(frame_at(POSE, layers=LAYERS).state.updated("elastic_view", outcome=outcome))
+    scene.show(frame_at(POSE, layers=LAYERS).state.updated("stiffness", outcome=outcome))
     lines = outcome.result.deflected
     assert lines is not None
     scale = BAR / round_scale(float(lines.largest[0]), LARGEST)

@@ -22,19 +22,17 @@ from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.elastic import BARS
 from tests.support.scene import POSE, frame_at
 
-PATH = "elastic_view.outcome"
+PATH = "stiffness.outcome"
 
 
 def analyzed(state: State) -> State:
-    job = ElasticJob(
-        compute(state).shown_design, state.last_reachable.pose, state.elastic_view.case
-    )
+    job = ElasticJob(compute(state).shown_design, state.last_reachable.pose, state.stiffness.case)
     return panel.ANALYSIS.deliver(state, solve(analyze_elasticity, job))
 
 
 def loaded(case: str = "load") -> State:
     design = APPENDIX_4.vary({"payload.mass": 10.0})
-    return analyzed(frame_at(POSE, design).state.updated("elastic_view", case=case))
+    return analyzed(frame_at(POSE, design).state.updated("stiffness", case=case))
 
 
 def test_readouts_are_the_models() -> None:
@@ -45,7 +43,7 @@ def test_readouts_are_the_models() -> None:
     assert f"{1e-3 * float(stiffness.along(0)):.3g}" in text
     assert f"{-1e3 * twist[2]:.3f}" in text
     assert f"{1e3 * np.hypot(*twist[3:5]):.3f}" in text
-    found = state.elastic_view.result
+    found = state.stiffness.result
     assert found is not None
     assert found.frequencies[0] == pytest.approx(float(first_frequencies(design, POSE)), rel=1e-4)
     assert f"<b>{found.frequencies[0]:.3g}</b>" in text
@@ -111,10 +109,10 @@ def test_joints_and_sections_that_are_left_open_are_zero() -> None:
     assert soft.document.design.elastic.guide == 1e7
     assert joint.apply(soft, 0.0).document.design == APPENDIX_4
     section = panel._section("inertia_in", "I", 1.0)
-    given = section.apply(state.updated("elastic_view", bar="b8"), 1e-7)
+    given = section.apply(state.updated("stiffness", bar="b8"), 1e-7)
     assert given.document.design.elastic.b8_inertia_in == 1e-7
     assert section.read(given) == 1e-7
-    assert section.read(given.updated("elastic_view", bar="b4")) == 0.0
+    assert section.read(given.updated("stiffness", bar="b4")) == 0.0
 
 
 def test_motors_that_compensate_are_the_models() -> None:
@@ -131,7 +129,7 @@ def test_only_what_is_shown_or_elastic_is_analyzed_while_dragging() -> None:
 
     def draw(state: State, dragging: bool) -> int:
         known = None if not jobs else Outcome[ElasticJob, ElasticResult](jobs[-1])
-        analyzer.draw(compute(state.updated("elastic_view", outcome=known)), dragging)
+        analyzer.draw(compute(state.updated("stiffness", outcome=known)), dragging)
         run = analyzer.background.wanted
         if run is not None and run.job not in jobs:
             jobs.append(run.job)

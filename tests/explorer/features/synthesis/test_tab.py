@@ -1,4 +1,4 @@
-"""The tab Synthesize: what is asked, what is missing, a search that is adopted, what is shown."""
+"""The tab Synthesis: what is asked, what is missing, a search that is adopted, what is shown."""
 
 from __future__ import annotations
 
@@ -52,11 +52,11 @@ def test_what_is_missing_is_said_before_the_search() -> None:
 def test_ranges_are_about_the_design_and_equal_ends_hold_a_length(asked: State) -> None:
     path = "geometry.base_radius"
     held = actions.set_range(asked, path, (0.3, 0.3))
-    document, settings = held.document, held.synthesizing.settings
+    document, settings = held.document, held.synthesis.settings
     case = cases.case_of(settings, document.design, document.requirements)
     assert path not in case.paths
     assert case.reference.geometry.base_radius == 0.3
-    other = cases.case_of(asked.synthesizing.settings, document.design, document.requirements)
+    other = cases.case_of(asked.synthesis.settings, document.design, document.requirements)
     low, high = other.bounds[other.paths.index(path)]
     assert low < APPENDIX_4.geometry.base_radius < high
     with pytest.raises(InvalidInput):
@@ -66,7 +66,7 @@ def test_ranges_are_about_the_design_and_equal_ends_hold_a_length(asked: State) 
 def test_a_required_margin_of_reach_is_that_of_the_guides_too(asked: State) -> None:
     state = requirements.change(asked, bounds=(Requirement("reach_margin", low=0.02),))
     document = state.document
-    case = cases.case_of(state.synthesizing.settings, document.design, document.requirements)
+    case = cases.case_of(state.synthesis.settings, document.design, document.requirements)
     assert case.margin == 0.02
 
 
@@ -76,7 +76,7 @@ def test_a_short_search_is_adopted_with_the_design_before_as_reference(
 ) -> None:
     monkeypatch.setitem(cases.EFFORTS, EffortChoice.QUICK, Effort(10, 6))
     started = actions.start(asked)
-    job = started.synthesizing.running
+    job = started.synthesis.running
     assert job is not None
     seen: list[BestSoFar] = []
     done: list[float] = []
@@ -107,12 +107,12 @@ def test_a_short_search_is_adopted_with_the_design_before_as_reference(
 
 def told(state: State, best: BestSoFar) -> State:
     """Return the state once its search has told of the best robot so far."""
-    return actions.SEARCH.report(state, state.synthesizing.ticket, 0.5, best=best)
+    return actions.SEARCH.report(state, state.synthesis.ticket, 0.5, best=best)
 
 
 def answer(state: State, radius: float, objective: float) -> SynthesisResult:
     """Return an answer of a made-up search."""
-    job = actions.start(state).synthesizing.running
+    job = actions.start(state).synthesis.running
     assert job is not None
     return SynthesisResult(
         case=job.case, design=APPENDIX_4.vary({"geometry.base_radius": radius}),
@@ -124,9 +124,9 @@ def answer(state: State, radius: float, objective: float) -> SynthesisResult:
 
 def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
     with pytest.raises(InvalidInput, match="different"):
-        actions.start(asked.updated("synthesizing.settings", against="footprint"))
-    started = actions.start(asked.updated("synthesizing.settings", against="moving_mass"))
-    job = started.synthesizing.running
+        actions.start(asked.updated("synthesis.settings", against="footprint"))
+    started = actions.start(asked.updated("synthesis.settings", against="moving_mass"))
+    job = started.synthesis.running
     assert job is not None
     assert shown_front(started) is None
     points = tuple(
@@ -152,13 +152,13 @@ def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
     assert opened.document.design == points[1].result.design
     assert "Changed since" not in text.result_html(compute(opened))
     assert actions.SEARCH.changes(designs.vary(opened, {"gravity": 9.0})) != ()
-    other = chosen.updated("synthesizing.settings", seed=5)
+    other = chosen.updated("synthesis.settings", seed=5)
     assert "Changed since: seed." in text.result_html(compute(other))
     assert actions.choose_point(state, 99) is state
 
 
 def test_robot_that_is_opened_leaves_requirements_that_were_changed_since(asked: State) -> None:
-    job = actions.start(asked).synthesizing.running
+    job = actions.start(asked).synthesis.running
     assert job is not None
     found = answer(asked, 0.3, 0.4)
     state = delivered(actions.SEARCH, actions.start(asked), Outcome(job, SearchResult(found)))
@@ -183,18 +183,18 @@ def test_robot_that_is_opened_leaves_requirements_that_were_changed_since(asked:
 
 def test_prices_are_of_the_answer_that_is_shown(asked: State) -> None:
     started = actions.start(asked)
-    job = started.synthesizing.running
+    job = started.synthesis.running
     assert job is not None
     state = delivered(actions.SEARCH, started, Outcome(job, SearchResult(answer(asked, 0.3, 0.4))))
     pricing = actions.PRICES.start(state)
-    price_job = pricing.synthesizing.prices.running
+    price_job = pricing.synthesis.prices.running
     assert price_job is not None
     found = RequirementPrice("κ ≤ 10", "1", 10.0, 0.2, 0.42, 0.39, 0.075)
     priced = delivered(actions.PRICES, pricing, Outcome(price_job, (found,)))
     shown = text.prices_html(compute(priced))
     assert "−10 mm" in shown  # relaxed
     assert "20 mm" in shown  # tightened
-    again = priced.updated("synthesizing", running=job)
+    again = priced.updated("synthesis", running=job)
     other = delivered(actions.SEARCH, again, Outcome(job, SearchResult(answer(asked, 0.31, 0.41))))
     assert text.prices_html(compute(other)) == ""
     with pytest.raises(InvalidInput):
@@ -204,9 +204,9 @@ def test_prices_are_of_the_answer_that_is_shown(asked: State) -> None:
 def test_a_search_without_an_answer_says_why_and_cannot_be_opened(asked: State) -> None:
     # No robot with R_pl < R_b can turn by 90 degrees.
     state = requirements.change(asked, theta=(-1.6, 1.6))
-    state = state.updated("synthesizing.settings", regimes="R_pl < R_b")
+    state = state.updated("synthesis.settings", regimes="R_pl < R_b")
     started = actions.start(state)
-    job = started.synthesizing.running
+    job = started.synthesis.running
     assert job is not None
     received = delivered(actions.SEARCH, started, solve(search, job))
     shown = text.result_html(compute(received))
@@ -217,8 +217,8 @@ def test_a_search_without_an_answer_says_why_and_cannot_be_opened(asked: State) 
 
 
 def test_the_best_so_far_takes_the_robots_place_only_while_it_is_asked_for(asked: State) -> None:
-    started = actions.start(asked.updated("synthesizing.settings", shown=Shown.ROBOT))
-    job = started.synthesizing.running
+    started = actions.start(asked.updated("synthesis.settings", shown=Shown.ROBOT))
+    job = started.synthesis.running
     assert job is not None
     assert actions.previewed(started) is started
     design = APPENDIX_4.vary({"geometry.base_radius": 0.4})
@@ -230,26 +230,24 @@ def test_the_best_so_far_takes_the_robots_place_only_while_it_is_asked_for(asked
     assert searching.document == started.document
     changed = designs.vary(searching, {"payload.mass": 1.0})
     assert actions.previewed(changed) is changed
-    ghost = searching.updated("synthesizing.settings", shown=Shown.GHOST)
+    ghost = searching.updated("synthesis.settings", shown=Shown.GHOST)
     assert actions.previewed(ghost) is ghost
     stopped = actions.SEARCH.stop(searching)
     assert actions.previewed(stopped) is stopped
-    assert actions.SEARCH.report(stopped, stopped.synthesizing.ticket, 0.5, best=best) is stopped
+    assert actions.SEARCH.report(stopped, stopped.synthesis.ticket, 0.5, best=best) is stopped
     assert np.isnan(replace(best, cost=np.nan).cost)
 
 
 def test_settings_are_set_on_the_page_and_a_search_can_be_stopped(desk: Desk, asked: State) -> None:
     desk.dispatch(lambda state: replace(state, document=asked.document))
     desk.set("synthesize.seed", 3)
-    desk.until(lambda: desk.state.synthesizing.settings.seed == 3)
+    desk.until(lambda: desk.state.synthesis.settings.seed == 3)
     desk.set("synthesize.geometry.base_radius", [200.0, 300.0])
-    desk.until(
-        lambda: ("geometry.base_radius", (0.2, 0.3)) in desk.state.synthesizing.settings.ranges
-    )
+    desk.until(lambda: ("geometry.base_radius", (0.2, 0.3)) in desk.state.synthesis.settings.ranges)
     desk.set("synthesize", True)
-    desk.until(lambda: desk.state.synthesizing.running is not None)
+    desk.until(lambda: desk.state.synthesis.running is not None)
     desk.set("synthesize.stop", True)
-    desk.until(lambda: desk.state.synthesizing.running is None)
+    desk.until(lambda: desk.state.synthesis.running is None)
     assert not desk.notices
 
 
@@ -259,10 +257,10 @@ def test_a_stopped_search_gives_the_best_robot_so_far(
     monkeypatch.setattr(solving, "PERIOD", 0.0)
     desk.dispatch(lambda state: replace(state, document=asked.document))
     desk.set("synthesize", True)
-    desk.until(lambda: (best := desk.state.synthesizing.best) and best.feasible)
+    desk.until(lambda: (best := desk.state.synthesis.best) and best.feasible)
     desk.set("synthesize.stop", True)
-    desk.until(lambda: desk.state.synthesizing.running is None)
-    answer = desk.state.synthesizing.answer
+    desk.until(lambda: desk.state.synthesis.running is None)
+    answer = desk.state.synthesis.answer
     assert answer is not None
     assert answer.canceled
     assert np.isfinite(answer.objective)
@@ -271,11 +269,11 @@ def test_a_stopped_search_gives_the_best_robot_so_far(
 
 def test_a_search_without_a_robot_so_far_is_stopped_at_once(asked: State) -> None:
     started = actions.start(asked)
-    assert actions.stop(started).synthesizing.running is None
-    found = started.updated("synthesizing", best=BestSoFar(feasible=True))
+    assert actions.stop(started).synthesis.running is None
+    found = started.updated("synthesis", best=BestSoFar(feasible=True))
     once = actions.stop(found)
-    assert once.synthesizing.running is found.synthesizing.running
+    assert once.synthesis.running is found.synthesis.running
     assert "Stopping" in text.best_html(compute(once))
-    assert actions.stop(once).synthesizing.running is None
+    assert actions.stop(once).synthesis.running is None
     again = actions.start(actions.stop(once))
     assert "Starting" in text.best_html(compute(again))

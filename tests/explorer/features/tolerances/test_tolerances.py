@@ -32,13 +32,13 @@ def test_balanced_robot_still_has_torques_within_tolerances(state: State) -> Non
     assert f"{found.deviation:.3f}" in text
     for worst in found.torque_worst:
         assert f"{worst:.3f}" in text
-    exact = balanced.updated("tolerating.settings", mass=0.0)
+    exact = balanced.updated("tolerances.settings", mass=0.0)
     assert "0.000 N·m" in panel.masses_html(compute(exact))
 
 
 def test_lengths_are_drawn_on_request_and_go_stale(state: State) -> None:
-    asked = DRAW.start(state.updated("tolerating.settings", length=0.01))
-    job = asked.tolerating.running
+    asked = DRAW.start(state.updated("tolerances.settings", length=0.01))
+    job = asked.tolerances.running
     assert job is not None
     outcome = solve(draw_robots, job)
     assert outcome.result is not None
@@ -49,17 +49,17 @@ def test_lengths_are_drawn_on_request_and_go_stale(state: State) -> None:
     assert "Changed since: masses." in panel.lengths_html(
         compute(actions.vary(done, {"links.b4": 0.9}))
     )
-    more = done.updated("tolerating.settings", mass=0.1)  # which plays no part
+    more = done.updated("tolerances.settings", mass=0.1)  # which plays no part
     assert "Changed since" not in panel.lengths_html(compute(more))
     assert delivered(DRAW, done, outcome) is done
 
 
 def test_robots_are_drawn_in_the_background(desk: Desk) -> None:
     desk.set("tolerance.length", 0.5)
-    desk.until(lambda: desk.state.tolerating.settings.length == 0.005)
+    desk.until(lambda: desk.state.tolerances.settings.length == 0.005)
     desk.set("tolerance.draw", True)
-    desk.until(lambda: desk.state.tolerating.outcome)
-    outcome = desk.state.tolerating.outcome
+    desk.until(lambda: desk.state.tolerances.outcome)
+    outcome = desk.state.tolerances.outcome
     assert outcome is not None
     assert outcome.result is not None
     assert outcome.result.peaks.size == 200

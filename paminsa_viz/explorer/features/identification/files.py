@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from paminsa_viz.explorer.kit.downloads import File, plain
-from paminsa_viz.explorer.state.identify import EXPORT_RATE
+from paminsa_viz.explorer.state.identification import EXPORT_RATE
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.identification_table import estimate_table, excitation_table, residual_table
 from paminsa_viz.files.tables import table_bytes
@@ -16,7 +16,7 @@ def identification_table(state: State, kind: str) -> File:
     Raises:
         InvalidInput: If nothing has been identified.
     """
-    found = state.identifying.result
+    found = state.identification.result
     if found is None:
         raise InvalidInput("log", "nothing has been identified yet")
     table = estimate_table(found) if kind == "parameters" else residual_table(found)
@@ -30,7 +30,7 @@ def excitation_csv(state: State) -> File:
     Raises:
         InvalidInput: If there is none.
     """
-    outcome = state.identifying.excitation.outcome
+    outcome = state.identification.excitation.outcome
     if outcome is None or outcome.result is None:
         raise InvalidInput("motion", "none has been found yet")
     table = excitation_table(outcome.job.design, outcome.result, EXPORT_RATE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.features.identify.actions import IDENTIFY, SEARCH
+from paminsa_viz.explorer.features.identification.actions import IDENTIFY, SEARCH
 from paminsa_viz.explorer.kit.text import note, render, status
 from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.results import Estimate
@@ -18,9 +18,11 @@ TRIED = 4
 
 def logs_html(frame: Frame) -> str:
     """Return which logs are open."""
-    own = frame.state.identifying
+    own = frame.state.identification
     logs = [("log", own.log), ("second log", own.other), ("with payload", own.loaded)]
-    return render("identify/logs.j2", logs=[(name, log) for name, log in logs if log is not None])
+    return render(
+        "identification/logs.j2", logs=[(name, log) for name, log in logs if log is not None]
+    )
 
 
 def status_html(frame: Frame) -> str:
@@ -44,7 +46,7 @@ def _size(cause: Cause) -> str:
 
 def numbers_html(frame: Frame) -> str:
     """Return the estimates with their intervals; what is unknown is gray."""
-    found = frame.state.identifying.result
+    found = frame.state.identification.result
     if found is None:
         return ""
     one = found.identification
@@ -53,7 +55,7 @@ def numbers_html(frame: Frame) -> str:
     if identity.holds is not None:
         checked = f"{'holds' if identity.holds else 'fails'}, z = {number(identity.z, 2)}"
     return render(
-        "identify/numbers.j2", rows=[_row(item) for item in one.estimates], identity=checked,
+        "identification/numbers.j2", rows=[_row(item) for item in one.estimates], identity=checked,
         holds=identity.holds, notes=one.notes,
     )  # fmt: skip
 
@@ -70,18 +72,18 @@ def _row(item: Estimate) -> dict[str, object]:
 
 def causes_html(frame: Frame) -> str:
     """Return what was tried as a cause, and what the log cannot show."""
-    found = frame.state.identifying.result
+    found = frame.state.identification.result
     if found is None:
         return ""
     causes = found.causes
     tried = [item for item in causes.ranked if not item.named and item.explains > 0][:TRIED]
     rows = [(item, _size(item), 100 * item.explains) for item in (*causes.named, *tried)]
-    return render("identify/causes.j2", rows=rows, named=causes.named, unseen=causes.unseen)
+    return render("identification/causes.j2", rows=rows, named=causes.named, unseen=causes.unseen)
 
 
 def checks_html(frame: Frame) -> str:
     """Return what the second and the third log say."""
-    found = frame.state.identifying.result
+    found = frame.state.identification.result
     if found is None:
         return ""
     check, payload = found.validation, found.payload
@@ -98,12 +100,12 @@ def checks_html(frame: Frame) -> str:
         lines.append(("if F₄ drifted", f"{free} kg"))
         if payload.gain is not None:
             lines.append(("Common gain", interval_text(*payload.gain)))
-    return render("identify/checks.j2", lines=lines) if lines else ""
+    return render("identification/checks.j2", lines=lines) if lines else ""
 
 
 def masses_html(frame: Frame) -> str:
     """Return the nearest masses; those of which the log says nothing are gray."""
-    found = frame.state.identifying.result
+    found = frame.state.identification.result
     if found is None:
         return ""
     rows = [
@@ -117,12 +119,12 @@ def masses_html(frame: Frame) -> str:
         )
         for item in found.nearest.masses
     ]  # fmt: skip
-    return render("identify/masses.j2", rows=rows, misfit=found.nearest.misfit)
+    return render("identification/masses.j2", rows=rows, misfit=found.nearest.misfit)
 
 
 def excitation_html(frame: Frame) -> str:
     """Return what the motion is worth, and the limits that it keeps."""
-    outcome = frame.state.identifying.excitation.outcome
+    outcome = frame.state.identification.excitation.outcome
     if outcome is None:
         return ""
     found = outcome.result
@@ -141,5 +143,5 @@ def excitation_html(frame: Frame) -> str:
         for row in found.limits
     ]  # fmt: skip
     return render(
-        "identify/excitation.j2", found=found, rows=rows, stale=SEARCH.stale_text(frame.state)
+        "identification/excitation.j2", found=found, rows=rows, stale=SEARCH.stale_text(frame.state)
     )

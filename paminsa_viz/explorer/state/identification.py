@@ -119,7 +119,7 @@ class ExcitationJob:
 
 
 @dataclass(frozen=True)
-class Identifying(TaskState[IdentifyJob, "Findings"]):
+class IdentificationState(TaskState[IdentifyJob, "Findings"]):
     """The identification of a session; settings outlive a result, logs are not saved.
 
     Attributes:

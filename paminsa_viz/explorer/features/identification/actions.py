@@ -7,9 +7,9 @@ from dataclasses import replace
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.actions import with_design
 from paminsa_viz.explorer.core.place import Place
-from paminsa_viz.explorer.features.identify.solving import identify_logs, search_excitation
+from paminsa_viz.explorer.features.identification.solving import identify_logs, search_excitation
 from paminsa_viz.explorer.kit.task import Task
-from paminsa_viz.explorer.state.identify import EXPORT_RATE, ExcitationJob, IdentifyJob
+from paminsa_viz.explorer.state.identification import EXPORT_RATE, ExcitationJob, IdentifyJob
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.errors import printable
@@ -24,36 +24,36 @@ PLACES = ("log", "other", "loaded")
 
 def use_log(state: State, place: str, log: Log) -> State:
     """Take a log; the first one is identified at once."""
-    state = state.updated("identifying", **{place: log})
-    return IDENTIFY.start(state) if state.identifying.log is not None else state
+    state = state.updated("identification", **{place: log})
+    return IDENTIFY.start(state) if state.identification.log is not None else state
 
 
 def use_examples(state: State) -> State:
     """Take the logs that come with the program."""
     logs = [example_log(kind) for kind in ExampleLog]
-    state = state.updated("identifying", **dict(zip(PLACES, logs, strict=True)))
-    return IDENTIFY.start(state.updated("identifying.settings", payload=2.0))
+    state = state.updated("identification", **dict(zip(PLACES, logs, strict=True)))
+    return IDENTIFY.start(state.updated("identification.settings", payload=2.0))
 
 
 def close_logs(state: State) -> State:
     """Close the logs and what came of them."""
-    return IDENTIFY.forget(state.updated("identifying", **dict.fromkeys(PLACES)))
+    return IDENTIFY.forget(state.updated("identification", **dict.fromkeys(PLACES)))
 
 
 def _identify_job(state: State) -> IdentifyJob:
-    own = state.identifying
+    own = state.identification
     if own.log is None:
         raise InvalidInput("log", "open one first")
     settings = own.settings.of_log
     return IdentifyJob(state.document.design, own.log, own.other, own.loaded, settings)
 
 
-IDENTIFY = Task(Place(lambda state: state.identifying), _identify_job, identify_logs)
+IDENTIFY = Task(Place(lambda state: state.identification), _identify_job, identify_logs)
 """Identifies the design's parameters from the open logs."""
 
 SEARCH = Task(
-    Place(lambda state: state.identifying.excitation),
-    lambda state: ExcitationJob(state.document.design, state.identifying.settings.of_excitation),
+    Place(lambda state: state.identification.excitation),
+    lambda state: ExcitationJob(state.document.design, state.identification.settings.of_excitation),
     search_excitation,
 )
 """Searches for a motion to record a log with."""

@@ -9,9 +9,9 @@ from viser import Icon
 
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session
-from paminsa_viz.explorer.features.identify import actions
-from paminsa_viz.explorer.features.identify import texts as text
-from paminsa_viz.explorer.features.identify.files import excitation_csv, identification_table
+from paminsa_viz.explorer.features.identification import actions
+from paminsa_viz.explorer.features.identification import texts as text
+from paminsa_viz.explorer.features.identification.files import excitation_csv, identification_table
 from paminsa_viz.explorer.kit.curves import LOWEST, MotionChart
 from paminsa_viz.explorer.kit.downloads import export
 from paminsa_viz.explorer.kit.entries import (
@@ -27,7 +27,7 @@ from paminsa_viz.explorer.kit.entries import (
 )
 from paminsa_viz.explorer.kit.inputs import Dropdown, attribute
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
-from paminsa_viz.explorer.state.identify import IdentifySettings, parse_gains
+from paminsa_viz.explorer.state.identification import IdentifySettings, parse_gains
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.log_table import parse_log
@@ -47,7 +47,7 @@ def _open(place: str, session: Session, name: str, content: bytes) -> None:
     """
     if not content:
         raise TableFileError(name, "is empty, or larger than 10 MB")
-    settings = session.state.identifying.settings
+    settings = session.state.identification.settings
     lines = io.StringIO(content.decode("utf-8-sig", errors="surrogateescape"), newline="")
     log = parse_log(
         lines, name, gains=parse_gains(settings.gains), split=settings.split, timeout=UPLOAD_TIMEOUT
@@ -69,7 +69,7 @@ class _Charts:
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what has changed."""
-        own = frame.state.identifying
+        own = frame.state.identification
         found = own.result
         key = (found, own.actuator)
         if dragging or key == self._drawn:
@@ -81,21 +81,21 @@ class _Charts:
 
 
 def _found(state: State) -> bool:
-    return state.identifying.result is not None
+    return state.identification.result is not None
 
 
 def _has_motion(state: State) -> bool:
-    return state.identifying.excitation.result is not None
+    return state.identification.excitation.result is not None
 
 
 def _log_choices(state: State) -> dict[str, Effect]:
     found: dict[str, Effect] = {"Example": actions.use_examples}
-    if state.identifying.log is not None:
+    if state.identification.log is not None:
         found["Close logs"] = actions.close_logs
     return found
 
 
-_setting = SettingInputs("identify", "identifying.settings", IdentifySettings)
+_setting = SettingInputs("identify", "identification.settings", IdentifySettings)
 
 
 def _upload(place: str, label: str, hint: str) -> Upload:
@@ -120,7 +120,7 @@ IDENTIFY: tuple[Entry, ...] = (
     ),
     Button(
         "identify.run", "Identify", icon=Icon.ZOOM_CHECK, effect=actions.IDENTIFY.start, undo=False,
-        visible=lambda state: state.identifying.log is not None,
+        visible=lambda state: state.identification.log is not None,
         disabled=actions.IDENTIFY.runs,
         hint="Fit the log again, with these settings and this design’s lengths",
     ),
@@ -132,7 +132,7 @@ IDENTIFY: tuple[Entry, ...] = (
             Dropdown(
                 "identify.actuator", "Actuator",
                 options={name: j for j, name in enumerate(ACTUATORS)},
-                **attribute("identifying.actuator"),
+                **attribute("identification.actuator"),
             ),
             Custom("identify.charts", make=_Charts),
             Html("identify.numbers", content=text.numbers_html, idle=True),

@@ -13,12 +13,12 @@ import pytest
 from paminsa_viz.explorer.core import persistence, tab_store
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.planning import planned
-from paminsa_viz.explorer.features.identify import actions
-from paminsa_viz.explorer.features.identify import files as exports
-from paminsa_viz.explorer.features.identify import tab as identify_panel
-from paminsa_viz.explorer.features.identify import texts as identify_text
-from paminsa_viz.explorer.features.identify.solving import identify_logs, search_excitation
-from paminsa_viz.explorer.state.identify import ExcitationJob, IdentifySettings, parse_gains
+from paminsa_viz.explorer.features.identification import actions
+from paminsa_viz.explorer.features.identification import files as exports
+from paminsa_viz.explorer.features.identification import tab as identify_panel
+from paminsa_viz.explorer.features.identification import texts as identify_text
+from paminsa_viz.explorer.features.identification.solving import identify_logs, search_excitation
+from paminsa_viz.explorer.state.identification import ExcitationJob, IdentifySettings, parse_gains
 from paminsa_viz.explorer.state.outcome import Outcome, solve
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.files.example_logs import ExampleLog, example_log
@@ -34,7 +34,7 @@ HEAD = "t_s,theta1_deg,theta2_deg,theta3_deg,Z_mm,torque1_Nm,torque2_Nm,torque3_
 
 
 def identified(state: State) -> State:
-    assert state.identifying.running is not None
+    assert state.identification.running is not None
     return finished(actions.IDENTIFY, state)
 
 
@@ -47,7 +47,7 @@ def test_numbers_causes_checks_and_masses_are_told(found: State) -> None:
     frame = compute(found)
     assert "Masses and friction explain the log" in identify_text.status_html(frame)
     numbers = identify_text.numbers_html(frame)
-    assert numbers.count("pv-unknown") == len(found.identifying.result.identification.unknown)  # type: ignore[union-attr]
+    assert numbers.count("pv-unknown") == len(found.identification.result.identification.unknown)  # type: ignore[union-attr]
     assert "unknown" in numbers
     assert "holds" in numbers
     causes = identify_text.causes_html(frame)
@@ -61,7 +61,7 @@ def test_numbers_causes_checks_and_masses_are_told(found: State) -> None:
 
 
 def test_charts_are_of_the_log_and_its_prediction(found: State) -> None:
-    one = found.identifying.result.identification  # type: ignore[union-attr]
+    one = found.identification.result.identification  # type: ignore[union-attr]
     for actuator in range(4):
         torque, rest = log_charts(one, actuator)
         measured, predicted = (trace.values for trace in torque.traces)
@@ -74,7 +74,7 @@ def test_gaps_between_pieces_are_not_drawn_over() -> None:
     kept = np.r_[0:2000, 2600:5001]
     parts = make_log(log.t[kept], log.position[kept], log.torque[kept], split=True)
     state = identified(actions.use_log(initial_state(), "log", parts))
-    torque, _ = log_charts(state.identifying.result.identification, 0)  # type: ignore[union-attr]
+    torque, _ = log_charts(state.identification.result.identification, 0)  # type: ignore[union-attr]
     assert np.isnan(torque.traces[0].values).sum() == 1
     assert np.all(np.diff(torque.t) > 0)
 
@@ -83,7 +83,7 @@ def test_numbers_and_residuals_are_exported(found: State) -> None:
     numbers = exports.identification_table(found, "parameters")
     assert numbers.name == "paminsa_parameters_example-log.csv"
     rows = numbers.content.decode().splitlines()
-    one = found.identifying.result.identification  # type: ignore[union-attr]
+    one = found.identification.result.identification  # type: ignore[union-attr]
     assert sum(row.endswith(",no") for row in rows) == len(one.unknown)
     text = exports.identification_table(found, "residuals").content.decode()
     assert (
@@ -95,7 +95,7 @@ def test_nearest_masses_become_the_design_and_can_be_saved(found: State) -> None
     used = actions.use_design(found)
     design = used.document.design
     assert design != found.document.design
-    weight = found.identifying.result.identification.estimate("M_p2")  # type: ignore[union-attr]
+    weight = found.identification.result.identification.estimate("M_p2")  # type: ignore[union-attr]
     assert abs(static_imbalance(design) - weight.value) < weight.half_width
     assert persistence.load(persistence.dump(used.document)).design == design
     assert "Changed since" in identify_text.status_html(compute(used))
@@ -112,13 +112,13 @@ def test_log_is_played_as_a_motion(found: State) -> None:
 
 
 def test_settings_outlive_results_and_logs(found: State) -> None:
-    changed = found.updated("identifying.settings", cut_off=9.0)
+    changed = found.updated("identification.settings", cut_off=9.0)
     assert "Changed since" in identify_text.status_html(compute(changed))
-    assert changed.identifying.result is found.identifying.result
+    assert changed.identification.result is found.identification.result
     closed = actions.close_logs(changed)
-    assert closed.identifying.log is None
-    assert closed.identifying.settings.cut_off == 9.0
-    searching = found.updated("identifying.settings", period=8.0, seconds=5.0)
+    assert closed.identification.log is None
+    assert closed.identification.settings.cut_off == 9.0
+    searching = found.updated("identification.settings", period=8.0, seconds=5.0)
     assert "Changed since" not in identify_text.status_html(compute(searching))
 
 
@@ -132,22 +132,22 @@ def test_settings_outlive_results_and_logs(found: State) -> None:
 )  # fmt: skip
 def test_impossible_saved_settings_keep_their_default(saved) -> None:
     data = json.loads(tab_store.dump(initial_state()))
-    data["view"]["identifying.settings"] |= saved
+    data["view"]["identification.settings"] |= saved
     restored = tab_store.restore(initial_state(), json.dumps(data))
-    assert restored.identifying.settings == IdentifySettings()
+    assert restored.identification.settings == IdentifySettings()
 
 
 def test_a_log_that_does_not_move_is_one_line(found: State) -> None:
     log = example_log()
     still = make_log(log.t, log.position[:1] + 0 * log.position, log.torque)
     state = identified(actions.use_log(found, "log", still))
-    assert state.identifying.result is None
+    assert state.identification.result is None
     text = identify_text.status_html(compute(state))
     assert "Not identified" in text
     assert "hardly moves" in text
-    assert state.identifying.other is not None
+    assert state.identification.other is not None
     again = identified(actions.use_log(state, "log", example_log(ExampleLog.BEST)))
-    assert again.identifying.result is not None
+    assert again.identification.result is not None
 
 
 def test_a_wrong_gain_is_named_on_the_page(found: State) -> None:
@@ -161,8 +161,8 @@ def test_a_wrong_gain_is_named_on_the_page(found: State) -> None:
 
 def test_stopped_work_says_so() -> None:
     state = actions.use_log(initial_state(), "log", example_log())
-    assert state.identifying.running is not None
-    outcome = solve(identify_logs, state.identifying.running, lambda _: True)
+    assert state.identification.running is not None
+    outcome = solve(identify_logs, state.identification.running, lambda _: True)
     assert outcome.result is None
     assert "stopped" in outcome.problem
 
@@ -182,14 +182,14 @@ def test_nothing_can_be_used_before_there_is_something() -> None:
 @pytest.mark.parametrize("text", ["1 2 3", "a b c d", "1 2 3 0", "1 2 3 inf"])
 def test_gains_are_four_numbers_or_none(text) -> None:
     with pytest.raises(InvalidInput, match="four numbers"):
-        initial_state().updated("identifying.settings", gains=text)
+        initial_state().updated("identification.settings", gains=text)
     assert parse_gains(" ") is None
     assert parse_gains("1, 2, 3; 40") == (1.0, 2.0, 3.0, 40.0)
 
 
 def searched(state: State, **settings: Any) -> State:
-    started = actions.SEARCH.start(state.updated("identifying.settings", **settings))
-    job = started.identifying.excitation.running
+    started = actions.SEARCH.start(state.updated("identification.settings", **settings))
+    job = started.identification.excitation.running
     assert job is not None
     shares: list[float] = []
 
@@ -219,20 +219,20 @@ def test_motion_is_offered_with_its_limits_and_becomes_the_current_one() -> None
 def test_a_search_without_result_says_why() -> None:
     state = initial_state()
     heavy = state.document.design.vary({"platform.mass": 400.0})
-    job = ExcitationJob(heavy, state.identifying.settings)
+    job = ExcitationJob(heavy, state.identification.settings)
     outcome = solve(search_excitation, job)
-    shown = state.updated("identifying.excitation", outcome=outcome)
+    shown = state.updated("identification.excitation", outcome=outcome)
     assert "force of M4 is beyond its limit" in identify_text.excitation_html(compute(shown))
 
 
 def test_failed_jobs_are_shown() -> None:
     state = actions.use_log(initial_state(), "log", example_log())
-    job = state.identifying.running
+    job = state.identification.running
     assert job is not None
     outcome = Outcome(job, error=PaminsaError("it failed"))
     failed = delivered(actions.IDENTIFY, state, outcome)
     assert "it failed" in identify_text.status_html(compute(failed))
-    failed = state.updated("identifying.excitation", outcome=outcome)
+    failed = state.updated("identification.excitation", outcome=outcome)
     assert "it failed" in identify_text.excitation_html(compute(failed))
 
 
@@ -265,4 +265,4 @@ def test_bad_uploads_are_one_notice_and_change_nothing(desk: Desk, case) -> None
     for message in upload_messages(button, content, "log.csv"):
         desk.page.send(message)
     desk.noticed(words)
-    assert desk.state.identifying.log is None
+    assert desk.state.identification.log is None

@@ -1,0 +1,87 @@
+"""Quantities of the registry: values against the model's own functions, words beside them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from paminsa_viz.model import APPENDIX_4, solve_field, static_torques
+from paminsa_viz.model.grids import Field, Grid
+from paminsa_viz.model.load import LoadCase
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.precision import Bound, field_drive_errors
+from paminsa_viz.quantities import QUANTITIES
+from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
+
+LOADED = replace(APPENDIX_4, load=LoadCase(force_x=7.0, force_z=-30.0))
+X, Y = np.linspace(-0.1, 0.12, 3), np.linspace(-0.08, 0.1, 4)
+
+
+def solved(z: float, geometry=APPENDIX_4.geometry) -> Field:  # type: ignore[no-untyped-def]
+    return solve_field(geometry, Grid.over((0.0, 0.0, 0.2, z), x=X, y=Y))
+
+
+@pytest.mark.parametrize("design", [APPENDIX_4, LOADED], ids=["no load", "load"])
+def test_torques_of_a_grid_are_those_of_its_poses(design) -> None:  # type: ignore[no-untyped-def]
+    field = solved(-0.5)
+    torque = static_torques(design, field.grid.poses())
+    expected = {f"tau_{leg + 1}": torque[..., leg] for leg in range(3)} | {
+        "f_4": torque[..., 3],
+        "max_torque": np.abs(torque[..., :3]).max(axis=-1),
+        "rms_torque": np.sqrt((torque[..., :3] ** 2).mean(axis=-1)),
+    }
+    for key, values in expected.items():
+        found = QUANTITIES[key].over(field, design)
+        assert found.shape == field.status.shape
+        np.testing.assert_allclose(found, values, rtol=1e-9, atol=1e-12, err_msg=key)
+
+
+def test_flat_quantities_are_the_same_at_all_heights_and_for_all_bars_and_no_others_are() -> None:
+    """A volume solves them once a position and heading, so that one too many is a wrong volume."""
+    longer = replace(APPENDIX_4.geometry, crank_length=0.55, coupler_length=0.5)
+    fields = [solved(-0.5), solved(-0.86), solved(-0.5, longer)]
+    assert all((field.status == Limit.OK).all() for field in fields)
+    same = set()
+    for key, item in QUANTITIES.items():
+        if item.family == "kinematics":
+            one, *others = (item.over(field, LOADED) for field in fields)
+            if all(np.allclose(one, other, rtol=1e-9, atol=0) for other in others):
+                same.add(key)
+    flat = {key for key, item in QUANTITIES.items() if item.flat}
+    assert flat == same - {"selective_z"}  # 1/k, which is no work to solve
+
+
+def test_where_errors_have_no_bound_the_reason_is_that_of_the_pose() -> None:
+    accuracy = replace(APPENDIX_4.accuracy, control_rotary=0.02)
+    design = replace(APPENDIX_4, accuracy=accuracy)
+    line = np.linspace(-0.34, 0.34, 61)
+    field = solve_field(design.geometry, Grid.over((0.0, 0.0, 0.9, -0.5), x=line, y=line))
+    found = field_drive_errors(field, accuracy)
+    item = QUANTITIES["error_x"]
+    assert item.missing is not None
+    code, texts, words = item.missing(field, design)
+    np.testing.assert_array_equal(code == 0, found.ok)
+    seen = set()
+    for place in zip(*np.nonzero(code), strict=True):
+        bound, leg = Bound(int(found.bound[place])), int(found.leg[place])
+        seen.add((bound, leg))
+        assert texts[code[place]] == f"no bound: {bound.reason(leg)}"
+        assert words[code[place]].startswith(f"no-bound:{bound.word}")
+        assert words[code[place]].endswith(f":leg{leg + 1}") == (leg >= 0)
+    assert len(seen) > 3
+
+
+def test_forces_in_a_plane_are_said_to_be_and_that_of_joint_5_is_not() -> None:
+    titles = {
+        key: item.title
+        for key, item in QUANTITIES.items()
+        if item.title.startswith("Largest static force at ")
+    }
+    inside = {key for key, title in titles.items() if title.endswith("in the leg's plane")}
+    assert set(titles) - inside == {"force_5", "joint_force"}
+
+
+def test_a_workspace_is_about_the_robot_s_axis_unless_it_says_otherwise() -> None:
+    assert Workspace(WorkspaceShape.BOX, (0.1, 0.2, 0.3)).center == (0.0, 0.0, None)
