@@ -197,11 +197,10 @@ def connected_again(tab: Tab, label: str) -> None:
     until(lambda: before.closed, "the connection is lost")
 
 
-@pytest.mark.parametrize("after", [1, 3], ids=["its first key", "a few"])
 @pytest.mark.parametrize(
-    ("replace", "label"),
-    [(hidden_for_a_moment, X), (made_again, "spare"), (connected_again, X)],
-    ids=["hidden", "made again", "connected again"],
+    ("replace", "label", "after"),
+    [(hidden_for_a_moment, X, 1), (made_again, "spare", 3), (connected_again, X, 1)],
+    ids=["hidden after a key", "made again after a few", "connected again after a key"],
 )
 def test_number_goes_on_in_the_box_that_replaces_its_own(
     open_tab: Callable[..., Tab], replace: Replace, label: str, after: int
