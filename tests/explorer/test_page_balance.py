@@ -100,6 +100,7 @@ def test_maps_fade_with_the_imbalance_next_to_a_reference(balance: Tab) -> None:
     def shown() -> tuple[float, float]:
         return tuple(balance.handle("from–to").value)
 
+    balance.open_tab("Torque maps")  # is up to date as long as it can be seen
     store = MapStore()
     (scale, *_) = store.scales(balance.state, store.data(balance.state))
     before = (scale.low, scale.high)

@@ -58,6 +58,10 @@ NODE_PLACE = """name => {
 }"""
 
 
+CLOSE_NOTICE = "document.querySelector('#webgl-software-rendering button')?.click()"
+"""Closes viser's notice of software WebGL, which would stay over the view."""
+
+
 def until(condition: Callable[[], Any], what: str, timeout: float = TIMEOUT) -> Any:
     """Return the first true value of a condition.
 
@@ -125,6 +129,7 @@ class Tab:
         self._known = set(self.app.sessions)
         load()
         self.page.get_by_test_id("status").wait_for()
+        self.page.evaluate(CLOSE_NOTICE)
         self._session = until(self._built, "a session for the tab")
 
     def _built(self) -> Any:

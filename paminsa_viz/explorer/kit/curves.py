@@ -18,7 +18,7 @@ from paminsa_viz.plots.series_uplot import (
 LOWEST, HIGHEST = 158, 340
 """Height of a chart with its heading and axis [px]."""
 
-OTHERS = 308
+OTHERS = 324
 """What else is in the dock with two charts [px]: tabs, caption, numbers, inputs."""
 
 PLACE = "motion"
