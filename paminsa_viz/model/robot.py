@@ -210,7 +210,8 @@ def inverse_dynamics_kernel(
     v1, v2, v3 = _vector(g1), _vector(g2), _vector(g3)
     t = solve_wrench(platform_determinant(m, x, y, c), v1, v2, v3, fx, fy, ft)
     usable = _usable(m, v1, g1.zeta) & _usable(m, v2, g2.zeta) & _usable(m, v3, g3.zeta)
-    # A_ij: d s_k = -rho_k^-1 (row of `solve_wrench`), d s_k/d theta_k = rho_k; d s_4 = 1/k, -1
+    # A_ij: d s_k/d theta_k = rho_k; by x, y, theta it is -1/rho_k times a row of
+    # `solve_wrench`; d s_4 = 1/k, -1
     lambda1, lambda2, lambda3 = -g1.rho * t.t1, -g2.rho * t.t2, -g3.rho * t.t3
     lambda4 = fz * m.k
     return ActuatorForces(
