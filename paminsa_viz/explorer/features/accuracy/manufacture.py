@@ -17,7 +17,7 @@ from paminsa_viz.explorer.features.accuracy.monte_carlo import (
     shown_lengths,
 )
 from paminsa_viz.explorer.kit.design_numbers import set_value
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Folder, Html
+from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.motion import Pose
@@ -141,13 +141,19 @@ def _slider(name: str) -> Slider:
 
 
 MANUFACTURE = (
-    Html("manufacture.errors", content=tolerances_html, idle=True),
-    Dropdown(
-        "manufacture.coordinate", "Shares in", options={NAMES[i]: i for i in SHOWN},
-        hint="Which lengths the error of a coordinate comes from",
-        **attribute("monte_carlo.coordinate"),
+    Answer(
+        "manufacture.answer", "Errors by manufacture", always=True,
+        entries=(
+            Html("manufacture.errors", content=tolerances_html, idle=True),
+            Dropdown(
+                "manufacture.coordinate", "Shares in", options={NAMES[i]: i for i in SHOWN},
+                hint="Which lengths the error of a coordinate comes from",
+                **attribute("monte_carlo.coordinate"),
+            ),
+            Html("manufacture.shares", content=shares_html, idle=True),
+            Html("manufacture.own", content=legs_html, idle=True),
+        ),
     ),
-    Html("manufacture.shares", content=shares_html, idle=True),
     Folder(
         "manufacture.tolerances", "Tolerances, ±", open=False,
         entries=(
@@ -176,7 +182,6 @@ MANUFACTURE = (
                 read=_read_deviation, apply=_set_deviation,
             ),
             ButtonGroup("manufacture.alike", "Set to", choices=_leg_choices),
-            Html("manufacture.own", content=legs_html, idle=True),
         ),
     ),
 )  # fmt: skip

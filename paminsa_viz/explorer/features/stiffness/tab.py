@@ -15,7 +15,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.features.stiffness.solving import MODES, analyze_elasticity
 from paminsa_viz.explorer.kit.design_numbers import is_changed, slider
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Entry, Folder, Html
+from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Entry, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.kit.task import NOT_OF_PREVIEW, Follower
@@ -213,7 +213,14 @@ def _modes(state: State) -> dict[str, int]:
 _setting = SettingInputs("stiffness", "stiffness.settings", StiffnessSettings)
 
 STIFFNESS = (
-    Html("stiffness.result", content=result_html),
+    Answer(
+        "stiffness.answer", "Stiffness at the pose", always=True,
+        entries=(
+            Html("stiffness.result", content=result_html),
+            Html("stiffness.shares", content=shares_html),
+            Html("stiffness.sections", content=sections_html, idle=True),
+        ),
+    ),
     Dropdown(
         "stiffness.mode", "Mode", options=_modes, hint="Natural frequency of the animated mode",
         **attribute("stiffness.mode"),
@@ -231,11 +238,10 @@ STIFFNESS = (
         "stiffness.compliance", "compliance", "Compliance ellipsoid",
         "Displacements by 100 N in every direction",
     ),
-    Html("stiffness.shares", content=shares_html),
     _folder("Material", MATERIAL, opened=False),
     _folder("Drives, motor locked", DRIVE, opened=True),
     _folder(
-        "Tubes", tuple(f"{bar}_{side}" for bar in BARS for side in ("outer", "inner")), opened=True
+        "Tubes", tuple(f"{bar}_{side}" for bar in BARS for side in ("outer", "inner")), opened=False
     ),
     Folder(
         "stiffness.joints", "Joints and guides, 0: rigid", open=False,
@@ -258,7 +264,6 @@ STIFFNESS = (
             _section("torsion", "torsion J", 100.0),
         ),
     ),
-    Html("stiffness.sections", content=sections_html, idle=True),
     ANALYSIS.worker,
 )  # fmt: skip
 """The tab's entries."""
