@@ -108,6 +108,7 @@ def test_section_shows_its_answer_and_one_without_keeps_the_last(
     open_tabs("Strength", "Strength/Loads")
     page.until(lambda: page.state.answer == "here")
     open_tabs("Robot", "Robot/Pose")
+    page.until(lambda: page.panel._asked == frozenset())
     page.dispatch(fitted)
     page.until(lambda: page.state.answer == "fitted")
     open_tabs("Strength", "Strength/Loads")

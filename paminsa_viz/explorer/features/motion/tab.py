@@ -14,6 +14,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.motion import point_entries as motion_points
 from paminsa_viz.explorer.features.motion.crossing import chart_html, crossing_html
 from paminsa_viz.explorer.features.motion.description import DESCRIPTION
+from paminsa_viz.explorer.features.motion.layers import path_scale
 from paminsa_viz.explorer.features.motion.simulated import SimulationCharts
 from paminsa_viz.explorer.features.motion.simulation import SIMULATION, show_simulation, simulate
 from paminsa_viz.explorer.kit.entries import (
@@ -30,7 +31,7 @@ from paminsa_viz.explorer.kit.entries import (
 from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, Slider, attribute
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.kit.text import note, render, status
-from paminsa_viz.explorer.scene.path import hue_gradient, path_scale
+from paminsa_viz.explorer.scene.hues import hue_gradient
 from paminsa_viz.explorer.state.motion import SPEEDS
 from paminsa_viz.explorer.state.simulation import SimulationSettings
 from paminsa_viz.explorer.state.state import State
