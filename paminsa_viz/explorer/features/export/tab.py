@@ -58,8 +58,10 @@ def light_view(session: Session, legend: Legend) -> File:
         session.dispatch("view", replace)  # draws the scene as the page is
 
 
-FIGURES = {name: each.label for name, each in FIGURE_FORMATS.items()}
-"""Labels of the figure formats by their names."""
+def _figures() -> dict[str, str]:
+    """Return the labels of the figure formats by their names."""
+    return {name: each.label for name, each in FIGURE_FORMATS.items()}
+
 
 LINE_TABLE = "csv"
 """The table format that is offered below a figure."""
@@ -69,7 +71,7 @@ def _line(key: str, what: str, figure: Make, table: Make) -> ButtonGroup:
     """Return the line below a figure on the page: it as a figure, and its numbers."""
     choices = {
         label: export(f"{what} as {label}", partial(figure, kind=kind))
-        for kind, label in FIGURES.items()
+        for kind, label in _figures().items()
     }
     numbers = export(f"{what} as {LINE_TABLE.upper()}", partial(table, kind=LINE_TABLE))
     return ButtonGroup(
@@ -151,7 +153,7 @@ def export_entries(
         ),
         ButtonGroup(
             "export.figure", "figure",
-            choices=choices("a figure", FIGURES, partial(exports.figure, store=store)),
+            choices=choices("a figure", _figures(), partial(exports.figure, store=store)),
             hint="Title, units, design and pose are in it",
         ),
         ButtonGroup(
@@ -219,7 +221,8 @@ def export_entries(
         ),
         Html("export.motion_heading", content=_motion_heading),
         ButtonGroup(
-            "export.curves", "figure", choices=choices("a figure", FIGURES, exports.motion_figure),
+            "export.curves", "figure",
+            choices=choices("a figure", _figures(), exports.motion_figure),
             hint="The curves of “Motion plots”, width as above",
         ),
         ButtonGroup(
