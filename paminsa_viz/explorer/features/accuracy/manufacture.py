@@ -15,7 +15,7 @@ from paminsa_viz.explorer.features.accuracy.monte_carlo import (
     shown_lengths,
 )
 from paminsa_viz.explorer.kit.design_numbers import set_value
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Folder, Html
+from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Number, Slider
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import render
@@ -143,9 +143,15 @@ def _slider(name: str) -> Slider:
 _setting = SettingInputs("manufacture", "monte_carlo.settings", MonteCarloSettings)
 
 MANUFACTURE = (
-    Html("manufacture.errors", content=tolerances_html, idle=True),
-    _setting("coordinate"),
-    Html("manufacture.shares", content=shares_html, idle=True),
+    Answer(
+        "manufacture.answer", "Errors by manufacture", always=True,
+        entries=(
+            Html("manufacture.errors", content=tolerances_html, idle=True),
+            _setting("coordinate"),
+            Html("manufacture.shares", content=shares_html, idle=True),
+            Html("manufacture.own", content=legs_html, idle=True),
+        ),
+    ),
     Folder(
         "manufacture.tolerances", "Tolerances, ±", open=False,
         entries=(
@@ -167,7 +173,6 @@ MANUFACTURE = (
                 read=_read_deviation, apply=_set_deviation,
             ),
             ButtonGroup("manufacture.alike", "Set to", choices=_leg_choices),
-            Html("manufacture.own", content=legs_html, idle=True),
         ),
     ),
 )  # fmt: skip

@@ -8,7 +8,7 @@ from viser import Icon
 
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
-from paminsa_viz.explorer.kit.entries import Button, Entry, Html
+from paminsa_viz.explorer.kit.entries import Answer, Button, Entry, Html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.kit.text import render
@@ -105,5 +105,8 @@ MONTE_CARLO: tuple[Entry, ...] = (
         ),
     ),
     DRAW.worker,
-    Html("manufacture.found", content=monte_carlo_html, idle=True),
+    Answer(
+        "manufacture.random_answer", "Random robots", found=DRAW.outcome,
+        entries=(Html("manufacture.found", content=monte_carlo_html, idle=True),),
+    ),
 )  # fmt: skip

@@ -15,7 +15,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.features.stiffness.solving import analyze_elasticity
 from paminsa_viz.explorer.kit.design_numbers import is_changed, slider
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Entry, Folder, Html
+from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Entry, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Number, Slider
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.kit.task import NOT_OF_PREVIEW, Follower
@@ -213,7 +213,14 @@ def _modes(state: State) -> dict[str, int]:
 _setting = SettingInputs("stiffness", "stiffness.settings", StiffnessSettings)
 
 STIFFNESS = (
-    Html("stiffness.result", content=result_html),
+    Answer(
+        "stiffness.answer", "Stiffness at the pose", always=True,
+        entries=(
+            Html("stiffness.result", content=result_html),
+            Html("stiffness.shares", content=shares_html),
+            Html("stiffness.sections", content=sections_html, idle=True),
+        ),
+    ),
     _setting("mode", options=_modes),
     layer_switch(
         "stiffness.mode_shape", "mode_shape", "Animate mode",
@@ -228,11 +235,10 @@ STIFFNESS = (
         "stiffness.compliance", "compliance", "Compliance ellipsoid",
         "Displacements by 100 N in every direction",
     ),
-    Html("stiffness.shares", content=shares_html),
     _folder("Material", MATERIAL, opened=False),
     _folder("Drives, motor locked", DRIVE, opened=True),
     _folder(
-        "Tubes", tuple(f"{bar}_{side}" for bar in BARS for side in ("outer", "inner")), opened=True
+        "Tubes", tuple(f"{bar}_{side}" for bar in BARS for side in ("outer", "inner")), opened=False
     ),
     Folder(
         "stiffness.joints", "Joints and guides, 0: rigid", open=False,
@@ -255,7 +261,6 @@ STIFFNESS = (
             _section("torsion", "torsion J", 100.0),
         ),
     ),
-    Html("stiffness.sections", content=sections_html, idle=True),
     ANALYSIS.worker,
 )  # fmt: skip
 """The tab's entries."""
