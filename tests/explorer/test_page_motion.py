@@ -9,6 +9,7 @@ import pytest
 
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.maps import frame_half
 from paminsa_viz.explorer.features.motion.tab import TIME
 from paminsa_viz.explorer.state.motion import Kind, Timing
 from paminsa_viz.explorer.state.state import State
@@ -237,6 +238,9 @@ def test_motion_is_drawn_on_a_map_and_its_points_are_typed(tab: Tab) -> None:
     tab.dispatch(lambda s: actions.move(s, theta=np.pi / 3))
     plot = tab.page.locator(".js-plotly-plot").first
     plot.wait_for()
+    frame = 1e3 * frame_half(tab.state.document.design.geometry, *tab.state.document.pose[2:])
+    end = "plot => plot._fullLayout?.xaxis?.range[1] ?? 0"
+    until(lambda: abs(plot.evaluate(end) - frame) < 1, "clicks are read in the frame of θ = 60°")
     tab.page.get_by_role("button", name="draw a motion").first.click()
     tab.page.get_by_text("click: add waypoint 1").first.wait_for()
     for count, (right, down) in enumerate(((0.23, 0.2), (0.28, 0.2), (0.28, 0.28)), 1):
