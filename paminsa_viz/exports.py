@@ -1,6 +1,6 @@
 """The robot as files of other programs: what there is, and what each is for.
 
-The command ``paminsa-viz export`` reads `TARGETS`; the page's tab *Export* reads `CODE` as well,
+The command ``paminsa-viz export`` reads `TARGETS`; the page's *File > Export* reads `CODE` as well,
 which is what ``paminsa-viz code`` writes into a folder.
 """
 

@@ -147,7 +147,7 @@ def test_files_that_pages_name_exist() -> None:
 
 def test_tabs_that_texts_name_exist() -> None:
     """Of the page's two docks; in pages, hints and templates."""
-    tabs = {"Export", *(one.name for one in sections().values())}
+    tabs = {"Answer", *(one.name for one in sections().values())}
     sources = [
         path for kind in ("py", "j2", "js") for path in (ROOT / "paminsa_viz").rglob(f"*.{kind}")
     ]

@@ -29,7 +29,10 @@ from paminsa_viz.model.robot import (
 
 
 def _transmission(v: LegVector, along_x: Any, along_y: Any, turning: Any) -> Any:
-    """Return the index of a leg: rho_k over |v_5k| for a unit speed of M_k, its column of J."""
+    """Return the index of a leg [1]: rho_k over |v_5k| for a unit speed of M_k; not in the paper.
+
+    ``along_x``, ``along_y``, ``turning`` times rho_k^2 are its column of J [m/rad, m/rad, 1].
+    """
     vx = (along_x - turning * v.py) * v.rho2
     vy = (along_y + turning * v.px) * v.rho2
     return np.sqrt(v.rho2 / (vx * vx + vy * vy))
@@ -38,9 +41,11 @@ def _transmission(v: LegVector, along_x: Any, along_y: Any, turning: Any) -> Any
 def transmission_indices(
     m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any
 ) -> tuple[Any, Any, Any]:
-    """Return the output transmission index of the three legs, cosines of the pressure angles.
+    """Return the output transmission index of the three legs, cosines of the pressure angles [1].
 
-    1 where force and motion of joint 5 are parallel, 0 at a type-2 singularity.
+    1 where force and motion of joint 5 are parallel, 0 at a type-2 singularity. Not in the paper,
+    but of Wang, Wu and Liu (Mech. Mach. Theory 45 (2010) 1462). Arguments are the platform's
+    position [m], cos and sin theta.
     """
     v1 = leg_vector(m, AXIS_X[0], AXIS_Y[0], x, y, c, s)
     v2 = leg_vector(m, AXIS_X[1], AXIS_Y[1], x, y, c, s)

@@ -16,7 +16,7 @@ from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.exports import TARGETS
 from paminsa_viz.files.archives import zipped
-from paminsa_viz.files.atomic import check_writable, make_folder, write_bytes
+from paminsa_viz.files.atomic import check_writable, write_files
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -77,23 +77,19 @@ class Export(PoseFlags, DesignFlags):
                 TARGETS[name].files(design, pose, servos=not self.motors).items()
             )
         }
-        folders: dict[Path, dict[str, bytes]] = {}
+        for path in files:  # of these no folder is made
+            check_writable(path)
+        parts: dict[Path, str | bytes] = {}
         if self.meshes is not None and self.meshes.suffix.lower() == ".zip":
             files[self.meshes] = zipped(self._meshes(design, pose), self.meshes.stem)
+            check_writable(self.meshes)
         elif self.meshes is not None:
-            folders[self.meshes] = self._meshes(design, pose)
-        for path in files:
-            check_writable(path)
-        for folder, names in folders.items():  # first, as what most often cannot be made
-            for parent in sorted({(folder / name).parent for name in names}):
-                make_folder(parent)
-        for path, content in files.items():
-            write_bytes(path, content)
-            print_written([path])
-        for folder, parts in folders.items():
-            for name, part in parts.items():
-                write_bytes(folder / name, part)
-            print(f"{folder}: written, {len(parts)} files")
+            meshes = self._meshes(design, pose)
+            parts = {self.meshes / name: content for name, content in meshes.items()}
+        write_files({**files, **parts})
+        print_written(list(files))
+        if parts:
+            print(f"{self.meshes}: written, {len(parts)} files")
         return 0
 
     def _meshes(self, design: Design, pose: Array) -> dict[str, bytes]:

@@ -55,7 +55,8 @@ def with_platform(fmu: bytes, platform: str, compiler: str) -> bytes:
         except OSError as error:
             raise NotBuilt(f"{compiler}: {error.strerror}") from None
         if done.returncode:
-            raise NotBuilt(f"{compiler} failed: {' '.join(done.stderr.split())[:500]}")
+            said = " ".join(done.stderr.split())[:500] or f"exit code {done.returncode}"
+            raise NotBuilt(f"{compiler} failed: {said}")
         with open(os.path.join(folder, binary), "rb") as file:
             inside[f"binaries/{platform}/{binary}"] = file.read()
     stream = io.BytesIO()

@@ -20,6 +20,10 @@ class JavaScript:
         """Return the name of a constant of a module."""
         return name
 
+    def type_name(self, kind: Kind) -> str:
+        """Return the name of a type as comments have it."""
+        return kind.name
+
     def number(self, value: float) -> str:
         """Return a literal that reads back as the same double."""
         if math.isnan(value):
@@ -77,7 +81,7 @@ class JavaScript:
 
 
 FLOOR_MOD = """\
-/* The remainder with the sign of the divisor, as NumPy's mod. */
+/* Helper, not in the paper, units as of the values: the remainder with the sign of the divisor. */
 function floorMod(a, b) {
     const rest = a % b;
     return rest !== 0 && (b < 0) !== (rest < 0) ? rest + b : rest;

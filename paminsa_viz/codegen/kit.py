@@ -67,7 +67,7 @@ FORMULAS = (
 """What the header is made of, with all that these call."""
 
 MOD = """\
-/* The remainder with the sign of the divisor, as NumPy's mod. */
+/* Helper, not in the paper, units as of the values: the remainder with the sign of the divisor. */
 static inline double paminsa_mod(double a, double b)
 {
     const double rest = fmod(a, b);
@@ -227,7 +227,7 @@ def _mass_setter(design: Design) -> str:
         sums.append(f"    e->{term} =\n        " + "\n        + ".join(parts or ["0.0"]) + ";")
     about = _commented(
         [
-            "Change the masses of a robot of this design's lengths and gravity.",
+            "Change the masses [kg, kg m^2] of a robot of this design's lengths and gravity.",
             "",
             "The factors of the energies are linear in them (Appendices 2 and 3, Eqs. 11-14).",
         ]

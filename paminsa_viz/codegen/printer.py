@@ -9,6 +9,7 @@ has no counterpart raises `NotPrintable`. What differs between languages is in a
 from __future__ import annotations
 
 import ast
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable
 from types import FunctionType
@@ -61,6 +62,10 @@ class Language(Protocol):
 
     def constant_name(self, name: str) -> str:
         """Return the name of a constant of a module."""
+        ...
+
+    def type_name(self, kind: Kind) -> str:
+        """Return the name of a type."""
         ...
 
     def number(self, value: float) -> str:
@@ -137,7 +142,18 @@ class Printer:
         """Return everything that was printed."""
         constants = ["\n".join(self.constants.values())] if self.constants else []
         types = [text for text in self.types.values() if text]
-        return "\n\n".join([*constants, *types, *self.functions.values()]) + "\n"
+        text = "\n\n".join([*constants, *types, *self.functions.values()]) + "\n"
+        return re.sub(r"`_?([\w.]+)`", lambda found: self._mentioned(found[1]), text)
+
+    def _mentioned(self, name: str) -> str:
+        """Return what a name of a comment is called in the printed text."""
+        if name in self.functions:
+            return self.language.function_name(name)
+        if name in self.constants:
+            return self.language.constant_name(name)
+        if name in self._records:
+            return self.language.type_name(self._records[name])
+        return name
 
     def call(self, function: FunctionType) -> str:
         """Return the Python name under which a function is printed, after printing it."""
@@ -239,7 +255,8 @@ class _Body:
         values = [self._real(item) for item in node.elts]
         named = all(isinstance(item, ast.Name) for item in node.elts)
         fields = tuple(item.id for item in node.elts if isinstance(item, ast.Name)) if named else ()
-        record = self.printer.define(Record(self.name, fields, len(values)))
+        doc = f"What `{self.name}` returns."
+        record = self.printer.define(Record(self.name, fields, len(values), doc=doc))
         return self.language.made(record, values), record, ATOM
 
     def _assign(self, target: ast.expr, value: ast.expr) -> None:
@@ -415,9 +432,9 @@ def filled(text: str, indent: int, at: str = " ", width: int = 100) -> list[str]
 
 
 def commented(doc: str, indent: int = 0) -> list[str]:
-    """Return a docstring as a comment."""
+    """Return a docstring as a comment; names in single backticks are for `Printer.text`."""
     lead = " " * indent
-    lines = [line.replace("``", "").replace("`", "").rstrip() for line in doc.split("\n")]
+    lines = [line.replace("``", "").rstrip() for line in doc.split("\n")]
     if len(lines) == 1:
         return [f"{lead}/* {lines[0]} */"]
     rest = [f"{lead} * {line}".rstrip() for line in lines[1:]]

@@ -1,25 +1,27 @@
-"""The dock next to the 3D view: torque maps, the map of one quantity, curves, the export."""
+"""The dock next to the 3D view: torque maps, the map of one quantity, curves, answers."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
 import viser
 
 from paminsa_viz.explorer.browser.bridge import Slots, finite
-from paminsa_viz.explorer.core.docks import left_dock
+from paminsa_viz.explorer.core.docks import ANSWER_TAB, BESIDE, fit_right, left_dock
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.maps import MapStore
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.clearance.tab import CLEARANCE
-from paminsa_viz.explorer.features.export.tab import export_entries
+from paminsa_viz.explorer.features.export.tab import curves_line, maps_line
 from paminsa_viz.explorer.features.maps.pictures import MapPicture
 from paminsa_viz.explorer.features.maps.tab import single_entries, torque_entries
 from paminsa_viz.explorer.features.motion import point_entries as motion_points
 from paminsa_viz.explorer.features.motion.plots import MotionPlots
 from paminsa_viz.explorer.features.motion.points import click_map
 from paminsa_viz.explorer.features.view.tab import view_entries
+from paminsa_viz.explorer.kit.answers import AnswerTab, PlacedAnswer
 from paminsa_viz.explorer.kit.bindings import Panel
 from paminsa_viz.explorer.kit.curves import PLACE as MOTION_SLOT
 from paminsa_viz.explorer.scene.legend import SceneLegend
@@ -32,14 +34,14 @@ TORQUE_SLOT, SINGLE_SLOT = "torques", "single"
 
 
 class MapsPanel:
-    """Four tabs next to the 3D view: torque maps, single map, motion plots, export.
+    """The tabs next to the 3D view: torque maps, single map, motion plots, answers.
 
     Attributes:
         store: Where the maps come from; the floor map can share it.
         legend: Legend of the 3D view, which pictures of it have too.
     """
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Session, answers: Sequence[PlacedAnswer]) -> None:
         client = session.client
         self._session = session
         self.store, self.legend = MapStore(), SceneLegend(session.bridge)
@@ -48,23 +50,32 @@ class MapsPanel:
             session.bridge, session.dispatch, {TORQUE_SLOT: width, SINGLE_SLOT: 0, MOTION_SLOT: 0}
         )
         self._panel = panel = client.gui.add_panel()
-        with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):
+        with panel.add_tab("Torque maps"):
             self._torques = MapPicture(
                 session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES, "inside"
             )
-            self._torque_inputs = Panel(session, torque_entries("torque maps", self._torques))
-        with panel.add_tab("Single map", viser.Icon.SQUARE_ROUNDED):
+            line = maps_line("torque maps", "torque maps", self.store, single=False)
+            self._torque_inputs = Panel(
+                session, (*torque_entries("torque maps", self._torques), line)
+            )
+        with panel.add_tab("Single map"):
             self._single = MapPicture(
                 session, self.store, slots, SINGLE_SLOT, lambda s: (s.map_view.quantity,),
                 "below",
             )  # fmt: skip
-            self._single_inputs = Panel(session, single_entries("single map", self._single))
-        motion_tab = panel.add_tab("Motion plots", viser.Icon.CHART_LINE)
+            line = maps_line("single map", "single map", self.store, single=True)
+            self._single_inputs = Panel(
+                session, (*single_entries("single map", self._single), line)
+            )
+        motion_tab = panel.add_tab("Motion plots")
         with motion_tab:
             self.motion = MotionPlots(session, slots, motion_tab)
-        with panel.add_tab("Export", viser.Icon.DOWNLOAD):
-            self.export = Panel(session, export_entries(self.store, lambda: self.legend.shown))
+            self._curves_line = Panel(session, (curves_line(),))
+        with panel.add_tab(ANSWER_TAB):
+            self._answers = AnswerTab(session, answers)
         panel.dock_left()
+        session.unfold = dict.fromkeys(BESIDE, panel.expand)
+        session.fit_docks = self._fit_both
         panel.set_width(width)
         if self._folded:
             panel.minimize()
@@ -77,7 +88,7 @@ class MapsPanel:
         """Draw the maps that are seen, and what the inputs show: the ranges of the pictures."""
         for view in (
             self._torques, self._torque_inputs, self._single, self._single_inputs, self.motion,
-            self.export,
+            self._curves_line, self._answers,
         ):  # fmt: skip
             view.draw(frame, dragging)
 
@@ -89,6 +100,10 @@ class MapsPanel:
             (self._panel.minimize if folded else self._panel.expand)()
         self._folded = folded
         self._session.bridge.call("whole", self._session.window[0], folded)
+
+    def _fit_both(self) -> None:
+        self._fit()
+        fit_right(self._session)
 
     def _click(self, data: Any) -> None:
         """Move the robot to where a map was clicked, or draw; ``data`` comes from the page."""

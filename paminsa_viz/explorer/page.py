@@ -91,13 +91,16 @@ def build(
     )
 
     def build_robot() -> None:
-        from paminsa_viz.explorer.scene.cameras import fit, follow_resizes, look
+        from paminsa_viz.explorer.scene.cameras import fit, follow_resizes, keep_camera, look, place
 
         if session.immediate:
             fit(session)  # the page has said only now how large it is, or another size
             return
         look(session, "3D")
+        if session.state.camera is not None:
+            place(session)
         follow_resizes(session)
+        keep_camera(session)
         session.immediate += build_views(context, animated=True)
         session.dispatch("robot", replace)
 

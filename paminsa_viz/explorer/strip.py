@@ -9,11 +9,12 @@ from paminsa_viz.explorer.core import tab_store
 from paminsa_viz.explorer.core.actions import Action
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.saved_requirements import asked
+from paminsa_viz.explorer.features.compare.tab import REFERENCE, switch_html
 from paminsa_viz.explorer.features.pose.tab import (
-    actuators_html,
     pose_line_html,
     status_html,
     summary_html,
+    torques_html,
 )
 from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Html
 from paminsa_viz.explorer.kit.robot_texts import of_pose
@@ -47,10 +48,10 @@ def springs_html(frame: Frame) -> str:
 
 def strip_html(frame: Frame) -> str:
     """Return what is seen above all tabs."""
-    numbers = of_pose(frame, actuators_html(frame), summary_html(frame))
+    numbers = of_pose(frame, summary_html(frame), torques_html(frame))
     parts = (
         status_html(frame), pose_line_html(frame), numbers, springs_html(frame),
-        requirements_html(frame.state),
+        requirements_html(frame.state), switch_html(frame),
     )  # fmt: skip
     return f'<div class="pv-strip">{"".join(parts)}</div>'
 
@@ -87,6 +88,7 @@ def _again(state: State, start: Action) -> State:
 
 
 STRIP = (
+    REFERENCE,
     Html("readout.strip", content=strip_html),
     ButtonGroup(
         "kept", "Kept state",

@@ -11,18 +11,19 @@ from typing import TYPE_CHECKING, Any
 
 import viser
 
-from paminsa_viz.explorer.core.docks import left_dock
+from paminsa_viz.explorer.core.docks import BESIDE, left_dock
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.core.tab_store import TabStore
 from paminsa_viz.explorer.core.workspaces import switch, view_of
 from paminsa_viz.explorer.kit.bindings import Panel
-from paminsa_viz.explorer.kit.entries import Entry, Folder
+from paminsa_viz.explorer.kit.entries import ButtonGroup, Entry, Folder
 from paminsa_viz.explorer.scene.build import build_views
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.state.state import State
 
 if TYPE_CHECKING:
     from paminsa_viz.explorer.commands import Command
+    from paminsa_viz.explorer.kit.answers import PlacedAnswer
 
 Entries = Sequence[Entry]
 
@@ -35,13 +36,11 @@ class Section:
         name: What it is called; no other section has the name.
         entries: Returns what it holds; called when it is filled.
         words: What else a person may look for it by, in the command palette.
-        fast: Whether it is drawn a moment after the robot, and not after maps and other figures.
     """
 
     name: str
     entries: Callable[[], Entries]
     words: str = ""
-    fast: bool = True
 
 
 @dataclass(frozen=True)
@@ -89,12 +88,6 @@ def _load() -> Entries:
     from paminsa_viz.explorer.features.design.tab import LOAD
 
     return LOAD
-
-
-def _compare() -> Entries:
-    from paminsa_viz.explorer.features.compare.tab import COMPARE
-
-    return COMPARE
 
 
 def _path() -> Entries:
@@ -176,9 +169,6 @@ WORKSPACES = (
             Section("Lengths", _lengths, "geometry, bars, radii, guide, pantograph"),
             Section("Masses", _masses, "inertia, payload, friction, gravity, M_p2"),
             Section("Load", _load, "external force, moment"),
-            Section(
-                "Compare", _compare, "reference, pin, difference, swap, Appendix 4", fast=False
-            ),
         ),
         "Torque maps", ("floor_map", "singularity"),
     ),
@@ -198,7 +188,7 @@ WORKSPACES = (
             Section("Stiffness", _stiffness, "stiff, compliance, vibration, frequency, mode"),
             Section("Errors", _errors, "accuracy, encoder, backlash, resolution, manufacture"),
         ),
-        "Single map",
+        "Answer",
     ),
     Workspace(
         "Optimize", "What should it be?",
@@ -207,7 +197,7 @@ WORKSPACES = (
             Section("Balance", _balance, "counterweights, springs, tolerances, Pareto"),
             Section("Synthesis", _synthesis, "search, lengths, design, lightest robot, front"),
         ),
-        "Single map", ("volume",),
+        "Answer", ("volume",),
     ),
     Workspace(
         "Built", "Does the real one agree?",
@@ -215,7 +205,7 @@ WORKSPACES = (
             Section("Logs", _logs, "identify, identification, measured, residuals, friction"),
             Section("Excite", _excite, "motion for a log, experiment, D-optimal"),
         ),
-        "Motion plots", ("path",),
+        "Answer", ("path",),
     ),
 )  # fmt: skip
 """Every workspace. The first section of the first one is filled at once, the others later."""
@@ -244,6 +234,8 @@ EARLIER = {
 
 def enter_workspace(session: Session) -> None:
     """Take over which workspace is open; one that was not is shown as it was left."""
+    from paminsa_viz.explorer.scene.cameras import camera_of, place  # late: shapes
+
     open_tabs, known = session.open_tabs or frozenset(), {one.name: one for one in WORKSPACES}
     name = next((name for name in known if name in open_tabs), None)
     if name is None or name == session.state.workspace:
@@ -251,17 +243,20 @@ def enter_workspace(session: Session) -> None:
     beside = next((one for one in BESIDE if one in open_tabs), "")
 
     def go(state: State) -> State:
+        state = replace(state, camera=camera_of(session))
         folded = left_dock(state, session.window)[1]
         if state.workspace and state.workspace != name and not folded:
             left = view_of(state, name)
             session.open_tab(known[name].beside if left is None or not left.beside else left.beside)
         return switch(state, name, beside, frozenset(known[name].layers))
 
-    session.dispatch("workspace", go, step=False)
+    def arrive() -> None:
+        place(session)
+        if session.state.docks != docks:
+            session.fit_docks()
 
-
-BESIDE = ("Torque maps", "Single map", "Motion plots", "Export")
-"""Tabs of the left dock."""
+    docks = session.state.docks
+    session.dispatch("workspace", go, step=False, then=arrive)
 
 
 def load() -> None:
@@ -282,6 +277,17 @@ def add_tabs(gui: viser.GuiApi) -> dict[str, Any]:
             for section in workspace.sections:
                 places[workspace.path(section)] = inner.add_tab(section.name)
     return places
+
+
+def answers() -> list[PlacedAnswer]:
+    """Return the answers of all sections, in their order."""
+    from paminsa_viz.explorer.features.compare.tab import COMPARISON
+    from paminsa_viz.explorer.kit.answers import answers_of
+
+    found = list(answers_of((COMPARISON,)))
+    for path, section in sections().items():
+        found += answers_of(section.entries(), path)
+    return found
 
 
 def fill(session: Session, path: str) -> Panel:
@@ -310,6 +316,36 @@ def places_to_go() -> list[Command]:
     return found
 
 
+SUBJECTS = {
+    "export.figure": "maps, figure", "export.table": "maps, data", "export.scene": "picture",
+    "export.code": "code", "export.models": "model", "export.mujoco": "model",
+    "export.volume": "volume", "export.curves": "motion, figure", "export.series": "motion, data",
+    "export.record": "motion, picture",
+}  # fmt: skip
+"""What groups of exports are called in the command palette, by their keys."""
+
+
+def exports_of(entries: Entries) -> list[Command]:
+    """Return a command for each file that a table of exports offers."""
+    from paminsa_viz.explorer.commands import Command
+    from paminsa_viz.explorer.features.export.tab import volume_choices
+
+    found: list[Command] = []
+    for entry in entries:
+        if not isinstance(entry, ButtonGroup) or entry.key not in SUBJECTS:
+            continue
+        choices = entry.choices
+        shown = choices if isinstance(choices, Mapping) else volume_choices()
+        found += [
+            Command(
+                f"{entry.key}.{label}", f"Export: {label} ({SUBJECTS[entry.key]})", effect,
+                undo=False, words=str(entry.hint),
+            )
+            for label, effect in shown.items()
+        ]  # fmt: skip
+    return found
+
+
 def build_rest(
     session: Session, places: Mapping[str, Any], file_place: Any, context: SceneContext
 ) -> None:
@@ -325,16 +361,19 @@ def build_rest(
     """
     from paminsa_viz.explorer.commands import register_commands
     from paminsa_viz.explorer.dock import MapsPanel, view_panel
+    from paminsa_viz.explorer.features.export.tab import export_entries
     from paminsa_viz.explorer.features.files.tab import FILE
 
-    maps = MapsPanel(session)
+    maps = MapsPanel(session, answers())
     late: list[Panel] = []
-    for path, section in list(sections().items())[1:]:
+    for path in list(sections())[1:]:
         with places[path]:
-            (session.fast if section.fast else late).append(fill(session, path))
+            session.fast.append(fill(session, path))
+    exported = export_entries(maps.store, lambda: maps.legend.shown)
+    folder = Folder("file.export", "Export", entries=exported, open=False)
     with file_place:
-        late.append(Panel(session, FILE))
+        late.append(Panel(session, (*FILE, folder)))
     session.fast.append(view_panel(session))
     floor = build_views(replace(context, maps=maps.store, legend=maps.legend), animated=False)
     session.deferred += [maps, *floor, maps.legend, *late, TabStore(session)]
-    register_commands(session, places_to_go())
+    register_commands(session, (*places_to_go(), *exports_of(exported)))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import secrets
 import stat
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from glob import escape
 from pathlib import Path
 from typing import Any, TextIO
@@ -125,10 +125,32 @@ def make_folder(path: Path) -> None:
         raise as_file_error(str(path), error, "written") from error
 
 
-def write_folder(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]:
-    """Write texts (UTF-8) and other files into a folder, which is made where it is not there.
+def write_files(contents: Mapping[Path, str | bytes]) -> None:
+    """Write texts (UTF-8) and other files, all of them or none; folders are made as needed.
 
-    Whether all of them can be written is looked at before the first one is.
+    Each is written completely, to the disk, before the first one is put in place.
+
+    Args:
+        contents: Contents by the file's path.
+
+    Raises:
+        FileError: If a folder or a file cannot be made, written or put in place.
+    """
+    with _folders_of(contents):
+        for path in contents:
+            check_writable(path)
+        with ExitStack() as files:
+            for path, content in contents.items():
+                file = files.enter_context(_written(path, mode="wb"))
+                file.write(content.encode() if isinstance(content, str) else content)
+                file.flush()
+                os.fsync(file.fileno())
+            with indivisible():
+                files.close()
+
+
+def write_folder(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]:
+    """Write files into a folder, as `write_files` does, and return their paths.
 
     Args:
         folder: The folder.
@@ -137,14 +159,26 @@ def write_folder(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path
     Raises:
         FileError: If a folder or a file cannot be made, written or put in place.
     """
-    paths = [folder / name for name in contents]
-    for parent in dict.fromkeys(path.parent for path in paths):
-        make_folder(parent)
-    for path in paths:
-        check_writable(path)
-    for path, content in zip(paths, contents.values(), strict=True):
-        write_bytes(path, content.encode() if isinstance(content, str) else content)
-    return paths
+    files = {folder / name: content for name, content in contents.items()}
+    write_files(files)
+    return list(files)
+
+
+@contextmanager
+def _folders_of(paths: Iterable[Path]) -> Iterator[None]:
+    """Make the folders of files; those that are new are removed again if the block fails."""
+    new: list[Path] = []
+    try:
+        for folder in dict.fromkeys(path.parent for path in paths):
+            missing = [part for part in (folder, *folder.parents) if not os.path.exists(part)]
+            new += reversed(missing)
+            make_folder(folder)
+        yield
+    except BaseException:
+        for folder in reversed(new):
+            with suppress(OSError):
+                folder.rmdir()
+        raise
 
 
 @contextmanager

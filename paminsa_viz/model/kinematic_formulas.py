@@ -31,7 +31,7 @@ SMALLEST_SIZE = 1e-12
 
 
 def wrap_angle(angle: Any) -> Any:
-    """Return an angle in (-pi, pi] [rad]."""
+    """Return an angle in (-pi, pi] [rad]; not in the paper."""
     return PI - np.mod(PI - angle, TWO_PI)
 
 
@@ -45,7 +45,10 @@ class LegAngles(NamedTuple):
 
 
 def leg_angles(g: LegPosition, heading: Any) -> LegAngles:
-    """Return the angles of a leg (Appendix 1); ``heading`` is its beta at theta_k = 0 [rad]."""
+    """Return the angles of a leg (Appendix 1); ``heading`` is its beta at theta_k = 0 [rad].
+
+    theta_k is in (-pi, pi].
+    """
     beta = np.arctan2(g.uy, g.ux)
     return LegAngles(
         wrap_angle(beta - heading),
@@ -56,7 +59,7 @@ def leg_angles(g: LegPosition, heading: Any) -> LegAngles:
 
 
 def lift_position(m: Mechanism, z: Any) -> Any:
-    """Return Z, the position of M4 [m], from Eq. 17."""
+    """Return Z, the position of M4, for the platform's z, both [m] (Eq. 17)."""
     return (z + m.joint_height) / m.k + m.shaft
 
 
@@ -69,12 +72,15 @@ class JointRow(NamedTuple):
 
 
 def joint_row(v: LegVector) -> JointRow:
-    """Return row k of the inverse Jacobian (Eqs. 16 and 17 derived by time)."""
+    """Return row k of the inverse Jacobian (Eq. 16 derived by time) [rad/m, rad/m, 1]."""
     return JointRow(-v.dy / v.rho2, v.dx / v.rho2, (v.px * v.dx + v.py * v.dy) / v.rho2)
 
 
 def joint_row_rate(v: LegVector, vx: Any, vy: Any, vt: Any) -> JointRow:
-    """Return the derivative of `joint_row` by time for a platform velocity [m/s, m/s, rad/s]."""
+    """Return the derivative of `joint_row` by time for a platform velocity [m/s, m/s, rad/s].
+
+    It is Eq. 16 derived twice by time.
+    """
     px_rate, py_rate = -vt * v.py, vt * v.px
     dx_rate, dy_rate = vx + px_rate, vy + py_rate
     rho2_rate = 2.0 * (v.dx * dx_rate + v.dy * dy_rate)
@@ -88,7 +94,10 @@ def joint_row_rate(v: LegVector, vx: Any, vy: Any, vt: Any) -> JointRow:
 
 
 def speed_rows(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any, ...]:
-    """Return the rows of J^-1 for M1..M3 and (x, y, theta), row by row (9 values) [1/m, 1/m, 1]."""
+    """Return the rows of J^-1 for M1..M3 and (x, y, theta), row by row (9 values) [1/m, 1/m, 1].
+
+    They are Eq. 16 derived by time. Arguments are the platform's position [m], cos and sin theta.
+    """
     a = joint_row(leg_vector(m, AXIS_X[0], AXIS_Y[0], x, y, c, s))
     b = joint_row(leg_vector(m, AXIS_X[1], AXIS_Y[1], x, y, c, s))
     d = joint_row(leg_vector(m, AXIS_X[2], AXIS_Y[2], x, y, c, s))
@@ -98,7 +107,10 @@ def speed_rows(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[An
 def speed_row_rates(
     m: Mechanism, x: Any, y: Any, c: Any, s: Any, vx: Any, vy: Any, vt: Any
 ) -> tuple[Any, ...]:
-    """Return the derivatives by time of the values of `speed_rows` for a platform velocity."""
+    """Return the derivatives by time of the values of `speed_rows` for a platform velocity.
+
+    It is Eq. 16 derived twice by time; the velocity is in [m/s, m/s, rad/s].
+    """
     a = joint_row_rate(leg_vector(m, AXIS_X[0], AXIS_Y[0], x, y, c, s), vx, vy, vt)
     b = joint_row_rate(leg_vector(m, AXIS_X[1], AXIS_Y[1], x, y, c, s), vx, vy, vt)
     d = joint_row_rate(leg_vector(m, AXIS_X[2], AXIS_Y[2], x, y, c, s), vx, vy, vt)
@@ -128,7 +140,7 @@ def wrench_torques(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tupl
 
 
 class Heading(NamedTuple):
-    """Direction of a leg's plane and of its radius to the base center, from cos and sin beta_k."""
+    """Direction of a leg's plane, and how far it is turned from the direction of the leg axis."""
 
     c: Any  # cos beta
     s: Any  # sin beta
@@ -156,7 +168,10 @@ class Closing(NamedTuple):
 
 
 def plane_heading(ax: Any, ay: Any, c: Any, s: Any) -> Heading:
-    """Return the heading of the leg whose axis is at R_b (ax, ay); c, s: cos and sin beta_k."""
+    """Return the heading of the leg whose axis is at R_b (ax, ay); c, s: cos and sin beta_k.
+
+    All are cosines and sines, with no unit (Appendix 1).
+    """
     return Heading(c, s, c * ax + s * ay, s * ax - c * ay)
 
 
@@ -165,7 +180,7 @@ def closing_angles(m: Mechanism, h1: Heading, h2: Heading, h3: Heading) -> Closi
 
     The closure equations are linear in x, y, cos theta and sin theta. Weights with
     sum_k n_k (sin beta_k, cos beta_k) = 0 take x and y out; with cos^2 + sin^2 = 1 one quadratic
-    is left.
+    is left. All are cosines and sines, with no unit.
     """
     n1 = h2.s * h3.c - h2.c * h3.s
     n2 = h3.s * h1.c - h3.c * h1.s
@@ -185,7 +200,10 @@ def closing_angles(m: Mechanism, h1: Heading, h2: Heading, h3: Heading) -> Closi
 
 
 def assembly(m: Mechanism, h1: Heading, h2: Heading, h3: Heading, c: Any, s: Any) -> Assembly:
-    """Return the position for an orientation of the platform, by least squares of Eq. 16."""
+    """Return the position [m] for an orientation of the platform, by least squares of Eq. 16.
+
+    ``c`` and ``s`` are cos and sin theta, the others the headings of the legs.
+    """
     v1 = leg_vector(m, AXIS_X[0], AXIS_Y[0], 0.0, 0.0, c, s)
     v2 = leg_vector(m, AXIS_X[1], AXIS_Y[1], 0.0, 0.0, c, s)
     v3 = leg_vector(m, AXIS_X[2], AXIS_Y[2], 0.0, 0.0, c, s)
@@ -210,7 +228,7 @@ def assembly(m: Mechanism, h1: Heading, h2: Heading, h3: Heading, c: Any, s: Any
 def assembly_mode(
     m: Mechanism, c1: Any, s1: Any, c2: Any, s2: Any, c3: Any, s3: Any, branch: Any
 ) -> Assembly:
-    """Return one of the two poses for actuator positions, in closed form (Eq. 16).
+    """Return one of the two poses for actuator positions, in closed form (Eq. 16) [m].
 
     There is none, and all is NaN, where the platform can move with locked actuators. It counts
     only if ``along`` is positive: then every leg points from its axis to the platform.
@@ -234,5 +252,13 @@ def platform_height(m: Mechanism, lift: Any) -> Any:
 
 
 def friction(viscous: Any, coulomb: Any, transition_speed: Any, speed: Any) -> Any:
-    """Return the friction of an actuator at a speed [N m or N]; see `Friction` for its law."""
+    """Return the friction of an actuator at a speed [N m or N]; not in the paper.
+
+    It is viscous speed + coulomb tanh(speed / transition_speed): a smooth step about rest.
+
+    Args:
+        viscous: [N m s/rad or N s/m].
+        coulomb: [N m or N].
+        transition_speed, speed: [rad/s or m/s].
+    """
     return viscous * speed + coulomb * np.tanh(speed / transition_speed)

@@ -32,28 +32,31 @@ Torques go with its inverse, and of a moving robot at a limit of reach with its 
 
 
 class Mechanism(NamedTuple):
-    """The lengths of a geometry in the form the formulas need [m]."""
+    """The lengths of a geometry in the form the formulas need [m]; ratios have no unit.
 
-    span_ratio: float  # k/(k-1): horizontal distance 8 to 5 over rho
-    guide_ratio: float  # 1/(k-1): |X_4| over rho
-    k: float
-    inverse_k: float  # 1/k
+    Reciprocals [1/m] are here as well, since products are cheaper than quotients.
+    """
+
+    span_ratio: float  # k/(k-1): horizontal distance 8 to 5 over rho [1]
+    guide_ratio: float  # 1/(k-1): |X_4| over rho [1]
+    k: float  # magnification of the pantographs [1]
+    inverse_k: float  # 1/k [1]
     base_radius: float
     platform_radius: float
     joint_height: float  # l_B5
     shaft: float  # l_B2
     crank: float  # l_B8
     coupler: float  # l_B4
-    inverse_span_ratio: float  # reciprocals: products are cheaper than quotients
-    inverse_crank: float
-    inverse_coupler: float
+    inverse_span_ratio: float  # [1]
+    inverse_crank: float  # [1/m]
+    inverse_coupler: float  # [1/m]
     root: float  # +1: published root of Appendix 1, -1: its mirror
-    stroke: float
-    clearance: float
-    rho2_min: float  # the last two as bounds of rho^2
-    rho2_max: float
-    reach2_min: float  # |l_B4 - l_B8| and l_B4 + l_B8 as bounds of |85|^2, less what is rounding
-    reach2_max: float
+    stroke: float  # largest |X_4|
+    clearance: float  # least X_1
+    rho2_min: float  # the last two as bounds of rho^2 [m^2]
+    rho2_max: float  # [m^2]
+    reach2_min: float  # (l_B4 - l_B8)^2, (l_B4 + l_B8)^2: bounds of |85|^2 less rounding [m^2]
+    reach2_max: float  # [m^2]
 
 
 def mechanism(geometry: Geometry) -> Mechanism:
@@ -121,16 +124,24 @@ class Pantograph(NamedTuple):
     torques need no square root for it.
     """
 
-    foot: Any
-    rise: Any
-    foot_s: Any
-    rise_s: Any
-    foot_z: Any
-    rise_z: Any
+    foot: Any  # [1]
+    rise: Any  # [m]
+    foot_s: Any  # [1/m^2]
+    rise_s: Any  # [1/m]
+    foot_z: Any  # [1/m]
+    rise_z: Any  # [1]
 
 
 def pantograph(m: Mechanism, rho2: Any, zeta: Any) -> Pantograph:
-    """Solve the triangle 8-9-5; NaN where the bars cannot close it."""
+    """Solve the triangle 8-9-5; NaN where the bars cannot close it (Appendix 1).
+
+    This is the quadratic equation of F in Appendix 1, written with lengths of the triangle.
+
+    Args:
+        m: The mechanism.
+        rho2: Square of X_1 [m^2].
+        zeta: Height Z_1 of joint 5 [m].
+    """
     ratio2 = m.span_ratio * m.span_ratio
     crank2 = m.crank * m.crank
     difference = 0.5 * (crank2 - m.coupler * m.coupler)
@@ -154,9 +165,9 @@ def pantograph(m: Mechanism, rho2: Any, zeta: Any) -> Pantograph:
 
 
 def knee_height(m: Mechanism, p: Pantograph, zeta: Any) -> tuple[Any, Any, Any]:
-    """Return z9, its derivative by rho divided by rho, and its derivative by zeta.
+    """Return z9 [m], its derivative by rho divided by rho [1/m], and that by zeta [1].
 
-    z9 is F of Appendix 1.
+    z9 is F of Appendix 1; arguments as in `pantograph`.
     """
     z9 = p.foot * zeta - m.root * p.rise
     by_rho = 2.0 * (p.foot_s * zeta - m.root * p.rise_s)
@@ -167,7 +178,10 @@ def knee_height(m: Mechanism, p: Pantograph, zeta: Any) -> tuple[Any, Any, Any]:
 def knee_radius(
     m: Mechanism, p: Pantograph, rho: Any, inverse_rho: Any, zeta: Any
 ) -> tuple[Any, Any, Any]:
-    """Return r9, its derivative by rho, and its derivative by zeta; r9 is H of Appendix 1."""
+    """Return r9 [m], its derivative by rho [1], and that by zeta [1]; r9 is H of Appendix 1.
+
+    Arguments are X_1 = ``rho`` [m], its reciprocal [1/m], and as in `pantograph`.
+    """
     inverse_w = inverse_rho * m.inverse_span_ratio
     w = m.span_ratio * rho
     height = p.rise * inverse_w
@@ -183,21 +197,21 @@ def knee_radius(
 
 
 class LegVector(NamedTuple):
-    """Horizontal vectors of a leg: platform center to 5 (p), leg axis to 5 (d), and rho^2."""
+    """Horizontal vectors of a leg [m]: platform center to 5 (p), leg axis to 5 (d), and rho^2."""
 
     px: Any
     py: Any
     dx: Any
     dy: Any
-    rho2: Any
+    rho2: Any  # square of X_1 [m^2]
 
 
 def leg_vector(m: Mechanism, ax: Any, ay: Any, x: Any, y: Any, c: Any, s: Any) -> LegVector:
-    """Return the vectors of the leg whose axis is at R_b (ax, ay) (P_5k, Appendix 1).
+    """Return the vectors [m] of the leg whose axis is at R_b (ax, ay) (P_5k, Appendix 1).
 
     Args:
         m: The mechanism.
-        ax, ay: Direction from the base center to the leg axis.
+        ax, ay: Direction from the base center to the leg axis, a unit vector.
         x, y: Platform position [m].
         c, s: cos theta, sin theta.
     """
@@ -209,17 +223,17 @@ def leg_vector(m: Mechanism, ax: Any, ay: Any, x: Any, y: Any, c: Any, s: Any) -
 
 
 class LegPosition(NamedTuple):
-    """Position of a leg and the first derivatives of its knee and bar angles."""
+    """Position of a leg and the first derivatives of its knee [1] and its bars' angles [rad/m]."""
 
-    px: Any
+    px: Any  # platform center to joint 5 [m]
     py: Any
     ux: Any  # radial direction, (cos beta, sin beta)
     uy: Any
-    rho: Any
-    inverse_rho: Any
-    zeta: Any
-    r9: Any
-    z9: Any
+    rho: Any  # X_1 [m]
+    inverse_rho: Any  # [1/m]
+    zeta: Any  # Z_1 = z_5k [m]
+    r9: Any  # H [m]
+    z9: Any  # F [m]
     r9_rho: Any
     z9_rho: Any
     r9_zeta: Any
@@ -237,7 +251,10 @@ class LegPosition(NamedTuple):
 def leg_position(
     m: Mechanism, ax: Any, ay: Any, x: Any, y: Any, c: Any, s: Any, z: Any
 ) -> LegPosition:
-    """Return where a leg is (Appendix 1); arguments as in `leg_vector`, z the platform's [m]."""
+    """Return where a leg is [m] (Appendix 1).
+
+    Arguments as in `leg_vector`, and z of the platform [m].
+    """
     v = leg_vector(m, ax, ay, x, y, c, s)
     rho = np.sqrt(v.rho2)
     inverse_rho = 1.0 / rho
@@ -262,7 +279,10 @@ def leg_position(
 
 
 class LegMotion(NamedTuple):
-    """Velocities and accelerations of a leg in its own radial, tangential and vertical axes."""
+    """Velocities and accelerations of a leg in its own radial, tangential and vertical axes.
+
+    Of lengths they are in [m/s] and [m/s^2], of angles in [rad/s] and [rad/s^2].
+    """
 
     rho_rate: Any
     zeta_rate: Any
@@ -292,8 +312,8 @@ def leg_motion(
 ) -> LegMotion:  # fmt: skip
     """Return the motion of a leg for a platform velocity and acceleration.
 
-    The second derivatives of the knee come from the two bar lengths differentiated twice:
-    s.s'' + s'.s' = 0 for B8 (s = 9 - 8) and the same for B4 (t = 9 - 5).
+    It is Appendix 1 derived twice by time. The second derivatives of the knee come from the two
+    bar lengths: s.s'' + s'.s' = 0 for B8 (s = 9 - 8) and the same for B4 (t = 9 - 5).
 
     Args:
         m: The mechanism.

@@ -22,7 +22,7 @@ class LegForces(NamedTuple):
 
 
 def leg_forces(m: Mechanism, e: EnergyTerms, g: LegPosition, q: LegMotion) -> LegForces:
-    """Return Lagrange's left side of one leg (Eqs. 11-15) in the paper's eight coordinates.
+    """Return Lagrange's left side of one leg (Eqs. 11-15) in the eight coordinates [N, N m].
 
     As in the paper, rho follows x, y and theta, beta follows theta_k, and both meet only through
     the closure equations; so the tangential pull of the knee is felt by theta_k alone.
@@ -130,14 +130,14 @@ def leg_regressor(
 class LegInertia(NamedTuple):
     """Twice the kinetic energy of a leg as a quadratic form of rho', zeta' and theta_k'."""
 
-    rho: Any
-    cross: Any  # between rho' and zeta'
-    zeta: Any
-    beta: Any
+    rho: Any  # [kg]
+    cross: Any  # between rho' and zeta' [kg]
+    zeta: Any  # [kg]
+    beta: Any  # [kg m^2]
 
 
 def leg_inertia(m: Mechanism, e: EnergyTerms, g: LegPosition) -> LegInertia:
-    """Return the inertia of one leg in its own coordinates (Eqs. 13 and 14)."""
+    """Return the inertia of one leg in its own coordinates [kg, kg m^2] (Eqs. 13 and 14)."""
     knee_rho = g.r9_rho * g.r9_rho + g.z9_rho * g.z9_rho
     knee_zeta = g.r9_zeta * g.r9_zeta + g.z9_zeta * g.z9_zeta
     knee_cross = g.r9_rho * g.r9_zeta + g.z9_rho * g.z9_zeta

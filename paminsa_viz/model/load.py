@@ -90,10 +90,15 @@ def wrench_at_center(
     fx: Any, fy: Any, fz: Any, mx: Any, my: Any, mz: Any, px: Any, py: Any, pz: Any, turns: Any,
     c: Any, s: Any,
 ) -> tuple[Any, Any, Any, Any, Any, Any]:  # fmt: skip
-    """Return a load's force, and its moment about the platform's center, in base axes.
+    """Return a load's force [N], and its moment about the platform's center [N m], in base axes.
 
-    A plain formula of numbers, as those of `leg.py`: arguments are a `LoadCase`'s wrench, point and
-    ``turns``, and cosine and sine of theta.
+    A plain formula of numbers; not in the paper.
+
+    Args:
+        fx, fy, fz, mx, my, mz: Force [N] and moment [N m].
+        px, py, pz: Where the force acts, in the platform's frame [m].
+        turns: 1 if force and moment turn with the platform, 0 if they do not.
+        c, s: cos theta, sin theta.
     """
     cf, sf = turns * c + (1.0 - turns), turns * s
     wx, wy = cf * fx - sf * fy, sf * fx + cf * fy

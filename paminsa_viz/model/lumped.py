@@ -68,12 +68,13 @@ _MASS_VALUES = attrgetter(*MASS_PATHS)
 class EnergyTerms(NamedTuple):
     """Factors of the energies, one for each kind of term; a leg unless said otherwise.
 
-    V has ``v5 z_5 + v9 z_9 + vz Z``; T has the rest, in the order of Eqs. 13 and 14.
+    V has ``v5 z_5 + v9 z_9 + vz Z`` [N]; T has the rest, in the order of Eqs. 13 and 14: [kg] where
+    lengths move, [kg m^2] where angles do.
     """
 
-    v5: Any
-    v9: Any
-    vz: Any
+    v5: Any  # M_p1
+    v9: Any  # M_p2
+    vz: Any  # M_p3
     xy5: Any  # x_5'^2 + y_5'^2
     z5: Any  # z_5'^2
     p9: Any  # x_9'^2 + y_9'^2 + z_9'^2

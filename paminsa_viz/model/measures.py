@@ -28,7 +28,7 @@ class LegMargins(NamedTuple):
 def leg_margins(
     m: Mechanism, ax: Any, ay: Any, x: Any, y: Any, c: Any, s: Any, z: Any
 ) -> LegMargins:
-    """Return the margins of one leg; arguments as in `leg_position`.
+    """Return the margins of one leg [m]; not in the paper. Arguments as in `leg_position`.
 
     A margin to a singularity that may be one of rounding is zero.
     """
@@ -58,7 +58,8 @@ class LeastMargin(NamedTuple):
 def least_margin(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> LeastMargin:
     """Return the smallest margin of all legs and limits [m], and which one it is.
 
-    The second value is 4 * leg + limit, legs from 0, limits in the order of `LegMargins`.
+    It is not in the paper. The second value is 4 * leg + limit, legs from 0, limits in the order
+    of `LegMargins`. Arguments are the platform's position [m], cos and sin theta.
     """
     a = leg_margins(m, AXIS_X[0], AXIS_Y[0], x, y, c, s, z)
     worst, which = _lesser(a.stretch, 0.0, a.fold, 1.0)
@@ -95,13 +96,19 @@ def _leg_serial_margin(leg: LegMargins) -> Any:
 
 
 def _lesser(value: Any, tag: Any, other: Any, other_tag: Any) -> LeastMargin:
-    """Return the lesser of two values and its tag; a first value that is NaN stays."""
+    """Return the lesser of two margins [m] and its tag; a first one that is NaN stays.
+
+    A helper, not in the paper.
+    """
     second = other < value
     return LeastMargin(where(second, other, value), where(second, other_tag, tag))
 
 
 def _largest_eigenvalue(xx: Any, yy: Any, zz: Any, xy: Any, yz: Any, xz: Any) -> Any:
-    """Return the largest eigenvalue of a symmetric 3x3 matrix, by the trigonometric formula."""
+    """Return the largest eigenvalue of a symmetric 3x3 matrix, by the trigonometric formula.
+
+    Units as of the matrix; not in the paper.
+    """
     mean = (xx + yy + zz) * THIRD
     dx, dy, dz = xx - mean, yy - mean, zz - mean
     spread = (
@@ -115,11 +122,11 @@ def _largest_eigenvalue(xx: Any, yy: Any, zz: Any, xy: Any, yz: Any, xz: Any) ->
 
 
 def dexterity(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any, Any]:
-    """Return the determinant of the rows (w_k, p_k x w_k) [m], and the condition number of J.
+    """Return the determinant of the rows (w_k, p_k x w_k) [m], and the condition number of J [1].
 
-    The condition number is that of the 2-norm of the map from (x', y', R_pl theta') to
-    (theta_1', theta_2', theta_3'): R_pl is the characteristic length. Neither depends on z, but
-    both are NaN where the pose cannot be reached.
+    J is that of Eq. 3. The condition number is that of the 2-norm of the map from
+    (x', y', R_pl theta') to (theta_1', theta_2', theta_3'): R_pl is the characteristic length.
+    Neither depends on z, but both are NaN where the pose cannot be reached.
     """
     v1 = leg_vector(m, AXIS_X[0], AXIS_Y[0], x, y, c, s)
     v2 = leg_vector(m, AXIS_X[1], AXIS_Y[1], x, y, c, s)
@@ -150,7 +157,7 @@ def dexterity(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any
     )
     condition = where(det == 0.0, np.inf, np.sqrt(forward * backward))
     worst, which = least_margin(m, x, y, c, s, z)
-    # As in `reach.decode`: a guide may be used to its end.
+    # A guide may be used to its end; at the other limits the mechanism is singular.
     guide = (which == 2.0) | (which == 6.0) | (which == 10.0)
     reachable = (worst > 0.0) | ((worst == 0.0) & guide)
     return (
@@ -160,19 +167,23 @@ def dexterity(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any
 
 
 def _lever(m: Mechanism, v: LegVector) -> Any:
-    """Return rho_k^2 d theta_k / d theta over the characteristic length."""
+    """Return rho_k^2 d theta_k / d theta over the characteristic length R_pl [m] (Eq. 16)."""
     return (v.px * v.dx + v.py * v.dy) / m.platform_radius
 
 
 class SingularDistances(NamedTuple):
-    """Signed distances to the type-2 singularities, see `singularity.Singularity`."""
+    """Signed distances to the type-2 singularities, positive on the side of the robot's home."""
 
     position: Any  # from (x, y) to the singular circle at this theta, positive inside [m]
     rotation: Any  # turn to the nearest theta at which this (x, y) is singular [rad]
 
 
 def singular_distances(m: Mechanism, x: Any, y: Any, c: Any, turn: Any) -> SingularDistances:
-    """Return how far a pose is from the type-2 singularities; ``turn`` is |theta| [rad]."""
+    """Return how far a pose is from the type-2 singularities; ``turn`` is |theta| [rad].
+
+    They are where the derivatives of Eq. 16 by x, y, theta have no inverse; the closed form is not
+    in the paper. Position in [m], c is cos theta.
+    """
     rb, rp = m.base_radius, m.platform_radius
     locus = rb * rb + rp * rp - 2.0 * rb * rp * c
     radius2 = x * x + y * y

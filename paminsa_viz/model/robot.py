@@ -36,7 +36,7 @@ def where(condition: Any, yes: Any, no: Any) -> Any:
 
 
 class TangentialForces(NamedTuple):
-    """Solution t of sum_k t_k (w_k rho_k, p_k x w_k rho_k) = (fx, fy, ft), w_k tangential."""
+    """Solution t of sum_k t_k (w_k rho_k, p_k x w_k rho_k) = (fx, fy, ft), w_k tangential [N/m]."""
 
     t1: Any
     t2: Any
@@ -46,7 +46,8 @@ class TangentialForces(NamedTuple):
 def platform_determinant(m: Mechanism, x: Any, y: Any, c: Any) -> Any:
     """Return det of the rows (w_k rho_k, p_k . d_k) [m^4], zero at type-2 singularities.
 
-    It has the closed form -(3 sqrt(3)/2) R_pl (R_b cos theta - R_pl) (r_s^2 - x^2 - y^2) with
+    The rows are the derivatives of Eq. 16 by x, y and theta. It has the closed form
+    -(3 sqrt(3)/2) R_pl (R_b cos theta - R_pl) (r_s^2 - x^2 - y^2) with
     r_s^2 = R_b^2 + R_pl^2 - 2 R_b R_pl cos theta. It is zero where one of the
     two factors is within `SINGULAR` of zero.
     """
@@ -57,7 +58,10 @@ def platform_determinant(m: Mechanism, x: Any, y: Any, c: Any) -> Any:
 
 
 def determinant_factors(m: Mechanism, x: Any, y: Any, c: Any) -> tuple[Any, Any]:
-    """Return R_b cos theta - R_pl [m] and r_s^2 - x^2 - y^2 [m^2], see `platform_determinant`."""
+    """Return R_b cos theta - R_pl [m] and r_s^2 - x^2 - y^2 [m^2], zero at type-2 singularities.
+
+    They are the factors of `platform_determinant`, the determinant of Eq. 16's derivatives.
+    """
     rb, rp = m.base_radius, m.platform_radius
     locus = rb * rb + rp * rp - 2.0 * rb * rp * c
     return rb * c - rp, locus - x * x - y * y
@@ -66,7 +70,15 @@ def determinant_factors(m: Mechanism, x: Any, y: Any, c: Any) -> tuple[Any, Any]
 def solve_wrench(
     determinant: Any, a: LegVector, b: LegVector, d: LegVector, fx: Any, fy: Any, ft: Any
 ) -> TangentialForces:
-    """Split a horizontal force and a vertical moment on the platform over the three legs."""
+    """Split a horizontal force and a vertical moment on the platform over the three legs.
+
+    These are the first three equations of Eq. 15 for the multipliers, by Cramer's rule.
+
+    Args:
+        determinant: `platform_determinant` [m^4].
+        a, b, d: Vectors of the legs 1, 2, 3.
+        fx, fy, ft: The force [N, N] and the moment [N m].
+    """
     ma = a.px * a.dx + a.py * a.dy
     mb = b.px * b.dx + b.py * b.dy
     md = d.px * d.dx + d.py * d.dy
@@ -90,13 +102,19 @@ def solve_wrench(
 
 
 def _slope(m: Mechanism, v: LegVector, zeta: Any) -> tuple[Any, Any]:
-    """Return the derivatives of z9 that statics needs, see `knee_height`."""
+    """Return the derivatives of z9 = F (Appendix 1) that statics needs, see `knee_height`.
+
+    They are that by rho divided by rho [1/m], and that by zeta [1].
+    """
     _, by_rho, by_zeta = knee_height(m, pantograph(m, v.rho2, zeta), zeta)
     return by_rho, by_zeta
 
 
 def _usable(m: Mechanism, v: LegVector, zeta: Any) -> Any:
-    """Whether joint 8 is on its guide, joint 5 off its leg axis, and the pantograph bent."""
+    """Whether joint 8 is on its guide, joint 5 off its leg axis, and the pantograph bent.
+
+    Then the square roots of Appendix 1 are real; ``zeta`` is the height of joint 5 [m].
+    """
     reach2 = m.span_ratio * m.span_ratio * v.rho2 + zeta * zeta
     on_guide = (v.rho2 <= m.rho2_max) & (v.rho2 > m.rho2_min)
     return on_guide & (reach2 > m.reach2_min) & (reach2 < m.reach2_max)
@@ -133,11 +151,12 @@ def unit_torques(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[
 
 
 def _vector(g: LegPosition) -> LegVector:
+    """Return the vectors [m] of a leg by its position (P_5k, Appendix 1)."""
     return LegVector(g.px, g.py, g.ux * g.rho, g.uy * g.rho, g.rho * g.rho)
 
 
 class ActuatorForces(NamedTuple):
-    """Actuator torques and the multipliers of the closure equations s_1..s_4."""
+    """Actuator torques [N m] and force [N], and the multipliers of Eqs. 16 and 17, s_1..s_4 [N]."""
 
     tau1: Any
     tau2: Any
@@ -158,8 +177,15 @@ def inverse_dynamics_kernel(
     """Inverse dynamics as the paper solves it (Eqs. 15-21).
 
     The first four Lagrange equations (x, y, theta, z) give the multipliers, the last four
-    (theta_1..3, Z) the torques. ``gravity`` [m/s^2] acts on the platform; the legs' weights are
-    in the energy terms.
+    (theta_1..3, Z) the torques.
+
+    Args:
+        m: The mechanism.
+        e: Factors of the energies.
+        gravity: It acts on the platform; the legs' weights are in the factors [m/s^2].
+        x, y, c, s, z: Platform position [m], cos theta and sin theta.
+        vx, vy, vt, vz: Platform velocity [m/s, m/s, rad/s, m/s].
+        ax, ay, at, az: Platform acceleration [m/s^2, m/s^2, rad/s^2, m/s^2].
     """
     g1 = leg_position(m, AXIS_X[0], AXIS_Y[0], x, y, c, s, z)
     g2 = leg_position(m, AXIS_X[1], AXIS_Y[1], x, y, c, s, z)
@@ -184,7 +210,8 @@ def inverse_dynamics_kernel(
     v1, v2, v3 = _vector(g1), _vector(g2), _vector(g3)
     t = solve_wrench(platform_determinant(m, x, y, c), v1, v2, v3, fx, fy, ft)
     usable = _usable(m, v1, g1.zeta) & _usable(m, v2, g2.zeta) & _usable(m, v3, g3.zeta)
-    # A_ij: d s_k = -rho_k^-1 (row of `solve_wrench`), d s_k / d theta_k = rho_k, d s_4 = (1/k, -1)
+    # A_ij: d s_k/d theta_k = rho_k; by x, y, theta it is -1/rho_k times a row of
+    # `solve_wrench`; d s_4 = 1/k, -1
     lambda1, lambda2, lambda3 = -g1.rho * t.t1, -g2.rho * t.t2, -g3.rho * t.t3
     lambda4 = fz * m.k
     return ActuatorForces(
@@ -202,7 +229,10 @@ def inverse_dynamics_kernel(
 def _leg_mass(
     m: Mechanism, e: EnergyTerms, leg: int, x: Any, y: Any, c: Any, s: Any, z: Any
 ) -> tuple[Any, ...]:
-    """Return the part of one leg in `mass_matrix`."""
+    """Return the part of one leg in `mass_matrix` (Eqs. 13 and 14) [kg, kg m, kg m^2].
+
+    The first leg has the number 0; other arguments as in `mass_matrix`.
+    """
     g = leg_position(m, AXIS_X[leg], AXIS_Y[leg], x, y, c, s, z)
     i = leg_inertia(m, e, g)
     cross_p = g.px * g.uy - g.py * g.ux  # d rho / d theta
@@ -225,7 +255,15 @@ def _leg_mass(
 def mass_matrix(
     m: Mechanism, e: EnergyTerms, x: Any, y: Any, c: Any, s: Any, z: Any
 ) -> tuple[Any, ...]:
-    """Return the upper triangle of the mass matrix in (x, y, theta, z), row by row (10 values)."""
+    """Return the upper triangle of the mass matrix in (x, y, theta, z), row by row (10 values).
+
+    T = v.M v/2 is the kinetic energy of Eqs. 12-14 [kg; kg m in theta's row or column; kg m^2].
+
+    Args:
+        m: The mechanism.
+        e: Factors of the energies.
+        x, y, c, s, z: Platform position [m], cos theta and sin theta.
+    """
     a = _leg_mass(m, e, 0, x, y, c, s, z)
     b = _leg_mass(m, e, 1, x, y, c, s, z)
     d = _leg_mass(m, e, 2, x, y, c, s, z)
@@ -246,21 +284,21 @@ def mass_matrix(
 class Acceleration(NamedTuple):
     """Solution of M a = f, and the least pivot of M: not positive if some motion has no inertia."""
 
-    x: Any
-    y: Any
-    theta: Any
-    z: Any
-    pivot: Any
+    x: Any  # [m/s^2]
+    y: Any  # [m/s^2]
+    theta: Any  # [rad/s^2]
+    z: Any  # [m/s^2]
+    pivot: Any  # of elimination, in the units of its column [kg, kg m^2]
 
 
 def acceleration_of_force(
     a0: Any, a1: Any, a2: Any, a3: Any, a4: Any, a5: Any, a6: Any, a7: Any, a8: Any, a9: Any,
     fx: Any, fy: Any, ft: Any, fz: Any,
 ) -> Acceleration:  # fmt: skip
-    """Solve M a = f in (x, y, theta, z) by M = L D L^T.
+    """Solve M a = f in (x, y, theta, z) by M = L D L^T: Eq. 15 for the accelerations.
 
     Args:
-        a0, a1, a2, a3, a4, a5, a6, a7, a8, a9: Upper triangle of M, row by row, see `mass_matrix`.
+        a0, a1, a2, a3, a4, a5, a6, a7, a8, a9: Upper triangle of M as of `mass_matrix`.
         fx, fy, ft, fz: The generalized force [N, N, N m, N].
     """
     l10, l20, l30 = a1 / a0, a2 / a0, a3 / a0

@@ -24,7 +24,7 @@ from paminsa_viz.model.backend import Formula
 from paminsa_viz.model.leg import LegPosition, Mechanism, mechanism_of_lengths
 from paminsa_viz.model.lumped import EnergyTerms
 
-STRICT = ["-std=c99", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror"]
+STRICT = ["-std=c99", "-ffp-contract=off", "-Wall", "-Wextra", "-pedantic", "-Werror"]
 
 RECORDS = {"m": Mechanism, "e": EnergyTerms, "g": LegPosition}
 """Records among the arguments of formulas, by the names of the arguments."""

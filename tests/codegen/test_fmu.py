@@ -35,7 +35,7 @@ from paminsa_viz.model import (
     inverse_kinematics,
     static_torques,
 )
-from tests.codegen.printed import STRICT, compilers
+from tests.codegen.printed import SANITIZERS, STRICT, compilers, sanitizes
 from tests.codegen.test_kit import loaded_robot
 from tests.support import samples
 
@@ -174,6 +174,87 @@ def test_a_saved_state_is_gone_on_with_to_the_last_bit(tmp_path: Path) -> None:
         slave.reset()
         with pytest.raises(FMICallException):
             put(slave, x=0.1)  # an output
+
+
+RESUMED = """
+#include <stdio.h>
+#include <stdlib.h>
+#include "paminsa_plant.c"
+
+static fmi2Byte bytes[10000];
+
+/* save: run for 20 ms, write the state; resume: read it into a new instance. Then run on. */
+int main(int count, char **words)
+{
+    const fmi2CallbackFunctions callbacks = {NULL, calloc, free, NULL, NULL};
+    const fmi2ValueReference torque = TAU_1, fixed = X_START, first = FIRST_OUTPUT;
+    const int saves = count == 2 && strcmp(words[1], "save") == 0;
+    const double drive = 0.5;
+    double time;
+    fmi2FMUstate state = NULL;
+    size_t size;
+    int failures = 0;
+    fmi2Component c = fmi2Instantiate("robot", fmi2CoSimulation, GUID, "", &callbacks, 0, 0);
+
+    if (saves) {
+        failures += fmi2SetupExperiment(c, 0, 0.0, 1.5, 0, 0.0) != fmi2OK;
+        failures += fmi2EnterInitializationMode(c) != fmi2OK;
+        failures += fmi2ExitInitializationMode(c) != fmi2OK;
+        failures += fmi2SetReal(c, &torque, 1, &drive) != fmi2OK;
+        for (int i = 0; i < 20; i++)
+            failures += fmi2DoStep(c, 1.5 + 1e-3 * i, 1e-3, 1) != fmi2OK;
+        failures += fmi2GetFMUstate(c, &state) != fmi2OK;
+        failures += fmi2SerializedFMUstateSize(c, state, &size) != fmi2OK || size > sizeof bytes;
+        failures += fmi2SerializeFMUstate(c, state, bytes, size) != fmi2OK;
+        failures += fwrite(bytes, 1, size, stdout) != size;
+    } else {
+        size = fread(bytes, 1, sizeof bytes, stdin);
+        if (fmi2DeSerializeFMUstate(c, bytes, size, &state) != fmi2OK) {
+            fmi2FreeInstance(c);
+            return 9;
+        }
+        failures += fmi2SetFMUstate(c, state) != fmi2OK;
+    }
+    failures += fmi2FreeFMUstate(c, &state) != fmi2OK || state != NULL;
+    failures += fmi2SetReal(c, &fixed, 1, &drive) != fmi2Error;
+    for (int i = 20; i < 40; i++)
+        failures += fmi2DoStep(c, 1.5 + 1e-3 * i, 1e-3, 1) != fmi2OK;
+    for (fmi2ValueReference i = first; i < COUNT; i++) {
+        double value;
+        failures += fmi2GetReal(c, &i, 1, &value) != fmi2OK;
+        fprintf(stderr, "%a ", value);
+    }
+    failures += fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &time) != fmi2OK;
+    fprintf(stderr, "%a", time);
+    fmi2FreeInstance(c);
+    return failures;
+}
+"""
+
+
+def test_a_saved_state_is_gone_on_with_in_another_process(tmp_path: Path) -> None:
+    for name, text in fmu_sources(DRIVEN, "plant").items():
+        (tmp_path / Path(name).name).write_text(text)
+    (tmp_path / "resumed.c").write_text(RESUMED)
+    checks = SANITIZERS if sanitizes("cc", tmp_path) else ()
+    command = ["cc", *STRICT, *checks, "resumed.c", "-o", "resumed", "-lm"]
+    built = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert built.returncode == 0, built.stderr[:2000]
+
+    def run(word: str, state: bytes = b"") -> tuple[int, bytes, bytes]:
+        command = [tmp_path / "resumed", word]
+        done = subprocess.run(command, input=state, capture_output=True)
+        return done.returncode, done.stdout, done.stderr
+
+    code, saved, ended = run("save")
+    assert code == 0, ended
+    values = [float.fromhex(word) for word in ended.decode().split()]
+    assert values[-1] == pytest.approx(1.54)
+    assert abs(values[2] - start_pose(DRIVEN)[2]) > 1e-5  # it has moved
+    assert run("resume", saved) == (0, b"", ended)
+    guid = saved.rindex(b"{")
+    for other in (b"", saved[:-8], saved + b"0", saved[:guid] + b"}" + saved[guid + 1 :]):
+        assert run("resume", other)[0] == 9
 
 
 @pytest.mark.slow

@@ -5,19 +5,21 @@ from __future__ import annotations
 import re
 import subprocess
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from benchmarks.code_speed import GOALS, text_size
 from paminsa_viz.codegen import controller_kit
 from paminsa_viz.codegen.kit import SINGLE_BOUNDS
 from paminsa_viz.codegen.single import single_precision
 from paminsa_viz.model import APPENDIX_4, Design, Drive, KneeBranch, LoadCase, LoadFrame
+from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.lumped import term_factors
 from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.robot import inverse_dynamics_kernel
 from tests.codegen.printed import SANITIZERS, STRICT, compilers, sanitizes
 
 
@@ -243,15 +245,69 @@ def test_masses_change_while_a_program_runs(tmp_path: Path) -> None:
     assert found[42] == 4.0
 
 
-def test_every_function_for_users_says_units_and_where_it_comes_from() -> None:
-    text = controller_kit(APPENDIX_4)["paminsa.h"].partition(" * The robot\n")[2]
+def test_every_function_says_units_and_where_it_comes_from() -> None:
+    kit = controller_kit(APPENDIX_4)
+    text = kit["paminsa.h"] + kit["design.h"]
     pattern = r"(?:/\*((?:(?!\*/).)*)\*/\n)?static inline [\w ]+?\*?(\w+)\("
     functions = re.findall(pattern, text, re.DOTALL)
-    assert len(functions) > 20
+    assert len(functions) > 60
+    assert not re.search(r"(?<!\*/)\n(typedef|static inline)", text)  # structs say theirs as well
+    assert max(map(len, text.splitlines())) <= 100
+    assert "`" not in text
     for comment, name in functions:
         comment = " ".join(comment.replace("*", " ").split())
-        assert re.search(r"\[.+\]|no unit|units as of", comment), name
+        assert re.search(r"\[.+\]|no unit|[Uu]nits as of", comment), name
         assert re.search(r"Eqs?\. \d|Appendi|not in the paper|Not in the paper", comment), name
+
+
+COLUMNS = """
+#include <stdio.h>
+#include "paminsa.h"
+#include "design.h"
+
+int main(void)
+{
+    static double in[13 * 3001], out[4 * 3001];
+    const size_t count = fread(in, 13 * sizeof in[0], 3001, stdin);
+
+    paminsa_inverse_dynamics_columns(&PAMINSA_DESIGN, (long)count, in, out);
+    fwrite(out, 4 * sizeof out[0], count, stdout);
+    return 0;
+}
+"""
+
+
+@pytest.mark.parametrize("compiler", compilers())
+def test_many_states_at_once_have_the_bits_of_numpy(compiler: str, tmp_path: Path) -> None:
+    design = DESIGNS["loaded"]
+    for name, text in controller_kit(design).items():
+        (tmp_path / name).write_text(text)
+    (tmp_path / "columns.c").write_text(COLUMNS)
+    flags = ["-O3", "-fno-math-errno", "-fno-trapping-math"]
+    if compiler == "clang":
+        flags += ["-mllvm", "-inline-threshold=10000"]
+    command = [compiler, *STRICT, *flags, "columns.c", "-o", "columns", "-lm"]
+    built = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert built.returncode == 0, built.stderr[:2000]
+    rng = np.random.default_rng(1)
+    x, y, theta, z = rng.uniform((-0.3, -0.3, -1, -1), (0.3, 0.3, 1, -0.1), (3001, 4)).T
+    states = [x, y, np.cos(theta), np.sin(theta), z, *rng.normal(size=(8, 3001))]
+    rows = np.concatenate(states).tobytes()
+    done = subprocess.run(["./columns"], cwd=tmp_path, input=rows, capture_output=True)
+    got = np.frombuffer(done.stdout).reshape(4, 3001)
+    m, e = mechanism(design.geometry), term_factors(design)
+    with np.errstate(invalid="ignore"):
+        wanted = inverse_dynamics_kernel(m, e, design.gravity, *states)[:4]
+    np.testing.assert_array_equal(got, wanted)
+    assert 0.3 < np.isfinite(got).all(axis=0).mean() < 0.9
+
+
+def test_inverse_dynamics_is_small(tmp_path: Path) -> None:
+    """Its text is at most 12 kB at -Os, with all that it calls."""
+    for name, text in controller_kit(APPENDIX_4).items():
+        (tmp_path / name).write_text(text)
+    small = text_size(tmp_path, "-Os", "-ffp-contract=off")
+    assert 4_000 < small <= GOALS["bytes"]
 
 
 def test_status_codes_are_those_of_the_model() -> None:
@@ -269,15 +325,6 @@ def test_the_header_needs_no_memory_no_globals_and_only_math_h() -> None:
     statics = [line for line in text.splitlines() if re.match(r"\s*static (?!inline)", line)]
     assert statics
     assert all("static const" in line for line in statics)
-
-
-def test_every_function_says_what_it_does() -> None:
-    lines = controller_kit(APPENDIX_4)["paminsa.h"].splitlines()
-    helpers = {"paminsa_fill", "paminsa_fill_matrix", "paminsa_finite"}
-    for before, line in pairwise(lines):
-        name = re.match(r"static inline .*?(paminsa_\w+)\(", line)
-        if name and name[1] not in helpers:
-            assert before.endswith("*/"), line
 
 
 def test_names_from_outside_cannot_leave_their_comment() -> None:

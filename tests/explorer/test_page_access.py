@@ -117,9 +117,9 @@ def test_contrast_names_and_roles(open_tab: Callable[..., Tab]) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
     tab = open_tab()
     page = tab.page
-    until(lambda: {"Export", "View"} <= set(tabs(tab)), "all tabs")  # a busy browser is late
+    until(lambda: {"Answer", "View"} <= set(tabs(tab)), "all tabs")  # a busy browser is late
     names = [one.name for one in sections().values()]
-    for name in (*names, "Single map", "Motion plots", "Export", "View", "File"):
+    for name in (*names, "Single map", "Motion plots", "Answer", "View", "File"):
         tab.open_tab(name)  # what it holds is made when it is first opened
     page.add_style_tag(content=ALL_TABS)
     page.set_viewport_size({"width": 1280, "height": 8000})  # only what is on the page is checked

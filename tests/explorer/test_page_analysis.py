@@ -77,6 +77,7 @@ def test_a_mode_is_animated_and_a_diameter_changes_its_frequency(tab: Tab) -> No
 
     until(moves, "the mode swings")
     assert all(-1 <= weight <= 1 for weight in seen)
+    tab.page.get_by_text("Tubes", exact=True).click()
     field = tab.number_box("B4 outer ⌀ [mm]")
     field.fill("60")
     field.press("Tab")

@@ -97,7 +97,7 @@ def test_nothing_is_cut_off(tab: Tab) -> None:
                 assert row["end"] <= width, f"the number of {text} is off the page"
 
 
-SOME_TABS = ["Pose", "Masses", "Balance", "Path", "Compare", "Logs"]
+SOME_TABS = ["Pose", "Masses", "Balance", "Path", "Logs"]
 OPACITY = "element => +getComputedStyle(element.closest('.pv-stale') ?? element).opacity"
 
 

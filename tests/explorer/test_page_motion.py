@@ -189,7 +189,12 @@ def test_simulation_shows_its_error(motion: Tab) -> None:
     until(lambda: motion.state.simulation.outcome is not None, "it has run")
     motion.page.get_by_test_id("simulation").get_by_text("Ran to the end").wait_for()
     assert motion.state.plots.plot == "errors"
-    until(lambda: motion.page.get_by_text("Error of x, y, z").is_visible(), "its error is plotted")
+    errors = motion.page.get_by_text("Error of x, y, z").locator("visible=true")
+    until(lambda: errors.count() == 1, "its error is plotted in the answer")
+    motion.click("Torques")
+    plots = motion.page.get_by_role("tab", name="Motion plots", exact=True)
+    until(lambda: plots.get_attribute("aria-selected") == "true", "the plots are open")
+    assert motion.state.plots.plot == "commands"
 
 
 def test_motion_passes_a_singularity_when_the_box_is_checked(tab: Tab) -> None:

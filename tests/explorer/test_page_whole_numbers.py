@@ -124,7 +124,7 @@ TYPE_ALL = """async (pause) => {
 }"""
 PLACES = (
     *(one.name for one in sections().values()),
-    *("View", "Torque maps", "Single map", "Motion plots", "Export"),
+    *("View", "Torque maps", "Single map", "Motion plots", "Answer", "File"),
 )
 
 

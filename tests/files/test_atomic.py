@@ -6,11 +6,12 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from paminsa_viz.files.atomic import open_atomically, write_bytes
+from paminsa_viz.files.atomic import open_atomically, write_bytes, write_files
 from paminsa_viz.files.errors import FileError
 
 
@@ -77,6 +78,32 @@ def test_paths_that_are_no_regular_file_are_refused(tmp_path) -> None:
         pass
     with pytest.raises(FileError, match="too long"), open_atomically(tmp_path / ("a" * 300)):
         pass
+
+
+@pytest.fixture
+def small_disk() -> Iterator[None]:
+    """A disk on which no file can have more than 100 kB."""
+    resource = pytest.importorskip("resource")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.usefixtures("small_disk")
+def test_of_files_written_together_a_full_disk_leaves_none(tmp_path) -> None:
+    old = tmp_path / "old.txt"
+    old.write_text("old")
+    names = [old, tmp_path / "new/inner/a.txt", tmp_path / "new/b.bin", tmp_path / "c.txt"]
+    contents: list[str | bytes] = ["θ", "new", b"large" * 30_000, "new"]
+    with pytest.raises(FileError, match=r"b\.bin.*cannot be written: file too large"):
+        write_files(dict(zip(names, contents, strict=True)))
+    assert list(tmp_path.iterdir()) == [old]
+    assert old.read_text() == "old"
+    contents[2] = b"\r\n"
+    write_files(dict(zip(names, contents, strict=True)))
+    assert [path.read_bytes() for path in names] == ["θ".encode(), b"new", b"\r\n", b"new"]
+    assert sorted(tmp_path.rglob("*.*")) == sorted(names)
 
 
 WRITING = """

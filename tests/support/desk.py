@@ -9,7 +9,9 @@ from typing import Any
 
 import viser
 
+from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session, View
+from paminsa_viz.explorer.kit.answers import answers_of
 from paminsa_viz.explorer.kit.bindings import Panel
 from paminsa_viz.explorer.kit.entries import Entry
 from paminsa_viz.explorer.state.state import State, initial_state
@@ -56,6 +58,24 @@ class SilentPage:
         self.notices.append((title, body))
 
 
+class Whole:
+    """A panel with its answers, which the page has in the left dock; all of them are drawn.
+
+    Attributes:
+        handles: viser's handles of all entries by their keys.
+    """
+
+    def __init__(self, session: Session, entries: Sequence[Entry]) -> None:
+        tables = [entries, *(one.answer.entries for one in answers_of(entries))]
+        self._panels = [Panel(session, table) for table in tables]
+        self.handles = {key: one for panel in self._panels for key, one in panel.handles.items()}
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Follow the state."""
+        for panel in self._panels:
+            panel.draw(frame, dragging)
+
+
 class Desk:
     """A panel on a session and a real server.
 
@@ -73,7 +93,7 @@ class Desk:
         self.session.notify = (  # type: ignore[method-assign]
             lambda title, body, *, bad=False: self.notices.append((title, body))
         )
-        self.panel: Any = make(self.session) if callable(make) else Panel(self.session, make)
+        self.panel: Any = make(self.session) if callable(make) else Whole(self.session, make)
         self.session.immediate.append(self.panel)
         self.session.start()
 

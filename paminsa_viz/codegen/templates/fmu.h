@@ -46,7 +46,8 @@ typedef struct {
     Model model;
     int is_started;   /* fixed parameters hold from then on */
     int is_changed;   /* outputs have to be computed again */
-    char name[64];
+    char guid[sizeof GUID];
+    char name[64];    /* what stands before it is the state */
     const fmi2CallbackFunctions *callbacks;
 } Instance;
 
@@ -122,6 +123,7 @@ FMU_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2Str
     if (instance == NULL)
         return NULL;
     memset(instance, 0, sizeof *instance);
+    memcpy(instance->guid, GUID, sizeof GUID);
     strncpy(instance->name, name == NULL ? "" : name, sizeof instance->name - 1);
     instance->callbacks = callbacks;
     set_to_start(instance);
@@ -349,7 +351,8 @@ FMU_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state,
 FMU_EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,
     fmi2FMUstate *state)
 {
-    if (size != offsetof(Instance, name))
+    if (size != offsetof(Instance, name) ||
+        memcmp(bytes + offsetof(Instance, guid), GUID, sizeof GUID) != 0)
         return failed(c, "this is no state of this model");
     const fmi2Status status = fmi2GetFMUstate(c, state);
     if (status == fmi2OK)

@@ -55,6 +55,19 @@ typedef struct {
     double load_turns;           /* 1: force and moment turn with the platform, 0: they do not */
 } PaminsaDesign;
 
+/* A function with all that it calls in one piece, which compilers need to vectorize its loop. */
+#if defined __GNUC__ && !defined __clang__
+#define PAMINSA_FLAT __attribute__((flatten))
+#else
+#define PAMINSA_FLAT
+#endif
+
+#ifdef __cplusplus
+#define PAMINSA_RESTRICT
+#else
+#define PAMINSA_RESTRICT restrict
+#endif
+
 /* beta_k at theta_k = 0 [rad] (Appendix 1). */
 static const double PAMINSA_HEADING[3] = {@HEADING@};
 
@@ -435,6 +448,33 @@ static inline PaminsaReach paminsa_inverse_dynamics(const PaminsaDesign *design,
             torque[i] += drives[i] + friction[i];
     }
     return paminsa_subtract_load(design, pose, reach, torque);
+}
+
+/* Give the torques of many motions at once [N m, N] (Eqs. 15-21), without load, friction, drives.
+ *
+ * Numbers stand in columns of count each, so that compilers can work on several states at a time;
+ * README.md says with which options. in has 13 columns: x, y [m], cos theta, sin theta, z [m], then
+ * rates [m/s, m/s, rad/s, m/s] and accelerations [m/s^2, m/s^2, rad/s^2, m/s^2] of (x, y, theta,
+ * z). out has 4: tau_1, tau_2, tau_3, F_4; NaN out of reach, not finite at a singularity.
+ */
+static inline PAMINSA_FLAT void paminsa_inverse_dynamics_columns(const PaminsaDesign *design,
+    long count, const double *PAMINSA_RESTRICT in, double *PAMINSA_RESTRICT out)
+{
+    const PaminsaMechanism m = design->mechanism;
+    const PaminsaEnergyTerms e = design->energy;
+    const double gravity = design->gravity;
+
+    for (long i = 0; i < count; i++) {
+        const double *v = in + i;
+        const PaminsaActuatorForces f = paminsa_inverse_dynamics_kernel(&m, &e, gravity,
+            v[0], v[count], v[2 * count], v[3 * count], v[4 * count], v[5 * count], v[6 * count],
+            v[7 * count], v[8 * count], v[9 * count], v[10 * count], v[11 * count],
+            v[12 * count]);
+        out[i] = f.tau1;
+        out[count + i] = f.tau2;
+        out[2 * count + i] = f.tau3;
+        out[3 * count + i] = f.f4;
+    }
 }
 
 /* Give M with T = v.M v/2 in (x, y, theta, z), drives included [kg, kg m, kg m^2] (Eqs. 12-14).

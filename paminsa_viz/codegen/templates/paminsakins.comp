@@ -2,8 +2,8 @@ component paminsakins "Kinematics of the PAMINSA, four joints";
 
 description """
 Joints 0 to 2 are the rotary actuators theta_1 to theta_3 [degrees], joint 3 is the lift Z [mm]. The
-world's X, Y and Z [mm] are the platform's center, C [degrees] its turn about the vertical; A, B, U, V
-and W stay zero. The design is that of design.h beside this file.
+world's X, Y and Z [mm] are the platform's center, C [degrees] its turn about the vertical; A, B, U,
+V and W stay zero. The design is that of design.h beside this file.
 
 Build and install it in the folder that it is in, with paminsa.h and design.h:
 

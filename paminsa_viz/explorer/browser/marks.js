@@ -60,7 +60,6 @@
   const MARKS = [
     [".pv-strip", 1, "strip"],
     [".pv-heading", 1, "heading"],
-    [".pv-export", 2, "export"],
     [".pv-layers", 1, "hidden"],
     [".pv-button-row", 1, "hidden"],
     [".pv-button-row", 2, "button-row"],
@@ -82,6 +81,7 @@
     ['[data-testid="motion-points"]', 2, "motion-points"],
     ['[role="tab"][title="Robot"]', 1, "workspaces"],
     [FIRST_TABS, 1, "tabs"],
+    ['[role="tab"][title="Torque maps"]', 1, "dock-tabs"],
     ["p > label[for]", 2, "label"],
     ["p > label[for]", 3, "row"],
   ];
@@ -99,11 +99,19 @@
       mark(row.parentElement, `${name}-entry`, found);
     }
   });
-  // The strip stays where it is while the rest scrolls, out of all boxes that would take it along.
-  watch(".pv-strip", (strip) => {
-    const view = strip.closest(".mantine-ScrollArea-viewport");
-    for (let box = strip.parentElement; view && box !== view; box = box.parentElement)
-      mark(box, "around-strip", strip);
+  // The strip stays where it is while the rest scrolls, and below it workspaces and sections: out of
+  // all boxes that would take them along.
+  const heights = new ResizeObserver(([{ target }]) => {
+    document.documentElement.style.setProperty("--pv-strip-height", `${target.offsetHeight}px`);
+  });
+  watch(`.pv-strip, ${FIRST_TABS}`, (part) => {
+    const strip = document.querySelector(".pv-strip");
+    const view = strip?.closest(".mantine-ScrollArea-viewport");
+    if (!view?.contains(part)) return;
+    const first = part.matches(".pv-strip") ? part.parentElement : above(part, 2);
+    for (let box = first; box !== view; box = box.parentElement)
+      mark(box, "around-strip", part);
+    if (part.matches(".pv-strip")) heights.observe(part.parentElement);
   });
 
   const observer = new MutationObserver((changes) => {
@@ -119,5 +127,5 @@
   });
   observer.observe(document.body, { childList: true, characterData: true, subtree: true });
 
-  window.paminsaMarks = { watch, mark, stop: () => observer.disconnect() };
+  window.paminsaMarks = { watch, mark, stop: () => { observer.disconnect(); heights.disconnect(); } };
 })();

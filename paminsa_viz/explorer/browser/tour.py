@@ -44,13 +44,13 @@ STEPS: Final = (
         "Maps",
         "Torques over the whole workspace at this θ and z. Click a map to go there, or draw a "
         "motion on it. Tabs beside them hold one map of any quantity, the motion's curves, and the "
-        "export.",
+        "answers of all sections. Below each figure are its files.",
         '[data-paminsa-slot="torques"]', host=True, opens="Torque maps",
     ),
     _step(
         "Robot: what is it?",
-        "Pose, lengths, masses and load. Pin a design as reference (P) to see every number next to "
-        "it, in Compare.",
+        "Pose, lengths, masses and load. Pin a design as reference (P), in the strip, and press "
+        "compare to see every number next to it.",
         tab="Robot",
     ),
     _step(

@@ -166,6 +166,16 @@ def pin_reference(state: State) -> State:
     return change_document(state, reference=state.document.design)
 
 
+def appendix_of(state: State) -> Design:
+    """Return the robot of Appendix 4, on the knee's branch of the design."""
+    return APPENDIX_4.with_knee(state.document.design.geometry.knee)
+
+
+def pin_appendix(state: State) -> State:
+    """Compare with Appendix 4."""
+    return change_document(state, reference=appendix_of(state))
+
+
 def unpin_reference(state: State) -> State:
     """Forget the reference design; maps show values again."""
     return change_document(state, reference=None).updated("map_view", difference=False)

@@ -10,6 +10,12 @@ from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.view import LARGEST_DOCK, Dock, Docks
 
+ANSWER_TAB: Final = "Answer"
+"""Name of the tab of the left dock that holds answers."""
+
+BESIDE: Final = ("Torque maps", "Single map", "Motion plots", ANSWER_TAB)
+"""Tabs of the left dock."""
+
 EDGE: Final = 4
 """Width of the edge that a dock is dragged by; it counts to what the dock covers [px]."""
 

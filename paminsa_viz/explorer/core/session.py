@@ -95,6 +95,8 @@ class Session:
         open_tabs: Paths of the tabs that are open, None until the page has said so.
         paths: Paths of the tabs of sections by their names.
         linked: The document that the page's address was told last.
+        unfold: What unfolds the dock of a tab, by the tab's name.
+        fit_docks: Gives the docks the widths and folds that the state has.
     """
 
     def __init__(
@@ -129,6 +131,8 @@ class Session:
         self.open_tabs: frozenset[str] | None = None
         self.paths: Mapping[str, str] = {}
         self.linked: Document | None = None
+        self.unfold: Mapping[str, Callable[[], None]] = {}
+        self.fit_docks: Callable[[], None] = lambda: None
         self._turn = 0
         self._frame_due: float | None = None
         self._thread: threads.Running | None = None
@@ -176,13 +180,16 @@ class Session:
         """Whether what is in a tab may be seen; without a name, it is in none."""
         return not tab or self.open_tabs is None or tab in self.open_tabs
 
-    def open_tab(self, name: str) -> None:
+    def open_tab(self, name: str, *, unfold: bool = True) -> None:
         """Open a tab of the page, so that what a person has asked for is seen.
 
         Args:
             name: That of a section; or of another tab, after those of the tabs it lies in:
                 ``"Strength/Errors/Drives"``.
+            unfold: Whether a dock that is folded is unfolded for it.
         """
+        if unfold and name in self.unfold:
+            self.unfold[name]()
         self.bridge.call("openTab", self.paths.get(name, name))
 
     def dispatch(

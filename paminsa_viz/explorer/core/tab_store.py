@@ -25,7 +25,7 @@ from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.settings import Settings
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.explorer.state.view import Appearance, WorkspaceView
+from paminsa_viz.explorer.state.view import Appearance, Camera, WorkspaceView
 from paminsa_viz.files.plain_data import parse_json
 from paminsa_viz.model import PaminsaError
 
@@ -71,6 +71,8 @@ VIEW: dict[str, Any] = {
     "appearance": Appearance,
     "offered": Annotated[str, msgspec.Meta(max_length=LONGEST_OFFER)],
     "workspace": str,
+    "answer": str,
+    "camera": Camera | None,
     "workspaces": Annotated[tuple[WorkspaceView, ...], msgspec.Meta(max_length=MOST_WORKSPACES)],
     "ended": Annotated[tuple[str, ...], msgspec.Meta(max_length=MOST_ENDED)],
     **{place: type(part) for place, part in _parts(initial_state()) if isinstance(part, Settings)},
@@ -159,7 +161,7 @@ def take(state: State, saved: str, opening: State) -> State:
     return replace(state, offered=saved[:LONGEST_OFFER])
 
 
-OF_THE_PAGE = ("docks", "offered", "ended", "workspace", "workspaces")
+OF_THE_PAGE = ("docks", "offered", "ended", "workspace", "workspaces", "answer", "camera")
 """What the page itself changes of what is kept."""
 
 

@@ -1,4 +1,4 @@
-"""Workspaces: each is left and found again with its map and its layers of the scene."""
+"""Workspaces: each is left and found again with its map, layers, camera and docks."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def view_of(state: State, name: str) -> WorkspaceView | None:
 
 
 def switch(state: State, name: str, beside: str, first_layers: frozenset[str]) -> State:
-    """Go to another workspace: its layers and its map come back, those of the last one are kept.
+    """Go to another workspace: what it showed comes back, what the last one shows is kept.
 
     Args:
         state: The state.
@@ -33,12 +33,15 @@ def switch(state: State, name: str, beside: str, first_layers: frozenset[str]) -
         return state
     if not state.workspace:  # the page has just said which one it begins with
         return replace(state, workspace=name)
-    left = WorkspaceView(state.workspace, state.layers, state.map_view.quantity, beside)
+    left = WorkspaceView(
+        state.workspace, state.layers, state.map_view.quantity, beside, state.camera, state.docks
+    )  # fmt: skip
     others = tuple(view for view in state.workspaces if view.name != left.name)
     found = view_of(state, name)
     state = replace(state, workspace=name, workspaces=(*others, left))
     if found is None:
         return replace(state, layers=state.layers | (first_layers & LAYERS.keys()))
     layers = (found.layers - COMMON) | (state.layers & COMMON)
-    state = replace(state, layers=layers & LAYERS.keys())
+    docks = state.docks if found.docks is None else found.docks
+    state = replace(state, layers=layers & LAYERS.keys(), camera=found.camera, docks=docks)
     return choose_quantity(state, found.quantity) if found.quantity in QUANTITIES else state

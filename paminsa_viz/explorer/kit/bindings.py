@@ -17,6 +17,7 @@ from paminsa_viz.explorer.core.actions import Action
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session, View
 from paminsa_viz.explorer.kit.entries import (
+    Answer,
     Button,
     ButtonGroup,
     Custom,
@@ -86,6 +87,8 @@ class Panel:
         if isinstance(entry, Custom):
             self._draws.append(entry.make(self._session).draw)
             return
+        if isinstance(entry, Answer):
+            entry = entry.button
         if isinstance(entry, Worker):
             self._jobs.append(entry.make(self._session))
             return

@@ -11,6 +11,7 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Any, TypeAlias, TypeVar
 
 from paminsa_viz.explorer.core.actions import Action
+from paminsa_viz.explorer.core.docks import ANSWER_TAB
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session, View
 from paminsa_viz.explorer.state.state import State
@@ -183,6 +184,46 @@ class Tabs(Entry):
 
     _: KW_ONLY
     tabs: Mapping[str, Sequence[Entry]]
+
+
+@dataclass(frozen=True)
+class Answer(Entry):
+    """What came of a job, or of what is shown: it is seen in the tab *Answer* of the left dock.
+
+    The tab opens by itself when another answer comes. Where the entry stands in its table there is
+    a button that shows it again.
+
+    Attributes:
+        entries: What it holds: verdict, table, chart, and what can be done with it.
+        found: What it is of, None as long as there is nothing; another one is another answer.
+        always: Whether there is one all the same, which follows what is shown.
+    """
+
+    _: KW_ONLY
+    entries: Sequence[Entry]
+    found: Callable[[State], object] = lambda state: None
+    always: Given[bool] = False
+
+    def exists(self, state: State) -> bool:
+        """Whether there is something to show."""
+        return given(self.always, state) or self.found(state) is not None
+
+    def show(self, state: State) -> State:
+        """Return the state with this as the answer that is shown."""
+        return state.updated("", answer=self.key)
+
+    @property
+    def opens(self) -> Then:
+        """What shows it."""
+        return Then(self.show, opens=ANSWER_TAB)
+
+    @property
+    def button(self) -> ButtonGroup:
+        """The button that shows it."""
+        return ButtonGroup(
+            f"{self.key}.show", "Answer", choices={str(self.label): self.opens},
+            visible=self.exists, hint="Shows it in the tab Answer of the dock on the left",
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -10,6 +11,7 @@ import numpy as np
 from paminsa_viz.dimensions.layout import layout, lift_motor_height, plinth_outline
 from paminsa_viz.explorer.browser.style import view_width
 from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.state.view import Camera
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
@@ -157,6 +159,57 @@ def at_preset(session: Session) -> bool:
     """Whether the camera is where it was sent to last, and no person has moved it since."""
     name, position = session.camera
     return bool(name) and np.allclose(session.client.camera.position, position, atol=1e-3)
+
+
+def camera_of(session: Session) -> Camera | None:
+    """Return where a person has put the camera; None while it is where a preset put it."""
+    camera = session.client.camera
+    if at_preset(session):
+        return None
+    return Camera(_triple(np.array(camera.position)), _triple(np.array(camera.look_at)))
+
+
+def place(session: Session) -> None:
+    """Put the camera where the state has it: where a person left it, or back to its preset."""
+    wanted, camera = session.state.camera, session.client.camera
+    if wanted is None:
+        if not at_preset(session):
+            look(session, session.camera[0] or CAMERAS[0])
+        return
+    if not np.isfinite([*wanted.position, *wanted.look_at]).all():
+        return
+    with session.client.atomic():
+        camera.up_direction = CameraView.up
+        camera.position, camera.look_at = wanted.position, wanted.look_at
+        camera.fov = FIELD_OF_VIEW
+    session.client.flush()
+
+
+KEEPING = 1.0
+"""How long after the camera was moved its place is kept at the latest [s]."""
+
+
+def keep_camera(session: Session) -> None:
+    """Keep in the state where a person puts the camera, for its workspace and for a reload."""
+    waiting = threading.Event()
+
+    def keep() -> None:
+        waiting.clear()
+        now = camera_of(session)
+        if not session.closed and now != session.state.camera:
+            session.dispatch(
+                "camera", lambda state: replace(state, camera=now), step=False, overtakes=True
+            )
+
+    def check(_: object) -> None:
+        if waiting.is_set() or not session.camera[0]:
+            return
+        waiting.set()
+        timer = threading.Timer(KEEPING, keep)
+        timer.daemon = True
+        timer.start()
+
+    session.client.camera.on_update(check)
 
 
 def fit(session: Session) -> None:

@@ -1,4 +1,4 @@
-"""Robots that are seen through: where a simulated motion should be, and the pinned design."""
+"""Robots that are seen through, next to the robot itself."""
 
 from __future__ import annotations
 
@@ -10,12 +10,11 @@ from typing import ClassVar, Final
 import numpy as np
 
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.core.simulated import wanted_pose
 from paminsa_viz.explorer.scene.bodies import Robot
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.kept import kept
 from paminsa_viz.model import Design
-from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
+from paminsa_viz.model.kinematics import Configuration
 
 OPACITY: Final = 0.45
 
@@ -66,35 +65,3 @@ class Ghost(ABC):
             self._robot = Robot(self._scene, self.root, standing=False, drawn=translucent)
         self._robot.put(*found, fine=False)
         self._robot.show(True)
-
-
-class WantedPose(Ghost):
-    """The layer ``wanted_pose``: where the robot should be, while a simulation is shown."""
-
-    root = "/wanted"
-
-    def seen(self, frame: Frame) -> tuple[Design, Configuration] | None:
-        state, design = frame.state, frame.shown_design
-        pose = wanted_pose(state) if "wanted_pose" in state.layers else None
-        return None if pose is None else (design, inverse_kinematics(design.geometry, pose))
-
-
-class PinnedDesign(Ghost):
-    """The layer ``pinned_design``: the reference at the robot's pose, where it differs in shape."""
-
-    root = "/pinned"
-
-    def seen(self, frame: Frame) -> tuple[Design, Configuration] | None:
-        state = frame.state
-        reference = state.document.reference if "pinned_design" in state.layers else None
-        if reference is None or same_look(reference, frame.shown_design):
-            return None
-        configuration = inverse_kinematics(reference.geometry, state.last_reachable.pose)
-        return (reference, configuration) if configuration.reach.ok else None
-
-
-def same_look(one: Design, other: Design) -> bool:
-    """Whether two designs are drawn the same, so that one would only flicker in the other."""
-    return (one.geometry, one.payload, one.counterweights) == (
-        other.geometry, other.payload, other.counterweights
-    )  # fmt: skip

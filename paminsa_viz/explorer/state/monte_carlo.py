@@ -8,10 +8,18 @@ from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.settings import Settings, setting
 from paminsa_viz.model import Design
+from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import MonteCarlo
+from paminsa_viz.units import symbol_text
 
 MOST_ROBOTS = 200_000
 """Most robots of a job: some twenty seconds."""
+
+NAMES = ("x", "y", "θ", "z", "tilt about x", "tilt about y")
+"""Names of `unequal_legs.COORDINATES`."""
+
+SHOWN = (0, 1, 3, 2, 4, 5)
+"""The order that they are shown in."""
 
 
 @dataclass(frozen=True)
@@ -33,10 +41,25 @@ class MonteCarloJob:
 
 @dataclass(frozen=True)
 class MonteCarloSettings(Settings):
-    """What a person set for the next job."""
+    """What a person set.
+
+    Attributes:
+        robots, seed: Of the next job.
+        coordinate: Index in `unequal_legs.COORDINATES` whose shares are shown.
+        leg, length: Which deviation is shown, by their indices.
+    """
 
     robots: int = setting(2000, "Robots", range=(1.0, float(MOST_ROBOTS)), step=100.0)
     seed: int = setting(0, "Seed", "The same seed draws the same robots", range=(0.0, 1e9))
+    coordinate: int = setting(
+        0, "Shares in", "Which lengths the error of a coordinate comes from",
+        options={NAMES[i]: i for i in SHOWN},
+    )  # fmt: skip
+    leg: int = setting(0, "Leg", options={f"leg {i + 1}": i for i in range(3)})
+    length: int = setting(
+        0, "Length",
+        options={f"{symbol_text(one.symbol)} {one.label}": i for i, one in enumerate(LENGTHS)},
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -45,11 +68,6 @@ class MonteCarloState(TaskState[MonteCarloJob, MonteCarlo]):
 
     Attributes:
         settings: What a person set.
-        coordinate: Index in `unequal_legs.COORDINATES` whose shares are shown.
-        leg, length: Which deviation is shown, by their indices.
     """
 
     settings: MonteCarloSettings = field(default_factory=MonteCarloSettings)
-    coordinate: int = 0
-    leg: int = 0
-    length: int = 0

@@ -23,7 +23,7 @@ from paminsa_viz.explorer.state.springs import SpringsState
 from paminsa_viz.explorer.state.stiffness import StiffnessState
 from paminsa_viz.explorer.state.synthesis import SynthesisState
 from paminsa_viz.explorer.state.tolerances import TolerancesState
-from paminsa_viz.explorer.state.view import Appearance, Docks, WorkspaceView
+from paminsa_viz.explorer.state.view import Appearance, Camera, Docks, WorkspaceView
 from paminsa_viz.model import APPENDIX_4, Design
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
@@ -60,7 +60,10 @@ class State:
         browser_dark: Whether the browser asks for a dark one.
         docks: Widths of the page's docks.
         workspace: Name of the workspace that is open, empty until the page has said so.
-        workspaces: How the others were left. Both are no difference of two states.
+        workspaces: How the others were left.
+        answer: Key of the answer that the left dock shows, empty until one was chosen.
+        camera: Where a person has put the camera, None for a preset. These four are no difference
+            of two states.
         offered: What the tab has kept from before, if it came after something was set; else empty.
         ended: Places of the tasks that a reload has ended, which can be started again.
         steps: What can be undone and redone; no difference of two states.
@@ -96,6 +99,8 @@ class State:
     docks: Docks = field(default_factory=Docks)
     workspace: str = field(default="", compare=False)
     workspaces: tuple[WorkspaceView, ...] = field(default=(), compare=False)
+    answer: str = field(default="", compare=False)
+    camera: Camera | None = field(default=None, compare=False)
     offered: str = ""
     ended: tuple[str, ...] = ()
     steps: Steps = field(default=Steps(), compare=False)

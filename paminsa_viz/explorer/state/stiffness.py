@@ -23,6 +23,9 @@ from paminsa_viz.model.elastic import BARS
 MODE_NODE = "/elastic/mode"
 """Scene name of the mode that is animated; the page draws less often while it is there."""
 
+MODES = 6
+"""How many of the lowest natural modes are solved."""
+
 CASES: dict[str, tuple[str, tuple[float, ...]]] = {
     "load": ("payload and load", ()),
     "x": ("100 N along x", (100.0, 0, 0, 0, 0, 0)),
@@ -89,10 +92,15 @@ class StiffnessSettings(Settings):
     """What a person set.
 
     Attributes:
+        mode: Which mode is animated, from 0.
         case: Key of the load case.
         bar: Whose section values are edited.
     """
 
+    mode: int = setting(
+        0, "Mode", "Natural frequency of the animated mode",
+        options={f"{i + 1}": i for i in range(MODES)},
+    )  # fmt: skip
     case: str = setting(
         "load", "Load case", "Deflection and strain energy are under this load",
         options={name: key for key, (name, _) in CASES.items()},
@@ -106,12 +114,10 @@ class StiffnessState:
 
     Attributes:
         settings: What a person set.
-        mode: Which mode is animated, from 0.
         outcome: The last result.
     """
 
     settings: StiffnessSettings = field(default_factory=StiffnessSettings)
-    mode: int = 0
     outcome: ElasticOutcome | None = None
 
     @property

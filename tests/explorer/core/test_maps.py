@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer.core import actions, causes
-from paminsa_viz.explorer.core.maps import DRAG_BUDGET, MapStore, go_to
+from paminsa_viz.explorer.core.maps import DRAG_BUDGET, MapStore, frame_half, go_to
 from paminsa_viz.explorer.features.requirements.actions import suggest
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import (
@@ -212,14 +212,37 @@ def test_nothing_within_reach_is_outside_the_map(
     assert not check_reach(geometry, poses).ok.any()
 
 
+@given(
+    theta=st.floats(-np.pi, np.pi),
+    z=st.floats(-1.0, 0.2),
+    crank=st.floats(0.3, 0.6),
+    platform=st.floats(0.05, 0.3),
+)
+def test_frame_holds_the_reach_at_its_angle_and_height(
+    theta: float, z: float, crank: float, platform: float
+) -> None:
+    geometry = replace(APPENDIX_4.geometry, crank_length=crank, platform_radius=platform)
+    half = frame_half(geometry, theta, z)
+    assert half <= half_width(geometry)
+    side = np.linspace(-1.0, 1.0, 101)
+    edge = np.concatenate([np.stack([side, np.full_like(side, s)], axis=1) for s in (-1.0, 1.0)])
+    edge = half * np.concatenate([edge, edge[:, ::-1]])
+    poses = np.column_stack([edge, np.tile([theta, z], (len(edge), 1))])
+    assert not check_reach(geometry, poses).ok.any()
+
+
 def test_extent_follows_the_lengths_and_holds_little_else_than_the_workspace() -> None:
-    store, state, half = MapStore(), at(), half_width(APPENDIX_4.geometry)
+    store, state = MapStore(), at()
     heavier = actions.vary(actions.move(state, theta=-2.0, z=-0.9, x=0.1), {"links.b3": 2.0})
     for cells in (COARSE, FULL):
         for each in (state, heavier):
+            half = frame_half(APPENDIX_4.geometry, *each.document.pose[2:])
             assert store.data(each, cells).extent == pytest.approx((-half, half, -half, half))
-    data = store.data(actions.move(initial_state(), theta=0.0, z=-0.0275), FULL)
-    assert np.hypot(*np.meshgrid(data.x, data.y))[data.status == 0].max() > 0.9 * half
+    for theta, z in ((0.0, -0.0275), (np.pi / 3, -0.55)):
+        data = store.data(actions.move(initial_state(), theta=theta, z=z), FULL)
+        farthest = np.abs(np.meshgrid(data.x, data.y))[:, data.status == 0].max()
+        assert farthest > 0.85 * data.extent[1]
+    assert data.extent[1] < 0.8 * half_width(APPENDIX_4.geometry)
     centers = cell_centers(0.3, 7)
     np.testing.assert_allclose(np.diff(centers), 0.6 / 7)
     np.testing.assert_allclose(centers, -centers[::-1], atol=1e-16)

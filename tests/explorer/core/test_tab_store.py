@@ -52,8 +52,8 @@ FORMER = CHANGED
 """What the former version kept as well."""
 CHANGED = (
     CHANGED.updated("loads.settings", leg=2, bar="b8", joint="5", along=True)
-    .updated("stiffness.settings", case="tilt_x", bar="b7")
-    .updated("monte_carlo.settings", robots=500, seed=4)
+    .updated("stiffness.settings", mode=2, case="tilt_x", bar="b7")
+    .updated("monte_carlo.settings", robots=500, seed=4, coordinate=3, leg=1, length=5)
     .updated("requirements.largest.settings", growth="VERTICAL", free=True, seconds=60.0)
 )
 
@@ -110,6 +110,9 @@ def test_everything_kept_comes_back() -> None:
         ("stiffness.settings", {"case": "gale"}),
         ("monte_carlo.settings", {"robots": 10**9}),
         ("monte_carlo.settings", {"seed": -1}),
+        ("monte_carlo.settings", {"leg": 3}),
+        ("monte_carlo.settings", {"length": 10**6}),
+        ("stiffness.settings", {"mode": -1}),
         ("requirements.largest.settings", {"seconds": 1e6}),
         ("requirements.largest.settings", {"growth": "WEALTH"}),
         ("synthesis.settings", {"ranges": [["geometry.base_radius", [math.nan, 1.0]]]}),

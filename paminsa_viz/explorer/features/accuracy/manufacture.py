@@ -10,16 +10,16 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.accuracy.monte_carlo import (
     MONTE_CARLO,
-    NAMES,
-    SHOWN,
     UNITS,
     error_row,
     shown_lengths,
 )
 from paminsa_viz.explorer.kit.design_numbers import set_value
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Folder, Html
-from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
+from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Folder, Html
+from paminsa_viz.explorer.kit.inputs import Number, Slider
+from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.state.monte_carlo import NAMES, SHOWN, MonteCarloSettings
 from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.kept import kept
@@ -28,7 +28,7 @@ from paminsa_viz.model.accuracy import LEG_NAMES, NO_DEVIATIONS, NO_TOLERANCES, 
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import ToleranceErrors, manufactured_pose, tolerance_errors
 from paminsa_viz.precision.unequal_legs import Closure
-from paminsa_viz.units import display_unit, symbol_text
+from paminsa_viz.units import display_unit
 
 LEAST_SHARE = 0.005
 """Smallest share that has a bar."""
@@ -51,7 +51,7 @@ def tolerances_html(frame: Frame) -> str:
 
 def shares_html(frame: Frame) -> str:
     """Return the share of each length in the variance of a coordinate, as bars."""
-    index = frame.state.monte_carlo.coordinate
+    index = frame.state.monte_carlo.settings.coordinate
     share = _tolerance_errors(*shown_lengths(frame)).shares[index]
     order = [i for i in np.argsort(-share) if share[i] >= LEAST_SHARE]
     bars = [(LENGTHS[i].symbol, LENGTHS[i].label, 100 * float(share[i])) for i in order]
@@ -90,13 +90,13 @@ def _leg_choices(state: State) -> dict[str, Effect]:
 
 def _deviation(state: State) -> tuple[str, float]:
     """Return the path of the deviation that is shown, and millimeters or degrees of its unit."""
-    shown = state.monte_carlo
+    shown = state.monte_carlo.settings
     length = LENGTHS[shown.length]
     return f"{LEG_NAMES[shown.leg]}.{length.name}", display_unit(length.unit).factor
 
 
 def _deviation_label(state: State) -> str:
-    return f"off by [{display_unit(LENGTHS[state.monte_carlo.length].unit).text}]"
+    return f"off by [{display_unit(LENGTHS[state.monte_carlo.settings.length].unit).text}]"
 
 
 def _read_deviation(state: State) -> float:
@@ -140,14 +140,18 @@ def _slider(name: str) -> Slider:
     return error_slider(path, _LABELS[name], high, step)
 
 
+_setting = SettingInputs("manufacture", "monte_carlo.settings", MonteCarloSettings)
+
 MANUFACTURE = (
-    Html("manufacture.errors", content=tolerances_html, idle=True),
-    Dropdown(
-        "manufacture.coordinate", "Shares in", options={NAMES[i]: i for i in SHOWN},
-        hint="Which lengths the error of a coordinate comes from",
-        **attribute("monte_carlo.coordinate"),
+    Answer(
+        "manufacture.answer", "Errors by manufacture", always=True,
+        entries=(
+            Html("manufacture.errors", content=tolerances_html, idle=True),
+            _setting("coordinate"),
+            Html("manufacture.shares", content=shares_html, idle=True),
+            Html("manufacture.own", content=legs_html, idle=True),
+        ),
     ),
-    Html("manufacture.shares", content=shares_html, idle=True),
     Folder(
         "manufacture.tolerances", "Tolerances, ±", open=False,
         entries=(
@@ -161,22 +165,14 @@ MANUFACTURE = (
     Folder(
         "manufacture.legs", "Deviations of each leg", open=False,
         entries=(
-            Dropdown(
-                "manufacture.leg", "Leg", options={f"leg {i + 1}": i for i in range(3)},
-                **attribute("monte_carlo.leg"),
-            ),
-            Dropdown(
-                "manufacture.length", "Length",
-                options={f"{symbol_text(a.symbol)} {a.label}": i for i, a in enumerate(LENGTHS)},
-                **attribute("monte_carlo.length"),
-            ),
+            _setting("leg"),
+            _setting("length"),
             Number(
                 "manufacture.deviation", _deviation_label, range=(-100.0, 100.0), step=0.01,
                 hint="Actual minus nominal",
                 read=_read_deviation, apply=_set_deviation,
             ),
             ButtonGroup("manufacture.alike", "Set to", choices=_leg_choices),
-            Html("manufacture.own", content=legs_html, idle=True),
         ),
     ),
 )  # fmt: skip

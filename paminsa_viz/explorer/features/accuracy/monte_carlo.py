@@ -8,11 +8,11 @@ from viser import Icon
 
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
-from paminsa_viz.explorer.kit.entries import Button, Entry, Html
+from paminsa_viz.explorer.kit.entries import Answer, Button, Entry, Html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.kit.text import render
-from paminsa_viz.explorer.state.monte_carlo import MonteCarloJob, MonteCarloSettings
+from paminsa_viz.explorer.state.monte_carlo import NAMES, SHOWN, MonteCarloJob, MonteCarloSettings
 from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Design
@@ -21,12 +21,8 @@ from paminsa_viz.precision.manufacture import MonteCarlo, monte_carlo
 from paminsa_viz.progress import Progress
 from paminsa_viz.units import display_unit, fixed, number
 
-NAMES = ("x", "y", "θ", "z", "tilt about x", "tilt about y")
 UNITS = ("m:um", "m:um", "rad:arcsec", "m:um", "rad:arcsec", "rad:arcsec")
-"""Names and units of `unequal_legs.COORDINATES`."""
-
-SHOWN = (0, 1, 3, 2, 4, 5)
-"""The order that they are shown in."""
+"""Units of `unequal_legs.COORDINATES`."""
 
 
 def shown_lengths(frame: Frame) -> tuple[Design, Pose]:
@@ -109,5 +105,8 @@ MONTE_CARLO: tuple[Entry, ...] = (
         ),
     ),
     DRAW.worker,
-    Html("manufacture.found", content=monte_carlo_html, idle=True),
+    Answer(
+        "manufacture.random_answer", "Random robots", found=DRAW.outcome,
+        entries=(Html("manufacture.found", content=monte_carlo_html, idle=True),),
+    ),
 )  # fmt: skip

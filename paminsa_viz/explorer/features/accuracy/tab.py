@@ -11,7 +11,15 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.maps import choose_quantity
 from paminsa_viz.explorer.features.accuracy.layers import no_bound, shown_errors
 from paminsa_viz.explorer.features.accuracy.manufacture import MANUFACTURE, error_slider
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Folder, Html, Tabs, Then
+from paminsa_viz.explorer.kit.entries import (
+    Answer,
+    ButtonGroup,
+    Effect,
+    Folder,
+    Html,
+    Tabs,
+    Then,
+)
 from paminsa_viz.explorer.kit.inputs import Slider
 from paminsa_viz.explorer.kit.setting_inputs import layer_switch
 from paminsa_viz.explorer.kit.text import render
@@ -59,7 +67,10 @@ def _slider(name: str, label: str, high: float, step: float) -> Slider:
 
 
 DRIVES_ACCURACY = (
-    Html("accuracy.pose", content=pose_html),
+    Answer(
+        "accuracy.answer", "Errors by the drives", always=True,
+        entries=(Html("accuracy.pose", content=pose_html),),
+    ),
     layer_switch(
         "accuracy.layer", "drive_errors", "Show in scene",
         "Where the platform's center may be, to a stated scale", undo=False,

@@ -15,6 +15,7 @@ from paminsa_viz.explorer.features.balance import texts as text
 from paminsa_viz.explorer.features.balance.counterweights import COUNTERWEIGHTS
 from paminsa_viz.explorer.kit.chart import chart, chart_clicks
 from paminsa_viz.explorer.kit.entries import (
+    Answer,
     Button,
     ButtonGroup,
     Entry,
@@ -118,19 +119,22 @@ def _click(state: State, data: Any) -> State:
 
 FRONT = (
     chart_clicks(charts.FRONT, "balance.point", _click),
-    Html("front.text", content=text.front_html),
+    Html(
+        "front.about", content=text.front_html, visible=lambda state: state.balance.front is None
+    ),
     *balancing.FRONT.buttons(
         Button(
             "front.compute", "Compute the front",
             effect=partial(balancing.start, task=BalanceKind.FRONT),
         ),
     ),
-    Folder(
-        "front.place", visible=_has_front,
+    Answer(
+        "balance.front_answer", "Pareto front", found=lambda state: state.balance.front,
         entries=(
+            Html("front.text", content=text.front_html),
             chart("front.chart", charts.shown_front, charts.front_figure, 0.82),
             Slider(
-                "balance.point", "Point", range=_points, step=1.0,
+                "balance.point", "Point", range=_points, step=1.0, visible=_has_front,
                 hint="Works on a point of the front; undo goes back",
                 read=lambda state: 1.0 + (balancing.chosen_point(state) or 0),
                 apply=lambda state, value: balancing.choose_point(state, round(value) - 1),
@@ -140,15 +144,19 @@ FRONT = (
 )  # fmt: skip
 
 SENSITIVITY = (
-    Html("tornado.text", content=text.sensitivity_html),
+    Html(
+        "tornado.about", content=text.sensitivity_html,
+        visible=lambda state: state.balance.tornado is None,
+    ),
     _setting("variation"),
     Button(
         "tornado.compute", "Compute", visible=_idle,
         effect=partial(balancing.start, task=BalanceKind.SENSITIVITY),
     ),
-    Folder(
-        "tornado.place", visible=lambda state: charts.shown_tornado(state) is not None,
+    Answer(
+        "balance.tornado_answer", "Sensitivity", found=lambda state: state.balance.tornado,
         entries=(
+            Html("tornado.text", content=text.sensitivity_html),
             Dropdown(
                 "balance.output", "Output",
                 options={label: index for index, label in enumerate(charts.OUTPUT_LABELS)},
@@ -167,22 +175,28 @@ BALANCE: tuple[Entry, ...] = (
         disabled=_busy,
         hint="M_p2 = 0 (Eqs. 7–8) by masses of joints and links, with the least added mass",
     ),
-    Html("balance.status", content=text.status_html),
-    ButtonGroup(
-        "balance.maps", "Maps",
-        choices={
-            "Common range": hold_range,
-            "Difference": toggle_difference,
-            "Swap": actions.swap_reference,
-        },
-        visible=lambda state: state.document.reference is not None,
-        hint="Common color range of design and reference; their difference; swap with reference",
+    Answer(
+        "balance.answer", "Balance", found=lambda state: state.balance.outcome, always=True,
+        entries=(
+            Html("balance.status", content=text.status_html),
+            ButtonGroup(
+                "balance.maps", "Maps",
+                choices={
+                    "Common range": hold_range,
+                    "Difference": toggle_difference,
+                    "Swap": actions.swap_reference,
+                },
+                visible=lambda state: state.document.reference is not None,
+                hint="Common color range of design and reference; their difference; swap with "
+                "reference",
+            ),
+            Html(
+                "balance.details",
+                content=lambda frame: text.details_html(frame.state.balance.outcome),
+            ),
+        ),
     ),
     Folder("balance.settings", "Optimization settings", entries=SETTINGS, open=False),
-    Html(
-        "balance.details",
-        content=lambda frame: text.details_html(frame.state.balance.outcome),
-    ),
     Folder("balance.weights", "Counterweights of each leg", entries=COUNTERWEIGHTS),
 )  # fmt: skip
 

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from markupsafe import Markup
 
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.kit.bindings import perform
 from paminsa_viz.explorer.kit.design_numbers import DIGITS, STROKE, is_changed
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Html
+from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Entry, Html, Message
 from paminsa_viz.explorer.kit.robot_texts import of_pose, weights_by_place
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import (
-    APPENDIX_4,
     PARAMETER,
     Design,
     Parameter,
@@ -33,6 +35,11 @@ PINNED: Mapping[str, Effect] = {
     "Swap": actions.swap_reference,
     "Unpin": actions.unpin_reference,
 }
+
+
+def _pin(state: State) -> State:
+    """Pin the current design, unless one is pinned that is not Appendix 4."""
+    return state if switched(state) == "pinned" else actions.pin_reference(state)
 
 
 def names_html(design: Design, reference: Design | None) -> str:
@@ -93,7 +100,7 @@ def _compared_with(state: State) -> tuple[Design, str]:
     reference = state.document.reference
     if reference is not None:
         return reference, "reference"
-    return APPENDIX_4.with_knee(state.document.design.geometry.knee), "App. 4"
+    return actions.appendix_of(state), "App. 4"
 
 
 def _torques(frame: Frame) -> str:
@@ -109,7 +116,38 @@ def _differences(frame: Frame) -> str:
     return differences_html(frame.state.document.design, *_compared_with(frame.state))
 
 
-COMPARE = (
+SWITCH = {"none": actions.unpin_reference, "Appendix 4": actions.pin_appendix, "pinned": _pin}
+"""What the reference is, and what makes it that."""
+
+OPEN_COMPARISON = "table"
+"""What the strip sends for the table of differences."""
+
+
+def switched(state: State) -> str:
+    """Return which of `SWITCH` the reference is."""
+    reference = state.document.reference
+    if reference is None:
+        return "none"
+    return "Appendix 4" if reference == actions.appendix_of(state) else "pinned"
+
+
+def switch_html(frame: Frame) -> str:
+    """Return the switch of the reference, as a line of the strip."""
+    return render("compare/switch.j2", choices=tuple(SWITCH), chosen=switched(frame.state))
+
+
+def _receive(session: Session, data: Any) -> None:
+    """Switch the reference, or show the differences from it; ``data`` comes from the page."""
+    if data == OPEN_COMPARISON:
+        perform(session, COMPARISON.key, COMPARISON.opens, undo=False)
+    elif isinstance(data, str) and data in SWITCH:
+        session.dispatch("reference", SWITCH[data])
+
+
+REFERENCE = Message("reference", receive=_receive)
+"""What the switch in the strip sends."""
+
+COMPARE: tuple[Entry, ...] = (
     ButtonGroup(
         "reference", "Reference",
         choices=lambda state: PIN if state.document.reference is None else PINNED,
@@ -118,3 +156,6 @@ COMPARE = (
     Html("compare.torques", content=_torques),
     Html("compare.differences", content=_differences),
 )  # fmt: skip
+
+COMPARISON = Answer("compare.answer", "Comparison", entries=COMPARE, always=True)
+"""The design next to its reference."""

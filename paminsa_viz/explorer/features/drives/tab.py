@@ -22,6 +22,7 @@ from paminsa_viz.explorer.features.drives.charts import RPM, chart_figure, shown
 from paminsa_viz.explorer.features.drives.solving import find_drives
 from paminsa_viz.explorer.kit.chart import chart
 from paminsa_viz.explorer.kit.entries import (
+    Answer,
     Button,
     ButtonGroup,
     Effect,
@@ -275,25 +276,30 @@ DRIVES = (
         hint="Measures every pair of the catalog on the current motion",
     ),
     SEARCH.worker,
-    Folder(
-        "drives.found", visible=_found,
+    Answer(
+        "drives.answer", "Drives", found=SEARCH.outcome, always=True,
         entries=(
-            Dropdown(
-                "drives.actuator", "Actuator",
-                options={name: j for j, name in enumerate(ACTUATORS)},
-                read=lambda state: state.drives.actuator,
-                apply=lambda state, j: state.updated("drives", actuator=j, row=0),
+            Folder(
+                "drives.found", visible=_found,
+                entries=(
+                    Dropdown(
+                        "drives.actuator", "Actuator",
+                        options={name: j for j, name in enumerate(ACTUATORS)},
+                        read=lambda state: state.drives.actuator,
+                        apply=lambda state, j: state.updated("drives", actuator=j, row=0),
+                    ),
+                    Html("drives.list", content=list_html, idle=True),
+                    Dropdown(
+                        "drives.row", "Drive", options=_options, hint="Shown in its envelope",
+                        **attribute("drives.row"),
+                    ),
+                ),
             ),
-            Html("drives.list", content=list_html, idle=True),
-            Dropdown(
-                "drives.row", "Drive", options=_options, hint="Shown in its envelope",
-                **attribute("drives.row"),
-            ),
-            chart("drives.chart", shown_drive, chart_figure, 1.0),
+            Html("drives.problem", content=problem_html),
+            ButtonGroup("drives.choice", "Design", choices=_choices),
+            chart("drives.chart", shown_drive, chart_figure, 0.8),
             Html("drives.facts", content=facts_html, idle=True),
+            Html("drives.own", content=own_html, idle=True),
         ),
     ),
-    Html("drives.problem", content=problem_html),
-    ButtonGroup("drives.choice", "Design", choices=_choices),
-    Html("drives.own", content=own_html, idle=True),
 )  # fmt: skip

@@ -27,6 +27,8 @@ from paminsa_viz.plots.animations import ANIMATION_FORMATS
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.quantities import QUANTITIES
 
+Make = Callable[..., File]
+
 _MODELS = {name: each for name, each in TARGETS.items() if name != "glb"}
 
 log = logging.getLogger(__name__)
@@ -56,6 +58,56 @@ def light_view(session: Session, legend: Legend) -> File:
         session.dispatch("view", replace)  # draws the scene as the page is
 
 
+def _figures() -> dict[str, str]:
+    """Return the labels of the figure formats by their names."""
+    return {name: each.label for name, each in FIGURE_FORMATS.items()}
+
+
+LINE_TABLE = "csv"
+"""The table format that is offered below a figure."""
+
+
+def _line(key: str, what: str, figure: Make, table: Make) -> ButtonGroup:
+    """Return the line below a figure on the page: it as a figure, and its numbers."""
+    choices = {
+        label: export(f"{what} as {label}", partial(figure, kind=kind))
+        for kind, label in _figures().items()
+    }
+    numbers = export(f"{what} as {LINE_TABLE.upper()}", partial(table, kind=LINE_TABLE))
+    return ButtonGroup(
+        key, "Export", choices={**choices, LINE_TABLE.upper(): numbers},
+        hint=f"The {what} as shown, with design and pose; width and resolution are set in the "
+        "folder File",
+    )  # fmt: skip
+
+
+def maps_line(name: str, what: str, store: MapStore, *, single: bool) -> ButtonGroup:
+    """Return the line below the torque maps, or below the single map."""
+
+    def of(make: Make) -> Make:
+        return lambda state, kind: make(
+            state.updated("export", single=single), store=store, kind=kind
+        )
+
+    return _line(f"{name}.export", what, of(exports.figure), of(exports.table))
+
+
+def curves_line() -> ButtonGroup:
+    """Return the line below the curves of the motion."""
+    line = _line("plots.export", "curves", exports.motion_figure, exports.motion_table)
+    return replace(line, order=8)
+
+
+def volume_choices() -> dict[str, Run]:
+    """Return the exports of the volume where all requirements hold."""
+    return {
+        kind.upper(): export(
+            f"the volume as {kind.upper()}", partial(exports.volume_file, kind=kind)
+        )
+        for kind in exports.VOLUME_KINDS
+    }
+
+
 def export_entries(
     store: MapStore, legend: Callable[[], Legend] = lambda: NO_LEGEND
 ) -> Sequence[Entry]:
@@ -65,7 +117,7 @@ def export_entries(
     """
     recorder = Recorder()
 
-    def choices(what: str, labels: Mapping[str, str], make: Callable[..., File]) -> dict[str, Run]:
+    def choices(what: str, labels: Mapping[str, str], make: Make) -> dict[str, Run]:
         return {
             label: export(f"{what} as {label}", partial(make, kind=kind))
             for kind, label in labels.items()
@@ -79,7 +131,6 @@ def export_entries(
             for name, each in targets.items()
         }
 
-    figures = {name: each.label for name, each in FIGURE_FORMATS.items()}
     tables = {name: name.upper() for name in TABLE_FORMATS}
     return (
         COPIED,
@@ -102,7 +153,7 @@ def export_entries(
         ),
         ButtonGroup(
             "export.figure", "figure",
-            choices=choices("a figure", figures, partial(exports.figure, store=store)),
+            choices=choices("a figure", _figures(), partial(exports.figure, store=store)),
             hint="Title, units, design and pose are in it",
         ),
         ButtonGroup(
@@ -114,7 +165,7 @@ def export_entries(
         Html(
             "export.robot_heading",
             content=render(
-                "export/heading.j2", kind="", title="Robot", text="in its current pose",
+                "export/heading.j2", title="Robot", text="in its current pose",
             ),
         ),
         Dropdown(
@@ -163,21 +214,15 @@ def export_entries(
         ButtonGroup(
             "export.volume", "volume",
             choices=lambda state: (
-                {
-                    kind.upper(): export(
-                        f"the volume as {kind.upper()}", partial(exports.volume_file, kind=kind)
-                    )
-                    for kind in exports.VOLUME_KINDS
-                }
-                if asked(state.document.requirements)
-                else {}
+                volume_choices() if asked(state.document.requirements) else {}
             ),
             hint="Its surface in mm (STL) or in m with colors (GLB), or all nodes with their "
             "causes and margins",
         ),
         Html("export.motion_heading", content=_motion_heading),
         ButtonGroup(
-            "export.curves", "figure", choices=choices("a figure", figures, exports.motion_figure),
+            "export.curves", "figure",
+            choices=choices("a figure", _figures(), exports.motion_figure),
             hint="The curves of “Motion plots”, width as above",
         ),
         ButtonGroup(
@@ -226,17 +271,17 @@ def _maps_heading(frame: Frame) -> str:
     quantity = QUANTITIES[state.map_view.quantity].label
     minus = ", minus the reference" if shows_difference(state) else ""
     text = f"{FULL} × {FULL} cells, colors as shown{minus}; the single map is: {quantity}"
-    return render("export/heading.j2", kind="pv-export", title="Maps", text=text)
+    return render("export/heading.j2", title="Maps", text=text)
 
 
 def _volume_heading(frame: Frame) -> str:
     if not asked(frame.state.document.requirements):
         return ""
     text = "where all requirements hold; the surface, or a table"
-    return render("export/heading.j2", kind="", title="Volume", text=text)
+    return render("export/heading.j2", title="Volume", text=text)
 
 
 def _motion_heading(frame: Frame) -> str:
     kind = exports.motion_figure_kind(frame.state)
     text = f"as chosen in “Motion”; the figure is: {kind}, as in “Motion plots”"
-    return render("export/heading.j2", kind="", title="Motion", text=text)
+    return render("export/heading.j2", title="Motion", text=text)

@@ -14,7 +14,7 @@ from paminsa_viz.explorer.core import actions, persistence
 from paminsa_viz.explorer.core.saved_requirements import asked, require_possible
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.files.examples import EXAMPLES, example_named, open_example
-from paminsa_viz.explorer.kit.entries import Button, Folder, Html, Message, Run, Upload
+from paminsa_viz.explorer.kit.entries import Button, Entry, Folder, Html, Message, Run, Upload
 from paminsa_viz.explorer.kit.inputs import TextBox
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.state import State
@@ -107,7 +107,7 @@ def receive_example(session: Session, data: Any) -> None:
     session.dispatch("file.open", lambda state: open_example(state, key), then=show)
 
 
-FILE = (
+FILE: tuple[Entry, ...] = (
     TextBox(
         "file.name", "Design name", hint="Is part of files, figures and tables",
         read=lambda state: state.document.design.name, apply=actions.rename,

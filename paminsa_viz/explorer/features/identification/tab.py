@@ -15,6 +15,7 @@ from paminsa_viz.explorer.features.identification.files import excitation_csv, i
 from paminsa_viz.explorer.kit.curves import LOWEST, MotionChart
 from paminsa_viz.explorer.kit.downloads import export
 from paminsa_viz.explorer.kit.entries import (
+    Answer,
     Button,
     ButtonGroup,
     Custom,
@@ -105,6 +106,45 @@ def _upload(place: str, label: str, hint: str) -> Upload:
     )  # fmt: skip
 
 
+FOUND: tuple[Entry, ...] = (
+    Dropdown(
+        "identify.actuator", "Actuator",
+        options={name: j for j, name in enumerate(ACTUATORS)},
+        **attribute("identification.actuator"),
+    ),
+    Custom("identify.charts", make=_Charts),
+    Html("identify.numbers", content=text.numbers_html, idle=True),
+    Html("identify.checks", content=text.checks_html, idle=True),
+    Html("identify.causes", content=text.causes_html, idle=True),
+    ButtonGroup(
+        "identify.use", "Use",
+        choices={
+            "Use as design": Then(
+                actions.use_design,
+                lambda state: f"“{state.document.design.name}” is the design now: its "
+                "masses and friction are those nearest to the log. Undo goes back.",
+            ),
+            "Play the log": Then(
+                actions.use_log_motion, "The robot runs the motion of the log.",
+                opens="Path",
+            ),
+        },
+        hint="The nearest masses and the friction; or the log’s motion in the scene",
+    ),
+    ButtonGroup(
+        "identify.export", "Export",
+        choices={
+            label: export(f"the {label.lower()}", partial(identification_table, kind=kind))
+            for label, kind in (("Numbers", "parameters"), ("Residuals", "residuals"))
+        },
+        hint="CSV files",
+    ),
+    Folder(
+        "identify.masses", "Nearest masses", open=False,
+        entries=(Html("identify.masses.list", content=text.masses_html, idle=True),),
+    ),
+)  # fmt: skip
+
 LOGS: tuple[Entry, ...] = (
     Html("identify.logs", content=text.logs_html, idle=True),
     _upload("log", "Open a log…", "Positions and torques of the built robot over time"),
@@ -125,46 +165,15 @@ LOGS: tuple[Entry, ...] = (
         hint="Fit the log again, with these settings and this design’s lengths",
     ),
     actions.IDENTIFY.worker,
-    Html("identify.status", content=text.status_html),
-    Folder(
-        "identify.found", visible=_found,
+    Html(
+        "identify.about", content=text.status_html,
+        visible=lambda state: state.identification.outcome is None,
+    ),
+    Answer(
+        "identify.answer", "Identification", found=actions.IDENTIFY.outcome,
         entries=(
-            Dropdown(
-                "identify.actuator", "Actuator",
-                options={name: j for j, name in enumerate(ACTUATORS)},
-                **attribute("identification.actuator"),
-            ),
-            Custom("identify.charts", make=_Charts),
-            Html("identify.numbers", content=text.numbers_html, idle=True),
-            Html("identify.checks", content=text.checks_html, idle=True),
-            Html("identify.causes", content=text.causes_html, idle=True),
-            ButtonGroup(
-                "identify.use", "Use",
-                choices={
-                    "Use as design": Then(
-                        actions.use_design,
-                        lambda state: f"“{state.document.design.name}” is the design now: its "
-                        "masses and friction are those nearest to the log. Undo goes back.",
-                    ),
-                    "Play the log": Then(
-                        actions.use_log_motion, "The robot runs the motion of the log.",
-                        opens="Path",
-                    ),
-                },
-                hint="The nearest masses and the friction; or the log’s motion in the scene",
-            ),
-            ButtonGroup(
-                "identify.export", "Export",
-                choices={
-                    label: export(f"the {label.lower()}", partial(identification_table, kind=kind))
-                    for label, kind in (("Numbers", "parameters"), ("Residuals", "residuals"))
-                },
-                hint="CSV files",
-            ),
-            Folder(
-                "identify.masses", "Nearest masses", open=False,
-                entries=(Html("identify.masses.list", content=text.masses_html, idle=True),),
-            ),
+            Html("identify.status", content=text.status_html),
+            Folder("identify.found", visible=_found, entries=FOUND),
         ),
     ),
 )  # fmt: skip
@@ -179,15 +188,20 @@ EXCITE: tuple[Entry, ...] = (
         ),
     ),
     actions.SEARCH.worker,
-    Html("identify.excited", content=text.excitation_html, idle=True),
-    ButtonGroup(
-        "identify.motion", "Motion", visible=_has_motion,
-        choices={
-            "Use as motion": Then(
-                actions.use_excitation,
-                "The motion to record a log with is the current one.", opens="Path",
+    Answer(
+        "identify.excited_answer", "Motion for a log", found=actions.SEARCH.outcome,
+        entries=(
+            Html("identify.excited", content=text.excitation_html, idle=True),
+            ButtonGroup(
+                "identify.motion", "Motion", visible=_has_motion,
+                choices={
+                    "Use as motion": Then(
+                        actions.use_excitation,
+                        "The motion to record a log with is the current one.", opens="Path",
+                    ),
+                    "Export CSV": export("the motion", excitation_csv),
+                },
             ),
-            "Export CSV": export("the motion", excitation_csv),
-        },
+        ),
     ),
 )  # fmt: skip

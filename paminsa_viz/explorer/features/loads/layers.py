@@ -15,9 +15,9 @@ from paminsa_viz.elastostatics.joint_forces import JOINTS, JointForces
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.loads.solving import Instant, bars_at, forces_at, instant
 from paminsa_viz.explorer.scene.forces import BAR, round_scale, scale_text
+from paminsa_viz.explorer.scene.hues import ForceScale, hue_colors
 from paminsa_viz.explorer.scene.mechanism import sticks
 from paminsa_viz.explorer.scene.nodes import Node, arrows, copies, label
-from paminsa_viz.explorer.scene.path import PathScale, hue_colors
 from paminsa_viz.explorer.state.layers import LegendRow
 from paminsa_viz.model import Limit
 from paminsa_viz.model.arrays import Array
@@ -94,7 +94,7 @@ def bar_sleeves(frame: Frame) -> Iterator[Node]:
     positions, turns, scales = sleeve_places(bar_lines(frame.configuration))
     yield copies(
         "/joint_forces/bars", _tube(), positions, batched_wxyzs=turns, batched_scales=scales,
-        batched_colors=hue_colors(values, PathScale(0.0, max(largest, 1e-12))),
+        batched_colors=hue_colors(values, ForceScale(0.0, max(largest, 1e-12))),
     )  # fmt: skip
     leg, index = np.unravel_index(int(use.argmax()), use.shape)
     text = f"stress up to {number(100 * largest, 2)} % of yield, {BARS[index].upper()} of leg "

@@ -29,7 +29,7 @@ from paminsa_viz.explorer.features.loads.solving import (
 from paminsa_viz.explorer.kit import downloads as exports
 from paminsa_viz.explorer.kit.chart import chart
 from paminsa_viz.explorer.kit.downloads import export
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Entry, Html
+from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Entry, Html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import note, render
 from paminsa_viz.explorer.state.loads import LoadsSettings
@@ -181,19 +181,30 @@ def _percent(share: float) -> str:
 _setting = SettingInputs("loads", "loads.settings", LoadsSettings)
 
 LOADS: tuple[Entry, ...] = (
-    Html("loads.intro", content=intro, idle=True),
     _setting("leg"),
-    Html("loads.joints", content=joints, idle=True),
-    Html("loads.bars", content=bars, idle=True),
     _setting("bar"),
-    chart("loads.sections", shown_section, section_figure, 0.85),
     _setting("along"),
-    ALONG_MOTION.worker,
-    Html("loads.motion", content=motion, idle=True),
     _setting("joint", visible=lambda state: found(state) is not None),
-    chart("loads.curves", shown_curves, curves_figure, 0.55),
+    ALONG_MOTION.worker,
     ButtonGroup(
         "loads.files", "CSV", choices=files,
         hint="Tables: joints and the bar at this pose; bearings and all samples of the motion",
+    ),
+    Answer(
+        "loads.motion_answer", "Forces along the motion",
+        found=lambda state: state.loads.settings.along or None,
+        entries=(
+            Html("loads.motion", content=motion, idle=True),
+            chart("loads.curves", shown_curves, curves_figure, 0.55),
+        ),
+    ),
+    Answer(
+        "loads.answer", "Forces at the pose", always=True,
+        entries=(
+            Html("loads.intro", content=intro, idle=True),
+            Html("loads.joints", content=joints, idle=True),
+            Html("loads.bars", content=bars, idle=True),
+            chart("loads.sections", shown_section, section_figure, 0.85),
+        ),
     ),
 )  # fmt: skip

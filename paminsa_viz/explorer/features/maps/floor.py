@@ -15,7 +15,7 @@ from trimesh.creation import annulus
 
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore, half_width
+from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore
 from paminsa_viz.explorer.features.motion.points import click_map
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.curves import thinned
@@ -115,7 +115,8 @@ class FloorMap:
         data = self._store.data(state, COARSE if dragging else FULL, quantities)
         scale = self._store.scales(state, data, quantities, dragging=dragging)[0]
         self._map.image = floor_image(data, scale, opacity)
-        side = 2 * half_width(document.design.geometry)
+        left, right, _, _ = data.extent
+        side = right - left
         self._map.scale = (side, side, 1.0)
         if self._legend is not None:
             self._legend.bar = color_bar(data, scale)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from operator import methodcaller
+
 import numpy as np
 from viser import Icon
 
@@ -12,12 +14,24 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.motion import point_entries as motion_points
 from paminsa_viz.explorer.features.motion.crossing import chart_html, crossing_html
 from paminsa_viz.explorer.features.motion.description import DESCRIPTION
+from paminsa_viz.explorer.features.motion.layers import path_scale
+from paminsa_viz.explorer.features.motion.simulated import SimulationCharts
 from paminsa_viz.explorer.features.motion.simulation import SIMULATION, show_simulation, simulate
-from paminsa_viz.explorer.kit.entries import Button, Entry, Folder, Html, Message, Then
+from paminsa_viz.explorer.kit.entries import (
+    Answer,
+    Button,
+    ButtonGroup,
+    Custom,
+    Entry,
+    Folder,
+    Html,
+    Message,
+    Then,
+)
 from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, Slider, attribute
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.kit.text import note, render, status
-from paminsa_viz.explorer.scene.path import hue_gradient, path_scale
+from paminsa_viz.explorer.scene.hues import hue_gradient
 from paminsa_viz.explorer.state.motion import SPEEDS
 from paminsa_viz.explorer.state.simulation import SimulationSettings
 from paminsa_viz.explorer.state.state import State
@@ -147,17 +161,35 @@ SIMULATING: tuple[Entry, ...] = (
     *map(_setting, ("payload_mismatch", "initial_error", "knows_friction")),
     Button(
         "simulation", "Simulate", icon=Icon.PLAYER_TRACK_NEXT,
-        effect=Then(simulate, opens="Motion plots"),
-        disabled=SIMULATION.runs,
+        effect=simulate, disabled=SIMULATION.runs,
     ),
     SIMULATION.worker,
-    Html("simulation.outcome", content=simulation_html),
+    Html(
+        "simulation.about", content=simulation_html,
+        visible=lambda state: state.simulation.outcome is None,
+    ),
     Checkbox(
         "simulation.shown", "Play it in the scene",
         hint="The robot moves as simulated, next to a translucent one where it should be; without "
         "it, it moves as planned",
         visible=lambda state: state.simulation.outcome is not None,
         read=lambda state: state.simulation.shown, apply=show_simulation,
+    ),
+    Answer(
+        "simulation.answer", "Simulation", found=SIMULATION.outcome,
+        entries=(
+            Html("simulation.outcome", content=simulation_html),
+            ButtonGroup(
+                "simulation.plots", "Plot",
+                visible=lambda state: state.simulation.result is not None,
+                choices={
+                    title: Then(methodcaller("updated", "plots", plot=plot), opens="Motion plots")
+                    for title, plot in (("Errors", "errors"), ("Torques", "commands"))
+                },
+                hint="In “Motion plots”, with the instant and the numbers of each curve",
+            ),
+            Custom("simulation.charts", make=SimulationCharts),
+        ),
     ),
 )  # fmt: skip
 

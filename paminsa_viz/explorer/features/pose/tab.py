@@ -46,9 +46,17 @@ def status_html(frame: Frame) -> str:
 
 def actuators_html(frame: Frame) -> str:
     """Return positions and static torques of the four actuators."""
-    return render(
+    text = render(
         "pose/actuators.j2", frame=frame, pinned=frame.state.document.reference is not None,
         reference=frame.reference_torques, degrees=np.degrees,
+    )  # fmt: skip
+    return of_pose(frame, text)
+
+
+def torques_html(frame: Frame) -> str:
+    """Return the static torques in two lines, with the change from the reference."""
+    return render(
+        "pose/torques.j2", torques=frame.torques, reference=frame.reference_torques,
     )  # fmt: skip
 
 
@@ -170,6 +178,7 @@ POSE = (
     Button("pose.redo", "Redo", effect=Run(Session.redo, at_once=True), color="gray",
            hint="What was undone last (Ctrl+Shift+Z)",
            disabled=lambda state: not state.steps.forward),
+    Html("readout.actuators", content=actuators_html),
     Html("readout.quality", content=quality_html),
     Number(
         "pose.condition_limit", "κ counts up to", range=(1.5, 1e6), step=1.0, undo=False,

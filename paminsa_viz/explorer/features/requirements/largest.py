@@ -6,7 +6,7 @@ from viser import Icon
 
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.requirements import actions
-from paminsa_viz.explorer.kit.entries import Button, Html, Then
+from paminsa_viz.explorer.kit.entries import Answer, Button, Html, Then
 from paminsa_viz.explorer.kit.robot_texts import workspace_text
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import note, render
@@ -81,11 +81,16 @@ LARGEST_WORKSPACE = (
             "interval bisection",
         ),
     ),
-    Html("largest.result", content=result_html),
-    Button(
-        "largest.use", "Use as required workspace", visible=_is_proven,
-        effect=Then(
-            actions.use_largest, "The workspace that was proven is the required one now."
+    Answer(
+        "largest.answer", "Largest workspace", found=actions.LARGEST.outcome,
+        entries=(
+            Html("largest.result", content=result_html),
+            Button(
+                "largest.use", "Use as required workspace", visible=_is_proven,
+                effect=Then(
+                    actions.use_largest, "The workspace that was proven is the required one now."
+                ),
+            ),
         ),
     ),
     actions.LARGEST.worker,

@@ -15,6 +15,7 @@ from paminsa_viz.explorer.features.requirements.largest import LARGEST_WORKSPACE
 from paminsa_viz.explorer.features.requirements.suggestions import default_workspace
 from paminsa_viz.explorer.features.requirements.volumes import VOLUMES
 from paminsa_viz.explorer.kit.entries import (
+    Answer,
     ButtonGroup,
     Condition,
     Effect,
@@ -168,6 +169,10 @@ def go_to_worst(state: State, place: str) -> State:
     return poses.move(state, x=x, y=y, theta=theta, z=z)
 
 
+def _asked(state: State) -> bool:
+    return asked(state.document.requirements)
+
+
 REQUIREMENTS = (
     Message("requirement", receive=_select),
     Message("worst pose", receive=_go),
@@ -175,16 +180,14 @@ REQUIREMENTS = (
     ButtonGroup("requirements.buttons", "", choices=_buttons),
     Folder("requirements.edit", "Edit", entries=EDIT, visible=has_selected),
     Folder("requirements.workspace", "Headings and workspace", entries=WORKSPACE),
-    Folder(
-        "requirements.volume", "Volume", visible=lambda state: asked(state.document.requirements),
-        entries=(
-            Html("requirements.volume_text", content=text.volume_html),
-            Checkbox(
-                "requirements.hatched", "Hatch the maps",
-                hint="Cells that break a requirement at the maps' θ and z, in its color",
-                **attribute("map_view.hatched"),
-            ),
-        ),
+    Checkbox(
+        "requirements.hatched", "Hatch the maps", visible=_asked,
+        hint="Cells that break a requirement at the maps' θ and z, in its color",
+        **attribute("map_view.hatched"),
+    ),
+    Answer(
+        "requirements.volume", "Where all requirements hold", always=_asked,
+        entries=(Html("requirements.volume_text", content=text.volume_html),),
     ),
     Folder(
         "requirements.largest", "Largest workspace", entries=LARGEST_WORKSPACE, open=False,

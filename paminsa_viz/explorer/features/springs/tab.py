@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.springs import actions as springs
-from paminsa_viz.explorer.kit.entries import Button, Entry, Html
+from paminsa_viz.explorer.kit.entries import Answer, Button, Entry, Html
 from paminsa_viz.explorer.kit.inputs import Pair
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import render
@@ -50,7 +50,9 @@ _setting = SettingInputs("springs", "springs.settings", SpringSettings)
 
 SPRINGS: tuple[Entry, ...] = (
     springs.FIT.worker,
-    Html("springs.text", content=springs_html),
+    Html(
+        "springs.about", content=springs_html, visible=lambda state: state.springs.outcome is None
+    ),
     _setting("start"),
     _setting("height"),
     _setting(
@@ -70,8 +72,14 @@ SPRINGS: tuple[Entry, ...] = (
         hint="Stiffness and free length for the least peak of M1–M3 on the map at this θ and z, "
         "over poses that count; certified",
     ),
-    Button(
-        "springs.clear", "Remove the springs", effect=springs.FIT.forget, color="gray", undo=False,
-        visible=lambda state: state.springs.outcome is not None,
+    Answer(
+        "springs.answer", "Springs", found=springs.FIT.outcome,
+        entries=(
+            Html("springs.text", content=springs_html),
+            Button(
+                "springs.clear", "Remove the springs", effect=springs.FIT.forget, color="gray",
+                undo=False,
+            ),
+        ),
     ),
 )  # fmt: skip

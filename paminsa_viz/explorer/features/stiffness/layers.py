@@ -55,7 +55,7 @@ def mode_shape(frame: Frame) -> tuple[Node, ...]:
     The browser plays the animation by itself. A new one is sent when the page is idle, and the old
     one is removed as soon as the robot moves.
     """
-    outcome, mode = _outcome(frame), frame.state.stiffness.mode
+    outcome, mode = _outcome(frame), frame.state.stiffness.settings.mode
     found = None if outcome is None else outcome.result
     if outcome is None or found is None or mode >= len(found.frequencies) or not found.shapes:
         return ()

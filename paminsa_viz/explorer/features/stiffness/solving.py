@@ -14,12 +14,9 @@ from paminsa_viz.elastostatics.stiffness import (
     strain_shares,
 )
 from paminsa_viz.elastostatics.vibration import SHARED, robot_modes, whole_matrices
-from paminsa_viz.explorer.state.stiffness import ElasticJob, ElasticResult
+from paminsa_viz.explorer.state.stiffness import MODES, ElasticJob, ElasticResult
 from paminsa_viz.model import Limit, PaminsaError
 from paminsa_viz.model.arrays import Array
-
-MODES = 6
-"""Modes that are found."""
 
 
 def analyze_elasticity(job: ElasticJob, _: object) -> ElasticResult:

@@ -13,15 +13,15 @@ from paminsa_viz.elastostatics.stiffness import SHARE_LABELS
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
-from paminsa_viz.explorer.features.stiffness.solving import MODES, analyze_elasticity
+from paminsa_viz.explorer.features.stiffness.solving import analyze_elasticity
 from paminsa_viz.explorer.kit.design_numbers import is_changed, slider
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Entry, Folder, Html
-from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
+from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Entry, Folder, Html
+from paminsa_viz.explorer.kit.inputs import Number, Slider
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.kit.task import NOT_OF_PREVIEW, Follower
 from paminsa_viz.explorer.kit.text import note, render
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.explorer.state.stiffness import CASES, ElasticJob, StiffnessSettings
+from paminsa_viz.explorer.state.stiffness import CASES, MODES, ElasticJob, StiffnessSettings
 from paminsa_viz.model import PARAMETER
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS, SECTION_VALUES
@@ -174,7 +174,7 @@ def result_html(frame: Frame) -> str:
         "stiffness/result.j2", stiffness=stiffness, case=CASES[outcome.job.case][0],
         loaded=result.shares is not None, moved=(1e3 * twist[:3]).tolist(),
         turn=1e3 * float(twist[5]), tilt=1e3 * float(np.hypot(*twist[3:5])), motors=motors,
-        frequencies=result.frequencies, mode=frame.state.stiffness.mode,
+        frequencies=result.frequencies, mode=frame.state.stiffness.settings.mode,
     )  # fmt: skip
 
 
@@ -213,11 +213,15 @@ def _modes(state: State) -> dict[str, int]:
 _setting = SettingInputs("stiffness", "stiffness.settings", StiffnessSettings)
 
 STIFFNESS = (
-    Html("stiffness.result", content=result_html),
-    Dropdown(
-        "stiffness.mode", "Mode", options=_modes, hint="Natural frequency of the animated mode",
-        **attribute("stiffness.mode"),
+    Answer(
+        "stiffness.answer", "Stiffness at the pose", always=True,
+        entries=(
+            Html("stiffness.result", content=result_html),
+            Html("stiffness.shares", content=shares_html),
+            Html("stiffness.sections", content=sections_html, idle=True),
+        ),
     ),
+    _setting("mode", options=_modes),
     layer_switch(
         "stiffness.mode_shape", "mode_shape", "Animate mode",
         "The chosen mode in the scene, enlarged and slowed down",
@@ -231,11 +235,10 @@ STIFFNESS = (
         "stiffness.compliance", "compliance", "Compliance ellipsoid",
         "Displacements by 100 N in every direction",
     ),
-    Html("stiffness.shares", content=shares_html),
     _folder("Material", MATERIAL, opened=False),
     _folder("Drives, motor locked", DRIVE, opened=True),
     _folder(
-        "Tubes", tuple(f"{bar}_{side}" for bar in BARS for side in ("outer", "inner")), opened=True
+        "Tubes", tuple(f"{bar}_{side}" for bar in BARS for side in ("outer", "inner")), opened=False
     ),
     Folder(
         "stiffness.joints", "Joints and guides, 0: rigid", open=False,
@@ -258,7 +261,6 @@ STIFFNESS = (
             _section("torsion", "torsion J", 100.0),
         ),
     ),
-    Html("stiffness.sections", content=sections_html, idle=True),
     ANALYSIS.worker,
 )  # fmt: skip
 """The tab's entries."""

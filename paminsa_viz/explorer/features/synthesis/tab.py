@@ -17,7 +17,7 @@ from paminsa_viz.explorer.features.synthesis.charts import (
     shown_front,
 )
 from paminsa_viz.explorer.kit.chart import chart, chart_clicks
-from paminsa_viz.explorer.kit.entries import Button, Folder, Html, Then
+from paminsa_viz.explorer.kit.entries import Answer, Button, Folder, Html, Then
 from paminsa_viz.explorer.kit.inputs import Pair, Slider
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state.settings import MILLIMETERS, PLAIN
@@ -102,45 +102,53 @@ SYNTHESIZE = (
     _setting(
         "against", options={"nothing": "", **{one.label: key for key, one in OBJECTIVES.items()}}
     ),
-    Folder("synthesize.ranges", "Ranges", entries=RANGES),
+    Folder("synthesize.ranges", "Ranges", entries=RANGES, open=False),
     *map(_setting, ("effort", "seed", "shown")),
     _START,
     _PROGRESS,
     Html("synthesize.best", content=text.best_html),
     replace(_STOP, effect=actions.stop, hint="Ends the search with the best robot so far"),
-    Folder(
-        "synthesize.front", visible=lambda state: shown_front(state) is not None,
+    Answer(
+        "synthesize.answer", "Synthesis",
+        found=lambda state: (
+            None if actions.SEARCH.outcome(state) is None
+            else (actions.SEARCH.outcome(state), actions.PRICES.outcome(state))
+        ),
         entries=(
-            chart("synthesize.chart", shown_front, front_figure, 0.82),
-            Slider(
-                "synthesize.point", "Point", range=_points, step=1.0, undo=False,
-                hint="A robot of the front; click one in the chart",
-                read=lambda state: 1.0 + state.synthesis.point,
-                apply=lambda state, value: actions.choose_point(state, round(value) - 1),
+            Folder(
+                "synthesize.front", visible=lambda state: shown_front(state) is not None,
+                entries=(
+                    chart("synthesize.chart", shown_front, front_figure, 0.82),
+                    Slider(
+                        "synthesize.point", "Point", range=_points, step=1.0, undo=False,
+                        hint="A robot of the front; click one in the chart",
+                        read=lambda state: 1.0 + state.synthesis.point,
+                        apply=lambda state, value: actions.choose_point(state, round(value) - 1),
+                    ),
+                ),
             ),
+            Button(
+                "synthesize.open", "Open as current design", icon=Icon.CHECK,
+                visible=text.has_robot,
+                effect=Then(
+                    actions.open_result,
+                    lambda state: f"“{state.document.design.name}” is the design now, at the "
+                    "middle of its workspace; the one before is the reference. Undo goes back.",
+                ),
+                hint="The design that the search began with becomes the reference; undo goes back",
+            ),
+            Html("synthesize.result", content=text.result_html),
+            *actions.PRICES.buttons(
+                Button(
+                    "synthesize.prices", "What requirements cost", color="gray", undo=False,
+                    effect=actions.PRICES.start, visible=text.has_robot,
+                    hint="Searches again near the answer with each active requirement relaxed and "
+                    "tightened",
+                ),
+            ),
+            Html("synthesize.price_list", content=text.prices_html),
         ),
     ),
-    Html("synthesize.result", content=text.result_html),
-    Button(
-        "synthesize.open", "Open as current design", icon=Icon.CHECK,
-        visible=text.has_robot,
-        effect=Then(
-            actions.open_result,
-            lambda state: f"“{state.document.design.name}” is the design now, at the middle of its "
-            "workspace; the one before is the reference. Undo goes back.",
-            opens="Compare",
-        ),
-        hint="The design that the search began with becomes the reference; undo goes back",
-    ),
-    *actions.PRICES.buttons(
-        Button(
-            "synthesize.prices", "What requirements cost", color="gray", undo=False,
-            effect=actions.PRICES.start, visible=text.has_robot,
-            hint="Searches again near the answer with each active requirement relaxed and "
-            "tightened",
-        ),
-    ),
-    Html("synthesize.price_list", content=text.prices_html),
     actions.SEARCH.worker,
     actions.PRICES.worker,
 )  # fmt: skip

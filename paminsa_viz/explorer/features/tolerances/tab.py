@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.tolerances.actions import DRAW, of_masses
-from paminsa_viz.explorer.kit.entries import Button, Entry, Html
+from paminsa_viz.explorer.kit.entries import Answer, Button, Entry, Html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.tolerances import ToleranceSettings
@@ -51,12 +51,17 @@ _setting = SettingInputs("tolerance", "tolerances.settings", ToleranceSettings)
 TOLERANCES: tuple[Entry, ...] = (
     DRAW.worker,
     _setting("mass"),
-    Html("tolerance.masses", content=masses_html, idle=True),
     _setting("length"),
     Button(
         "tolerance.draw", "Draw robots", effect=DRAW.start, undo=False,
         disabled=DRAW.runs,
         hint="200 robots within the tolerance of lengths, on the map at this θ and z",
     ),
-    Html("tolerance.lengths", content=lengths_html, idle=True),
+    Answer(
+        "tolerance.answer", "Balance within tolerances", found=DRAW.outcome, always=True,
+        entries=(
+            Html("tolerance.masses", content=masses_html, idle=True),
+            Html("tolerance.lengths", content=lengths_html, idle=True),
+        ),
+    ),
 )  # fmt: skip

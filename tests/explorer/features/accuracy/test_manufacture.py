@@ -49,7 +49,7 @@ def test_errors_by_tolerances_are_listed_with_the_tilt(moved: State) -> None:
 def test_bars_are_the_shares_of_the_chosen_coordinate(moved: State) -> None:
     shares = tolerance_errors(APPENDIX_4, POSE).shares
     for index, name in enumerate(robots.NAMES):
-        text = panel.shares_html(compute(moved.updated("monte_carlo", coordinate=index)))
+        text = panel.shares_html(compute(moved.updated("monte_carlo.settings", coordinate=index)))
         assert f"{100 * shares[index].max():.1f} %" in text.partition("</tr>")[0]
         assert text.count("<tr") == (shares[index] >= panel.LEAST_SHARE).sum()
         assert name in text
@@ -114,8 +114,10 @@ def test_too_many_robots_are_a_problem_and_no_failure(moved: State) -> None:
 def test_a_deviation_is_set_in_its_unit_saved_and_tilts_the_platform(moved: State) -> None:
     assert "All legs have" in panel.legs_html(compute(moved))
     entry = deviation()
-    state = entry.apply(moved.updated("monte_carlo", leg=1, length=6), 0.2)  # shaft, mm
-    state = entry.apply(state.updated("monte_carlo", leg=2, length=10), 0.05)  # axis angle, degrees
+    state = entry.apply(moved.updated("monte_carlo.settings", leg=1, length=6), 0.2)  # shaft, mm
+    state = entry.apply(
+        state.updated("monte_carlo.settings", leg=2, length=10), 0.05
+    )  # axis angle, degrees
     design = state.document.design
     assert design.leg2.shaft == pytest.approx(2e-4)
     assert design.leg3.axis_angle == pytest.approx(np.radians(0.05))
@@ -130,7 +132,7 @@ def test_a_deviation_is_set_in_its_unit_saved_and_tilts_the_platform(moved: Stat
 
 
 def test_legs_that_cannot_close_say_so(moved: State) -> None:
-    state = deviation().apply(moved.updated("monte_carlo", leg=0, length=5), 900.0)
+    state = deviation().apply(moved.updated("monte_carlo.settings", leg=0, length=5), 900.0)
     assert "No position with these legs" in panel.legs_html(compute(state))
 
 

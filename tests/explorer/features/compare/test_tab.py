@@ -7,10 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import viser
 from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.features.compare.layers import PinnedDesign
 from paminsa_viz.explorer.features.compare.tab import (
     COMPARE,
     PIN,
@@ -20,6 +23,8 @@ from paminsa_viz.explorer.features.compare.tab import (
     torques_html,
 )
 from paminsa_viz.explorer.kit.design_numbers import is_changed
+from paminsa_viz.explorer.scene.context import SceneContext
+from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETER,
@@ -31,6 +36,7 @@ from paminsa_viz.model import (
     static_torques,
 )
 from tests.support.desk import Desk
+from tests.support.raw_page import RawPage
 
 PANEL = COMPARE
 
@@ -135,3 +141,23 @@ def test_reference_is_pinned_swapped_and_unpinned(desk: Desk) -> None:
     desk.until(lambda: desk.state.document.reference is None)
     desk.until(lambda: tuple(buttons.options) == tuple(PIN))
     desk.until(lambda: cells(torques.content)[0][1] == "App. 4")
+
+
+def test_pinned_design_is_seen_where_its_shape_differs(server: viser.ViserServer) -> None:
+    page = RawPage(server)
+    nodes = page.client.scene._handle_from_node_name
+    view = PinnedDesign(SceneContext(page.client.scene))
+    state = actions.pin_reference(initial_state())
+    view.draw(compute(state), False)
+    assert "/pinned" not in nodes  # the same robot
+    longer = actions.vary(state, {"geometry.coupler_length": 0.5})
+    view.draw(compute(actions.move(longer, x=0.05)), False)
+    assert nodes["/pinned"].visible
+    platform = nodes["/pinned/platform"].position
+    np.testing.assert_allclose(
+        platform, np.array(longer.last_reachable.pose)[[0, 1, 3]] + [0.05, 0, 0]
+    )
+    for other in (actions.unpin_reference(longer), actions.set_layers(longer, pinned_design=False)):
+        view.draw(compute(other), False)
+        assert not nodes["/pinned"].visible
+    page.socket.close()

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.core import actions
-from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore, half_width
+from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore, frame_half
 from paminsa_viz.explorer.features.maps import floor
 from paminsa_viz.explorer.features.maps.floor import FloorMap, floor_image, where_on_floor
 from paminsa_viz.explorer.scene.context import SceneContext
@@ -86,8 +86,9 @@ def desk(server: viser.ViserServer) -> Iterator[Desk]:
 
 
 def test_map_covers_its_extent_on_the_ground_of_either_knee(desk: Desk) -> None:
-    node, side = desk.panel._map, 2 * half_width(APPENDIX_4.geometry)
-    assert node.scale == (side, side, 1.0)
+    node = desk.panel._map
+    side = 2 * frame_half(APPENDIX_4.geometry, *desk.state.document.pose[2:])
+    assert node.scale == pytest.approx((side, side, 1.0))
     ground = layout(APPENDIX_4.geometry).ground
     np.testing.assert_allclose(node.position, (0, 0, ground + floor.ABOVE["map"]))
     desk.dispatch(lambda s: actions.set_knee(s, KneeBranch.UPPER))

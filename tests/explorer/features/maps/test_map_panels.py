@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -28,7 +29,7 @@ from paminsa_viz.plots.ranges import choose_scales
 from paminsa_viz.quantities import QUANTITIES, TORQUES, families
 from tests.support.desk import Desk
 
-PANEL = MapsPanel
+PANEL = partial(MapsPanel, answers=())
 
 
 @pytest.mark.parametrize(

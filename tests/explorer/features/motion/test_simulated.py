@@ -14,9 +14,10 @@ from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.simulated import wanted_pose
 from paminsa_viz.explorer.features.motion import simulation as simulations
+from paminsa_viz.explorer.features.motion.layers import WantedPose
 from paminsa_viz.explorer.scene.bodies import node_name
 from paminsa_viz.explorer.scene.context import SceneContext
-from paminsa_viz.explorer.scene.ghost import OPACITY, WantedPose, translucent
+from paminsa_viz.explorer.scene.ghost import OPACITY, translucent
 from paminsa_viz.explorer.state.simulation import SimulationSettings
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.meshes.bodies import body_glb

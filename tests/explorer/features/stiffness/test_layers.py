@@ -69,7 +69,7 @@ def test_a_new_animation_waits_until_nothing_is_dragged(
     before = scene.nodes[MODE_NODE].glb_data
     scene.show(state, dragging=True)
     assert scene.nodes[MODE_NODE].glb_data == before
-    other = state.updated("stiffness", mode=1)
+    other = state.updated("stiffness.settings", mode=1)
     scene.show(other, dragging=True)
     assert MODE_NODE not in scene.nodes
     scene.show(other)

@@ -1,8 +1,7 @@
-"""Ranges of the joints in the scene, and the pinned design as a ghost."""
+"""Ranges of the joints in the scene."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 
 import numpy as np
@@ -11,11 +10,7 @@ import viser
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer.core import actions
-from paminsa_viz.explorer.core.frame import compute
-from paminsa_viz.explorer.scene.context import SceneContext
-from paminsa_viz.explorer.scene.ghost import PinnedDesign, translucent
-from paminsa_viz.explorer.scene.joint_limits import (
+from paminsa_viz.explorer.features.pose.layers import (
     INNER,
     OUTER,
     JointLimits,
@@ -24,8 +19,7 @@ from paminsa_viz.explorer.scene.joint_limits import (
     sector,
     turning_ranges,
 )
-from paminsa_viz.explorer.state.state import initial_state
-from paminsa_viz.meshes.bodies import body_glb
+from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.model import APPENDIX_4, KneeBranch, inverse_kinematics, measure_singularity
 from paminsa_viz.model.kinematics import AXIS_ANGLES
 from paminsa_viz.model.reach import MARGINS, Limit, home_pose
@@ -106,7 +100,7 @@ def test_needle_is_at_theta_in_its_sector(knee: KneeBranch) -> None:
 def scene(server: viser.ViserServer) -> Iterator[Scene]:
     page = RawPage(server)
     context = SceneContext(page.client.scene)
-    yield Scene(page.client.scene, [JointLimits(context), PinnedDesign(context)])
+    yield Scene(page.client.scene, [JointLimits(context)])
     page.socket.close()
 
 
@@ -118,29 +112,3 @@ def test_limits_are_made_when_shown_and_hidden_again(scene: Scene) -> None:
     assert scene.shown >= names
     scene.draw(layers=[])
     assert not scene.shown & names
-
-
-def test_pinned_design_is_seen_where_its_shape_differs(server: viser.ViserServer) -> None:
-    page = RawPage(server)
-    nodes = page.client.scene._handle_from_node_name
-    view = PinnedDesign(SceneContext(page.client.scene))
-    state = actions.pin_reference(initial_state())
-    view.draw(compute(state), False)
-    assert "/pinned" not in nodes  # the same robot
-    longer = actions.vary(state, {"geometry.coupler_length": 0.5})
-    view.draw(compute(actions.move(longer, x=0.05)), False)
-    assert nodes["/pinned"].visible
-    platform = nodes["/pinned/platform"].position
-    np.testing.assert_allclose(
-        platform, np.array(longer.last_reachable.pose)[[0, 1, 3]] + [0.05, 0, 0]
-    )
-    for other in (actions.unpin_reference(longer), actions.set_layers(longer, pinned_design=False)):
-        view.draw(compute(other), False)
-        assert not nodes["/pinned"].visible
-    page.socket.close()
-
-
-def test_ghost_is_seen_through() -> None:
-    data = translucent(body_glb("platform", APPENDIX_4.geometry, fine=False))
-    tree = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
-    assert all(material["alphaMode"] == "BLEND" for material in tree["materials"])
