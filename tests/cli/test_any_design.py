@@ -50,7 +50,7 @@ def attempt(command: str) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=6, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=12, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(design=edge_designs() | edge_designs(LENGTHS))
 @example(design=APPENDIX_4.vary({"geometry.shaft_length": 0.0}))
 @example(design=APPENDIX_4.vary({"geometry.platform_radius": 0.35}))

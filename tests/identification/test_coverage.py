@@ -15,17 +15,17 @@ from tests.support.identification_logs import simulated
 
 DESIGN = replace(APPENDIX_4, friction=Friction(0.3, 0.4, 20.0, 8.0))
 QUICK = IdentificationSettings(robustness=False)
-MOTIONS, NOISES = 10, 12
+MOTIONS, NOISES = 10, 30
 RATE = 100.0
 """Samples a second. The noise is correlated over 20 ms, two samples, and the filter passes 10 Hz:
 more samples cost time and say nothing else about intervals."""
 
-SEARCHED = 3
-"""Logs of each motion that are searched for causes: 30 in all."""
+SEARCHED = 5
+"""Logs of each motion that are searched for causes: 50 in all."""
 
 
 class Study(NamedTuple):
-    """Estimates of all logs: errors over half widths (120, p), z of the identity, logs accused."""
+    """Estimates of all logs: errors over half widths (300, p), z of the identity, logs accused."""
 
     errors: Any
     z: Any

@@ -69,7 +69,7 @@ def test_pages_that_come_and_go_leave_no_file_open(monkeypatch: pytest.MonkeyPat
         for _ in range(2):
             visit()
         before = open_files()
-        for _ in range(3):
+        for _ in range(6):
             visit()
         eventually(lambda: open_files() <= before + 2)  # fonts that no thread uses any more
     finally:
