@@ -139,6 +139,7 @@ def tab(one_tab: Tab) -> Tab:
     one_tab.page.bring_to_front()
     # What the page has said of its tabs it does not say again.
     one_tab.session.dispatch("test", lambda s: replace(initial_state(), workspace=s.workspace))
+    until(lambda: not one_tab.state.workspaces, "the state is as at the start")
     one_tab.open_tab("Pose")
     until(
         lambda: at_start(one_tab.state) and one_tab.handle("x  [mm]").value == 0,
