@@ -165,7 +165,7 @@ def take(browser: Any, app: App, name: str) -> None:
     prepare, options, height, panel = PICTURES[name]
     context = browser.new_context(viewport={"width": WIDTH, "height": height}, **options)
     try:
-        tab = Tab(context.new_page(), app)
+        tab = Tab(context.new_page(), app, drawn=True)
         tab.wait_frames(3000)
         notice = tab.page.locator("[class*=Notification] button")  # of drawing in software
         if notice.count():

@@ -23,6 +23,8 @@ from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 
+DRAWN = True  # pictures of the view are looked at
+
 
 def download(tab: Tab, click: Callable[[], Any]) -> tuple[str, bytes]:
     """Click something and return the name and the content of the file that comes down."""

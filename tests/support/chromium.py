@@ -32,7 +32,9 @@ FLAGS = [
     "--disable-sync",
 ]
 
-FLAGS_OF_TESTS = ["--webgl-msaa-sample-count=0", "--disable-gpu-rasterization"]
+FLAGS_OF_TESTS = [
+    "--webgl-msaa-sample-count=0", "--disable-gpu-rasterization", "--disable-gpu-compositing",
+]  # fmt: skip
 """Less work where edges need not be smooth, and the processor stands for the graphics card."""
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
@@ -57,6 +59,14 @@ NODE_PLACE = """name => {
   return node ? node.position.toArray().concat(node.quaternion.toArray()) : null;
 }"""
 
+
+UNDRAWN = """(() => {
+  const draws = Object.getOwnPropertyNames(WebGL2RenderingContext.prototype)
+    .filter((name) => /^draw(Arrays|Elements|RangeElements)/.test(name));
+  for (const name of draws) WebGL2RenderingContext.prototype[name] = () => {};
+})()"""
+"""Leaves the 3D view empty, without a graphics card most of a page's work. All else is as it is:
+nodes, shaders, clicks, which viser finds by rays, and how often it draws."""
 
 CLOSE_NOTICE = "document.querySelector('#webgl-software-rendering button')?.click()"
 """Closes viser's notice of software WebGL, which would stay over the view."""
@@ -108,11 +118,16 @@ class Tab:
         app: As above.
         pixel_ratio: Pixels of the 3D view for one of the page's.
         link: What follows the # of the address.
+        drawn: Whether the 3D view is drawn, for tests that look at its picture.
     """
 
-    def __init__(self, page: Any, app: Any, pixel_ratio: float = 1, link: str = "") -> None:
+    def __init__(
+        self, page: Any, app: Any, pixel_ratio: float = 1, link: str = "", *, drawn: bool = False
+    ) -> None:
         self.page, self.app = page, app
         self.errors = watch_errors(page)
+        if not drawn:
+            page.add_init_script(UNDRAWN)
         page.set_default_timeout(1000 * TIMEOUT)
         self._load(lambda: page.goto(f"{app.url}?fixedDpr={pixel_ratio}#{link}".rstrip("#")))
 

@@ -89,13 +89,14 @@ def tabs_of(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
         context: Any = None,
         pixel_ratio: float = 1,
         link: str = "",
+        drawn: bool = False,
     ) -> Tab:
         if context is None:
             context = browser.new_context(
                 viewport={"width": width, "height": height}, accept_downloads=True
             )
             contexts.append(context)
-        tabs.append(Tab(context.new_page(), app, pixel_ratio, link))
+        tabs.append(Tab(context.new_page(), app, pixel_ratio, link, drawn=drawn))
         return tabs[-1]
 
     try:
@@ -117,10 +118,10 @@ def open_tab(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
 
 
 @pytest.fixture(scope="module")
-def one_tab(browser: Any, app: Any) -> Iterator[Tab]:
-    """A tab that the tests of a module share."""
+def one_tab(browser: Any, app: Any, request: pytest.FixtureRequest) -> Iterator[Tab]:
+    """A tab that the tests of a module share; its view is drawn where the module is ``DRAWN``."""
     with tabs_of(browser, app) as start:
-        yield start()
+        yield start(drawn=getattr(request.module, "DRAWN", False))
 
 
 @pytest.fixture

@@ -1,4 +1,5 @@
-"""How property tests draw examples, which tests run side by side, and what every room can use.
+"""How property tests draw examples, which tests run side by side, what they cost, and what every
+room can use.
 
 The profile ``suite`` draws the same examples on every run, so that a failure can be repeated and a
 pass means the same everywhere. ``pytest --hypothesis-profile explore`` draws many new ones.
@@ -44,8 +45,10 @@ def mujoco() -> Any:
 @pytest.fixture
 def report_of_the_motion(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out of reports what takes long and does not depend on the motion."""
-    from paminsa_viz.report import page
+    from paminsa_viz.report import page, requirements_section
     from paminsa_viz.report.blocks import Section
+
+    monkeypatch.setattr(requirements_section, "TIME_LIMIT", 0.2)
 
     for key in ("workspace", "maps", "forces", "stiffness", "accuracy"):
         monkeypatch.setattr(page, f"{key}_section", lambda _, key=key: Section(key, key, ()))
@@ -66,6 +69,38 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker("slow")
     long_files = {item.path for item in items if item.get_closest_marker("slow")}
     items.sort(key=lambda item: (not _is_page(item.nodeid), item.path not in long_files))
+
+
+_STARTED = pytest.StashKey[float]()
+_COST = "processor_s"
+
+
+def _processor_time() -> float:
+    """Time of this process and of those that it has waited for [s]; a browser is none of them."""
+    return sum(os.times()[:4])
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Note when a test begins."""
+    item.stash[_STARTED] = _processor_time()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> None:
+    """Note what a test has cost, in the report of its end, which comes from every worker."""
+    if call.when == "teardown":
+        item.user_properties.append((_COST, _processor_time() - item.stash[_STARTED]))
+
+
+def pytest_terminal_summary(terminalreporter: Any) -> None:
+    """Print the list price: how many tests there are of each kind, and what they cost."""
+    cost: dict[str, list[float]] = {"not slow": [], "slow": []}
+    for report in terminalreporter.getreports(""):
+        kind = "slow" if "slow" in report.keywords else "not slow"
+        cost[kind] += [value for name, value in report.user_properties if name == _COST]
+    said = [f"{len(each)} {kind} {sum(each):.0f} s" for kind, each in cost.items()]
+    terminalreporter.write_line(f"processor time, without that of browsers: {', '.join(said)}")
 
 
 def _is_page(nodeid: str) -> bool:
