@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import islice
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from paminsa_viz.actuation.duty import Duty, duty_cycle
 from paminsa_viz.actuation.polytope import wrench_polytope
 from paminsa_viz.actuation.selection import DriveFigures, size_design
 from paminsa_viz.actuation.wrench_capability import actuator_limits, capability
-from paminsa_viz.errors import PaminsaError
+from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
@@ -94,10 +93,15 @@ def index_table(design: Design, pose: Array, keys: Sequence[str], about: str = "
     """Return quantities at a pose (4,) and their global indices over the default region."""
     region = default_region(design)
     over, here = RegionResults(design, region), solve_field(design.geometry, Grid.over(pose))
-    indices = iter([metric.value(over) for metric in global_indices(keys)])
-    rows = []
+    rows: list[Row] = []
+    without: dict[str, str] = {}
     for quantity in find(keys):
-        values = (float(quantity.over(here, design)), *islice(indices, 3))
+        try:
+            indices = [metric.value(over) for metric in global_indices([quantity.key])]
+            values = [float(quantity.over(here, design)), *indices]
+        except InvalidInput as error:  # a design that is none for this quantity
+            values = [math.nan] * 4
+            without[quantity.symbol] = str(error)
         cells = (format_value(value, quantity.unit) for value in values)
         rows.append(Row((quantity.symbol, quantity.title, *cells)))
     heights = ", ".join(format_value(z, "m") for z in region.z)
@@ -107,6 +111,9 @@ def index_table(design: Design, pose: Array, keys: Sequence[str], about: str = "
         f"that can be reached within {format_value(region.radius, 'm')} of the axis at θ {angles} "
         f"and z {heights}."
     )
+    for reason in dict.fromkeys(without.values()):
+        symbols = [symbol for symbol in without if without[symbol] == reason]
+        caption += f" {', '.join(symbols)}: no value, {reason}."
     head = ("Symbol", "Quantity", "Here", "Mean", "Least", "Spread")
     return Table(head, tuple(rows), caption, words=2)
 

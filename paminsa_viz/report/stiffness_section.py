@@ -15,6 +15,7 @@ from paminsa_viz.elastostatics.stiffness import (
     strain_shares,
 )
 from paminsa_viz.elastostatics.vibration import robot_modes
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
@@ -127,7 +128,10 @@ def _directions(design: Design, found: PlatformStiffness) -> list[Block]:
 
 def _vibration(design: Design, pose: Array, *, shear: bool) -> list[Block]:
     """Return the natural frequencies of the whole robot and with elastic drives alone."""
-    modes = robot_modes(design, pose, MODES, shear=shear)
+    try:
+        modes = robot_modes(design, pose, MODES, shear=shear)
+    except InvalidInput as error:  # of a bar, which stiffness at rest does without
+        return [Note(f"There are no natural frequencies: {error}.", "warn")]
     if not modes.stable:
         text = "Weight and load push the platform away harder than drives and bars hold it"
         return [Note(f"{text}: there are no natural frequencies.", "warn")]

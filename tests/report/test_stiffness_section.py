@@ -84,3 +84,13 @@ def test_singular_pose_has_a_reason() -> None:
     assert len(tables) == 1
     assert "singular" in note.text
     assert note.kind == "warn"
+
+
+def test_a_bar_without_length_has_no_frequencies_and_all_else() -> None:
+    design = APPENDIX_4.vary({"geometry.shaft_length": 0.0})
+    tables, notes = section(design, (0.0, 0.0, 0.0, -0.5))
+    assert "geometry.shaft_length: a bar without length" in notes[-1].text
+    indices = next(table for table in tables if "Mean" in table.head)
+    without = [row.cells[0] for row in indices.rows if set(row.cells[2:]) == {NONE}]
+    assert 0 < len(without) < len(indices.rows)
+    assert f"{', '.join(without)}: no value, geometry.shaft_length" in indices.caption
