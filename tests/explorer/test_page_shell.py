@@ -209,7 +209,10 @@ def test_workspaces_open_by_key_and_are_found_again_as_they_were_left(
 def test_tabs_that_an_earlier_page_has_kept_open(open_tab: Callable[..., Tab]) -> None:
     tab = open_tab()
     kept = f"sessionStorage.setItem('{STORE_KEY}_tabs', JSON.stringify(['Identify', 'Single map']))"
-    tab.page.evaluate(f"() => {{ window.paminsa.stop(); {kept}; }}")  # nothing is kept over it
+    tab.wait_saved()
+    # Nothing is kept over it, and that page knew no workspaces.
+    forget = f"sessionStorage.removeItem('{STORE_KEY}')"
+    tab.page.evaluate(f"() => {{ window.paminsa.stop(); {kept}; {forget}; }}")
     tab.reload()
     for name in ("Built", "Logs", "Single map"):
         found = tab.page.get_by_role("tab", name=name, exact=True)

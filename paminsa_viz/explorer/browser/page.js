@@ -133,10 +133,14 @@
     const paths = new Map(tabs().map((tab) => [tab, pathOf(tab)]));
     const open = [...paths.keys()].filter(isOpen);
     const seen = open.filter((tab) => tab.getClientRects().length).map((tab) => paths.get(tab));
-    if (String(seen) !== reportedTabs && send("tabs", seen)) reportedTabs = String(seen);
     const found = [...paths.keys()].filter((tab) => wanted.includes(paths.get(tab)));
-    for (const tab of found.filter((each) => !isOpen(each)))
+    const closed = found.filter((each) => !isOpen(each));
+    for (const tab of closed)
       tab.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", bubbles: true }));
+    // What a row opens by itself is no choice: the server would go to that workspace, and then
+    // open in the dock what the next one begins with.
+    if (!closed.length && String(seen) !== reportedTabs && send("tabs", seen))
+      reportedTabs = String(seen);
     const opened = new Set(found.filter(isOpen).map((tab) => paths.get(tab)));
     wanted = wanted.filter((path) => !opened.has(path)).slice(-MOST_KEPT);
     if (!isWhole) return; // rows are still to come, and open their first tab
