@@ -1,3 +1,3 @@
 """Loads what the tests share."""
 
-pytest_plugins = ["tests.support.plugin", "tests.support.page"]
+pytest_plugins = ["pytester", "tests.support.page", "tests.support.plugin"]

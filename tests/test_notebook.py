@@ -97,7 +97,7 @@ def test_robot_and_motion_are_drawn_in_a_notebooks_page(browser, motion, tmp_pat
     path = tmp_path / "notebook.html"
     shown = robot_view(APPENDIX_4, POSE)._repr_html_() + motion_view(motion)._repr_html_()
     path.write_text(f'<meta charset="utf-8"><body>{shown}', encoding="utf-8")
-    page = browser.new_page()
+    page = browser.new_context().new_page()
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
     wrong: list[str] = []

@@ -233,7 +233,7 @@ def test_browser_shows_and_prints_the_report_without_requests(
 ) -> None:
     path = tmp_path / "report.html"
     path.write_text(report, encoding="utf-8")
-    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    page = browser.new_context(viewport={"width": 1280, "height": 900}).new_page()
     asked: list[str] = []
     said: list[str] = []
     page.on("request", lambda request: asked.append(request.url))

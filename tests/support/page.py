@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -62,21 +62,55 @@ def app() -> Iterator[Any]:
     running.stop()
 
 
+opened = 0
+"""How many pages of browsers the tests of this process have opened."""
+
+
+def _count(page: Any) -> None:
+    global opened
+    opened += 1
+
+
+class Browser:
+    """A browser that is started when a page is wanted, and again if it has died.
+
+    Args:
+        start: Starts one.
+    """
+
+    def __init__(self, start: Callable[[], Any]) -> None:
+        self._start = start
+        self._running: Any = None
+
+    def new_context(self, **options: Any) -> Any:
+        """Return what pages share that know nothing of others."""
+        if self._running is None or not self._running.is_connected():
+            self._running = self._start()
+        context = self._running.new_context(**options)
+        context.on("page", _count)
+        return context
+
+    def close(self) -> None:
+        """End it, with all of its pages."""
+        if self._running is not None:
+            self._running.close()
+
+
 @pytest.fixture(scope="session")
-def browser() -> Iterator[Any]:
+def browser() -> Iterator[Browser]:
     """A headless browser that spares the processor, which has to draw the 3D view too."""
     from tests.support.chromium import FLAGS, FLAGS_OF_TESTS, browser_path
 
     playwright = pytest.importorskip("playwright.sync_api")
-    path = browser_path()
+    options = {"executable_path": browser_path(), "args": [*FLAGS, *FLAGS_OF_TESTS]}
     with playwright.sync_playwright() as driver:
-        chromium = driver.chromium.launch(executable_path=path, args=[*FLAGS, *FLAGS_OF_TESTS])
-        yield chromium
-        chromium.close()
+        one = Browser(lambda: driver.chromium.launch(**options))
+        yield one
+        one.close()
 
 
 @contextmanager
-def tabs_of(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
+def tabs_of(browser: Browser, app: Any) -> Iterator[Callable[..., Tab]]:
     """Return a function that opens a tab; at the end nothing may have gone wrong in any page."""
     from tests.support.chromium import Tab
 
@@ -111,22 +145,63 @@ def tabs_of(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
 
 
 @pytest.fixture
-def open_tab(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
+def open_tab(browser: Browser, app: Any) -> Iterator[Callable[..., Tab]]:
     """A function that opens a tab for one test: a page that stays open goes on drawing."""
     with tabs_of(browser, app) as start:
         yield start
 
 
+class SharedTab:
+    """A tab that tests share, opened when the first of them wants it.
+
+    Args:
+        browser: Where.
+        app: The explorer.
+        drawn: Whether the 3D view is drawn.
+    """
+
+    def __init__(self, browser: Browser, app: Any, drawn: bool) -> None:
+        self._browser, self._app, self._drawn = browser, app, drawn
+        self._held = ExitStack()
+        self._tab: Tab | None = None
+
+    def get(self, *, new: bool) -> Tab:
+        """Return the tab, or a new one in its place: the old one may have died."""
+        if new:
+            with suppress(Exception):  # the test that has failed has said why
+                self.close()
+        if self._tab is None:
+            start = self._held.enter_context(tabs_of(self._browser, self._app))
+            self._tab = start(drawn=self._drawn)
+        return self._tab
+
+    def close(self) -> None:
+        """Close the tab; nothing may have gone wrong in it."""
+        self._tab = None
+        self._held.close()
+
+
 @pytest.fixture(scope="module")
-def one_tab(browser: Any, app: Any, request: pytest.FixtureRequest) -> Iterator[Tab]:
+def shared_tab(browser: Browser, app: Any, request: pytest.FixtureRequest) -> Iterator[SharedTab]:
     """A tab that the tests of a module share; its view is drawn where the module is ``DRAWN``."""
-    with tabs_of(browser, app) as start:
-        yield start(drawn=getattr(request.module, "DRAWN", False))
+    shared = SharedTab(browser, app, getattr(request.module, "DRAWN", False))
+    yield shared
+    shared.close()
 
 
 @pytest.fixture
-def tab(one_tab: Tab) -> Tab:
-    """The shared tab, as it was at the start."""
+def tab(shared_tab: SharedTab, request: pytest.FixtureRequest) -> Iterator[Tab]:
+    """The shared tab, as it was at the start; after a test that failed it is a new one."""
+    tab = shared_tab.get(new=getattr(request.node, "execution_count", 1) > 1)
+    _reset(tab)
+    yield tab
+    errors = tab.errors.copy()
+    tab.errors.clear()
+    assert errors == []
+
+
+def _reset(tab: Tab) -> None:
+    """Bring a tab back to the start by what a person could do, and wait for it."""
     from paminsa_viz.explorer.state.state import initial_state
     from tests.support.chromium import until
 
@@ -136,14 +211,13 @@ def tab(one_tab: Tab) -> Tab:
         computed = {"stiffness": first.stiffness, "clearance": first.clearance}
         return replace(state, **computed) == first
 
-    one_tab.page.bring_to_front()
+    tab.page.bring_to_front()
     # What the page has said of its tabs it does not say again.
-    one_tab.session.dispatch("test", lambda s: replace(initial_state(), workspace=s.workspace))
-    until(lambda: not one_tab.state.workspaces, "the state is as at the start")
-    one_tab.open_tab("Pose")
+    tab.session.dispatch("test", lambda s: replace(initial_state(), workspace=s.workspace))
+    until(lambda: not tab.state.workspaces, "the state is as at the start")
+    tab.open_tab("Pose")
     until(
-        lambda: at_start(one_tab.state) and one_tab.handle("x  [mm]").value == 0,
+        lambda: at_start(tab.state) and tab.handle("x  [mm]").value == 0,
         "the tab is as at the start",
     )
-    one_tab.page.wait_for_timeout(200)
-    return one_tab
+    tab.page.wait_for_timeout(200)

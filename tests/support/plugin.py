@@ -16,6 +16,8 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.support import page
+
 # before numpy is imported: threads of small linear algebra wait for each other, and for those of
 # the tests on the other cores
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -62,17 +64,23 @@ def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Figure, "svg", b"")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Run long tests first, those in a browser before all: at the end no worker waits for one."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Run long tests first, those in a browser before all: at the end no worker waits for one.
+
+    A browser's test that fails runs once more, but in a debugger; the summary names it.
+    """
     for item in items:
         if item.get_closest_marker("browser"):
             item.add_marker("slow")
+            if not config.getoption("usepdb"):
+                item.add_marker(pytest.mark.flaky(reruns=1))
     long_files = {item.path for item in items if item.get_closest_marker("slow")}
     items.sort(key=lambda item: (not _is_page(item.nodeid), item.path not in long_files))
 
 
-_STARTED = pytest.StashKey[float]()
+_STARTED = pytest.StashKey[tuple[float, int]]()
 _COST = "processor_s"
+_PAGES = "pages"
 
 
 def _processor_time() -> float:
@@ -82,25 +90,41 @@ def _processor_time() -> float:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Note when a test begins."""
-    item.stash[_STARTED] = _processor_time()
+    """Note when a try of a test begins."""
+    item.user_properties[:] = [one for one in item.user_properties if one[0] not in (_COST, _PAGES)]
+    item.stash[_STARTED] = _processor_time(), page.opened
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> None:
     """Note what a test has cost, in the report of its end, which comes from every worker."""
     if call.when == "teardown":
-        item.user_properties.append((_COST, _processor_time() - item.stash[_STARTED]))
+        started, pages = item.stash[_STARTED]
+        item.user_properties.append((_COST, _processor_time() - started))
+        item.user_properties.append((_PAGES, page.opened - pages))
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    """Print the list price: how many tests there are of each kind, and what they cost."""
-    cost: dict[str, list[float]] = {"not slow": [], "slow": []}
+    """Print the list price, of each kind of tests, and what passed only when run again, and why."""
+    cost: dict[str, dict[str, float]] = {"not slow": {}, "slow": {}}
+    pages = 0
     for report in terminalreporter.getreports(""):
-        kind = "slow" if "slow" in report.keywords else "not slow"
-        cost[kind] += [value for name, value in report.user_properties if name == _COST]
-    said = [f"{len(each)} {kind} {sum(each):.0f} s" for kind, each in cost.items()]
+        noted = dict(report.user_properties)
+        if _COST in noted:
+            tests = cost["slow" if "slow" in report.keywords else "not slow"]
+            tests[report.nodeid] = tests.get(report.nodeid, 0) + noted[_COST]
+            pages += noted[_PAGES]
+    said = [f"{len(each)} {kind} {sum(each.values()):.0f} s" for kind, each in cost.items()]
     terminalreporter.write_line(f"processor time, without that of browsers: {', '.join(said)}")
+    terminalreporter.write_line(f"pages opened in a browser: {pages}")
+    lost = {one.nodeid for kind in ("failed", "error") for one in terminalreporter.getreports(kind)}
+    for first in terminalreporter.getreports("rerun"):
+        if first.nodeid not in lost:
+            crash = getattr(first.longrepr, "reprcrash", None)
+            reason = crash.message if crash else str(first.longrepr)
+            terminalreporter.write_line(
+                f"passed only when run again: {first.nodeid}: {reason.splitlines()[0]}", yellow=True
+            )
 
 
 def _is_page(nodeid: str) -> bool:
