@@ -113,15 +113,15 @@ def test_theme_is_the_browsers_until_one_is_chosen_and_that_of_the_first_picture
     assert tab.errors == []
 
 
-def test_contrast_names_and_roles(open_tab: Callable[..., Tab]) -> None:
+def test_contrast_names_and_roles(tab: Tab, request: pytest.FixtureRequest) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
-    tab = open_tab()
     page = tab.page
     until(lambda: {"Answer", "View"} <= set(tabs(tab)), "all tabs")  # a busy browser is late
     names = [one.name for one in sections().values()]
     for name in (*names, "Single map", "Motion plots", "Answer", "View", "File"):
         tab.open_tab(name)  # what it holds is made when it is first opened
-    page.add_style_tag(content=ALL_TABS)
+    style = page.add_style_tag(content=ALL_TABS)
+    request.addfinalizer(lambda: style.evaluate("style => style.remove()"))
     page.set_viewport_size({"width": 1280, "height": 8000})  # only what is on the page is checked
     page.evaluate(axe.axe_script)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -139,8 +139,7 @@ def test_slow_browser_behind_a_slow_line_gets_a_whole_page(late_page: Any, app: 
     assert tab.state.docks == Docks()
 
 
-def test_browser_tab_is_named_after_the_design(open_tab: Callable[..., Tab]) -> None:
-    tab = open_tab()
+def test_browser_tab_is_named_after_the_design(tab: Tab) -> None:
     name = tab.state.document.design.name
     until(lambda: tab.page.title() == f"{name} - PAMINSA explorer", "the design's name")
     tab.dispatch(lambda state: actions.vary(state, {"geometry.base_radius": 0.3}))

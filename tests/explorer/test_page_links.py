@@ -36,8 +36,7 @@ def wait_followed(tab: Tab) -> None:
     until(lambda: address(tab) == tab.state.document, "the address follows the work")
 
 
-def test_copied_link_opens_the_design_elsewhere(open_tab: Callable[..., Tab]) -> None:
-    tab = open_tab()
+def test_copied_link_opens_the_design_elsewhere(tab: Tab, open_tab: Callable[..., Tab]) -> None:
     tab.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     tab.dispatch(lambda state: replace(state, document=OTHER))
     tab.open_tab("File")
@@ -56,9 +55,8 @@ def test_copied_link_opens_the_design_elsewhere(open_tab: Callable[..., Tab]) ->
 
 
 def test_address_follows_the_work_and_a_reload_keeps_more_than_it_says(
-    open_tab: Callable[..., Tab],
+    tab: Tab, open_tab: Callable[..., Tab]
 ) -> None:
-    tab = open_tab()
     tab.press("x  [mm]", "ArrowRight", 3)
     tab.dispatch(lambda state: actions.set_layers(state, path=False))
     tab.wait_saved()

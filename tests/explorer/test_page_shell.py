@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -61,8 +60,7 @@ def searching(state: State) -> State:
     return replace(state, ended=(SEARCH.place.path,))
 
 
-def test_search_that_a_reload_has_ended_is_offered_again(open_tab: Callable[..., Tab]) -> None:
-    tab = open_tab()
+def test_search_that_a_reload_has_ended_is_offered_again(tab: Tab) -> None:
     tab.dispatch(searching)
     tab.wait_saved()
     tab.reload()
@@ -75,9 +73,9 @@ def test_search_that_a_reload_has_ended_is_offered_again(open_tab: Callable[...,
 
 
 def test_undo_by_key_in_a_box_whose_number_was_taken_and_by_buttons(
-    open_tab: Callable[..., Tab],
+    tab: Tab,
 ) -> None:
-    tab = open_tab()
+    tab.reload()  # nothing is to be undone
     undo = tab.page.get_by_role("button", name="Undo", exact=True)
     redo = tab.page.get_by_role("button", name="Redo", exact=True)
     assert undo.is_disabled()
@@ -96,8 +94,7 @@ def test_undo_by_key_in_a_box_whose_number_was_taken_and_by_buttons(
     tab.wait_pose(0, 0.031)
 
 
-def test_reload_opens_inner_tabs_by_their_place(open_tab: Callable[..., Tab]) -> None:
-    tab = open_tab()
+def test_reload_opens_inner_tabs_by_their_place(tab: Tab) -> None:
     tab.open_tab("Errors")
     tab.page.get_by_role("tab", name="Manufacture", exact=True).click()
     tab.wait_frames(600)
@@ -124,8 +121,8 @@ VIEW = """() => {
 }"""
 
 
-def test_docks_follow_the_window(open_tab: Callable[..., Tab]) -> None:
-    tab = open_tab(1400, 900)
+def test_docks_follow_the_window(tab: Tab) -> None:
+    tab.page.set_viewport_size({"width": 1400, "height": 900})
     until(lambda: tab.page.evaluate(VIEW) >= 0.45, "the view has its share")
     for width, height in ((900, 700), (1400, 900), (1120, 720)):  # the last as with 125 % zoom
         tab.page.set_viewport_size({"width": width, "height": height})
@@ -176,10 +173,9 @@ def test_lost_server_is_said_in_words(browser: Any) -> None:
         context.close()
 
 
-def test_workspaces_open_by_key_and_are_found_again_as_they_were_left(
-    open_tab: Callable[..., Tab],
-) -> None:
-    tab = open_tab(1400, 900)
+def test_workspaces_open_by_key_and_are_found_again_as_they_were_left(tab: Tab) -> None:
+    tab.page.set_viewport_size({"width": 1400, "height": 900})
+    tab.open_workspace("Robot")
     tab.page.locator("canvas[data-engine]").click(position={"x": 300, "y": 560})
     tab.page.keyboard.press("Control+2")
     until(lambda: tab.state.workspace == "Motion", "the second workspace")
@@ -206,8 +202,7 @@ def test_workspaces_open_by_key_and_are_found_again_as_they_were_left(
         until(lambda t=found: t.get_attribute("aria-selected") == "true", f"{name} is open")
 
 
-def test_tabs_that_an_earlier_page_has_kept_open(open_tab: Callable[..., Tab]) -> None:
-    tab = open_tab()
+def test_tabs_that_an_earlier_page_has_kept_open(tab: Tab) -> None:
     kept = f"sessionStorage.setItem('{STORE_KEY}_tabs', JSON.stringify(['Identify', 'Single map']))"
     tab.wait_saved()
     # Nothing is kept over it, and that page knew no workspaces.

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from paminsa_viz.explorer.browser.tour import STEPS
-from tests.support.chromium import until
+from tests.support.chromium import UNDRAWN, until
 
 pytestmark = pytest.mark.browser
 
@@ -17,6 +17,7 @@ def newcomer(browser: Any, app: Any) -> Any:
     """The page of a newcomer; not one for reproducible pictures, where no tour starts."""
     context = browser.new_context(viewport={"width": 1280, "height": 720})
     page = context.new_page()
+    page.add_init_script(UNDRAWN)
     page.set_default_timeout(60_000)
     page.goto(app.url)
     page.get_by_test_id("tour").wait_for()

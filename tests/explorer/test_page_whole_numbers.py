@@ -203,9 +203,8 @@ def connected_again(tab: Tab, label: str) -> None:
     ids=["hidden after a key", "made again after a few", "connected again after a key"],
 )
 def test_number_goes_on_in_the_box_that_replaces_its_own(
-    open_tab: Callable[..., Tab], replace: Replace, label: str, after: int
+    tab: Tab, replace: Replace, label: str, after: int
 ) -> None:
-    tab = open_tab()
     if label != X:
         tab.session.client.gui.add_number(label, 0.0)
         until(lambda: tab.element(label).count(), "the box")
@@ -222,10 +221,11 @@ def test_number_goes_on_in_the_box_that_replaces_its_own(
     until(lambda: tab.handle(label).value == float(text), "the number arrives")
     if label == X:
         tab.wait_pose(0, -0.03325)
+    else:
+        tab.handle(label).remove()
 
 
-def test_page_says_that_a_number_has_no_box_any_more(open_tab: Callable[..., Tab]) -> None:
-    tab = open_tab()
+def test_page_says_that_a_number_has_no_box_any_more(tab: Tab) -> None:
     spare = tab.session.client.gui.add_number("spare", 0.0)
     until(lambda: tab.element("spare").count(), "the box")
     tab.element("spare").click()

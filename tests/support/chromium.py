@@ -63,10 +63,15 @@ NODE_PLACE = """name => {
 UNDRAWN = """(() => {
   const draws = Object.getOwnPropertyNames(WebGL2RenderingContext.prototype)
     .filter((name) => /^draw(Arrays|Elements|RangeElements)/.test(name));
-  for (const name of draws) WebGL2RenderingContext.prototype[name] = () => {};
+  for (const name of draws) {
+    const draw = WebGL2RenderingContext.prototype[name];
+    WebGL2RenderingContext.prototype[name] = function (...rest) {
+      if (window.drawn) draw.apply(this, rest);
+    };
+  }
 })()"""
-"""Leaves the 3D view empty, without a graphics card most of a page's work. All else is as it is:
-nodes, shaders, clicks, which viser finds by rays, and how often it draws."""
+"""Leaves the 3D view empty until ``drawn`` is set, without a graphics card most of a page's work.
+All else is as it is: nodes, shaders, clicks, which viser finds by rays, and how often it draws."""
 
 CLOSE_NOTICE = "document.querySelector('#webgl-software-rendering button')?.click()"
 """Closes viser's notice of software WebGL, which would stay over the view."""
@@ -134,6 +139,10 @@ class Tab:
             page.add_init_script(UNDRAWN)
         page.set_default_timeout(1000 * TIMEOUT)
         self._load(lambda: page.goto(f"{app.url}?fixedDpr={pixel_ratio}#{link}".rstrip("#")))
+
+    def set_drawn(self, drawn: bool) -> None:
+        """Draw the 3D view from now on, or leave it empty."""
+        self.page.evaluate("drawn => { window.drawn = drawn; }", drawn)
 
     def open_link(self, link: str) -> None:
         """Load the page by a link, in a new session; from elsewhere, so that it is loaded."""

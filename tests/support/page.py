@@ -50,7 +50,7 @@ def scene(server: viser.ViserServer) -> Iterator[Scene]:
     page.socket.close()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def app() -> Iterator[Any]:
     """An explorer on any free port."""
     from paminsa_viz.app import App, AppOptions
@@ -61,6 +61,8 @@ def app() -> Iterator[Any]:
     yield running
     running.stop()
 
+
+WINDOW = {"width": 1280, "height": 720}
 
 opened = 0
 """How many pages of browsers the tests of this process have opened."""
@@ -123,14 +125,12 @@ def tabs_of(browser: Browser, app: Any) -> Iterator[Callable[..., Tab]]:
         context: Any = None,
         pixel_ratio: float = 1,
         link: str = "",
-        drawn: bool = False,
     ) -> Tab:
         if context is None:
-            context = browser.new_context(
-                viewport={"width": width, "height": height}, accept_downloads=True
-            )
+            viewport = {"width": width, "height": height}
+            context = browser.new_context(viewport=viewport, accept_downloads=True)
             contexts.append(context)
-        tabs.append(Tab(context.new_page(), app, pixel_ratio, link, drawn=drawn))
+        tabs.append(Tab(context.new_page(), app, pixel_ratio, link))
         return tabs[-1]
 
     try:
@@ -157,11 +157,10 @@ class SharedTab:
     Args:
         browser: Where.
         app: The explorer.
-        drawn: Whether the 3D view is drawn.
     """
 
-    def __init__(self, browser: Browser, app: Any, drawn: bool) -> None:
-        self._browser, self._app, self._drawn = browser, app, drawn
+    def __init__(self, browser: Browser, app: Any) -> None:
+        self._browser, self._app = browser, app
         self._held = ExitStack()
         self._tab: Tab | None = None
 
@@ -171,8 +170,7 @@ class SharedTab:
             with suppress(Exception):  # the test that has failed has said why
                 self.close()
         if self._tab is None:
-            start = self._held.enter_context(tabs_of(self._browser, self._app))
-            self._tab = start(drawn=self._drawn)
+            self._tab = self._held.enter_context(tabs_of(self._browser, self._app))()
         return self._tab
 
     def close(self) -> None:
@@ -181,20 +179,27 @@ class SharedTab:
         self._held.close()
 
 
-@pytest.fixture(scope="module")
-def shared_tab(browser: Browser, app: Any, request: pytest.FixtureRequest) -> Iterator[SharedTab]:
-    """A tab that the tests of a module share; its view is drawn where the module is ``DRAWN``."""
-    shared = SharedTab(browser, app, getattr(request.module, "DRAWN", False))
+@pytest.fixture(scope="session")
+def shared_tab(browser: Browser, app: Any) -> Iterator[SharedTab]:
+    """The tab that all tests share which need none of their own."""
+    shared = SharedTab(browser, app)
     yield shared
     shared.close()
 
 
 @pytest.fixture
 def tab(shared_tab: SharedTab, request: pytest.FixtureRequest) -> Iterator[Tab]:
-    """The shared tab, as it was at the start; after a test that failed it is a new one."""
+    """The shared tab, as it was at the start; after a test that failed it is a new one.
+
+    Its view is drawn where the module is ``DRAWN``.
+    """
     tab = shared_tab.get(new=getattr(request.node, "execution_count", 1) > 1)
     _reset(tab)
+    drawn = getattr(request.module, "DRAWN", False)
+    tab.set_drawn(drawn)
     yield tab
+    if drawn and not tab.page.is_closed():
+        tab.set_drawn(False)
     errors = tab.errors.copy()
     tab.errors.clear()
     assert errors == []
@@ -212,6 +217,9 @@ def _reset(tab: Tab) -> None:
         return replace(state, **computed) == first
 
     tab.page.bring_to_front()
+    if tab.page.viewport_size != WINDOW:
+        tab.page.set_viewport_size(WINDOW)
+    tab.page.emulate_media(color_scheme="light")
     # What the page has said of its tabs it does not say again.
     tab.session.dispatch("test", lambda s: replace(initial_state(), workspace=s.workspace))
     until(lambda: not tab.state.workspaces, "the state is as at the start")

@@ -13,6 +13,7 @@ import numpy as np
 
 from paminsa_viz.clearance import clearance
 from paminsa_viz.dimensions.needs import needed_guide, needed_shaft
+from paminsa_viz.kept import kept
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -106,8 +107,11 @@ def best_height(design: Design, workspace: Workspace, theta: Range) -> Workspace
 
 
 @of_design
+@kept(16)
 def buildability(design: Design, workspace: Workspace, theta: Range) -> Buildability:
     """Return whether a robot can be built as it is drawn, and how stiff it is.
+
+    It is kept: a search, its prices and its report ask for the same reference again.
 
     Args:
         design: The robot.
