@@ -135,7 +135,9 @@ def test_docks_follow_the_window(tab: Tab) -> None:
 
 def test_example_opens_with_what_makes_it_true_and_where_it_is_seen(tab: Tab) -> None:
     tab.open_tab("File")
-    tab.page.get_by_role("button", name="Compact robot").click()
+    example = tab.page.get_by_role("button", name="Compact robot")
+    tab.steady_box(example)
+    example.click()
     shown = tab.page.get_by_role("tab", name="Requirements", exact=True)
     until(lambda: shown.get_attribute("aria-selected") == "true", "its section is open")
     assert tab.state.document.pose == (0.0, 0.0, 0.0, -0.599)

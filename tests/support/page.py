@@ -219,6 +219,7 @@ def _reset(tab: Tab) -> None:
     tab.page.bring_to_front()
     if tab.page.viewport_size != WINDOW:
         tab.page.set_viewport_size(WINDOW)
+        tab.wait_frames(500)  # in which panels follow
     tab.page.emulate_media(color_scheme="light")
     # What the page has said of its tabs it does not say again.
     tab.session.dispatch("test", lambda s: replace(initial_state(), workspace=s.workspace))
