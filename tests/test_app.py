@@ -23,6 +23,7 @@ from tests.support.raw_page import RawPage, eventually
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:Queued a .* on a closed connection")
 def test_what_a_closed_page_held_is_freed_soon(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(program, "COLLECTION_DELAY", 0.1)
     running = App(AppOptions(port=0, browser=False), APPENDIX_4)
@@ -41,6 +42,7 @@ def test_what_a_closed_page_held_is_freed_soon(monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:Queued a .* on a closed connection")
 def test_results_that_only_a_closed_page_asked_for_are_not_kept() -> None:
     running = App(AppOptions(port=0, browser=False), APPENDIX_4)
 

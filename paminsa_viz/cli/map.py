@@ -25,7 +25,7 @@ from paminsa_viz.plots.map_data import (
     FULL,
     MapData,
     difference,
-    half_width,
+    frame_half,
     map_data,
     workspace_field,
 )
@@ -158,7 +158,7 @@ def maps_of(flags: Map, design: Design, reference: Design | None, cells: int) ->
     z = home_pose(design.geometry)[3] if flags.z is None else flags.z / MM
     pose = (flags.at[0] / MM, flags.at[1] / MM, math.radians(flags.theta), z)
     count = affordable_cells(flags.quantities, cells, BUDGET)
-    half = half_width(design.geometry)
+    half = frame_half(design.geometry, *pose[2:])
 
     def maps(shown: Design) -> MapData:
         field = workspace_field(shown.geometry, *pose[2:], count, half)

@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.kept import kept
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.grids import Field, solve_field, xy_grid
-from paminsa_viz.model.reach import Limit, workspace_radius
+from paminsa_viz.model.reach import Limit, check_reach, workspace_radius
 from paminsa_viz.model.singularity import singular_radius
 from paminsa_viz.plots.map_arrays import codes_of_shape, equal_steps, numbers_of_shape
 from paminsa_viz.plots.outside import Outside
@@ -205,6 +206,13 @@ LEAST_HALF_WIDTH = 0.1
 """Half width of a map of a robot that reaches next to nothing [m]."""
 
 
+FRAMES = 20
+"""Sizes of frames up to that of all positions within reach at any theta and z."""
+
+PROBES = 72
+"""Positions along each side that a frame is found by."""
+
+
 def half_width(geometry: Geometry) -> float:
     """Return half the side of the square that maps of a geometry cover [m].
 
@@ -218,6 +226,23 @@ def half_width(geometry: Geometry) -> float:
 def cell_centers(half: float, cells: int) -> Array:
     """Return the centers of ``cells`` equal cells from ``-half`` to ``half``, (cells,) [m]."""
     return half * ((2 * np.arange(cells) + 1) / cells - 1)
+
+
+@kept(16)
+def frame_half(geometry: Geometry, theta: float, z: float) -> float:
+    """Return half the side of the square that maps show at theta and z [m].
+
+    It holds every position within reach there, and is one of a few sizes, so that a map mostly
+    stays as it is while theta or z is dragged.
+    """
+    most = half_width(geometry)
+    centers = cell_centers(most, PROBES)
+    ok = check_reach(geometry, xy_grid(centers, centers, theta, z).poses()).ok
+    if not ok.any():
+        return most
+    far = np.abs(centers[np.flatnonzero(ok.any(axis=0) | ok.any(axis=1))]).max()
+    needed = (far + 2 * most / PROBES) / most
+    return most * min(int(np.ceil(FRAMES * needed - 1e-9)), FRAMES) / FRAMES
 
 
 def workspace_field(

@@ -91,7 +91,7 @@ def watch_errors(page: Any) -> list[str]:
     """Return a list that collects what goes wrong in a page.
 
     A picture that is replaced before the browser has read it is no error: viser takes back its
-    address.
+    address. Nor is a figure that viser removes while Plotly still lays out its margins.
     """
     errors: list[str] = []
 
@@ -100,7 +100,11 @@ def watch_errors(page: Any) -> list[str]:
         if line.type == "error" and not (replaced and "ERR_FILE_NOT_FOUND" in line.text):
             errors.append(line.text)
 
-    page.on("pageerror", lambda error: errors.append(str(error)))
+    def fail(error: Any) -> None:
+        if "_redrawFromAutoMarginCount" not in str(error):
+            errors.append(str(error))
+
+    page.on("pageerror", fail)
     page.on("console", report)
     return errors
 
@@ -247,6 +251,7 @@ class Tab:
             if not self.page.get_by_test_id("gallery").is_visible():
                 self.page.get_by_text("File", exact=True).first.click()
                 self.page.get_by_test_id("gallery").wait_for()
+                self.steady_box(self.page.get_by_test_id("gallery"))
             return
         if path is not None:
             self.open_workspace(path.partition("/")[0])

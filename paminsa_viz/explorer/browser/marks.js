@@ -104,14 +104,17 @@
   const heights = new ResizeObserver(([{ target }]) => {
     document.documentElement.style.setProperty("--pv-strip-height", `${target.offsetHeight}px`);
   });
-  watch(`.pv-strip, ${FIRST_TABS}`, (part) => {
+  watch(`.pv-strip, ${FIRST_TABS}`, () => {
+    // All of them each time: a slow page can bring tabs before the strip.
     const strip = document.querySelector(".pv-strip");
     const view = strip?.closest(".mantine-ScrollArea-viewport");
-    if (!view?.contains(part)) return;
-    const first = part.matches(".pv-strip") ? part.parentElement : above(part, 2);
-    for (let box = first; box !== view; box = box.parentElement)
-      mark(box, "around-strip", part);
-    if (part.matches(".pv-strip")) heights.observe(part.parentElement);
+    if (!view) return;
+    for (const part of [strip, ...view.querySelectorAll(FIRST_TABS)]) {
+      const first = part === strip ? part.parentElement : above(part, 2);
+      for (let box = first; box !== view; box = box.parentElement) mark(box, "around-strip", part);
+    }
+    mark(view, "below-strip", strip);
+    heights.observe(strip.parentElement);
   });
 
   const observer = new MutationObserver((changes) => {

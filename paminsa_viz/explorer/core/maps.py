@@ -15,16 +15,14 @@ import numpy as np
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.state.maps import MapView, RangeMode
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.kept import kept
-from paminsa_viz.model import APPENDIX_4, Design, Geometry, check_reach
-from paminsa_viz.model.grid import xy_grid
+from paminsa_viz.model import APPENDIX_4, Design
 from paminsa_viz.model.grids import Field
 from paminsa_viz.plots.map_data import (
     COARSE,
     FULL,
     MapData,
-    cell_centers,
     difference,
+    frame_half,
     half_width,
     map_data,
     workspace_field,
@@ -40,30 +38,6 @@ DRAG_BUDGET = 0.1
 
 KEPT = 8
 """Fields that are kept: coarse and full, of the design and of the reference, twice."""
-
-
-FRAMES = 20
-"""Sizes of frames up to that of all positions within reach at any theta and z."""
-
-PROBES = 72
-"""Positions along each side that a frame is found by."""
-
-
-@kept(16)
-def frame_half(geometry: Geometry, theta: float, z: float) -> float:
-    """Return half the side of the square that maps show at theta and z [m].
-
-    It holds every position within reach there, and is one of a few sizes, so that a map mostly
-    stays as it is while theta or z is dragged.
-    """
-    most = half_width(geometry)
-    centers = cell_centers(most, PROBES)
-    ok = check_reach(geometry, xy_grid(centers, centers, theta, z).poses()).ok
-    if not ok.any():
-        return most
-    far = np.abs(centers[np.flatnonzero(ok.any(axis=0) | ok.any(axis=1))]).max()
-    needed = (far + 2 * most / PROBES) / most
-    return most * min(int(np.ceil(FRAMES * needed - 1e-9)), FRAMES) / FRAMES
 
 
 class MapStore:

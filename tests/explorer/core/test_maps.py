@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer.core import actions, causes
-from paminsa_viz.explorer.core.maps import DRAG_BUDGET, MapStore, frame_half, go_to
+from paminsa_viz.explorer.core.maps import DRAG_BUDGET, MapStore, go_to
 from paminsa_viz.explorer.features.requirements.actions import suggest
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import (
@@ -24,7 +24,7 @@ from paminsa_viz.model import (
     static_torques,
 )
 from paminsa_viz.plots import map_data
-from paminsa_viz.plots.map_data import COARSE, FULL, MapData, cell_centers, half_width
+from paminsa_viz.plots.map_data import COARSE, FULL, MapData, cell_centers, frame_half, half_width
 from paminsa_viz.quantities import MAP_BUDGET, QUANTITIES
 from tests.support.measured import pointwise
 

@@ -13,14 +13,14 @@ from hypothesis import strategies as st
 
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.core import actions
-from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore, frame_half
+from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore
 from paminsa_viz.explorer.features.maps import floor
 from paminsa_viz.explorer.features.maps.floor import FloorMap, floor_image, where_on_floor
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.plots import map_data
-from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.map_data import MapData, frame_half
 from paminsa_viz.plots.scale import Scale, color_table
 from tests.support.desk import Desk, desk_with
 from tests.support.scene import Scene
