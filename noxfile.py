@@ -29,7 +29,7 @@ def versions(session: nox.Session, resolution: str) -> None:
 @nox.session
 def lint(session: nox.Session) -> None:
     """Run every pre-commit hook on every file, and check the layers and circles of imports."""
-    session.install("pre-commit", "import-linter", "-e", ".")
+    install(session, "check", "pre-commit")
     session.run("pre-commit", "run", "--all-files", *session.posargs)
     session.run("lint-imports")
     session.run("python", ".ci/circles")
@@ -38,7 +38,7 @@ def lint(session: nox.Session) -> None:
 @nox.session
 def typecheck(session: nox.Session) -> None:
     """Check the types."""
-    install(session, "test")
+    install(session, "check,test")
     session.run("pyright", *session.posargs)
 
 

@@ -146,8 +146,8 @@ def press_often(page: Any, script: str, arguments: list[str], count: int) -> lis
     return times
 
 
-def starts(browser: Any, rounds: int, size: tuple[int, int]) -> None:
-    """Time from the command to a page that can be used, both in turn."""
+def starts(browser: Any, rounds: int, size: tuple[int, int]) -> float:
+    """Time from the command to a page that can be used, both in turn; return the difference [s]."""
     rows = {"bare viser page": [], "explorer": []}
     for _ in range(rounds):
         for name, start, ready in (
@@ -166,17 +166,22 @@ def starts(browser: Any, rounds: int, size: tuple[int, int]) -> None:
         ["page", "least", "median"],
         [[name, number(min(t)), number(float(np.median(t)))] for name, t in rows.items()],
     )
+    return float(np.median(rows["explorer"]) - np.median(rows["bare viser page"]))
 
 
-def latencies(browser: Any, count: int, size: tuple[int, int]) -> None:
-    """Time from a slider's event to the changed scene and map."""
+def latencies(browser: Any, count: int, size: tuple[int, int]) -> dict[str, float]:
+    """Time from a slider's event to the changed scene and map.
+
+    Returns:
+        95th percentiles by what moves [ms], and how many maps a second follow a drag.
+    """
     bare, bare_url = start_bare()
     explorer, url = start_explorer()
     try:
         box = open_page(browser, bare_url, "[role=slider]", size)
         page = open_page(browser, url, "[data-testid=status]", size)
         page.wait_for_timeout(15_000)  # until the kernels are compiled
-        rows = []
+        rows, found = [], {}
         for name, where, script, arguments in (
             ("bare page: box", box, SCENE, ["x", "/box"]),
             ("explorer: platform, x", page, SCENE, ["x [mm]", "/robot/platform"]),
@@ -186,26 +191,35 @@ def latencies(browser: Any, count: int, size: tuple[int, int]) -> None:
             where.bring_to_front()
             press_often(where, script, arguments, 5)
             times = np.array(press_often(where, script, arguments, count))
+            found[name] = float(np.nanpercentile(times, 95))
             rows.append(
                 [
                     name,
                     number(float(np.nanpercentile(times, 50))),
-                    number(float(np.nanpercentile(times, 95))),
+                    number(found[name]),
                     str(int(np.isnan(times).sum())),
                 ]
             )
         heading(f"From a slider's event to the change [ms], window {size[0]} x {size[1]}")
         table(["what", "p50", "p95", "lost"], rows)
         page.bring_to_front()
-        print(f"Torque maps while θ is dragged: {page.evaluate(DRAG, ['θ [°]', 6]):.1f} a second")
+        found["maps"] = page.evaluate(DRAG, ["θ [°]", 6])
+        print(f"Torque maps while θ is dragged: {found['maps']:.1f} a second")
         last = page.evaluate(LAST, "θ [°]")
         turn = page.evaluate("name => window.__place(name)", "/robot/platform").split(",")
         shown = np.degrees(2 * np.arctan2(float(turn[5]), float(turn[6])))
         print(f"A drag of 500 events: slider at {last}°, platform at {shown:.6f}°")
+        return found
     finally:
         for process in (bare, explorer):
             process.terminate()
             process.wait()
+
+
+def installed() -> str:
+    """Return the path of a browser; exit without one."""
+    path = next((found for name in NAMES if (found := shutil.which(name))), None)
+    return path or sys.exit("no Chromium or Chrome is installed")
 
 
 def main() -> None:
@@ -217,11 +231,8 @@ def main() -> None:
     arguments.add_argument("--rounds", type=int, default=4, help="starts of each page")
     arguments.add_argument("--size", type=int, nargs=2, default=(1280, 720), help="window [px]")
     chosen = arguments.parse_args()
-    path = next((found for name in NAMES if (found := shutil.which(name))), None)
-    if path is None:
-        sys.exit("no Chromium or Chrome is installed")
     with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=path, args=FLAGS)
+        browser = driver.chromium.launch(executable_path=installed(), args=FLAGS)
         starts(browser, chosen.rounds, tuple(chosen.size))
         latencies(browser, chosen.count, tuple(chosen.size))
         browser.close()

@@ -17,6 +17,7 @@ from paminsa_viz.synthesis import Evaluator, Regime, SynthesisCase, synthesize
 from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case
 from paminsa_viz.synthesis.search.evaluation import STAGES
 
+TRIALS = 2000
 PROTOTYPE = 20.0 / 33_000
 """Time of a trial in a first prototype on one core [s]."""
 
@@ -28,15 +29,15 @@ def trials(cases: dict[str, SynthesisCase]) -> None:
         evaluator = Evaluator(case, Regime.SMALLER)
         low, high = case.bounds.T
         rng = np.random.default_rng(0)
-        anywhere = rng.uniform(low, high, (2000, len(low)))
+        anywhere = rng.uniform(low, high, (TRIALS, len(low)))
         answer = np.array(synthesize(case).states[0].best)
-        near = np.clip(rng.normal(answer, 0.01 * (high - low), (2000, len(low))), low, high)
+        near = np.clip(rng.normal(answer, 0.01 * (high - low), (TRIALS, len(low))), low, high)
         for place, numbers in (("anywhere", anywhere), ("near the answer", near)):
-            seconds = best(lambda e=evaluator, n=numbers: e.evaluate(n), seconds=2.0) / 2000
+            seconds = best(lambda e=evaluator, n=numbers: e.evaluate(n), seconds=2.0) / TRIALS
             stages = Counter(item.stage for item in evaluator.evaluate(numbers))
             rows.append(
                 [f"{name}, {place}", number(1e3 * seconds), number(1 / seconds),
-                 f"{PROTOTYPE / seconds:.1f}", f"{stages[STAGES] / 20:.0f} %"]
+                 f"{PROTOTYPE / seconds:.1f}", f"{100 * stages[STAGES] / TRIALS:.0f} %"]
             )  # fmt: skip
     heading("Trial robots on one core")
     columns = ["case, trials", "ms a robot", "robots a second", "prototype / this", "feasible"]

@@ -25,7 +25,6 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.kinematics import Configuration
@@ -53,6 +52,8 @@ class Placement(NamedTuple):
     @property
     def matrix(self) -> Array:
         """A placement of shape () as a homogeneous matrix, (4, 4)."""
+        from scipy.spatial.transform import Rotation  # takes a while to load
+
         out = np.eye(4)
         out[:3, :3] = Rotation.from_quat(self.wxyz, scalar_first=True).as_matrix()
         out[:3, 3] = self.position

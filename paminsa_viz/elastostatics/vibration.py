@@ -232,8 +232,6 @@ def whole_matrices(
 
 def whole_modes(matrices: LegMatrices, pose: ArrayLike, count: int = 6) -> Modes:
     """Return the lowest modes in all coordinates at one pose (4,), see `whole_matrices`."""
-    from scipy.linalg import eigh  # takes longer to import than a page may wait
-
     stiffness, mass = whole_matrices(matrices, pose)
     size = len(stiffness)
     count = min(count, size)
@@ -244,9 +242,12 @@ def whole_modes(matrices: LegMatrices, pose: ArrayLike, count: int = 6) -> Modes
     scale = 1 / np.sqrt(diagonal)
     unit, heavy = (part * scale[:, None] * scale for part in (stiffness, mass))
     try:
-        inertia, vectors = eigh(heavy, unit, subset_by_index=[size - count, size - 1])
+        lower = np.linalg.cholesky(unit)
+        half = np.linalg.solve(lower, heavy)
+        inertia, turned = np.linalg.eigh(np.linalg.solve(lower, half.T))
     except np.linalg.LinAlgError:  # not positive definite
         return lost
-    inertia, vectors = inertia[::-1], vectors[:, ::-1]
+    inertia, turned = inertia[: -count - 1 : -1], turned[:, : -count - 1 : -1]
+    vectors = np.linalg.solve(lower.T, turned)
     shapes = scale[:, None] * vectors / np.sqrt(inertia)
     return Modes(1 / (2 * np.pi * np.sqrt(inertia)), shapes, np.array(True))

@@ -119,10 +119,12 @@ def test_a_reader_that_goes_away_causes_no_traceback() -> None:
     assert process.returncode == 1
 
 
-def test_small_commands_do_not_load_the_pages_libraries() -> None:
+def test_small_commands_do_not_load_what_takes_a_while() -> None:
+    at = "'--pose', '50', '-30', '20', '-550'"
     code = (
         "import sys; from paminsa_viz.cli import main; main(['design', 'default']);"
-        "print([name for name in ('viser', 'plotly', 'matplotlib', 'trimesh', 'numba')"
+        f"[main([word, {at}]) for word in ('accuracy', 'stiffness', 'loads')];"
+        "print([name for name in ('viser', 'plotly', 'matplotlib', 'trimesh', 'numba', 'scipy')"
         " if name in sys.modules], file=sys.stderr)"
     )
     assert run_process("-c", code).stderr == "[]\n"

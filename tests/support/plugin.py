@@ -75,7 +75,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             if not config.getoption("usepdb"):
                 item.add_marker(pytest.mark.flaky(reruns=1))
     long_files = {item.path for item in items if item.get_closest_marker("slow")}
-    items.sort(key=lambda item: (not _is_page(item.nodeid), item.path not in long_files))
+    items.sort(key=lambda item: (not _in_browser(item.nodeid), item.path not in long_files))
 
 
 _STARTED = pytest.StashKey[tuple[float, int]]()
@@ -127,9 +127,12 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
             )
 
 
-def _is_page(nodeid: str) -> bool:
-    """Whether a test is in a file that opens the explorer's page."""
-    return "/test_page" in nodeid or "/test_browser_names" in nodeid
+_BROWSER_FILES = ("/test_page", "/test_browser_names", "/test_html_pages", "/test_one_file")
+
+
+def _in_browser(nodeid: str) -> bool:
+    """Whether a test is in a file that is about a page in a browser."""
+    return any(name in nodeid for name in _BROWSER_FILES)
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
@@ -146,12 +149,12 @@ def pytest_collection() -> Generator[None, Any, Any]:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Share the work by files, those of the page as one: two pages at once slow each other."""
+    """Share the work by files, those of a browser as one, which shares a browser and a page."""
     from xdist.scheduler import LoadScopeScheduling
 
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
             path = nodeid.split("::", 1)[0]
-            return "page" if _is_page(path) else path
+            return "browser" if _in_browser(path) else path
 
     return ByFile(config, log)

@@ -1,0 +1,76 @@
+"""Every benchmark runs, at its smallest, and the list names it; figures are none of a test's."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Callable
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.cli.test_synthesize import CASE
+
+pytestmark = pytest.mark.slow
+
+FOLDER = Path(__file__).parent.parent / "benchmarks"
+NAMES = sorted({path.stem for path in FOLDER.glob("*.py")} - {"__init__", "measure"})
+
+SMALLEST: dict[str, dict[str, Any]] = {
+    "accuracy_speed": {"CELLS": 6},
+    "calibration_speed": {"CELLS": 6},
+    "certificate_speed": {"BOXES": 64, "TOLERANCES": (0.1,)},
+    "clearance_speed": {"CELLS": 6},
+    "code_speed": {"STATES": 64},
+    "drive_speed": {"MOTORS": 20},
+    "excitation_speed": {"SECONDS": 0.1, "RUNS": ((5, 0),)},
+    "identification_speed": {"SECONDS": 6.0, "RATE": 100.0},
+    "loads_speed": {"CELLS": 37},
+    "model_speed": {"ENGINE_STATES": 3},
+    "stiffness_speed": {"CELLS": 15},
+    "synthesis_speed": {"TRIALS": 20},
+}
+IN_A_BROWSER = ("goals", "page_latency")
+"""They start explorers and browsers of their own."""
+
+ARGUMENTS = {"volume_error": ("--cases", "1", "--nodes", "500", "--points", "256")}
+
+
+def once(run: Callable[[], object], **_: Any) -> float:
+    """Run what is to be timed."""
+    run()
+    return 1.0
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in IN_A_BROWSER])
+def test_benchmark_runs_at_its_smallest(
+    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    module = import_module(f"benchmarks.{name}")
+    for constant, value in SMALLEST.get(name, {}).items():
+        monkeypatch.setattr(module, constant, value)
+    if name == "synthesis_speed":
+        (tmp_path / "small.toml").write_text(CASE)
+        small = tmp_path / "small.toml"
+        monkeypatch.setattr(module, "EXAMPLES", dict.fromkeys(("cylinder", "cell"), small))
+    if name == "trajectory_speed":
+        short = module.PLAN.lasting(1.0)
+        monkeypatch.setattr(module, "PLAN", short)
+        monkeypatch.setattr(module, "SAMPLES", short.sample(100.0))
+    if name == "volume_speed":
+        coarse = partial(module.solve_volume, resolution=module.COARSE)
+        monkeypatch.setattr(module, "solve_volume", coarse)
+    monkeypatch.setattr(module, "best", once, raising=False)
+    monkeypatch.setattr(sys, "argv", [name, *ARGUMENTS.get(name, ())])
+    module.main()
+    assert re.search(r"^\|[^\n]*\|\n\|-[^\n]*\|\n\|", capsys.readouterr().out, re.MULTILINE)
+
+
+def test_list_names_every_benchmark() -> None:
+    listed = re.findall(
+        r"^\| `python -m benchmarks\.(\w+)`", (FOLDER / "README.md").read_text(), re.M
+    )
+    assert sorted(listed) == NAMES
