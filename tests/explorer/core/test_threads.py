@@ -46,7 +46,9 @@ def test_thread_goes_on_after_a_failure(monkeypatch: pytest.MonkeyPatch) -> None
 
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="open files are not listed here")
-def test_pages_that_come_and_go_leave_no_file_open_and_no_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pages_that_come_and_go_leave_no_file_and_no_thread(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(program, "COLLECTION_DELAY", 0.1)
     running = App(AppOptions(port=0, browser=False), APPENDIX_4)
 
