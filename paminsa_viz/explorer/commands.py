@@ -28,6 +28,7 @@ from paminsa_viz.explorer.scene.cameras import CAMERAS
 from paminsa_viz.explorer.state.balance import BalanceKind
 from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.explorer.typed import TypedCommand
 from paminsa_viz.quantities import QUANTITIES
 
 
@@ -135,6 +136,7 @@ def register_commands(session: Session, more: Sequence[Command] = ()) -> None:
             command.label, description=command.words or None, **keys
         )
         handle.on_trigger(partial(_trigger, session, command))
+    TypedCommand(session)
 
 
 async def _trigger(session: Session, command: Command, event: Any) -> None:

@@ -40,15 +40,47 @@ TEXTS = {
     "1e400": None,
     "NaN": None,
     "": None,
+    "1/2": 0.5,
+    "2*35": 70.0,
+    "1e-3*2": 0.002,
+    "-(1+2)*3-1": -10.0,
+    "0,5*2": 1.0,
+    "1,234*2": None,
+    "1/0": None,
+    "2*": None,
+    "(2": None,
+}
+WITH_UNITS = {
+    ("50 mm", "mm"): 50.0,
+    ("2*35mm", "mm"): 70.0,
+    ("5 cm", "mm"): 50.0,
+    ("0,05 m", "mm"): 50.0,
+    ("1e3 mm", "mm"): 1000.0,
+    ("500 g", "kg"): 0.5,
+    ("90 deg", "°"): 90.0,
+    ("3 N m", "N·m"): 3.0,
+    ("9.81 m/s^2", "m/s²"): 9.81,
+    ("50 kg", "mm"): None,
+    ("1 m", "°"): None,
 }
 
 
 def test_text_is_one_number_or_none(tab: Tab) -> None:
+    cases = {(text, ""): value for text, value in TEXTS.items()} | WITH_UNITS
     found = tab.page.evaluate(
-        "texts => texts.map(text => window.paminsaNumberFields.parse(text).number ?? null)",
-        list(TEXTS),
+        "cases => cases.map(([text, unit]) =>"
+        " window.paminsaNumberFields.parse(text, unit).number ?? null)",
+        list(cases),
     )
-    assert dict(zip(TEXTS, found, strict=True)) == TEXTS
+    assert dict(zip(cases, found, strict=True)) == cases
+    typed(tab, tab.number_box(X), "2*1.5 cm")
+    tab.wait_pose(0, 0.03)
+    field = tab.number_box(X)
+    field.click()
+    field.press_sequentially("1 kg")
+    field.press("Enter")
+    assert "the field is in mm" in tab.page.locator(".pv-field-hint").inner_text()
+    assert tab.state.document.pose[0] == pytest.approx(0.03)
 
 
 def typed(tab: Tab, field: Any, text: str, key: str = "Enter") -> None:

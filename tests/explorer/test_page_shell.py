@@ -226,3 +226,16 @@ def test_palette_finds_sections_and_quantities_by_other_words(tab: Tab) -> None:
     tab.page.get_by_text("Map: condition", exact=False).first.click()
     single = tab.page.get_by_role("tab", name="Single map", exact=True)
     until(lambda: single.get_attribute("aria-selected") == "true", "the map is open")
+    for text in ("map stiffness z", "m7 3.063 kg"):
+        box.wait_for(state="detached")
+        tab.page.keyboard.press("Control+k")
+        box.fill(text)
+        if text == "m7 3.063 kg":  # the other time Enter comes before the answer
+            first = tab.page.locator(".mantine-Spotlight-action[data-selected]")
+            until(lambda f=first: f.count() and "Set m₇ to 3.063 kg" in f.inner_text(), "selected")
+        box.press("Enter")
+    until(lambda: tab.state.document.design.joints.j7 == 3.063, "m7 is set")
+    assert tab.state.map_view.quantity == "stiffness_z"
+    tab.session.undo()
+    until(lambda: tab.state.document.design.joints.j7 != 3.063, "it is one step")
+    assert tab.state.map_view.quantity == "stiffness_z"

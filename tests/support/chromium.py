@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import threading
 import time
 from collections.abc import Callable
 from typing import Any
@@ -179,8 +180,11 @@ class Tab:
         return self.session.state
 
     def dispatch(self, action: Callable[[Any], Any]) -> None:
-        """Change the state from elsewhere."""
+        """Change the state from elsewhere, and wait until that has been carried out."""
+        done = threading.Event()
         self.session.dispatch("test", action)
+        self.session.submit(done.set)
+        assert done.wait(TIMEOUT), "the session does not get to it"
 
     def handle(self, label: str) -> Any:
         """Return the input with a label, as the server knows it."""

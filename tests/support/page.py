@@ -225,6 +225,7 @@ def _reset(tab: Tab) -> None:
     tab.session.dispatch("test", lambda s: replace(initial_state(), workspace=s.workspace))
     until(lambda: not tab.state.workspaces, "the state is as at the start")
     tab.open_tab("Pose")
+    tab.open_tab("Torque maps")
     until(
         lambda: at_start(tab.state) and tab.handle("x  [mm]").value == 0,
         "the tab is as at the start",

@@ -1,7 +1,8 @@
 /**
  * Number boxes take a number as a whole: what is typed or pasted stays as it is until Enter, Tab, an
- * arrow key or leaving the box, and then is one number. What is none is refused with a hint, and the
- * number from before comes back, as it does with Escape.
+ * arrow key or leaving the box, and then is one number. It may be a term, 2*35 or 1/2, and have a unit
+ * of the field's kind behind it, 50 mm or 5 cm. What is none is refused with a hint, and the number from
+ * before comes back, as it does with Escape.
  *
  * Left alone, viser's boxes send every keystroke and are written again with the number so far, so
  * that a decimal point or an exponent gets lost and the digits after it make another number. Here
@@ -21,16 +22,63 @@
   const EMPTY_TIME = 2000; // how long keys wait for a box that nothing was typed into
 
   // --- text to number -----------------------------------------------------------------------
-  const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
-  const AMBIGUOUS = /^[+-]?[1-9]\d{0,2},\d{3}(e[+-]?\d+)?$/i;
-  const parse = (text) => {
-    let plain = text.trim().replace(/^\u2212/, "-");
+  // A number, or sums and products of numbers; behind it the field's unit, or one of its kind.
+  const NUMBER = /^(\d+\.?\d*|\.\d+)(e[+-]?\d+)?/i;
+  const AMBIGUOUS = /(^|[^\d.,])[1-9]\d{0,2},\d{3}(?![\d.,])/;
+  const PARTS = /^((?:[^a-zµ°″%]|(?<=[\d.])e(?=[+-]?\d))*)(.*)$/i;
+  const DEGREE = Math.PI / 180;
+  const KINDS = [
+    { µm: 1e-6, um: 1e-6, mm: 1e-3, cm: 1e-2, m: 1 },
+    { "°": DEGREE, deg: DEGREE, rad: 1 },
+    { g: 1e-3, kg: 1 },
+  ];
+  const plainUnit = (unit) => unit.replace(/[\s·*^]/g, "").replace("²", "2").replace("³", "3");
+  /** How many of the field's unit one of the unit typed is; undefined if it is of another kind. */
+  const scale = (typed, own) => {
+    if (!typed || plainUnit(typed) === plainUnit(own ?? "")) return 1;
+    const kind = KINDS.find((each) => own in each && plainUnit(typed) in each);
+    return kind && kind[plainUnit(typed)] / kind[own];
+  };
+  /** The value of a term in numbers, + - * / and brackets; NaN if it is none. */
+  const evaluate = (text) => {
+    let rest = text;
+    const eat = (pattern) => {
+      const [found] = rest.match(pattern) ?? [];
+      if (found !== undefined) rest = rest.slice(found.length).trimStart();
+      return found;
+    };
+    const factor = () => {
+      const sign = eat(/^[+-]/);
+      if (sign) return sign === "-" ? -factor() : factor();
+      if (!eat(/^\(/)) return Number(eat(NUMBER) ?? NaN);
+      const value = sum();
+      return eat(/^\)/) ? value : NaN;
+    };
+    const chain = (part, pattern, combine) => {
+      let value = part();
+      for (let sign = eat(pattern); sign; sign = eat(pattern)) value = combine(value, sign, part());
+      return value;
+    };
+    const product = () => chain(factor, /^[*/]/, (a, sign, b) => (sign === "*" ? a * b : a / b));
+    const sum = () => chain(product, /^[+-]/, (a, sign, b) => (sign === "+" ? a + b : a - b));
+    const value = sum();
+    return rest ? NaN : value;
+  };
+  const MOST_TYPED = 200;
+  const parse = (text, own) => {
+    let [, plain, typed] = text.trim().replaceAll("\u2212", "-").match(PARTS) ?? [];
+    const refused = { problem: `“${text.trim()}” is not a number: write 33.5, 33,5, 3.35e1 or 2*16.75` };
+    if (!plain?.trim() || text.length > MOST_TYPED) return refused;
+    plain = plain.trim();
     if (AMBIGUOUS.test(plain))
       return { problem: `${plain} may be a thousand or a fraction: write ${plain.replace(",", ".")} or ${plain.replace(",", "")}` };
     if (!plain.includes(".")) plain = plain.replace(",", ".");
-    const number = NUMBER.test(plain) ? Number(plain) : NaN;
-    if (Number.isFinite(number)) return { number };
-    return { problem: `“${text.trim()}” is not a number: write 33.5, 33,5 or 3.35e1` };
+    const number = evaluate(plain);
+    if (!Number.isFinite(number)) return refused;
+    const times = scale(typed, own);
+    if (times === undefined)
+      return own ? { problem: `the field is in ${own}, “${typed}” is not` } : refused;
+    return { number: times === 1 && NUMBER.test(plain) ? number : Number((times * number).toPrecision(15)) };
   };
 
   // --- inputs, as viser holds them ----------------------------------------------------------
@@ -158,7 +206,7 @@
     if (document.activeElement === edit.field) edit.field.select();
   };
   const takeText = (place, text) => {
-    const { number, problem } = parse(text);
+    const { number, problem } = parse(text, window.paminsaUnits?.split(place.label).unit);
     if (number !== undefined) take(place, number);
     else if (text.trim() !== "") showHint(place, problem);
   };
@@ -187,7 +235,7 @@
     const { props, value } = inputOf(current(edit.place)) ?? {};
     if (!props) return;
     const [min, max] = [part(props.min, edit.place), part(props.max, edit.place)];
-    const typed = edit.dirty ? parse(edit.field.value).number : undefined;
+    const typed = edit.dirty ? parse(edit.field.value, window.paminsaUnits?.split(edit.place.label).unit).number : undefined;
     const from = typed ?? part(value, edit.place);
     const to = Number((from + direction * (props.step ?? 1)).toFixed(9));
     close();

@@ -247,6 +247,43 @@
     }
   }, { signal: stopped.signal });
 
+  // --- what is typed into the command palette -----------------------------------------------
+  // The server says what a text means as a whole. Its line comes later than the others and has to be
+  // selected as the first one then; an Enter before that waits for it.
+  const SEARCH = ".mantine-Spotlight-search";
+  const commandLines = () => [...document.querySelectorAll(".mantine-Spotlight-action")];
+  const typed = { asked: "", answered: "", enter: false };
+  const answerTyped = (text, label) => {
+    let left = 50;
+    retry(() => {
+      if (text !== typed.asked) return true;
+      const lines = commandLines();
+      const here = !label || lines[0]?.textContent.startsWith(label);
+      if (!here && --left > 0) return false;
+      if (here && label) for (const line of lines)
+        if (line === lines[0]) line.dataset.selected = "true";
+        else delete line.dataset.selected;
+      typed.answered = text;
+      if (typed.enter) (lines.find((line) => line.dataset.selected) ?? lines[0])?.click();
+      typed.enter = false;
+      return true;
+    }, 20);
+  };
+  const onSearch = (event) => {
+    if (!event.target.matches?.(SEARCH)) return;
+    if (event.type === "input") {
+      typed.asked = event.target.value.slice(0, 200);
+      typed.enter = false;
+      if (!send("typed", typed.asked)) typed.answered = typed.asked;
+    } else if (event.key === "Enter" && typed.asked !== typed.answered) {
+      typed.enter = true;
+      event.preventDefault();
+      event.stopPropagation();
+    }
+  };
+  for (const kind of ["input", "keydown"])
+    document.addEventListener(kind, onSearch, { capture: true, signal: stopped.signal });
+
   // --- places for figures: which are visible, and how wide ----------------------------------
   const hostOf = (mark) => mark?.parentElement?.parentElement;
   let reported = "";
@@ -390,6 +427,8 @@
         document.querySelector(".js-plotly-plot")?._fullLayout?._plots),
     "places of tooltips (mantine-Tooltip-tooltip)": () =>
       onceThere("[role=tooltip]", () => document.querySelector(".mantine-Tooltip-tooltip")),
+    "values typed into the palette (mantine-Spotlight-search)": () =>
+      onceThere(".mantine-Spotlight-content", () => document.querySelector(SEARCH)),
     "time cursor (uplots)": () => onceThere(".uplot", () => window.__viserTestpoints?.uplots),
   };
   const waited = Object.fromEntries(Object.keys(features).map((name) => [name, 0]));
@@ -415,6 +454,6 @@
   const releaseTheme = () => window.paminsaFirstPaint?.release();
   window.paminsa = {
     stop, whole, tour, copy, send, save, openTab, setTitle, showTime, showLegend, renderOnDemand,
-    releaseTheme, openLink, followLink, copyLink,
+    releaseTheme, openLink, followLink, copyLink, answerTyped,
   };
 }

@@ -10,6 +10,12 @@
 (() => {
   "use strict";
   const LABEL = /^(.*\S)\s*\[(\S+)\]$/;
+  /** Name and unit of a label; without a unit, neither. */
+  const split = (text) => {
+    const [, name, unit] = text.match(LABEL) ?? [];
+    return { name, unit };
+  };
+  window.paminsaUnits = { split };
   const set = (element, name, text) => {
     if (text) element.setAttribute(name, text);
     else element.removeAttribute(name);
@@ -39,7 +45,7 @@
     const field = row?.lastElementChild;
     if (!field || field.contains(label) || !field.querySelector(".mantine-NumberInput-root")) return;
     const text = label.textContent.trim();
-    const [, name, unit] = text.match(LABEL) ?? [];
+    const { name, unit } = split(text);
     set(label, "data-paminsa-name", name);
     typeset(label, name ?? text);
     set(field, "data-paminsa-unit", unit);
