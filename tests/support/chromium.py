@@ -228,10 +228,11 @@ class Tab:
         x, y = box["x"] + right * box["width"], box["y"] + down * box["height"]
         self.page.mouse.click(x, y)
 
-    def upload(self, accept: str, name: str, content: bytes) -> None:
-        """Give a file to the upload button that accepts its kind."""
-        field = self.page.locator(f'input[type="file"][accept^="{accept}"]')
-        field.set_input_files([{"name": name, "mimeType": "text/plain", "buffer": content}])
+    def upload(self, button: str, name: str, content: bytes) -> None:
+        """Press an upload button, and give it a file."""
+        with self.page.expect_file_chooser() as asked:
+            self.click(button)
+        asked.value.set_files([{"name": name, "mimeType": "text/plain", "buffer": content}])
 
     def wait_frames(self, milliseconds: float) -> None:
         """Wait for a time and then for some frames, which may take long on a busy machine."""
