@@ -12,7 +12,7 @@ from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.features.motion.tab import TIME
 from paminsa_viz.explorer.state.motion import Kind, Timing
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.plots.map_data import frame_half
+from paminsa_viz.plots.map_values import frame_half
 from paminsa_viz.plots.series_uplot import MOST_POINTS
 from paminsa_viz.trajectory import Trajectory, analyze, load_kernel
 from tests.support.chromium import Tab, until
