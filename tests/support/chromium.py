@@ -8,6 +8,7 @@ import shutil
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -187,8 +188,13 @@ class Tab:
         assert done.wait(TIMEOUT), "the session does not get to it"
 
     def handle(self, label: str) -> Any:
-        """Return the input with a label, as the server knows it."""
-        return input_labeled(self.session, label)
+        """Return the input with a label, as the server knows it, once its section is built."""
+
+        def built() -> Any:
+            with suppress(StopIteration):
+                return input_labeled(self.session, label)
+
+        return until(built, f"the input {label}")
 
     def element(self, label: str) -> Any:
         """Return the input with a label on the page."""
