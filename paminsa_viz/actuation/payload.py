@@ -12,7 +12,6 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
@@ -109,6 +108,8 @@ def payload_time_scaling(
         elif first == 0:
             found.append(np.nan)
         else:
+            from scipy.optimize import brentq  # slow to load
+
             root: Any = brentq(
                 lambda slower, reading=reading: torques.change(slower)[reading] - share,
                 grid[first], grid[first - 1], rtol=np.float64(1e-12),
