@@ -21,6 +21,7 @@ import numpy as np
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.kept import kept
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS, NO_DRIVES
@@ -220,6 +221,7 @@ class DutyCycle:
         return duty_cycle(self.design, self.duties, slower=slower)
 
 
+@of_design
 def duty_cycle(design: Design, duties: Sequence[Duty], *, slower: float = 1.0) -> DutyCycle:
     """Return what motions ask of the actuators; drives of the design are left out.
 

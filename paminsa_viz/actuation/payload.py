@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.trajectory import Trajectory, analyze
@@ -59,6 +60,7 @@ class _Torques(NamedTuple):
         )
 
 
+@of_design
 def payload_change(
     design: Design, motion: Trajectory, mass: float, slower: float = 1.0
 ) -> PayloadChange:
@@ -76,6 +78,7 @@ def payload_change(
     return _torques(design, motion, mass).change(slower)
 
 
+@of_design
 def payload_time_scaling(
     design: Design, motion: Trajectory, mass: float, share: float = 0.05
 ) -> PayloadChange:

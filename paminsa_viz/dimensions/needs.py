@@ -15,6 +15,7 @@ import numpy as np
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.attached import PAYLOAD_HEIGHT, payload_offset, payload_scale
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry, KneeBranch
 
@@ -56,6 +57,7 @@ def needed_guide(slider: Array) -> Array:
     return slider + at.SLIDER_HALF
 
 
+@of_design
 def needed_shaft(design: Design, zeta: Array, magnification: Array) -> Array:
     """Return the length of B2 that keeps arms and carriage clear of what is below them [m].
 

@@ -19,6 +19,7 @@ import numpy as np
 from paminsa_viz.engines.looks import LEAST_ROD
 from paminsa_viz.engines.mechanism import MechanismTree, build_mechanism, leg_name
 from paminsa_viz.engines.poses import start_pose, start_values, world_frames
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.version import MADE_BY
@@ -40,6 +41,7 @@ class _View(NamedTuple):
     joints: Array
 
 
+@of_design
 def dxf_text(design: Design, *, pose: Sequence[float] | None = None) -> str:
     """Write the skeleton of a design at a pose as a DXF drawing.
 

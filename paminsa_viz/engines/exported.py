@@ -14,6 +14,7 @@ from paminsa_viz.engines.mujoco_model import compiled_model
 from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.engines.usd import usd_text
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import mass_matrix
@@ -32,6 +33,7 @@ WORST_CONDITION = 1e4
 """Condition number from which a pose counts as singular; gains would be as large as its square."""
 
 
+@of_design
 def exported_mjcf(
     design: Design,
     *,
@@ -67,6 +69,7 @@ def exported_mjcf(
     return text
 
 
+@of_design
 def exported_usd(
     design: Design, *, pose: Sequence[float] | None = None, servos: bool = True
 ) -> str:

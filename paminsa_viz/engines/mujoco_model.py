@@ -20,6 +20,7 @@ from paminsa_viz.engines.mechanism import PLATFORM
 from paminsa_viz.engines.missing import EngineMissing
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.load import LoadFrame
@@ -161,6 +162,7 @@ class Played(NamedTuple):
     until: int
 
 
+@of_design
 def play(
     design: Design,
     times: ArrayLike,

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from paminsa_viz.engines.mechanism import LIFT, POSE_JOINTS, Link, MechanismTree, leg_name
 from paminsa_viz.errors import InvalidInput, UnreachablePose
+from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
@@ -143,6 +144,7 @@ def unclosed(pose: Array) -> UnreachablePose:
     return UnreachablePose((x, y, theta, z), 0, "configuration", 0.0, text)
 
 
+@of_geometry
 def workspace_poses(geometry: Geometry, count: int, seed: int = 0) -> Array:
     """Draw poses from all of the workspace that the robot reaches without crossing a singularity.
 

@@ -19,6 +19,7 @@ from paminsa_viz.engines.mechanism import leg_name
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.engines.mujoco_model import MujocoRobot
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import friction_torque
@@ -98,6 +99,7 @@ class RecordedMotion(NamedTuple):
     torque: Array
 
 
+@of_design
 def simulate_log(
     design: Design,
     motion: Trajectory,

@@ -33,6 +33,7 @@ from paminsa_viz.engines.mechanism import (
     leg_name,
 )
 from paminsa_viz.engines.rigid_bodies import rigid_bodies
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import workspace_height, workspace_radius
 from paminsa_viz.version import MADE_BY
@@ -46,6 +47,7 @@ MIMICKED_PIN = "pin7"
 """The closure of a leg that the mimicking joints satisfy."""
 
 
+@of_design
 def urdf_text(design: Design) -> str:
     """Write a design as a URDF.
 
@@ -72,6 +74,7 @@ def urdf_text(design: Design) -> str:
     return ET.tostring(robot, encoding="unicode", xml_declaration=True) + "\n"
 
 
+@of_design
 def closure_table(design: Design) -> dict[str, Any]:
     """Return the loop closures of the URDF, for a JSON file beside it.
 

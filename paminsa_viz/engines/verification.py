@@ -22,6 +22,7 @@ from paminsa_viz.engines.mujoco_model import MujocoRobot, Played, load_mujoco, p
 from paminsa_viz.engines.pinocchio_model import PinocchioRobot, load_pinocchio
 from paminsa_viz.engines.poses import workspace_poses
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import inverse_dynamics
@@ -159,6 +160,7 @@ def misprint_name(misprint: Misprint) -> str:
     return str(misprint.name if misprint.name and "|" not in misprint.name else "ALL")
 
 
+@of_design
 def verify(
     design: Design,
     trajectory: Trajectory,

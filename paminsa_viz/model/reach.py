@@ -185,6 +185,7 @@ def workspace_height(geometry: Geometry) -> float:
     return float(np.sqrt(max(bars**2 - geometry.home_span**2, 0.0)))
 
 
+@of_geometry
 def home_pose(geometry: Geometry) -> tuple[float, float, float, float]:
     """Return a pose (x, y, theta, z) at the center, far from all limits [m, m, rad, m]."""
     bars = geometry.crank_length + geometry.coupler_length

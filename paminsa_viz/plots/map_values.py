@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.kept import kept
+from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.grids import Field, solve_field, xy_grid
@@ -245,6 +246,7 @@ def frame_half(geometry: Geometry, theta: float, z: float) -> float:
     return most * min(int(np.ceil(FRAMES * needed - 1e-9)), FRAMES) / FRAMES
 
 
+@of_geometry
 def workspace_field(
     geometry: Geometry, theta: float, z: float, cells: int, half: float | None = None
 ) -> Field:

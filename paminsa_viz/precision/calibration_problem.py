@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import check_reach, home_pose, workspace_height, workspace_radius
@@ -136,6 +137,7 @@ _DRAWN = 8192
 _ROUNDS = 20
 
 
+@of_design
 def measuring_poses(design: Design, poses: int, *, coordinates: int = 6, seed: int = 0) -> Array:
     """Choose poses of which the calibration's intervals are small, (n, 4) [m, m, rad, m].
 

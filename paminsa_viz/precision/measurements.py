@@ -86,12 +86,14 @@ def length_scales(design: Design) -> Array:
     return scale
 
 
+@of_design
 def coordinate_scales(design: Design) -> Array:
     """Return the lengths that turn the six coordinates into meters: 1 or R_pl."""
     radius = design.geometry.platform_radius
     return np.array([1.0, 1.0, radius, 1.0, radius, radius])
 
 
+@of_design
 def predict(design: Design, deviations: ArrayLike, measured: Measurements) -> UnequalPose:
     """Return the poses that legs with deviations (3, 14) have at the measured readings."""
     lengths = nominal_lengths(design.geometry) + np.asarray(deviations, np.float64)
