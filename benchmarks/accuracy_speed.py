@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks.measure import best, heading, number, table
 from paminsa_viz.model import APPENDIX_4, Design, DriveAccuracy
-from paminsa_viz.plots.map_data import workspace_field
+from paminsa_viz.plots.map_values import workspace_field
 from paminsa_viz.precision.drive_errors import drive_errors
 from paminsa_viz.quantities import QUANTITIES
 

@@ -22,7 +22,7 @@ from paminsa_viz.elastostatics.stiffness import platform_stiffness
 from paminsa_viz.model import APPENDIX_4, Design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Counterweight, Payload
-from paminsa_viz.plots.map_data import workspace_field
+from paminsa_viz.plots.map_values import workspace_field
 
 CELLS = 72
 

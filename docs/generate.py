@@ -58,9 +58,17 @@ API = {
     "paminsa_viz.quantities": "What can be mapped, swept and required: one registry.",
     "paminsa_viz.studies": "Many designs, each measured over the workspace.",
     "paminsa_viz.synthesis": "From requirements to a robot: lengths, masses, springs.",
+    "paminsa_viz.files": "Designs, logs, measurements, motions and tables as files.",
+    "paminsa_viz.engines": "The same robot in physics engines written by others.",
+    "paminsa_viz.plots": "Maps and curves as figures.",
     "paminsa_viz.notebook": "Robot, maps and motions inline in a notebook.",
+    "paminsa_viz.report": "The design report, one HTML file.",
+    "paminsa_viz.dimensions": "What the bodies measure and where they are.",
     "paminsa_viz.meshes": "The robot's shape, for 3D models.",
     "paminsa_viz.codegen": "The robot as C code for a controller.",
+    "paminsa_viz.progress": "How long work says how far it is, and is ended.",
+    "paminsa_viz.cli": "The command line, called from Python.",
+    "paminsa_viz.explorer": "What the data of a feature of the page is made of.",
 }
 
 

@@ -9,12 +9,15 @@ from pathlib import Path
 
 import numpy as np
 
-from paminsa_viz.files.measurement_table import measurement_table
-from paminsa_viz.files.tables import table_bytes
+from paminsa_viz.files import measurement_table, table_bytes
 from paminsa_viz.model import APPENDIX_4, inverse_kinematics
-from paminsa_viz.precision.calibration import calibrate
-from paminsa_viz.precision.calibration_problem import measuring_poses
-from paminsa_viz.precision.measurements import Measurements, coordinate_scales, predict
+from paminsa_viz.precision import (
+    Measurements,
+    calibrate,
+    coordinate_scales,
+    measuring_poses,
+    predict,
+)
 
 # A robot with lengths up to 0.5 mm off, and angles up to 0.5 mrad.
 random = np.random.default_rng(5)

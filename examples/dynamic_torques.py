@@ -14,7 +14,7 @@ from paminsa_viz.model import (
     lumped_coefficients,
     torque_regressor,
 )
-from paminsa_viz.plots.series_figure import figure_bytes
+from paminsa_viz.plots import figure_bytes
 from paminsa_viz.trajectory import PRESET, analyze
 
 motion = PRESET["paper-like"].build(APPENDIX_4.geometry).sample(500)

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from paminsa_viz.actuation.payload import payload_change, payload_time_scaling
+from paminsa_viz.actuation import payload_change, payload_time_scaling
 from paminsa_viz.balancing import balance
-from paminsa_viz.engines.poses import workspace_poses
+from paminsa_viz.engines import workspace_poses
 from paminsa_viz.model import APPENDIX_4, static_torques
 from paminsa_viz.trajectory import PRESETS
 

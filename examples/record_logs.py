@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from paminsa_viz.actuation import actuator_limits
-from paminsa_viz.engines.simulated_log import LogNoise, simulate_log
-from paminsa_viz.files.tables import DataTable, provenance, table_csv
+from paminsa_viz.engines import LogNoise, simulate_log
+from paminsa_viz.files import DataTable, provenance, table_csv
 from paminsa_viz.identification import ExcitationLimits, ExcitationSettings, optimize_excitation
 from paminsa_viz.model import APPENDIX_4, Friction, Payload
 

@@ -10,16 +10,14 @@ from pathlib import Path
 import numpy as np
 
 from paminsa_viz.model import APPENDIX_4, Limit, solve_field, static_imbalance, xy_grid
-from paminsa_viz.plots.map_data import map_data
-from paminsa_viz.plots.map_figure import render
-from paminsa_viz.plots.ranges import choose_scales
+from paminsa_viz.plots import choose_scales, map_data, render_maps
 
 THETA, Z = np.pi / 3, -0.5  # the paper does not say the height of its figure
 
 side = np.linspace(-0.42, 0.42, 169)
 field = solve_field(APPENDIX_4.geometry, xy_grid(side, side, THETA, Z))
 maps = map_data(field, APPENDIX_4, pose=(0.0, 0.0, THETA, Z))
-Path("static_maps.png").write_bytes(render(maps, choose_scales(maps), dpi=150))
+Path("static_maps.png").write_bytes(render_maps(maps, choose_scales(maps), dpi=150))
 
 heavier = APPENDIX_4.vary({"links.b4": 1.5 * APPENDIX_4.links.b4})
 for design in (APPENDIX_4, heavier):

@@ -6,7 +6,7 @@ as published, a simulation, figures and a verdict.
 
 import numpy as np
 
-from paminsa_viz.engines.mujoco_model import MujocoRobot
+from paminsa_viz.engines import MujocoRobot
 from paminsa_viz.model import APPENDIX_4, Misprint, inverse_dynamics
 from paminsa_viz.trajectory import PRESET
 

@@ -44,26 +44,12 @@ __all__ = [
     "xy_grid",
 ]
 
-_HOMES = {
-    "analyze": "trajectory",
-    "__version__": "version",
-    "balance": "balancing",
-    "load_design": "files.design_file",
-    "save_design": "files.design_file",
-}
-"""Modules of the names that are not the model's."""
-
 
 def __getattr__(name: str) -> object:
     # Late (PEP 562): NumPy and SciPy take longer to load than the command line's --help.
-    if name not in __dir__():
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from importlib import import_module
+    from paminsa_viz.late import late_names
 
-    found = getattr(import_module(f"{__name__}.{_HOMES.get(name, 'model')}"), name)
-    # A module of the same name may have been bound here by the import.
-    globals()[name] = found
-    return found
+    return late_names(__name__)(name)
 
 
 def __dir__() -> list[str]:

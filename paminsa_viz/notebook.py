@@ -156,7 +156,7 @@ def map_view(
         InvalidInput: If there is no such quantity, or a number is not finite.
     """
     from paminsa_viz.plots.interactive import interactive_map
-    from paminsa_viz.plots.map_data import map_data, workspace_field
+    from paminsa_viz.plots.map_values import map_data, workspace_field
     from paminsa_viz.plots.ranges import choose_scales
     from paminsa_viz.quantities import selections
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
+__all__ = ["Canceled", "Progress", "go_on", "keep_on"]
+
 
 class Progress(Protocol):
     """Called now and then by work that takes long; returns whether to end it.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import importlib
 import inspect
+import pkgutil
 import re
 import runpy
 import subprocess
@@ -109,14 +110,70 @@ def test_importing_the_package_does_not_import_numpy() -> None:
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
+ROOMS = sorted(path.parent for path in (ROOT / "paminsa_viz").glob("*/__init__.py"))
+
+
+def test_every_room_lists_its_public_names() -> None:
+    assert len(ROOMS) >= 20
+    assert {f"paminsa_viz.{room.name}" for room in ROOMS} <= set(PACKAGES)
+
+
+def _late_imports(init: Path) -> dict[str, str]:
+    """Return what a package imports for type checkers alone, with its modules."""
+    return {
+        alias.name: str(item.module).removeprefix("paminsa_viz.")
+        for block in ast.parse(init.read_text()).body
+        if isinstance(block, ast.If)
+        for item in block.body
+        if isinstance(item, ast.ImportFrom)
+        for alias in item.names
+    }
+
+
+LATE = {
+    ".".join(init.parent.relative_to(ROOT).parts): found
+    for init in sorted((ROOT / "paminsa_viz").rglob("__init__.py"))
+    if (found := _late_imports(init))
+}
+"""Packages whose names are imported on first use, with the names' modules."""
+
+
+@pytest.mark.parametrize("package", LATE)
+def test_names_imported_on_first_use_are_listed_and_no_module_takes_their_place(package) -> None:
+    module, names = importlib.import_module(package), LATE[package]
+    assert names.keys() - {"__version__"} <= set(module.__all__)
+    assert not names.keys() & {one.name for one in pkgutil.iter_modules(module.__path__)}
+    for name, home in names.items():
+        assert getattr(module, name) is getattr(
+            importlib.import_module(f"paminsa_viz.{home}"), name
+        )
+    with pytest.raises(AttributeError, match=f"'{package}' has no attribute 'nothing'"):
+        module.nothing  # noqa: B018
+
+
+def test_documentation_and_examples_import_public_names_only() -> None:
+    found = 0
+    for page in sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("examples/*.*")]):
+        text = page.read_text(encoding="utf-8")
+        blocks = re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)
+        for code in [text] if page.suffix == ".py" else blocks:
+            for node in ast.walk(ast.parse(code)):
+                if isinstance(node, ast.Import):
+                    assert not any("paminsa_viz." in alias.name for alias in node.names), page.name
+                elif isinstance(node, ast.ImportFrom) and "paminsa_viz" in str(node.module):
+                    assert node.module in PACKAGES, f"{page.name} imports from {node.module}"
+                    listed = importlib.import_module(node.module).__all__
+                    assert {alias.name for alias in node.names} <= set(listed), page.name
+                    found += 1
+    assert found > 50
+
+
 def test_top_level_names_are_those_of_their_modules() -> None:
     assert 10 <= len(paminsa_viz.__all__) <= 16
     for name in paminsa_viz.__all__:
         value = getattr(paminsa_viz, name)
-        room = importlib.import_module(f"paminsa_viz.{paminsa_viz._HOMES.get(name, 'model')}")
+        room = importlib.import_module(f"paminsa_viz.{LATE['paminsa_viz'][name]}")
         assert value is getattr(room, name)
-    with pytest.raises(AttributeError, match="nothing"):
-        paminsa_viz.nothing  # noqa: B018
 
 
 ORDER = ("design", "geometry", "pose", "actuators", "velocity", "acceleration", "torque")

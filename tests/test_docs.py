@@ -91,7 +91,11 @@ def test_site_is_built_without_warnings(tmp_path) -> None:
 
 
 CODE = [
-    pytest.param(code, id=f"{name_of(page)}:{number}")
+    pytest.param(
+        code,
+        id=f"{name_of(page)}:{number}",
+        marks=pytest.mark.slow if page.stem == "synthesis" else (),  # it searches
+    )
     for page in PAGES
     for number, code in enumerate(
         re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)

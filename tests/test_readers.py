@@ -25,8 +25,8 @@ from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.files.design_file import read_content
 from paminsa_viz.files.design_writer import write_design
-from paminsa_viz.files.log_table import parse_log
-from paminsa_viz.files.measurement_table import parse_measurements
+from paminsa_viz.files.logs import parse_log
+from paminsa_viz.files.measurements import parse_measurements
 from paminsa_viz.files.plain_data import (
     LARGEST_INTEGER,
     MOST_LEVELS,

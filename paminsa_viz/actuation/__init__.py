@@ -5,7 +5,19 @@
 
 from __future__ import annotations
 
+from paminsa_viz.actuation.catalog import (
+    Catalog,
+    CatalogError,
+    generic_catalog,
+    load_catalog,
+    read_catalog,
+)
+from paminsa_viz.actuation.duty import Duty, DutyCycle, duty_cycle
+from paminsa_viz.actuation.payload import PayloadChange, payload_change, payload_time_scaling
 from paminsa_viz.actuation.polytope import WrenchPolytope, wrench_polytope
+from paminsa_viz.actuation.ratios import RatioIntervals, ratio_intervals
+from paminsa_viz.actuation.selection import Selection, select_drives
+from paminsa_viz.actuation.sizing import Sizing, size_drives
 from paminsa_viz.actuation.wrench_capability import (
     DEFAULT_LIMITS,
     ActuatorLimits,
@@ -19,9 +31,26 @@ __all__ = [
     "DEFAULT_LIMITS",
     "ActuatorLimits",
     "Capability",
+    "Catalog",
+    "CatalogError",
+    "Duty",
+    "DutyCycle",
+    "PayloadChange",
+    "RatioIntervals",
+    "Selection",
+    "Sizing",
     "WrenchPolytope",
     "actuator_limits",
     "capability",
+    "duty_cycle",
     "field_capability",
+    "generic_catalog",
+    "load_catalog",
+    "payload_change",
+    "payload_time_scaling",
+    "ratio_intervals",
+    "read_catalog",
+    "select_drives",
+    "size_drives",
     "wrench_polytope",
 ]

@@ -22,6 +22,8 @@ from paminsa_viz import interrupts
 from paminsa_viz.errors import PaminsaError, name_hint
 from paminsa_viz.version import COMMAND, __version__
 
+__all__ = ["COMMANDS", "command_module", "main"]
+
 COMMANDS: dict[str, str] = {
     "start": "open the explorer in the browser (also without any command)",
     "evaluate": "compute actuator positions, torques and status for a table of poses",

@@ -14,7 +14,7 @@ from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.output import print_json, print_table, print_written
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.errors import TableFileError
-from paminsa_viz.files.measurement_table import measurement_table, read_measurements
+from paminsa_viz.files.measurements import measurement_table, read_measurements
 from paminsa_viz.files.tables import save_table, table_endings
 from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.model.kinematics import inverse_kinematics

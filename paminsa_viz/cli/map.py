@@ -20,7 +20,8 @@ from paminsa_viz.files.tables import table_bytes, table_endings
 from paminsa_viz.model import Design, solve_field, xy_grid
 from paminsa_viz.model.reach import Limit, home_pose, status_words
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT, counting
-from paminsa_viz.plots.map_data import (
+from paminsa_viz.plots.map_table import map_table
+from paminsa_viz.plots.map_values import (
     COARSE,
     FULL,
     MapData,
@@ -29,7 +30,6 @@ from paminsa_viz.plots.map_data import (
     map_data,
     workspace_field,
 )
-from paminsa_viz.plots.map_table import map_table
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import QUANTITIES, TORQUES, affordable_cells, selections
@@ -132,10 +132,12 @@ class Map(FilesFlags, ComparedDesignFlags):
             if ending in table_endings():
                 content = table_bytes(map_table(data), ending[1:])
             else:
-                from paminsa_viz.plots.map_figure import render  # late: matplotlib takes a second
+                from paminsa_viz.plots.map_figure import (
+                    render_maps,  # late: matplotlib takes a second
+                )
 
                 scales = scales_of(self, data, maps_of(self, design, reference, COARSE))
-                content = render(data, scales, ending[1:], width_mm=self.width, dpi=self.dpi)
+                content = render_maps(data, scales, ending[1:], width_mm=self.width, dpi=self.dpi)
             write_bytes(path, content)
         facts = _report(self, data)
         if self.json:

@@ -4,3 +4,19 @@
 of the frame, `attached` the sizes of payload and counterweights, `placement` where every body is
 in a configuration. Lengths in meters.
 """
+
+from __future__ import annotations
+
+from paminsa_viz.dimensions.layout import FrameLayout
+from paminsa_viz.dimensions.needs import missing_room, needed_guide, needed_shaft
+from paminsa_viz.dimensions.placement import BODIES, Placement, place_parts
+
+__all__ = [
+    "BODIES",
+    "FrameLayout",
+    "Placement",
+    "missing_room",
+    "needed_guide",
+    "needed_shaft",
+    "place_parts",
+]

@@ -12,39 +12,43 @@ MuJoCo is part of the installation; Pinocchio comes with ``pip install 'paminsa-
 
 from __future__ import annotations
 
-from functools import cache
-from importlib.util import find_spec
-from typing import Final
+from typing import TYPE_CHECKING
 
-from paminsa_viz.errors import PaminsaError
+from paminsa_viz.late import late_names
 
-INSTALL: Final = {
-    "MuJoCo": ("mujoco", "it is part of the installation: pip install mujoco"),
-    "Pinocchio": (
-        "pinocchio",
-        "it comes with the extra 'verify': pip install 'paminsa-viz[verify]'",
-    ),
-}
-"""Module of each engine, and how it is installed."""
+if TYPE_CHECKING:
+    from paminsa_viz.engines.dxf import dxf_text
+    from paminsa_viz.engines.exported import exported_mjcf, exported_usd
+    from paminsa_viz.engines.missing import INSTALL, EngineMissing, why_missing
+    from paminsa_viz.engines.mujoco_model import MujocoRobot, Played, play
+    from paminsa_viz.engines.pinocchio_model import PinocchioRobot
+    from paminsa_viz.engines.poses import joint_values, workspace_poses
+    from paminsa_viz.engines.simulated_log import NO_NOISE, LogNoise, RecordedMotion, simulate_log
+    from paminsa_viz.engines.urdf import closure_table, urdf_text
+    from paminsa_viz.engines.verification import EngineCheck, Verification, verify
 
+__all__ = [
+    "INSTALL",
+    "NO_NOISE",
+    "EngineCheck",
+    "EngineMissing",
+    "LogNoise",
+    "MujocoRobot",
+    "PinocchioRobot",
+    "Played",
+    "RecordedMotion",
+    "Verification",
+    "closure_table",
+    "dxf_text",
+    "exported_mjcf",
+    "exported_usd",
+    "joint_values",
+    "play",
+    "simulate_log",
+    "urdf_text",
+    "verify",
+    "why_missing",
+    "workspace_poses",
+]
 
-@cache
-def why_missing(engine: str) -> str:
-    """Return why an engine of `INSTALL` cannot be used, or an empty string; it is not loaded."""
-    return "" if find_spec(INSTALL[engine][0]) else str(EngineMissing(engine))
-
-
-class EngineMissing(PaminsaError, ImportError):
-    """A requested physics engine is not installed, or does not load.
-
-    Attributes:
-        engine: Its name.
-    """
-
-    def __init__(self, engine: str, cause: ImportError | None = None) -> None:
-        self.engine = engine
-        broken = cause is not None and not isinstance(cause, ModuleNotFoundError)
-        super().__init__(
-            f"{engine} {f'does not load ({cause})' if broken else 'is not installed'}; "
-            f"{INSTALL[engine][1]}"
-        )
+__getattr__ = late_names(__name__)

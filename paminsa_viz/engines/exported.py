@@ -7,8 +7,8 @@ from contextlib import suppress
 
 import numpy as np
 
-from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.mechanism import PLATFORM, MechanismTree, build_mechanism
+from paminsa_viz.engines.missing import EngineMissing
 from paminsa_viz.engines.mjcf import Servos, mjcf_text
 from paminsa_viz.engines.mujoco_model import compiled_model
 from paminsa_viz.engines.poses import start_pose

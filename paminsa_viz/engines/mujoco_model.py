@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.closed_loop import ClosedLoopRobot
 from paminsa_viz.engines.mechanism import PLATFORM
+from paminsa_viz.engines.missing import EngineMissing
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.closed_loop import ClosedLoopRobot
 from paminsa_viz.engines.mechanism import PLATFORM, Link, Point
+from paminsa_viz.engines.missing import EngineMissing
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.load import LoadFrame

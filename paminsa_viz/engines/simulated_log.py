@@ -48,6 +48,7 @@ class LogNoise:
 
 
 NO_NOISE = LogNoise(0.0, 0.0, 0.0, 0.0)
+"""The noise of a log that is exact."""
 
 
 class HeavierBar(NamedTuple):

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.closed_loop import ClosedLoopRobot
 from paminsa_viz.engines.comparison import Comparison, torque_scale
+from paminsa_viz.engines.missing import EngineMissing
 from paminsa_viz.engines.mujoco_model import MujocoRobot, Played, load_mujoco, play
 from paminsa_viz.engines.pinocchio_model import PinocchioRobot, load_pinocchio
 from paminsa_viz.engines.poses import workspace_poses

@@ -1,5 +1,56 @@
 """Reading and writing files: designs as TOML, tables of poses as CSV.
 
-Nothing here computes a robot; these modules turn text into the model's types and back, and name
-the file, the line or row, and the key or column of whatever they refuse.
+What scripts need are `load_design` and `save_design`, `read_log`, `read_measurements` and
+`read_trajectory`, and `save_table`. Nothing here computes a robot; these modules turn text into the
+model's types and back, and name the file, the line or row, and the key or column of whatever they
+refuse.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from paminsa_viz.late import late_names
+
+if TYPE_CHECKING:
+    from paminsa_viz.files.design_file import DesignContent, load_content, load_design, save_design
+    from paminsa_viz.files.errors import DesignFileError, FileError, TableFileError
+    from paminsa_viz.files.example_designs import ExampleDesign, example_design
+    from paminsa_viz.files.example_logs import ExampleLog, example_log
+    from paminsa_viz.files.logs import log_table, read_log
+    from paminsa_viz.files.measurements import (
+        MeasurementTable,
+        measurement_table,
+        read_measurements,
+    )
+    from paminsa_viz.files.tables import DataTable, provenance, save_table, table_bytes, table_csv
+    from paminsa_viz.files.trajectory_table import analysis_table, read_trajectory, simulation_table
+
+__all__ = [
+    "DataTable",
+    "DesignContent",
+    "DesignFileError",
+    "ExampleDesign",
+    "ExampleLog",
+    "FileError",
+    "MeasurementTable",
+    "TableFileError",
+    "analysis_table",
+    "example_design",
+    "example_log",
+    "load_content",
+    "load_design",
+    "log_table",
+    "measurement_table",
+    "provenance",
+    "read_log",
+    "read_measurements",
+    "read_trajectory",
+    "save_design",
+    "save_table",
+    "simulation_table",
+    "table_bytes",
+    "table_csv",
+]
+
+__getattr__ = late_names(__name__)

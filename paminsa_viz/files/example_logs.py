@@ -8,7 +8,7 @@ from enum import Enum
 from importlib.resources import files
 from pathlib import Path
 
-from paminsa_viz.files.log_table import parse_log, read_log
+from paminsa_viz.files.logs import parse_log, read_log
 from paminsa_viz.identification.log import Log
 
 

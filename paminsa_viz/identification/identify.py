@@ -75,7 +75,7 @@ def identify(
     friction and offsets are fitted from the log alone.
 
     Args:
-        log: The log of `make_log` or `files.log_table.read_log`.
+        log: The log of `make_log` or `files.logs.read_log`.
         design: The robot as it was meant; its load and its drives' differences are taken as known.
         settings: What is fitted, and how; the defaults of `IdentificationSettings` without.
         start: Pose (4,) near the log's start, to choose the assembly; the home pose by default.

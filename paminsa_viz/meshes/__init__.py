@@ -6,13 +6,13 @@ posed robot into one file. The fixed parts are mesh files that ``assets/make_par
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
 from paminsa_viz.dimensions.layout import FrameLayout, layout
 from paminsa_viz.dimensions.placement import BODIES, Placement, place_parts
+from paminsa_viz.late import late_names
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # trimesh takes half a second, which lengths alone do not need
     from paminsa_viz.meshes.bodies import (
         STANDING,
         body_glb,
@@ -43,20 +43,4 @@ __all__ = [
     "prepare",
 ]
 
-_HOMES = {
-    "bodies": ("STANDING", "body_glb", "color_of", "lengths_of", "make_body", "prepare"),
-    "library": ("MissingMeshes", "fixed_part"),
-    "part": ("MeshPart",),
-    "robot_files": ("assemble_glb",),
-}
-"""Modules of the other names. They are imported on first use: trimesh takes half a second,
-which lengths alone do not need."""
-
-
-def __getattr__(name: str) -> object:
-    for module, names in _HOMES.items():
-        if name in names:
-            found = getattr(import_module(f"{__name__}.{module}"), name)
-            globals()[name] = found
-            return found
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__ = late_names(__name__)

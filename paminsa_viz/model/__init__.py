@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput, PaminsaError, UnreachablePose
 from paminsa_viz.model.accuracy import DriveAccuracy, LegDeviations, Tolerances
+from paminsa_viz.model.backend import Formula
 from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, Geometry, KneeBranch
 from paminsa_viz.model.drive import NO_DRIVES, Drive, OutputLimits
 from paminsa_viz.model.dynamics import (
@@ -50,6 +51,7 @@ from paminsa_viz.model.lumped import (
     lumped_matrix,
     mass_vector,
 )
+from paminsa_viz.model.measures import least_margin
 from paminsa_viz.model.parameters import (
     BAR_ENDS,
     ActuatorFriction,
@@ -62,9 +64,10 @@ from paminsa_viz.model.parameters import (
     Payload,
     Platform,
 )
-from paminsa_viz.model.reach import Limit, Reach, check_reach, require_reachable
+from paminsa_viz.model.reach import Limit, Reach, check_reach, home_pose, require_reachable
 from paminsa_viz.model.regressor import drive_regressor, regressor_torques, torque_regressor
 from paminsa_viz.model.resizing import BarLaw, resized
+from paminsa_viz.model.robot import where
 from paminsa_viz.model.singularity import (
     Singularity,
     escape_twist,
@@ -99,6 +102,7 @@ __all__ = [
     "DriveAccuracy",
     "Elastic",
     "Field",
+    "Formula",
     "Friction",
     "Geometry",
     "Grid",
@@ -139,6 +143,7 @@ __all__ = [
     "forward_kinematics",
     "friction_torque",
     "generalized_force",
+    "home_pose",
     "inverse_dynamics",
     "inverse_jacobian",
     "inverse_jacobian_rate",
@@ -146,6 +151,7 @@ __all__ = [
     "jacobian",
     "joint_rates",
     "kinetic_energy",
+    "least_margin",
     "lift_constant",
     "load_torques",
     "lumped_coefficients",
@@ -169,5 +175,6 @@ __all__ = [
     "torque_breakdown",
     "torque_regressor",
     "unit_torques",
+    "where",
     "xy_grid",
 ]

@@ -9,7 +9,7 @@ import numpy as np
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.plots.hover import reasons
-from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.units import MM, number
 from paminsa_viz.version import MADE_BY

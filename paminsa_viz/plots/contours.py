@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale
 
 Line = NDArray[np.float64]

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_layout import MapLayout
+from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.units import MM, number
 
 FONT = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif"

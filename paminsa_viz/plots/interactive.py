@@ -13,7 +13,7 @@ from paminsa_viz.palette import INK
 from paminsa_viz.plots import colors, contours
 from paminsa_viz.plots.contours import Line
 from paminsa_viz.plots.hover import FONT, axis_number, reason_text, reasons, value_text
-from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.ranges import per_panel
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.units import MM, number

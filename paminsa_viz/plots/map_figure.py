@@ -22,7 +22,6 @@ from paminsa_viz.plots.formats import (
     drawing_lock,
     figure_file,
 )
-from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_layout import MapLayout, map_layout
 from paminsa_viz.plots.map_panel import (
     FloorPath,
@@ -30,6 +29,7 @@ from paminsa_viz.plots.map_panel import (
     add_color_bar,
     common_lines,
 )
+from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.ranges import per_panel
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.plots.text import wrapped
@@ -132,7 +132,7 @@ class _LiveFigure:
         return pixels[..., :3].copy()
 
 
-def render(
+def render_maps(
     data: MapData,
     scale: Scale | Sequence[Scale],
     format: str = "png",

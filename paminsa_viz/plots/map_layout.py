@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale
 
 # In em.

@@ -23,8 +23,8 @@ from paminsa_viz.palette import BAD, INK, LIGHT, Theme
 from paminsa_viz.plots import contours
 from paminsa_viz.plots.contours import Line
 from paminsa_viz.plots.hover import emptiness
-from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_layout import MapLayout, Rectangle
+from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.outside import add_outside, paint_outside
 from paminsa_viz.plots.scale import UNREACHED, Scale, color_codes, color_table, map_pixels
 from paminsa_viz.plots.text import text_width

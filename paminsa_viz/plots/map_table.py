@@ -12,7 +12,7 @@ from paminsa_viz.files.tables import DataTable, provenance
 from paminsa_viz.files.trajectory_table import parameter_facts
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.plots.caption import key_numbers
-from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.units import si_unit
 
 FORMAT = "paminsa_viz map 1"

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.plots import colors, ticks
-from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import (
     InvalidScale,
     Kind,

@@ -7,6 +7,7 @@ order x, y, theta, z, and tilt about x and y where the legs are unequal.
 from __future__ import annotations
 
 from paminsa_viz.precision.calibration import Calibration, Combination, calibrate
+from paminsa_viz.precision.calibration_problem import measuring_poses
 from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors, field_drive_errors
 from paminsa_viz.precision.leg_lengths import (
     LENGTHS,
@@ -23,7 +24,13 @@ from paminsa_viz.precision.manufacture import (
     monte_carlo,
     tolerance_errors,
 )
-from paminsa_viz.precision.measurements import Measurements, PredictionErrors, prediction_errors
+from paminsa_viz.precision.measurements import (
+    Measurements,
+    PredictionErrors,
+    coordinate_scales,
+    predict,
+    prediction_errors,
+)
 from paminsa_viz.precision.unequal_legs import (
     Closure,
     Sensitivities,
@@ -48,13 +55,16 @@ __all__ = [
     "ToleranceErrors",
     "UnequalPose",
     "calibrate",
+    "coordinate_scales",
     "design_lengths",
     "design_sensitivities",
     "drive_errors",
     "field_drive_errors",
     "manufactured_pose",
+    "measuring_poses",
     "monte_carlo",
     "nominal_lengths",
+    "predict",
     "prediction_errors",
     "sensitivities",
     "solve_actuators",

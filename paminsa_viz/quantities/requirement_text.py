@@ -12,8 +12,8 @@ from collections.abc import Callable
 from typing import NoReturn
 
 from paminsa_viz.errors import InvalidInput, name_hint
-from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.quantity import Quantity
+from paminsa_viz.quantities.registry import QUANTITIES
 from paminsa_viz.quantities.requirements import Range, Requirement
 from paminsa_viz.units import DisplayUnit, display_unit, number
 

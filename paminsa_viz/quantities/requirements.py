@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.quantities import find
 from paminsa_viz.quantities.quantity import Quantity
+from paminsa_viz.quantities.registry import find
 
 Range = tuple[float, float]
 

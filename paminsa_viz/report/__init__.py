@@ -6,3 +6,20 @@ sets them, and commands print the same blocks as text (`cli.output`). The file n
 no script; a browser's print dialog makes a PDF of it. Nothing is imported here, since figures are
 slow to import.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from paminsa_viz.late import late_names
+
+if TYPE_CHECKING:
+    from paminsa_viz.report.blocks import ReportRequest
+    from paminsa_viz.report.page import report_html
+
+__all__ = [
+    "ReportRequest",
+    "report_html",
+]
+
+__getattr__ = late_names(__name__)

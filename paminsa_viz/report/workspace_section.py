@@ -21,8 +21,8 @@ from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.palette import INK, LEG_COLORS, LIFT_COLOR, MUTED, PLATFORM
 from paminsa_viz.plots.formats import Credits, drawing, figure_file
-from paminsa_viz.plots.map_data import FULL, MapData, map_data, workspace_field
-from paminsa_viz.plots.map_figure import render
+from paminsa_viz.plots.map_figure import render_maps
+from paminsa_viz.plots.map_values import FULL, MapData, map_data, workspace_field
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
 from paminsa_viz.plots.series_builders import SYMBOLS
 from paminsa_viz.quantities import TORQUES
@@ -167,7 +167,7 @@ def maps_section(request: ReportRequest) -> Section:
 def _map_figure(data: MapData, width: float, *, half: bool) -> Figure:
     kind = "linear" if data.signed or data.unit == "N" else "symlog"
     scales = choose_scales(data, ScaleChoice(shared=True, kind=kind))
-    draw = partial(render, data, scales, "svg", width_mm=width, dpi=DPI, caption=not half)
+    draw = partial(render_maps, data, scales, "svg", width_mm=width, dpi=DPI, caption=not half)
     return Figure(draw, f"Map over x and y: {data.title}.", half=half)
 
 

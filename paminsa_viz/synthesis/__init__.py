@@ -8,10 +8,11 @@ the robot.
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
+from paminsa_viz.late import late_names
+
+if TYPE_CHECKING:  # the search brings the compiler, which a check does not need
     from paminsa_viz.synthesis.proof.certificate import prove
     from paminsa_viz.synthesis.proof.evidence import Evidence, Proof, Verdict
     from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace
@@ -103,37 +104,4 @@ __all__ = [
     "volume_table",
 ]
 
-_HOMES = {
-    "proof.certificate": "prove",
-    "proof.evidence": "Evidence Proof Verdict",
-    "proof.largest": "LargestWorkspace largest_workspace",
-    "proof.regions": "Growth",
-    "search.buildability": "Buildability buildability buildability_rows",
-    "search.case": "DIMENSIONS Effort Guide ObjectiveLimit Regime SearchRange SynthesisCase",
-    "search.case_file": "EXAMPLES load_case",
-    "search.evaluation": "Evaluator TrialEvaluation",
-    "search.objectives": "OBJECTIVES Objective find_objective",
-    "search.outer": "RegimeState",
-    "search.refusals": "refusal",
-    "search.region": "Density",
-    "search.result": "BoundOutcome RelaxedBound SynthesisResult",
-    "search.solve": "relaxations synthesize",
-    "search.trial": "TrialRobot",
-    "volume.causes": "CauseKind VolumeCause cause_slice",
-    "volume.check": "RequirementsCheck check_requirements",
-    "volume.conflict": "Conflict smallest_conflict",
-    "volume.grid": "COARSE FINE Resolution",
-    "volume.solve": "Volume solve_volume",
-    "volume.surface": "VolumeSurface volume_bytes volume_surface volume_table",
-}
-"""Modules of the names. They are imported on first use: the search brings the compiler, which a
-check does not need."""
-
-
-def __getattr__(name: str) -> object:
-    for module, names in _HOMES.items():
-        if name in names.split():
-            found = getattr(import_module(f"{__name__}.{module}"), name)
-            globals()[name] = found
-            return found
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__ = late_names(__name__)

@@ -10,7 +10,7 @@ import pytest
 
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.design_file import load_design
-from paminsa_viz.files.measurement_table import measurement_table, read_measurements
+from paminsa_viz.files.measurements import measurement_table, read_measurements
 from paminsa_viz.files.tables import table_bytes
 from paminsa_viz.model import APPENDIX_4, check_reach
 from paminsa_viz.precision.leg_lengths import deviation_array

@@ -9,7 +9,7 @@ import pytest
 
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.example_logs import ExampleLog, example_log
-from paminsa_viz.files.log_table import log_table
+from paminsa_viz.files.logs import log_table
 from paminsa_viz.files.tables import table_csv
 from paminsa_viz.identification import MultiSine, make_log
 from paminsa_viz.model import (

@@ -38,6 +38,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("small.toml").write_text(CASE)
 
 
+@pytest.mark.slow
 def test_the_saved_robot_is_that_of_the_answer(capsys) -> None:
     words = ("small.toml", "--out", "best.toml", "--checkpoint", "at.json", "--prove", "2")
     found = run_json("synthesize", capsys, *words)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -93,15 +92,9 @@ def test_a_mode_is_animated_and_a_diameter_changes_its_frequency(tab: Tab) -> No
 LOG = Path(paminsa_viz.files.__file__).parent / ExampleLog.BEST.value
 
 
-def give(tab: Tab, name: str, content: bytes) -> None:
-    """Give a file to the first upload button of the tab."""
-    field: Any = tab.page.locator('input[type="file"][accept^=".csv"]').first
-    field.set_input_files([{"name": name, "mimeType": "text/plain", "buffer": content}])
-
-
 def test_log_is_identified_drawn_and_used_and_a_wrong_one_changes_nothing(tab: Tab) -> None:
     tab.open_tab("Logs")
-    give(tab, "log.csv", LOG.read_bytes())
+    tab.upload("Open a log…", "log.csv", LOG.read_bytes())
     until(lambda: tab.state.identification.result is not None, "the log is identified", 60.0)
     numbers = tab.page.get_by_test_id("identify-numbers")
     numbers.wait_for()
@@ -111,7 +104,8 @@ def test_log_is_identified_drawn_and_used_and_a_wrong_one_changes_nothing(tab: T
     tab.click("Use as design")
     until(lambda: tab.state.document.design != APPENDIX_4, "its numbers are the design's")
     findings = tab.state.identification.result
-    give(tab, "wrong.csv", LOG.read_bytes().replace(b"torque1_Nm", b"torque9_Nm"))
+    wrong = LOG.read_bytes().replace(b"torque1_Nm", b"torque9_Nm")
+    tab.upload("Open a log…", "wrong.csv", wrong)
     tab.page.get_by_text("there is no such column").first.wait_for()
     assert tab.state.identification.result is findings
     assert tab.errors == []

@@ -90,10 +90,10 @@ def test_design_file_restores_a_design_and_a_broken_one_changes_nothing(tab: Tab
     assert read_design(content, "download") == saved
     tab.page.get_by_test_id("gallery").get_by_text("Appendix 4", exact=True).click()
     until(lambda: tab.state.document.design == APPENDIX_4, "Appendix 4 is back")
-    tab.upload(".toml", "broken.toml", content.replace(b"b3_kg = 0.777", b"b3_kg = -1"))
+    tab.upload("Open a file…", "broken.toml", content.replace(b"b3_kg = 0.777", b"b3_kg = -1"))
     tab.page.get_by_text("b3_kg").first.wait_for()
     assert tab.state.document.design == APPENDIX_4
-    tab.upload(".toml", "mine.toml", content)
+    tab.upload("Open a file…", "mine.toml", content)
     until(lambda: tab.state.document.design == saved, "the upload restores the design")
 
 

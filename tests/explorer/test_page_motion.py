@@ -12,7 +12,7 @@ from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.features.motion.tab import TIME
 from paminsa_viz.explorer.state.motion import Kind, Timing
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.plots.map_data import frame_half
+from paminsa_viz.plots.map_values import frame_half
 from paminsa_viz.plots.series_uplot import MOST_POINTS
 from paminsa_viz.trajectory import Trajectory, analyze, load_kernel
 from tests.support.chromium import Tab, until
@@ -171,14 +171,15 @@ def test_csv_file_is_run_or_refused_by_row(motion: Tab) -> None:
     rows = [
         f"{t:.3f},{50 * np.sin(t):.6f},{10 * t:.6f},{5 * t:.6f},-500" for t in np.linspace(0, 1, 51)
     ]
-    motion.upload(".csv", "swing.csv", "\n".join(["t_s,x_mm,y_mm,theta_deg,z_mm", *rows]).encode())
+    swing = "\n".join(["t_s,x_mm,y_mm,theta_deg,z_mm", *rows]).encode()
+    motion.upload("Open a CSV file…", "swing.csv", swing)
     until(lambda: motion.state.document.motion.table is not None, "the file is read")
     until(lambda: "Reachable" in motion.text("motion-status"), "it can be run")
     assert planned(motion).name == "swing"
     np.testing.assert_allclose(planned(motion).pose[-1, 0], 0.05 * np.sin(1.0), atol=1e-8)
     kept = motion.state.document.motion.table
     bad = b"t_s,x_m,y_m,theta_rad,z_m\n0,0,0,0,-0.5\n1,zero,0,0,-0.5\n"
-    motion.upload(".csv", "bad.csv", bad)
+    motion.upload("Open a CSV file…", "bad.csv", bad)
     motion.page.get_by_text("row 3, column x_m").wait_for()
     assert motion.state.document.motion.table is kept
 

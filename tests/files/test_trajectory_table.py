@@ -41,8 +41,8 @@ from paminsa_viz.model import (
     LoadFrame,
     Misprint,
 )
-from paminsa_viz.plots.map_data import map_data, workspace_field
 from paminsa_viz.plots.map_table import map_table
+from paminsa_viz.plots.map_values import map_data, workspace_field
 from paminsa_viz.trajectory import (
     Controller,
     ControlMode,

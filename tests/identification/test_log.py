@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.files.errors import TableFileError
-from paminsa_viz.files.log_table import log_table, parse_log
+from paminsa_viz.files.logs import log_table, parse_log
 from paminsa_viz.files.tables import table_csv
 from paminsa_viz.identification import InvalidLog, identify, log_poses, make_log
 from paminsa_viz.identification.log_poses import follow_pose

@@ -11,7 +11,7 @@ from matplotlib.path import Path
 
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.plots import contours
-from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale
 from tests.plots.samples import made_up, real
 

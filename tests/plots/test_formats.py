@@ -16,7 +16,7 @@ from paminsa_viz.explorer.features.export.tab import export_entries
 from paminsa_viz.explorer.kit.entries import ButtonGroup, given
 from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.plots.formats import FIGURE_FORMATS, FigureFormat, check_size, figure_format
-from paminsa_viz.plots.map_figure import render
+from paminsa_viz.plots.map_figure import render_maps
 from paminsa_viz.plots.scale import Scale
 from tests.plots.samples import made_up
 
@@ -33,7 +33,7 @@ def test_a_registered_format_is_found_everywhere(jpeg: str, tmp_path: Path) -> N
     assert file.name.endswith(".jpg")
     drawn = tmp_path / "map.jpg"
     assert main(["map", "--cells", "20", "--dpi", "60", "--out", str(drawn)]) == 0
-    direct = render(made_up(), Scale(-5.0, 5.0), jpeg, dpi=60)
+    direct = render_maps(made_up(), Scale(-5.0, 5.0), jpeg, dpi=60)
     groups = [entry for entry in export_entries(MapStore()) if isinstance(entry, ButtonGroup)]
     assert any("JPG" in given(entry.choices, initial_state()) for entry in groups)
     for content in (file.content, drawn.read_bytes(), direct):

@@ -11,8 +11,8 @@ import pytest
 
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.plots.hover import REASON_CELLS, HoverFigure, emptiness, reasons
-from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_layout import map_layout
+from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.ranges import choose_scales
 from tests.plots.samples import made_up, real
 

@@ -11,10 +11,10 @@ import pytest
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.plots.contours import NO_LINE
-from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_figure import PAGE_EM, LiveMaps
 from paminsa_viz.plots.map_layout import MapLayout, map_layout
 from paminsa_viz.plots.map_panel import FloorPath
+from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale, map_pixels
 from tests.plots.samples import (
     EMPTY,

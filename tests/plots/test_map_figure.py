@@ -25,9 +25,9 @@ from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.plots import map_panel
 from paminsa_viz.plots.caption import caption
 from paminsa_viz.plots.formats import FIGURE_FORMATS
-from paminsa_viz.plots.map_data import MapData, difference
-from paminsa_viz.plots.map_figure import render
+from paminsa_viz.plots.map_figure import render_maps
 from paminsa_viz.plots.map_layout import map_layout
+from paminsa_viz.plots.map_values import MapData, difference
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, per_panel
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import QUANTITIES, TORQUES
@@ -56,7 +56,7 @@ HEAVIER = APPENDIX_4.vary({"links.b8": 1.2})
 LOG = ScaleChoice(kind="symlog")
 FIGURES: dict[str, Any] = {
     "torques": lambda: printed(real(121)),
-    "own_ranges": lambda: render(real(121), OWN_REAL, dpi=80, width_mm=130.0),
+    "own_ranges": lambda: render_maps(real(121), OWN_REAL, dpi=80, width_mm=130.0),
     "narrow": lambda: printed(real(121), width_mm=85.0),
     "condition_log": lambda: printed(real(121, quantities=("condition",)), LOG, width_mm=85.0),
     "difference": lambda: printed(
@@ -67,7 +67,7 @@ FIGURES: dict[str, Any] = {
 
 
 def printed(data: MapData, choice: ScaleChoice | None = None, **options: Any) -> bytes:
-    return render(data, choose_scales(data, choice), dpi=80, **options)
+    return render_maps(data, choose_scales(data, choice), dpi=80, **options)
 
 
 def png(pixels: np.ndarray) -> bytes:
@@ -92,10 +92,10 @@ def test_each_printed_panel_shows_its_own_contours(monkeypatch: pytest.MonkeyPat
     data = panel_and_same(0)[0]
     places = map_layout(data, SCALES, 170.0 / 25.4 * 72, 8.0, head=1.5 * 8.0).panels
     whole, bare = (
-        pixels(render(data, scale, dpi=144.0)) for scale in (SCALE, replace(SCALE, contours=0))
+        pixels(render_maps(data, scale, dpi=144.0)) for scale in (SCALE, replace(SCALE, contours=0))
     )
     for panel, place in enumerate(places):
-        same = pixels(render(panel_and_same(panel)[1], SCALE, dpi=144.0))
+        same = pixels(render_maps(panel_and_same(panel)[1], SCALE, dpi=144.0))
         mixed, alike, plain = (crop(image, place, 2.0) for image in (whole, same, bare))
         assert np.array_equal(mixed, alike)
         assert (plain != mixed).any()
@@ -108,12 +108,12 @@ def test_tiny_infinite_and_empty_data_can_be_drawn(choice: ScaleChoice) -> None:
         status=np.zeros((2, 2), np.uint8), margin=None, leg=None,
     )  # fmt: skip
     assert live(tiny, choose_scales(tiny, choice), 300).shape[1] == 300
-    assert pixels(render(EMPTY, choose_scales(EMPTY, choice), dpi=50)).shape[1] == 335
+    assert pixels(render_maps(EMPTY, choose_scales(EMPTY, choice), dpi=50)).shape[1] == 335
 
 
 @pytest.mark.parametrize(("width", "dpi"), [(85.0, 300.0), (120.0, 200.0), (123.4, 97.0)])
 def test_a_png_is_exactly_as_wide_as_asked_and_knows_its_size(width: float, dpi: float) -> None:
-    image = Image.open(BytesIO(render(made_up(panels=1), SCALE, width_mm=width, dpi=dpi)))
+    image = Image.open(BytesIO(render_maps(made_up(panels=1), SCALE, width_mm=width, dpi=dpi)))
     assert image.width == round(width / 25.4 * dpi)
     assert image.info["dpi"][0] == pytest.approx(dpi, abs=0.02)
     assert image.info["Software"] == f"paminsa_viz {__version__}"
@@ -124,13 +124,13 @@ def test_a_png_is_exactly_as_wide_as_asked_and_knows_its_size(width: float, dpi:
 @pytest.mark.parametrize("quantities", [("max_torque",), TORQUES], ids=["one", "three"])
 def test_nothing_is_cut_off_at_the_edges(width: float, quantities: Any) -> None:
     data = real(31, quantities=quantities)
-    image = pixels(render(data, choose_scales(data), width_mm=width, dpi=100))
+    image = pixels(render_maps(data, choose_scales(data), width_mm=width, dpi=100))
     assert all((side == 255).all() for side in (image[0], image[-1], image[:, 0], image[:, -1]))
 
 
 def test_title_and_caption_can_be_left_out() -> None:
     full, bare = (
-        len(pixels(render(made_up(), SCALE, dpi=60, **options)))
+        len(pixels(render_maps(made_up(), SCALE, dpi=60, **options)))
         for options in ({}, {"title": "", "caption": False})
     )
     assert full > bare + 20
@@ -139,7 +139,7 @@ def test_title_and_caption_can_be_left_out() -> None:
 @pytest.mark.parametrize("format", FIGURE_FORMATS)
 def test_equal_input_gives_equal_bytes_in_any_thread(format: str) -> None:
     def draw(end: float) -> bytes:
-        return render(made_up(panels=1), Scale(-end, end), format, width_mm=85.0, dpi=60)
+        return render_maps(made_up(panels=1), Scale(-end, end), format, width_mm=85.0, dpi=60)
 
     alone = [draw(end) for end in (1.0, 2.0)]
     with ThreadPoolExecutor(2) as pool:
@@ -147,7 +147,7 @@ def test_equal_input_gives_equal_bytes_in_any_thread(format: str) -> None:
 
 
 def test_an_svg_can_be_read_and_has_its_size() -> None:
-    tree = ElementTree.fromstring(render(made_up(), SCALE, "svg", width_mm=170.0))
+    tree = ElementTree.fromstring(render_maps(made_up(), SCALE, "svg", width_mm=170.0))
     assert tree.tag == f"{SVG}svg"
     assert float(tree.attrib["width"].removesuffix("pt")) == pytest.approx(170 / 25.4 * 72, abs=0.3)
     counts = [len(tree.findall(f".//{SVG}{tag}")) for tag in ("image", "path", "text")]
@@ -157,7 +157,7 @@ def test_an_svg_can_be_read_and_has_its_size() -> None:
 
 
 def test_a_pdf_embeds_its_fonts() -> None:
-    pdf = render(made_up(), SCALE, "pdf")
+    pdf = render_maps(made_up(), SCALE, "pdf")
     assert pdf.startswith(b"%PDF-")
     assert pdf.rstrip().endswith(b"%%EOF")
     assert b"/FontFile2" in pdf
@@ -171,10 +171,10 @@ def test_a_pdf_embeds_its_fonts() -> None:
 
 
 def test_matplotlib_settings_of_the_user_are_neither_used_nor_changed() -> None:
-    plain = render(made_up(), SCALE, dpi=60)
+    plain = render_maps(made_up(), SCALE, dpi=60)
     with mpl.rc_context({"font.size": 30, "axes.facecolor": "red", "text.usetex": True}):
         before = dict(mpl.rcParams)
-        assert render(made_up(), SCALE, dpi=60) == plain
+        assert render_maps(made_up(), SCALE, dpi=60) == plain
         assert dict(mpl.rcParams) == before
 
 
@@ -187,8 +187,8 @@ def test_any_name_of_a_design_can_be_printed(name: str) -> None:
     data = made_up(panels=1, design=replace(SAMPLE, name=name), title=f"Map of {name[:200]}")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        image = pixels(render(data, SCALE, width_mm=85.0, dpi=60))
-        ElementTree.fromstring(render(data, SCALE, "svg", width_mm=85.0))
+        image = pixels(render_maps(data, SCALE, width_mm=85.0, dpi=60))
+        ElementTree.fromstring(render_maps(data, SCALE, "svg", width_mm=85.0))
     assert image.shape[1] == round(85 / 25.4 * 60)
 
 
@@ -204,7 +204,7 @@ def figures_of_all() -> list[tuple[str, ...]]:
 def test_every_quantity_can_be_printed(quantities: tuple[str, ...]) -> None:
     data = real(21, quantities=quantities)
     for choice in (ScaleChoice(), LOG):
-        image = pixels(render(data, choose_scales(data, choice), width_mm=180.0, dpi=60))
+        image = pixels(render_maps(data, choose_scales(data, choice), width_mm=180.0, dpi=60))
         assert image.shape[1] == 425
 
 
@@ -223,7 +223,7 @@ def test_every_quantity_can_be_printed(quantities: tuple[str, ...]) -> None:
 )
 def test_impossible_figures_are_refused(argument: str, options: dict[str, Any]) -> None:
     with pytest.raises(InvalidInput) as caught:
-        render(made_up(), SCALE, **options)
+        render_maps(made_up(), SCALE, **options)
     assert caught.value.argument == argument
 
 

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from paminsa_viz.files.tables import table_csv, table_npz
 from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.plots.map_data import MapData, difference
 from paminsa_viz.plots.map_table import map_table, value_columns
+from paminsa_viz.plots.map_values import MapData, difference
 from paminsa_viz.quantities import TORQUES
 from tests.plots.samples import SAMPLE, made_up, real
 

@@ -10,8 +10,8 @@ import pytest
 from paminsa_viz.model import APPENDIX_4, DriveAccuracy, singular_rotation
 from paminsa_viz.plots.caption import caption
 from paminsa_viz.plots.hover import reasons
-from paminsa_viz.plots.map_data import MapData, difference, map_data, workspace_field
 from paminsa_viz.plots.map_table import map_table, value_columns
+from paminsa_viz.plots.map_values import MapData, difference, map_data, workspace_field
 from paminsa_viz.plots.ranges import choose_scales
 from paminsa_viz.studies.metrics import RegionResults, default_region, global_indices
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from paminsa_viz.plots import outside as hatching
 from paminsa_viz.plots.caption import caption
-from paminsa_viz.plots.map_figure import PAGE_EM, render
+from paminsa_viz.plots.map_figure import PAGE_EM, render_maps
 from paminsa_viz.plots.map_layout import map_layout
 from paminsa_viz.plots.outside import Outside
 from paminsa_viz.plots.scale import Scale
@@ -68,10 +68,10 @@ def test_reasons_differ_by_the_direction_of_their_lines() -> None:
 def test_print_has_the_hatching_and_names_the_reasons() -> None:
     data = made_up(panels=1)
     shown = replace(data, outside=halves())
-    svg = render(shown, SCALES[:1], "svg").decode()
+    svg = render_maps(shown, SCALES[:1], "svg").decode()
     assert RED in svg
     assert BLUE in svg
-    assert RED not in render(data, SCALES[:1], "svg").decode()
+    assert RED not in render_maps(data, SCALES[:1], "svg").decode()
     assert "requirements broken (κ, τ₁)" in caption(shown, SCALES[:1])
     none = replace(data, outside=replace(halves(), code=np.zeros((27, 31), np.uint8)))
     assert caption(none, SCALES[:1]) == caption(data, SCALES[:1])

@@ -8,6 +8,7 @@ import shutil
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -187,8 +188,13 @@ class Tab:
         assert done.wait(TIMEOUT), "the session does not get to it"
 
     def handle(self, label: str) -> Any:
-        """Return the input with a label, as the server knows it."""
-        return input_labeled(self.session, label)
+        """Return the input with a label, as the server knows it, once its section is built."""
+
+        def built() -> Any:
+            with suppress(StopIteration):
+                return input_labeled(self.session, label)
+
+        return until(built, f"the input {label}")
 
     def element(self, label: str) -> Any:
         """Return the input with a label on the page."""
@@ -228,10 +234,11 @@ class Tab:
         x, y = box["x"] + right * box["width"], box["y"] + down * box["height"]
         self.page.mouse.click(x, y)
 
-    def upload(self, accept: str, name: str, content: bytes) -> None:
-        """Give a file to the upload button that accepts its kind."""
-        field = self.page.locator(f'input[type="file"][accept^="{accept}"]')
-        field.set_input_files([{"name": name, "mimeType": "text/plain", "buffer": content}])
+    def upload(self, button: str, name: str, content: bytes) -> None:
+        """Press an upload button, and give it a file."""
+        with self.page.expect_file_chooser() as asked:
+            self.click(button)
+        asked.value.set_files([{"name": name, "mimeType": "text/plain", "buffer": content}])
 
     def wait_frames(self, milliseconds: float) -> None:
         """Wait for a time and then for some frames, which may take long on a busy machine."""

@@ -23,7 +23,7 @@ Make = Sequence[Entry] | Callable[[Session], View]
 
 def input_labeled(session: Session, label: str) -> Any:
     """Return viser's handle of the first input with a label."""
-    inputs = session.client.gui._gui_input_handle_from_uuid.values()
+    inputs = list(session.client.gui._gui_input_handle_from_uuid.values())
     return next(handle for handle in inputs if getattr(handle, "label", None) == label)
 
 

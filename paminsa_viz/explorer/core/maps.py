@@ -17,7 +17,7 @@ from paminsa_viz.explorer.state.maps import MapView, RangeMode
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import APPENDIX_4, Design
 from paminsa_viz.model.grids import Field
-from paminsa_viz.plots.map_data import (
+from paminsa_viz.plots.map_values import (
     COARSE,
     FULL,
     MapData,

@@ -18,7 +18,7 @@ from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.scene.places import found_at
 from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.palette import LIGHT, rgb
-from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import OVER, UNDER, Scale, color_table
 from paminsa_viz.units import number
 

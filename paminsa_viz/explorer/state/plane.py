@@ -11,7 +11,7 @@ from paminsa_viz.kept import kept
 from paminsa_viz.model import Design, Field, Geometry, Limit
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.singular_limit import counting
-from paminsa_viz.plots.map_data import workspace_field
+from paminsa_viz.plots.map_values import workspace_field
 
 
 @dataclass(frozen=True)

@@ -23,8 +23,8 @@ from paminsa_viz.model import (
     check_reach,
     static_torques,
 )
-from paminsa_viz.plots import map_data
-from paminsa_viz.plots.map_data import COARSE, FULL, MapData, cell_centers, frame_half, half_width
+from paminsa_viz.plots import map_values
+from paminsa_viz.plots.map_values import COARSE, FULL, MapData, cell_centers, frame_half, half_width
 from paminsa_viz.quantities import MAP_BUDGET, QUANTITIES
 from tests.support.measured import pointwise
 
@@ -52,13 +52,13 @@ def poses_of(data: MapData) -> np.ndarray:
 def solved(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Count the cells of every field that is solved."""
     calls: list[int] = []
-    real = map_data.solve_field
+    real = map_values.solve_field
 
     def counted(*args: Any, **kwargs: Any) -> Any:
         calls.append(args[1].size)
         return real(*args, **kwargs)
 
-    monkeypatch.setattr(map_data, "solve_field", counted)
+    monkeypatch.setattr(map_values, "solve_field", counted)
     return calls
 
 

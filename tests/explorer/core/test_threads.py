@@ -46,7 +46,9 @@ def test_thread_goes_on_after_a_failure(monkeypatch: pytest.MonkeyPatch) -> None
 
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="open files are not listed here")
-def test_pages_that_come_and_go_leave_no_file_open(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pages_that_come_and_go_leave_no_file_and_no_thread(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(program, "COLLECTION_DELAY", 0.1)
     running = App(AppOptions(port=0, browser=False), APPENDIX_4)
 
@@ -68,9 +70,10 @@ def test_pages_that_come_and_go_leave_no_file_open(monkeypatch: pytest.MonkeyPat
     try:
         for _ in range(2):
             visit()
-        before = open_files()
-        for _ in range(6):
+        before, running_before = open_files(), threading.active_count()
+        for _ in range(4):
             visit()
         eventually(lambda: open_files() <= before + 2)  # fonts that no thread uses any more
+        eventually(lambda: threading.active_count() <= running_before + 1)
     finally:
         running.stop()

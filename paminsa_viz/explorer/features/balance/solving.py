@@ -49,7 +49,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.drive import TORQUE_UNITS
 from paminsa_viz.model.parameters import Counterweight
-from paminsa_viz.plots.map_data import half_width
+from paminsa_viz.plots.map_values import half_width
 from paminsa_viz.progress import Progress
 from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, analyze, solve_trajectory
 from paminsa_viz.trajectory.integrals import time_weights

@@ -39,12 +39,12 @@ def figure(state: State, store: MapStore, kind: str) -> File:
         InvalidInput: If kind, width or resolution is not possible.
     """
     # Late: matplotlib takes a second to load, and most sessions never print.
-    from paminsa_viz.plots.map_figure import render
+    from paminsa_viz.plots.map_figure import render_maps
 
     data = store.data(state, FULL, _quantities(state), hatched=True)
     scales = store.scales(state, data, _quantities(state))
     export = state.export
-    content = render(data, scales, kind, width_mm=export.width, dpi=export.dpi)
+    content = render_maps(data, scales, kind, width_mm=export.width, dpi=export.dpi)
     return File(_maps_name(state, kind), content)
 
 

@@ -31,7 +31,7 @@ from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state.identification import IdentifySettings, parse_gains
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.errors import TableFileError
-from paminsa_viz.files.log_table import parse_log
+from paminsa_viz.files.logs import parse_log
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.plots.identification_series import log_charts
 

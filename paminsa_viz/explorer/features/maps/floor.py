@@ -24,7 +24,7 @@ from paminsa_viz.explorer.scene.nodes import Nodes, curves, mesh
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.palette import INK
 from paminsa_viz.plots import contours
-from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale, map_pixels
 
 ABOVE: Final = {

@@ -20,10 +20,10 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.palette import rgb
 from paminsa_viz.plots.contours import joined
 from paminsa_viz.plots.hover import HoverFigure
-from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_figure import PAGE_EM, LiveMaps
 from paminsa_viz.plots.map_layout import MapLayout, map_layout
 from paminsa_viz.plots.map_panel import FloorPath
+from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import MM, format_value

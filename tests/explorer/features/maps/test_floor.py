@@ -19,8 +19,8 @@ from paminsa_viz.explorer.features.maps.floor import FloorMap, floor_image, wher
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model import APPENDIX_4, KneeBranch
-from paminsa_viz.plots import map_data
-from paminsa_viz.plots.map_data import MapData, frame_half
+from paminsa_viz.plots import map_values
+from paminsa_viz.plots.map_values import MapData, frame_half
 from paminsa_viz.plots.scale import Scale, color_table
 from tests.support.desk import Desk, desk_with
 from tests.support.scene import Scene
@@ -119,7 +119,7 @@ def test_hidden_layers_are_not_drawn_and_nothing_is_solved_for_them(
         desk.until(lambda node=node: node not in scene.shown)
     assert not desk.panel._ring.visible
     calls: list[int] = []
-    monkeypatch.setattr(map_data, "solve_field", lambda *args, **kwargs: calls.append(1))
+    monkeypatch.setattr(map_values, "solve_field", lambda *args, **kwargs: calls.append(1))
     for theta in (1.2, 1.1):
         desk.dispatch(lambda s, theta=theta: actions.move(s, theta=theta))
         desk.until(lambda theta=theta: desk.state.last_reachable.pose[2] == theta)

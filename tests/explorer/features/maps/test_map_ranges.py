@@ -15,7 +15,7 @@ from paminsa_viz.explorer.core.maps import MapStore, select_scales
 from paminsa_viz.explorer.state.maps import MapView, RangeMode
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import Design, Limit
-from paminsa_viz.plots.map_data import COARSE, FULL, MapData
+from paminsa_viz.plots.map_values import COARSE, FULL, MapData
 from paminsa_viz.plots.scale import Scale
 from tests.support.samples import LOADS, possible_designs
 

@@ -324,6 +324,7 @@ def test_settings_are_set_on_the_page_and_a_search_can_be_stopped(desk: Desk, as
     assert not desk.notices
 
 
+@pytest.mark.slow
 def test_a_stopped_search_gives_the_best_robot_so_far(
     desk: Desk, asked: State, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -13,7 +13,7 @@ from paminsa_viz.model import APPENDIX_4, solve_field, static_torques, xy_grid
 from paminsa_viz.model.grids import Grid
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import LEG_COLORS
-from paminsa_viz.plots.map_data import difference, map_data
+from paminsa_viz.plots.map_values import difference, map_data
 from paminsa_viz.quantities import QUANTITIES
 from tests.plots.samples import made_up, real
 

@@ -1,0 +1,81 @@
+"""The registry of quantities that can be mapped, swept and required: one entry each.
+
+An entry names the formula that is solved over a grid once for a geometry, and how a design's
+masses, load and drives turn its results into values, so that a slider rescales a map and solves
+nothing. Page, command line, tables and figures read everything else about a quantity here as well.
+A file of this package holds those of one family.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from paminsa_viz.errors import InvalidInput, name_hint
+from paminsa_viz.model.backend import Formula
+from paminsa_viz.quantities.accuracy import ACCURACY
+from paminsa_viz.quantities.capability import CAPABILITY
+from paminsa_viz.quantities.clearance import CLEARANCE
+from paminsa_viz.quantities.joint_forces import JOINT_FORCES
+from paminsa_viz.quantities.kinematics import KINEMATICS
+from paminsa_viz.quantities.quantity import Quantity
+from paminsa_viz.quantities.statics import STATICS
+from paminsa_viz.quantities.stiffness import STIFFNESS
+
+MAP_BUDGET = 1.0
+"""Time that the cells of a map may take [s]; maps of costly quantities have fewer cells."""
+
+QUANTITIES: dict[str, Quantity] = {
+    quantity.key: quantity
+    for quantity in (
+        *STATICS,
+        *KINEMATICS,
+        *CAPABILITY,
+        *ACCURACY,
+        *JOINT_FORCES,
+        *STIFFNESS,
+        *CLEARANCE,
+    )
+}
+"""Every quantity by its key, in the order of choices."""
+
+TORQUES: tuple[str, ...] = ("tau_1", "tau_2", "tau_3")
+"""The three panels of Fig. 3."""
+
+
+def families() -> dict[str, tuple[Quantity, ...]]:
+    """Return the quantities by their families, in the order of choices."""
+    found: dict[str, tuple[Quantity, ...]] = {}
+    for quantity in QUANTITIES.values():
+        found[quantity.family] = (*found.get(quantity.family, ()), quantity)
+    return found
+
+
+def find(keys: Sequence[str]) -> tuple[Quantity, ...]:
+    """Return quantities by their keys.
+
+    Raises:
+        InvalidInput: If a key is unknown; names the nearest one.
+    """
+    for key in keys:
+        if key not in QUANTITIES:
+            hint = name_hint(key, QUANTITIES)
+            raise InvalidInput("quantity", f"there is no quantity {key[:40]!r}; {hint}")
+    return tuple(QUANTITIES[key] for key in keys)
+
+
+def selections() -> dict[str, tuple[str, ...]]:
+    """Return the selections of a map by name: the three torques side by side, or one quantity."""
+    found: dict[str, tuple[str, ...]] = {"torques": TORQUES}
+    return found | {key: (key,) for key in QUANTITIES}
+
+
+def formulas() -> tuple[Formula, ...]:
+    """Return every formula of the registry once, for `backend.compile_in_background`."""
+    return tuple(dict.fromkeys(quantity.formula for quantity in QUANTITIES.values()))
+
+
+def affordable_cells(keys: Sequence[str], most: int, budget: float = MAP_BUDGET) -> int:
+    """Return how many cells a side, at most ``most``, a map may have within a time [s]."""
+    cost = sum({item.formula: item.cost for item in find(keys)}.values())
+    return max(2, min(most, math.isqrt(int(budget / cost))))
