@@ -1,4 +1,4 @@
-"""What is seen above all tabs: status and pose, actuators, requirements."""
+"""What is seen above all tabs: status and undo, largest torque and margin, the reference."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.saved_requirements import asked
 from paminsa_viz.explorer.features.compare.tab import REFERENCE, switch_html
 from paminsa_viz.explorer.features.pose.tab import (
+    load_html,
     pose_line_html,
-    status_html,
+    status_line_html,
     summary_html,
     torques_html,
 )
@@ -47,11 +48,15 @@ def springs_html(frame: Frame) -> str:
 
 
 def strip_html(frame: Frame) -> str:
-    """Return what is seen above all tabs."""
+    """Return what is seen above all tabs; under the pointer also pose, summary and all torques.
+
+    The section *Pose* has those in any case.
+    """
     numbers = of_pose(frame, summary_html(frame), torques_html(frame))
+    more = f'<div class="pv-more">{pose_line_html(frame)}{numbers}</div>'
     parts = (
-        status_html(frame), pose_line_html(frame), numbers, springs_html(frame),
-        requirements_html(frame.state), switch_html(frame),
+        status_line_html(frame), of_pose(frame, load_html(frame)), springs_html(frame),
+        requirements_html(frame.state), switch_html(frame), more,
     )  # fmt: skip
     return f'<div class="pv-strip">{"".join(parts)}</div>'
 

@@ -41,6 +41,44 @@ def test_click_on_what_lies_over_a_map_moves_nothing_and_one_on_the_map_does(tab
     until(lambda: tab.state.document.pose != before, "the robot goes where the map is clicked")
 
 
+NEW_FRAME = """() => {
+  const all = [...document.querySelectorAll("[data-paminsa-frame]")];
+  const marks = all.find((one) => one.offsetParent);
+  const frame = JSON.parse(marks.dataset.paminsaFrame);
+  frame.edges = frame.edges.map((edge) => edge / 2);
+  marks.dataset.paminsaFrame = JSON.stringify(frame);
+  const box = marks.getBoundingClientRect(), [left, top, width, height] = frame.panels[0];
+  const x = box.left + (left + 0.75 * width) * box.width;
+  return [[x, box.top + (top + 0.5 * height) * box.height], frame.edges];
+}"""
+
+
+def test_click_on_a_map_is_read_in_the_frame_of_its_picture(tab: Tab) -> None:
+    tab.page.locator(".nsewdrag").first.wait_for()
+    tab.dispatch(actions.go_home)
+    tab.wait_frames(500)
+    place, edges = tab.page.evaluate(NEW_FRAME)  # the picture of another frame; the figure lags
+    tab.page.mouse.click(*place)
+    expected = (edges[0] + 0.75 * (edges[1] - edges[0])) / 1e3
+    until(lambda: abs(tab.state.document.pose[0] - expected) < 2e-3, "the place in the new frame")
+
+
+def test_strip_has_three_lines_shows_the_rest_under_the_pointer_and_undoes(tab: Tab) -> None:
+    strip = tab.page.locator(".pv-strip")
+    assert strip.bounding_box()["height"] <= 84
+    more = tab.page.get_by_test_id("at-pose")
+    assert not more.is_visible()
+    tab.page.get_by_test_id("load").hover()
+    more.wait_for()
+    tab.page.mouse.move(5, 5)
+    before = tab.state.document.pose
+    tab.dispatch(lambda s: actions.move(s, x=0.031))
+    undo = tab.page.get_by_role("button", name="Undo the last change")
+    until(undo.is_enabled, "there is something to undo")
+    undo.click()
+    until(lambda: tab.state.document.pose == before, "it is undone")
+
+
 def kept(tab: Tab) -> Any:
     """Return what the tab has saved."""
     return json.loads(tab.page.evaluate(f"sessionStorage.getItem('{STORE_KEY}')") or "{}")

@@ -204,24 +204,44 @@
     const plot = element.closest?.(".js-plotly-plot");
     return plot?._fullLayout?._plots ? plot : null;
   };
+  // Maps are read in the frame that came with their picture: the figure over them gets it later.
+  const frameOf = (plot) => {
+    const marks = plot.closest('[data-paminsa-mark~="maps"]')?.querySelector("[data-paminsa-frame]");
+    return marks && { ...JSON.parse(marks.dataset.paminsaFrame), box: marks.getBoundingClientRect() };
+  };
+  const placeInFrame = ({ edges, panels, box }, place) => {
+    const [left, right, bottom, top] = edges;
+    for (const [start, head, width, height] of panels) {
+      const across = ((place[0] - box.left) / box.width - start) / width;
+      const down = ((place[1] - box.top) / box.height - head) / height;
+      if (across < 0 || down < 0 || across > 1 || down > 1) continue;
+      return { x: left + across * (right - left), y: top - down * (top - bottom) };
+    }
+    return null;
+  };
   let pressed = null;
   const onPointer = (event) => {
     const place = [event.clientX, event.clientY];
     if (event.type === "pointerdown") {
       const plot = event.button === 0 ? plotOf(event.target) : null;
-      pressed = plot && { plot, place };
+      pressed = plot && { plot, place, frame: frameOf(plot) };
       return;
     }
     if (!pressed) return;
-    const { plot, place: start } = pressed;
+    const { plot, place: start, frame } = pressed;
     pressed = null;
     if (Math.hypot(place[0] - start[0], place[1] - start[1]) > 4) return;
+    const title = String(plot._fullLayout.meta || "");
+    if (frame) {
+      const found = placeInFrame(frame, start);
+      if (found) send("click", { title, ...found });
+      return;
+    }
     const box = plot.getBoundingClientRect();
     for (const { xaxis, yaxis } of Object.values(plot._fullLayout._plots)) {
       const x = place[0] - box.left - xaxis._offset;
       const y = place[1] - box.top - yaxis._offset;
       if (x < 0 || y < 0 || x > xaxis._length || y > yaxis._length) continue;
-      const title = String(plot._fullLayout.meta || "");
       send("click", { title, x: xaxis.p2d(x), y: yaxis.p2d(y) });
       return;
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from typing import Any, Literal, cast
 
@@ -25,7 +26,7 @@ from paminsa_viz.plots.map_panel import FloorPath
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.trajectory import TrajectoryAnalysis
-from paminsa_viz.units import format_value
+from paminsa_viz.units import MM, format_value
 
 Quantities = Callable[[State], Sequence[str]]
 
@@ -131,6 +132,7 @@ class MapPicture:
         found = [] if "path" not in state.layers else points.listed(state)
         self._markers.content = render(
             "maps/markers.j2", layout=layout, places=layout.positions(data),
+            frame=json.dumps(click_frame(layout, data)),
             points=[(point.name, layout.places(data, *point.pose[:2])) for point in found],
         )  # fmt: skip
         text = caption(state, data)
@@ -147,6 +149,21 @@ class MapPicture:
             return
         self._hover.figure = figure
         self._hover.aspect = height
+
+
+def click_frame(layout: MapLayout, data: MapData) -> dict[str, list[Any]]:
+    """Return what the page reads a click on a picture with, sent with the picture itself.
+
+    The figure with the values comes later, once nothing is dragged: until then it has the old
+    frame.
+
+    Returns:
+        ``edges``, those of every panel: left, right, bottom, top [mm]; and ``panels``: left, top,
+        width and height of each as shares of the picture's width and height.
+    """
+    wide, high = layout.width, layout.height
+    panels = [[p.left / wide, p.top / high, p.width / wide, p.height / high] for p in layout.panels]
+    return {"edges": [MM * float(edge) for edge in data.extent], "panels": panels}
 
 
 def floor_path(motion: TrajectoryAnalysis) -> FloorPath:

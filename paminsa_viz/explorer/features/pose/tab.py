@@ -29,8 +29,8 @@ LEVELS = {
 }
 
 
-def status_html(frame: Frame) -> str:
-    """Return the status line."""
+def _status(frame: Frame) -> tuple[str, str, list[str]]:
+    """Return the level of the status, its title, and the lines that explain it."""
     lines = [frame.explanation]
     if frame.health is not Health.UNREACHABLE:
         lines += [f"the {locus.label} lies between this pose and home" for locus in frame.barriers]
@@ -41,7 +41,27 @@ def status_html(frame: Frame) -> str:
             lines = [why, *lines] if frame.health is not Health.OK else [why]
             level = "bad" if distance < 0 else "warn"
             title = f"{title}, bodies {'overlap' if distance < 0 else 'are close'}"
-    return render("status.j2", testid="status", level=level, title=title, lines=lines)
+    return level, title, lines
+
+
+def status_html(frame: Frame) -> str:
+    """Return the status with all that explains it, in lines."""
+    level, title, lines = _status(frame)
+    return render("status.j2", testid="status-lines", level=level, title=title, lines=lines)
+
+
+def status_line_html(frame: Frame) -> str:
+    """Return the status in one line, whose end may be cut off, and a button that undoes."""
+    level, title, lines = _status(frame)
+    back = bool(frame.state.steps.back)
+    return render("pose/status_line.j2", level=level, title=title, lines=lines, back=back)
+
+
+def load_html(frame: Frame) -> str:
+    """Return the largest torque, the force of the vertical actuator and the least margin."""
+    margin = frame.configuration.reach.margins.min()
+    largest = int(np.argmax(np.abs(frame.torques[:3])))
+    return render("pose/load.j2", torques=frame.torques, largest=largest, margin=margin)
 
 
 def actuators_html(frame: Frame) -> str:
@@ -178,6 +198,7 @@ POSE = (
     Button("pose.redo", "Redo", effect=Run(Session.redo, at_once=True), color="gray",
            hint="What was undone last (Ctrl+Shift+Z)",
            disabled=lambda state: not state.steps.forward),
+    Html("readout.status", content=status_html),
     Html("readout.actuators", content=actuators_html),
     Html("readout.quality", content=quality_html),
     Number(

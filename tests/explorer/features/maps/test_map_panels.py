@@ -18,7 +18,7 @@ from paminsa_viz.explorer.browser.style import dock_width, view_width
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore, choose_quantity
 from paminsa_viz.explorer.dock import MapsPanel, clicked_place
-from paminsa_viz.explorer.features.maps.pictures import COLUMNS, caption
+from paminsa_viz.explorer.features.maps.pictures import COLUMNS, caption, click_frame
 from paminsa_viz.explorer.features.maps.tab import show_figure_3
 from paminsa_viz.explorer.kit.setting_inputs import quantity_inputs
 from paminsa_viz.explorer.state.maps import RangeMode
@@ -58,6 +58,19 @@ PANEL = partial(MapsPanel, answers=())
 )  # fmt: skip
 def test_clicks_are_places_in_meters_or_ignored(click: Any, place: Any) -> None:
     assert clicked_place(click) == place
+
+
+@pytest.mark.parametrize("quantities", [TORQUES, TORQUES[:1]], ids=len)
+def test_frame_of_a_click_leads_back_to_the_place_that_is_marked(quantities: Any) -> None:
+    data = MapStore().data(initial_state(), COARSE, quantities)
+    layout = map_layout(data, choose_scales(data), 580, PAGE_EM, columns=COLUMNS)
+    frame = click_frame(layout, data)
+    left, right, bottom, top = frame["edges"]
+    places = layout.places(data, 0.07, -0.11)
+    assert len(places) == len(frame["panels"]) == len(quantities)
+    for (x, y), (start, head, width, height) in zip(places, frame["panels"], strict=True):
+        assert left + (x - start) / width * (right - left) == pytest.approx(70)
+        assert top - (y - head) / height * (top - bottom) == pytest.approx(-110)
 
 
 @pytest.mark.parametrize(
