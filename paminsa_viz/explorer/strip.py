@@ -1,4 +1,4 @@
-"""What is seen above all tabs: status and undo, largest torque and margin, the reference."""
+"""What is seen above all tabs: status and undo, torques, the reference."""
 
 from __future__ import annotations
 

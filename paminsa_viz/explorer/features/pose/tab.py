@@ -19,7 +19,7 @@ from paminsa_viz.kept import kept
 from paminsa_viz.model import Geometry, KneeBranch
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.reach import MARGINS, home_pose, workspace_radius
-from paminsa_viz.units import display_unit
+from paminsa_viz.units import display_unit, fixed
 
 LEVELS = {
     Health.OK: "ok",
@@ -45,23 +45,26 @@ def _status(frame: Frame) -> tuple[str, str, list[str]]:
 
 
 def status_html(frame: Frame) -> str:
-    """Return the status with all that explains it, in lines."""
+    """Return the status with all that explains it, in lines; nothing if all is well."""
     level, title, lines = _status(frame)
+    if level == "ok":
+        return ""
     return render("status.j2", testid="status-lines", level=level, title=title, lines=lines)
 
 
 def status_line_html(frame: Frame) -> str:
     """Return the status in one line, whose end may be cut off, and a button that undoes."""
     level, title, lines = _status(frame)
+    if frame.health is Health.OK and level == "ok":
+        margin = 1e3 * frame.configuration.reach.margins.min()
+        lines = [f"margin {fixed(float(margin), 0)} mm to the nearest limit"]
     back = bool(frame.state.steps.back)
     return render("pose/status_line.j2", level=level, title=title, lines=lines, back=back)
 
 
 def load_html(frame: Frame) -> str:
-    """Return the largest torque, the force of the vertical actuator and the least margin."""
-    margin = frame.configuration.reach.margins.min()
-    largest = int(np.argmax(np.abs(frame.torques[:3])))
-    return render("pose/load.j2", torques=frame.torques, largest=largest, margin=margin)
+    """Return the static torques in one line."""
+    return render("pose/load.j2", torques=frame.torques)
 
 
 def actuators_html(frame: Frame) -> str:
