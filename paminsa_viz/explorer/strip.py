@@ -1,4 +1,4 @@
-"""What is seen above all tabs: status and undo, torques, the reference."""
+"""What is seen above all tabs: status and undo, pose, torques, the reference."""
 
 from __future__ import annotations
 
@@ -48,14 +48,12 @@ def springs_html(frame: Frame) -> str:
 
 
 def strip_html(frame: Frame) -> str:
-    """Return what is seen above all tabs; under the pointer also pose, summary and all torques.
-
-    The section *Pose* has those in any case.
-    """
+    """Return what is seen above all tabs; under the pointer also what *Pose* has in any case."""
     numbers = of_pose(frame, summary_html(frame), torques_html(frame))
-    more = f'<div class="pv-more">{pose_line_html(frame)}{numbers}</div>'
+    more = f'<div class="pv-more">{numbers}</div>'
     parts = (
-        status_line_html(frame), of_pose(frame, load_html(frame)), springs_html(frame),
+        status_line_html(frame), pose_line_html(frame), of_pose(frame, load_html(frame)),
+        springs_html(frame),
         requirements_html(frame.state), switch_html(frame), more,
     )  # fmt: skip
     return f'<div class="pv-strip">{"".join(parts)}</div>'

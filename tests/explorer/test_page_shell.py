@@ -63,12 +63,12 @@ def test_click_on_a_map_is_read_in_the_frame_of_its_picture(tab: Tab) -> None:
     until(lambda: abs(tab.state.document.pose[0] - expected) < 2e-3, "the place in the new frame")
 
 
-def test_strip_has_three_lines_shows_the_rest_under_the_pointer_and_undoes(tab: Tab) -> None:
+def test_strip_has_four_lines_shows_the_rest_under_the_pointer_and_undoes(tab: Tab) -> None:
     strip = tab.page.locator(".pv-strip")
-    assert strip.bounding_box()["height"] <= 84
-    more = tab.page.get_by_test_id("at-pose")
+    assert strip.bounding_box()["height"] <= 102
+    more = tab.page.get_by_test_id("summary")
     assert not more.is_visible()
-    tab.page.get_by_test_id("load").hover()
+    tab.page.get_by_test_id("actuators").hover()
     more.wait_for()
     tab.page.mouse.move(5, 5)
     before = tab.state.document.pose

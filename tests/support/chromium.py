@@ -295,7 +295,7 @@ class Tab:
 
     def torques(self) -> np.ndarray:
         """Return the torques and the force of M1..M4 in the readout."""
-        found = re.findall(r"^M\d.*?(−?[\d.]+)\sN(?:·m)?\b", self.text("actuators"), re.M)
+        found = re.findall(r"M\d\s+(−?[\d.]+)", self.text("actuators"))
         return np.array([float(number.replace("−", "-")) for number in found])
 
     def place(self, node: str) -> list[float]:

@@ -45,11 +45,11 @@ def _status(frame: Frame) -> tuple[str, str, list[str]]:
 
 
 def status_html(frame: Frame) -> str:
-    """Return the status with all that explains it, in lines; nothing if all is well."""
-    level, title, lines = _status(frame)
+    """Return all that explains the status, in lines; nothing if all is well."""
+    level, _, (reason, *others) = _status(frame)
     if level == "ok":
         return ""
-    return render("status.j2", testid="status-lines", level=level, title=title, lines=lines)
+    return render("status.j2", testid="status-lines", level=level, title=reason, lines=others)
 
 
 def status_line_html(frame: Frame) -> str:
