@@ -11,13 +11,19 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.trajectory.plan import Spline
-from paminsa_viz.trajectory.planners import shared_time
+from paminsa_viz.trajectory.plan import Spline, UnitCurve
+from paminsa_viz.trajectory.planners import TURN_LENGTH, shared_time
 
 if TYPE_CHECKING:
-    from scipy.interpolate import BSpline
+    from scipy.interpolate import BSpline, PPoly
 
 _GAUSS = np.polynomial.legendre.leggauss(8)
+
+_METRIC = np.array([1.0, 1.0, TURN_LENGTH**2, 1.0])
+_CELLS = 16  # polynomials of the length run between two breaks
+_SAME = 1e-9  # difference below which two instants are one
+_AT_REST = 1e-9  # share of the largest speed below which a motion stands still
+_OFF_REST = 1e-5  # share of a piece by which directions are looked at off an instant of rest
 
 
 class Path(Protocol):
@@ -85,8 +91,12 @@ class TimedPath:
     path: Path
     z: BSpline
 
-    breaks = np.array([0.0, 1.0])
     bounded_jerk = False  # at the ends the acceleration steps, as a trapezoid's
+
+    @property
+    def breaks(self) -> Array:
+        """See `plan.UnitCurve`."""
+        return np.array([0.0, 1.0])
 
     @cached_property
     def _table(self) -> tuple[Array, Array]:
@@ -147,3 +157,162 @@ class TimedPath:
             third = 0.5 * self.z(s, 2)[:, None] * first
             value = parts[3] * first**3 + 3.0 * parts[2] * first * second + parts[1] * third
         return (value * self.duration**order).reshape(*u.shape, 4)
+
+
+@dataclass(frozen=True, eq=False)
+class TracedPath:
+    """The path of a motion without its time law: poses by the share s of the length run.
+
+    A turn counts as a length by `TURN_LENGTH`. Where the motion stops on its way, the path may have
+    a corner; derivatives there are those right after it.
+
+    Attributes:
+        curve: The motion in unit time.
+    """
+
+    curve: UnitCurve
+
+    @cached_property
+    def _run(self) -> PPoly:
+        """The length run [m] by the instant of unit time: polynomials through 8 speeds a cell."""
+        from scipy.interpolate import PPoly
+
+        breaks = self.breaks
+        share = np.arange(_CELLS) / _CELLS
+        begin = np.append(
+            (breaks[:-1, None] + np.diff(breaks)[:, None] * share).ravel(), breaks[-1]
+        )
+        nodes = 0.5 * (1.0 + _GAUSS[0])
+        size = np.diff(begin)
+        speed = self._speed((begin[:-1, None] + size[:, None] * nodes).ravel())
+        powers = np.linalg.inv(np.vander(nodes, increasing=True)) @ speed.reshape(-1, len(nodes)).T
+        order = np.arange(len(nodes))[:, None]
+        rates = PPoly((powers / size**order)[::-1], begin)
+        return rates.antiderivative()
+
+    def _speed(self, u: Array) -> Array:
+        return np.sqrt(self.curve(u, 1) ** 2 @ _METRIC)
+
+    @cached_property
+    def length(self) -> float:
+        """Its length [m]."""
+        return float(self._run(1.0))
+
+    @cached_property
+    def breaks(self) -> Array:
+        """The motion's breaks in unit time, those that differ by rounding alone as one."""
+        breaks = self.curve.breaks
+        return breaks[np.concatenate([np.diff(breaks) > _SAME, [True]])]
+
+    @cached_property
+    def rests(self) -> Array:
+        """Instants of unit time, both ends among them, at which the motion stops."""
+        breaks = self.breaks
+        stopped = self._speed(breaks) <= _AT_REST * self._speed(np.linspace(0.0, 1.0, 101)).max()
+        stopped[[0, -1]] = True
+        return breaks[stopped]
+
+    def place(self, u: Array) -> Array:
+        """Return s at instants (n,) of unit time."""
+        return self._run(u) / self.length
+
+    def instant(self, s: Array) -> Array:
+        """Return the instants of unit time at which places s (n,) are passed."""
+        key = s.tobytes()
+        if key not in self._instants:
+            self._instants.clear()
+            self._instants[key] = self._instant(s)
+        return self._instants[key]
+
+    @cached_property
+    def _instants(self) -> dict[bytes, Array]:
+        """The places asked for last: one place is asked for several derivatives."""
+        return {}
+
+    def _instant(self, s: Array) -> Array:
+        at, wanted = self._run.x, s * self.length
+        ends = self._run(at)
+        i = np.clip(np.searchsorted(ends, wanted, "right") - 1, 0, len(at) - 2)
+        low, high = at[i], at[i + 1]
+        u = low + (high - low) * (wanted - ends[i]) / (ends[i + 1] - ends[i])
+        rate = self._run.derivative()
+        for _ in range(60):
+            error = self._run(u) - wanted
+            low, high = np.where(error < 0, u, low), np.where(error > 0, u, high)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                step = u - error / rate(u)
+            inside = (step >= low) & (step <= high)
+            new = np.where(inside, step, 0.5 * (low + high))
+            moved = np.abs(new - u).max(initial=0.0)
+            u = new
+            if moved < 1e-14:
+                break
+        return u
+
+    def speed(self, u: Array) -> Array:
+        """Return ds/du at instants (n,) of unit time."""
+        return self._speed(u) / self.length
+
+    def __call__(self, s: Array, order: int = 0) -> Array:
+        s = np.asarray(s, dtype=np.float64)
+        u = self.instant(s.ravel())
+        if order == 0:
+            return self.curve(u).reshape(*s.shape, 4)
+        i = np.clip(np.searchsorted(self.rests, u, "right") - 1, 0, len(self.rests) - 2)
+        begin, end = self.rests[i], self.rests[i + 1]
+        u = np.clip(u, begin + _OFF_REST * (end - begin), end - _OFF_REST * (end - begin))
+        rate = [self.curve(u, n) for n in range(1, order + 1)]
+        v = np.sqrt(rate[0] ** 2 @ _METRIC)[:, None]
+        value = first = rate[0] / v
+        if order > 1:
+            growth = (rate[0] * rate[1]) @ _METRIC[:, None] / v
+            value = second = (rate[1] - first * growth) / v**2
+            if order > 2:
+                bend = (rate[1] ** 2 + rate[0] * rate[2]) @ _METRIC[:, None]
+                third = (bend - growth**2) / v
+                value = (rate[2] - first * third - 3.0 * second * v * growth) / v**3
+        return (value * self.length**order).reshape(*s.shape, 4)
+
+
+@dataclass(frozen=True, eq=False)
+class SteppedPath(TimedPath):
+    """A path run with an s'' that is constant between the knots of z, which is linear there."""
+
+    @classmethod
+    def of(cls, path: Path, s: Array, z: Array) -> SteppedPath:
+        """Return it from z (n,) at knots s (n,), both ends among them."""
+        from scipy.interpolate import BSpline
+
+        return cls(path, BSpline(np.concatenate([[s[0]], s, [s[-1]]]), z, 1))
+
+    @cached_property
+    def _knots(self) -> tuple[Array, Array, Array]:
+        """s, s' [1/s] and the time [s] at the knots."""
+        s = self.z.t[1:-1]
+        rate = np.sqrt(np.maximum(self.z.c[: len(s)], 0.0))
+        time = np.cumsum(2.0 * np.diff(s) / (rate[1:] + rate[:-1]))
+        return s, rate, np.concatenate([[0.0], time])
+
+    @property
+    def breaks(self) -> Array:
+        """See `plan.UnitCurve`."""
+        return self._knots[2] / self.duration
+
+    @property
+    def duration(self) -> float:
+        """How long it takes [s]."""
+        return float(self._knots[2][-1])
+
+    def place_at(self, t: Array) -> Array:
+        """Return s at times (n,) [s]."""
+        s, rate, time = self._knots
+        i = np.clip(np.searchsorted(time, t, "right") - 1, 0, len(s) - 2)
+        passed = np.clip(t - time[i], 0.0, time[i + 1] - time[i])
+        growth = (rate[i + 1] - rate[i]) / (time[i + 1] - time[i])
+        return np.clip(s[i] + (rate[i] + 0.5 * growth * passed) * passed, s[i], s[i + 1])
+
+    def time_at(self, s: float) -> float:
+        """Return when a point of the path is passed [s]."""
+        at, rate, time = self._knots
+        i = min(int(np.searchsorted(at, s, "right")) - 1, len(at) - 2)
+        return float(time[i] + 2.0 * (s - at[i]) / (rate[i] + np.sqrt(max(float(self.z(s)), 0.0))))
