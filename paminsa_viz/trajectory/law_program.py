@@ -1,9 +1,8 @@
 """The conic program of the time-optimal law on a path without singularities.
 
-The unknown is z(s) = s'^2, linear between knots, so that s'' = dz/2 is constant there and a piece
-of length h takes 2 h / (s'_0 + s'_1), exactly. Speeds and torques are linear in z and dz, lengths
-of accelerations are cones (Verscheure et al. 2009), and the duration is convex:
-it is the sum of 2 h d with c <= sqrt(z) at the knots and d >= 1 / (c_0 + c_1) in the pieces.
+The unknown is z(s) = s'^2, a quadratic spline, so that s'' = dz/2 is continuous but at breaks of
+the motion. Speeds and torques are linear in z and dz, lengths of accelerations are cones, and so is
+the duration (Verscheure et al. 2009): the integral of d with d c >= 1 and c <= sqrt(z).
 
 Viscous friction and the fall of a torque with the speed go with s' = sqrt(z). Where they leave less
 room they are not convex; there the tangent at the law before is taken, which lies above: every law
@@ -12,9 +11,10 @@ of the series keeps the limits and is at least as fast as the one before it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +26,15 @@ from paminsa_viz.model.drive import NO_DRIVES
 from paminsa_viz.model.jacobians import actuator_acceleration, actuator_velocity
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.limits import MotionLimits
-from paminsa_viz.trajectory.paths import SteppedPath, TracedPath
+from paminsa_viz.trajectory.paths import TimedPath, TracedPath
 from paminsa_viz.trajectory.planners import PLACE
 from paminsa_viz.trajectory.timing import drive_lines, needed_durations, torque_parts
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
+_NODES = 2
+"""Points of a piece at which its time is counted."""
 
 _INSIDE = 1e-6
 """Share of a piece by which its ends are looked at from inside: directions may change there."""
@@ -44,18 +50,6 @@ class LawProgramFailed(PaminsaError):
     """The conic solver found no law."""
 
 
-class Points(NamedTuple):
-    """Points at which limits are kept.
-
-    Attributes:
-        piece: (n,) the piece that a point is in.
-        share: (n,) where in it, 0 to 1.
-    """
-
-    piece: NDArray[np.intp]
-    share: Array
-
-
 class Terms(NamedTuple):
     """Limits growth dz + square z + rate sqrt(z) + constant <= 1, each of them (n, columns)."""
 
@@ -65,13 +59,17 @@ class Terms(NamedTuple):
     constant: Array
 
 
+Law = Callable[[Array], tuple[Array, Array]]
+"""z and dz of a law at places s (n,)."""
+
+
 class LawProgram:
     """The program of one path between the knots given.
 
     Args:
         path: The path.
         knots: (n + 1,) places s in (0, 1), ends and stops among them.
-        rests: (n + 1,) at which of them the motion stops.
+        bends: (n + 1,) at which of them dz may jump: breaks of the motion, stops among them.
         limits: Limits; those of jerk are left out.
         design: The robot.
         unit: Time in which all is counted; about the duration, so that numbers are near 1 [s].
@@ -82,53 +80,78 @@ class LawProgram:
         self,
         path: TracedPath,
         knots: Array,
-        rests: NDArray[np.bool_],
+        bends: NDArray[np.bool_],
         limits: MotionLimits,
         design: Design,
         unit: float,
         *,
         drives: bool = True,
     ) -> None:
-        self._driven = drives and any(design.drives)
         self._path, self._limits, self._design, self._unit = path, limits, design, unit
-        self.knots, self._steps = knots, np.diff(knots)
-        self._column = np.where(rests, -1, np.cumsum(~rests) - 1)
-        self._moving = int((~rests).sum())
-        pieces = np.arange(len(knots) - 1)
-        ends = [Points(pieces, np.full(len(pieces), share)) for share in (0.0, 1.0)]
-        self._points = Points(*map(np.concatenate, zip(*ends, strict=True)))
+        self._driven = drives and any(design.drives)
+        self._places = np.sort(np.concatenate([[0.0, 1.0], knots, knots[bends]]))
+        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+        steps = np.diff(knots)[:, None]
+        base = (knots[:-1, None] + steps * 0.5 * (1.0 + nodes)).ravel()
+        self._weights = (steps * 0.5 * weights).ravel()
+        self._longest = float(steps.max())
+        sides = np.concatenate(
+            [knots[:-1] + _INSIDE * steps[:, 0], knots[1:] - _INSIDE * steps[:, 0]]
+        )
+        self._points = np.concatenate([base, sides])
+        # the coefficients that are z at the stops
+        at = np.searchsorted(self._places, path.place(path.rests), "left")
+        rests = np.clip(at - 1, 0, len(self._places) - 4)
+        self._free = np.ones(len(self._places) - 3, dtype=bool)
+        self._free[rests] = False
 
-    def solve(self, before: Array) -> Array:
-        """Return z at the knots, (n + 1,), no slower than a law that keeps the limits [1/unit^2].
+    def solve(self, before: Law) -> BSpline:
+        """Return z by s, no slower than a law that keeps the limits [1/unit^2].
 
         Raises:
             LawProgramFailed: If the solver finds none.
         """
         from scipy import sparse  # slow to load
+        from scipy.interpolate import BSpline
 
-        m, pieces = self._moving, len(self._steps)
-        rows, right, cones = self._limit_rows(before)
-        sides = [(rows, right)]
+        z, dz = self._rows(self._points)
+        m, points, timed = z.shape[1], len(self._points), len(self._weights)
+        limits, right = self._limit_rows(before, z, dz)
+        above = sparse.hstack([-sparse.eye(m), sparse.csr_matrix((m, points + timed))])
+        none, one = sparse.csr_matrix((points, timed)), np.ones(points)
+        eye = sparse.eye(points)
+        # c, d, and z here in parts of what they are by the law before
+        rate = np.sqrt(np.maximum(before(self._points)[0], _SLOWEST**2))
+        part = sparse.diags(rate**-2.0) @ z
         # c <= sqrt(z), as |(2 c, z - 1)| <= z + 1
-        z, c = np.arange(m), m + np.arange(m)
-        one = np.ones(m)
-        sides.append(
-            _interleaved(
-                [[(z, -one)], [(c, -2 * one)], [(z, -one)]], [one, 0 * one, -one], 2 * m + pieces
-            )
+        roots = _interleaved(
+            [
+                (sparse.hstack([-part, 0 * eye, none]), one),
+                (sparse.hstack([0 * z, -2 * eye, none]), 0 * one),
+                (sparse.hstack([-part, 0 * eye, none]), -one),
+            ]
         )
-        # d (c_0 + c_1) >= 1, as |(2, c_0 + c_1 - d)| <= c_0 + c_1 + d
-        d, one = 2 * m + np.arange(pieces), np.ones(pieces)
-        first, last = self._column[:-1], self._column[1:]
-        both = [(np.where(at < 0, 0, m + at), np.where(at < 0, 0.0, -1.0)) for at in (first, last)]
-        sides.append(
-            _interleaved(
-                [[*both, (d, -one)], [], [*both, (d, one)]], [0 * one, 2 * one, 0 * one],
-                2 * m + pieces,
-            )
-        )  # fmt: skip
-        sides.append(cones)
-        cost = np.concatenate([np.zeros(2 * m), 2.0 * self._steps])
+        # d c >= 1 at the nodes, as |(2, c - d)| <= c + d
+        here, one = (
+            sparse.hstack([sparse.csr_matrix((timed, m)), sparse.eye(timed, points)]),
+            np.ones(timed),
+        )
+        back = sparse.eye(timed)
+        times = _interleaved(
+            [
+                (sparse.hstack([-here, -back]), 0 * one),
+                (sparse.hstack([0 * here, 0 * back]), 2 * one),
+                (sparse.hstack([-here, back]), 0 * one),
+            ]
+        )
+        cones = self._cones(z, dz, points + timed)
+        sides = [
+            (sparse.vstack([limits, above]), np.concatenate([right, np.zeros(m)])),
+            roots,
+            times,
+        ]
+        sides += cones
+        cost = np.concatenate([np.zeros(m + points), self._weights / rate[:timed]])
         clarabel: Any = import_module("clarabel")  # compiled, without types
         settings = clarabel.DefaultSettings()
         settings.verbose = False
@@ -136,76 +159,70 @@ class LawProgram:
             sparse.csc_matrix((len(cost), len(cost))), cost,
             sparse.csc_matrix(sparse.vstack([side for side, _ in sides])),
             np.concatenate([side for _, side in sides]),
-            [clarabel.NonnegativeConeT(len(right)),
-             *[clarabel.SecondOrderConeT(3)] * (m + pieces),
-             *[clarabel.SecondOrderConeT(4)] * (len(cones[1]) // 4)],
+            [clarabel.NonnegativeConeT(len(sides[0][1])),
+             *[clarabel.SecondOrderConeT(3)] * (points + timed),
+             *[clarabel.SecondOrderConeT(4)] * (points * len(cones))],
             settings,
         ).solve()  # fmt: skip
         if "Solved" not in str(found.status):
             raise LawProgramFailed(f"the conic solver returned {found.status}")
-        out = np.zeros(len(self.knots))
-        out[self._column >= 0] = np.maximum(np.array(found.x)[:m], 0.0)
-        return out
+        coefficients = np.zeros(len(self._free))
+        coefficients[self._free] = np.maximum(np.array(found.x)[:m], 0.0)
+        return BSpline(self._places, coefficients, 2)
 
-    def _limit_rows(self, before: Array) -> tuple[Any, Array, tuple[Any, Array]]:
-        """Return the linear limits, and the cones of accelerations, both A x and b of A x <= b."""
+    def _rows(self, s: Array) -> tuple[Any, Any]:
+        """Return z and dz at places (n,) as rows on the free coefficients."""
+        from scipy import sparse
+        from scipy.interpolate import BSpline
+
+        t = self._places
+        count = len(self._free)
+        apart = 2.0 / (t[3 : count + 2] - t[1:count])
+        shape = (count - 1, count)
+        change = sparse.diags(apart, 1, shape=shape) - sparse.diags(apart, 0, shape=shape)
+        z = sparse.csr_matrix(BSpline.design_matrix(s, t, 2))
+        dz = sparse.csr_matrix(BSpline.design_matrix(s, t[1:-1], 1)) @ change
+        return z[:, self._free], sparse.csr_matrix(dz)[:, self._free]
+
+    def _limit_rows(self, before: Law, z: Any, dz: Any) -> tuple[Any, Array]:
+        """Return the linear limits, A and b of A x <= b; x has coefficients, c, d."""
         from scipy import sparse
 
-        piece, share = self._points
-        inside = np.clip(share, _INSIDE, 1.0 - _INSIDE)
-        s = self.knots[piece] + inside * self._steps[piece]
-        law = (1.0 - share) * before[piece] + share * before[piece + 1]
-        fixed = (law <= 0.0)[:, None]  # a stop, where sqrt(z) is zero
+        s, timed = self._points, len(self._weights)
+        law, slope = before(s)
         tangent = np.sqrt(np.maximum(law, _SLOWEST**2))[:, None]
-        slope = (before[piece + 1] - before[piece]) / self._steps[piece]
         terms = self._terms(s, law, slope)
         eased = terms.rate <= 0.0
-        above = np.where(eased | fixed, 0.0, terms.rate)
+        above = np.where(eased, 0.0, terms.rate)
         square = terms.square + above / (2.0 * tangent)
         right = 1.0 - terms.constant - 0.5 * above * tangent
-        left = self._place_rows(piece, share, terms.growth, square)
-        rates = np.where(eased, terms.rate, 0.0)
-        for offset, weight in ((0, 1.0 - share), (1, share)):
-            left += self._columns(piece + offset, rates * weight[:, None], self._moving)
-        left = sparse.vstack([left, -sparse.eye(2 * self._moving, left.shape[1])])
-        right = np.concatenate([right.ravel(), np.zeros(2 * self._moving)])
-        return left, right, self._cones(piece, share, s)
+        left = [
+            sparse.hstack(
+                [
+                    sparse.diags(terms.growth[:, j]) @ dz + sparse.diags(square[:, j]) @ z,
+                    sparse.diags(np.where(eased[:, j], terms.rate[:, j], 0.0) * tangent[:, 0]),
+                    sparse.csr_matrix((len(s), timed)),
+                ]
+            )
+            for j in range(right.shape[1])
+        ]
+        return sparse.vstack(left), right.T.ravel()
 
-    def _place_rows(self, piece: Any, share: Array, growth: Array, square: Array) -> Any:
-        """Return growth dz + square z as rows, (n, columns) of them each after the other."""
-        slope = growth / self._steps[piece][:, None]
-        begin = square * (1.0 - share)[:, None] - slope
-        end = square * share[:, None] + slope
-        return self._columns(piece, begin, 0) + self._columns(piece + 1, end, 0)
-
-    def _columns(self, knot: Any, factors: Array, offset: int) -> Any:
-        """Return rows with factors (n, columns) at the unknowns of knots (n,), and nothing else."""
-        from scipy import sparse
-
-        column = self._column[knot]
-        moves = (column >= 0)[:, None]
-        shape = (factors.size, 2 * self._moving + len(self._steps))
-        places = np.broadcast_to(np.maximum(column, 0)[:, None] + offset, factors.shape)
-        values = np.where(moves, factors, 0.0)
-        return sparse.csr_matrix(
-            (values.ravel(), (np.arange(factors.size), places.ravel())), shape=shape
-        )
-
-    def _cones(self, piece: Any, share: Array, s: Array) -> tuple[Any, Array]:
+    def _cones(self, z: Any, dz: Any, others: int) -> list[tuple[Any, Array]]:
         """Return the limits of the acceleration's length as cones of four rows each."""
         from scipy import sparse
 
         most = self._limits.rates[1, 0] * self._unit**2
-        width = 2 * self._moving + len(self._steps)
         if not np.isfinite(most):
-            return sparse.csr_matrix((0, width)), np.zeros(0)
-        along, bent = self._path(s, 1)[:, PLACE], self._path(s, 2)[:, PLACE]
-        none = np.zeros((len(s), 1))
-        growth = np.concatenate([none, -0.5 * along / most], axis=1)
-        square = np.concatenate([none, -bent / most], axis=1)
-        right = np.zeros((len(s), 4))
-        right[:, 0] = 1.0
-        return self._place_rows(piece, share, growth, square), right.ravel()
+            return []
+        s = self._points
+        along, bent = (self._path(s, order)[:, PLACE] / most for order in (1, 2))
+        none = sparse.csr_matrix((len(s), others))
+        rows = [(sparse.hstack([0 * z, none]), np.ones(len(s)))]
+        for axis in range(3):
+            row = sparse.diags(0.5 * along[:, axis]) @ dz + sparse.diags(bent[:, axis]) @ z
+            rows.append((sparse.hstack([-row, none]), np.zeros(len(s))))
+        return [_interleaved(rows)]
 
     def _terms(self, s: Array, law: Array, slope: Array) -> Terms:
         """Return the limits at places (n,), where the law before has z and dz (n,)."""
@@ -260,6 +277,8 @@ class LawProgram:
         turned = actuator_acceleration(design.geometry, pose, along, bent)
         load = self._torque_parts(s, replace(design, drives=NO_DRIVES))
         none = 0.0 * s
+        away = np.abs(s[:, None] - self._path.place(self._path.rests)).min(axis=1)
+        resting = away <= _INSIDE * self._longest
         found: list[tuple[Array, Array, Array, Array]] = []
         for j, drive in enumerate(design.drives):
             if drive is None:
@@ -283,7 +302,7 @@ class LawProgram:
                     for share in shares:
                         # the larger one limits a motor that drives, or starts: both of them do; of
                         # the smaller, concave in the load, the tangent at the law before is above
-                        chosen = np.where((sign * speed[:, j] > 0) | (law <= 0.0), share, least)
+                        chosen = np.where((sign * speed[:, j] > 0) | resting, share, least)
                         row = [
                             sign * (chosen * part + counted * mine) / limit
                             for part, mine in zip(factors, own, strict=True)
@@ -292,7 +311,7 @@ class LawProgram:
                         found.append((row[0], row[1], row[2], row[3]))
         return found
 
-    def needed(self, curve: SteppedPath, count: int = LOOKED_AT) -> tuple[Array, Array, Array]:
+    def needed(self, curve: TimedPath, count: int = LOOKED_AT) -> tuple[Array, Array, Array]:
         """Return what a law needs between its knots: instants, shares of its duration, limits.
 
         Args:
@@ -310,32 +329,21 @@ class LawProgram:
         each = durations(u.ravel()) / curve.duration
         return u, each.max(axis=1).reshape(u.shape), each.argmax(axis=1).reshape(u.shape)
 
-    def tighten(self, curve: SteppedPath, tolerance: float) -> bool:
+    def tighten(self, curve: TimedPath, tolerance: float) -> bool:
         """Keep the limits where a law exceeds them most in each piece; whether there are such."""
         u, needed, _ = self.needed(curve)
         worst = np.argmax(needed, axis=1)
         pieces = np.flatnonzero(needed[np.arange(len(needed)), worst] > 1.0 + tolerance)
-        s = curve.place_at(u[pieces, worst[pieces]] * curve.duration)
-        more = Points(pieces, (s - self.knots[pieces]) / self._steps[pieces])
-        self._points = Points(*map(np.concatenate, zip(self._points, more, strict=True)))
+        more = curve.place_at(u[pieces, worst[pieces]] * curve.duration)
+        self._points = np.concatenate([self._points, more])
         return bool(pieces.size)
 
 
-def _interleaved(
-    rows: list[list[tuple[Array, Array]]], right: list[Array], width: int
-) -> tuple[Any, Array]:
+def _interleaved(rows: list[tuple[Any, Array]]) -> tuple[Any, Array]:
     """Return the rows of many cones alike: first all of the first cone, then of the next."""
     from scipy import sparse
 
-    count, size = len(right[0]), len(rows)
-    places, columns, values = [], [], []
-    for row, entries in enumerate(rows):
-        for column, value in entries:
-            places.append(size * np.arange(count) + row)
-            columns.append(column)
-            values.append(value)
-    matrix = sparse.csr_matrix(
-        (np.concatenate(values), (np.concatenate(places), np.concatenate(columns))),
-        shape=(size * count, width),
-    )
-    return matrix, np.stack(right, axis=1).ravel()
+    count, size = len(rows[0][1]), len(rows)
+    order = np.arange(size * count).reshape(size, count).T.ravel()
+    matrix = sparse.csr_matrix(sparse.vstack([row for row, _ in rows]))[order]
+    return matrix, np.stack([side for _, side in rows], axis=1).ravel()

@@ -86,25 +86,40 @@ class TimedPath:
     Attributes:
         path: The path.
         z: s'^2 by s, with s' by true time [1/s^2]; zero at both ends.
+        rests: Places s at which z is zero, both ends among them.
     """
 
     path: Path
     z: BSpline
+    rests: tuple[float, ...] = (0.0, 1.0)
 
     bounded_jerk = False  # at the ends the acceleration steps, as a trapezoid's
 
     @property
     def breaks(self) -> Array:
-        """See `plan.UnitCurve`."""
-        return np.array([0.0, 1.0])
+        """See `plan.UnitCurve`: the ends; of a spline of a low degree, all of its knots."""
+        time = self._table[1]
+        return np.array([0.0, 1.0]) if self.z.k > 2 else time[::2] / time[-1]
 
     @cached_property
     def _table(self) -> tuple[Array, Array]:
-        """Angles q in [0, 1], s = (1 - cos pi q)/2, and the times at which they are reached [s]."""
-        knots = np.unique(np.clip(self.z.t, 0.0, 1.0))
-        q = np.arccos(1.0 - 2.0 * knots) / np.pi
+        """Angles q, see `_place`, and the times at which they are reached [s]."""
+        q = self._angle(np.unique(np.clip(self.z.t, 0.0, 1.0)))
         q = np.unique(np.concatenate([q, 0.5 * (q[1:] + q[:-1])]))
         return q, np.concatenate([[0.0], np.cumsum(self._spans(q[:-1], q[1:]))])
+
+    def _place(self, q: Array) -> Array:
+        """Return s at angles: (1 - cos pi q)/2 of the way from a stop, 0 <= q <= 1, to the next."""
+        rests = np.array(self.rests)
+        i = np.clip(np.floor(q).astype(int), 0, len(rests) - 2)
+        return rests[i] + np.diff(rests)[i] * 0.5 * (1.0 - np.cos(np.pi * (q - i)))
+
+    def _angle(self, s: Array) -> Array:
+        """Return the angles of places (n,)."""
+        rests = np.array(self.rests)
+        i = np.clip(np.searchsorted(rests, s, "right") - 1, 0, len(rests) - 2)
+        share = np.clip((s - rests[i]) / np.diff(rests)[i], 0.0, 1.0)
+        return i + np.arccos(1.0 - 2.0 * share) / np.pi
 
     def _spans(self, begin: Array, end: Array) -> Array:
         """Return the time from one q to another, (n,) [s]."""
@@ -114,9 +129,11 @@ class TimedPath:
 
     def _slowness(self, q: Array) -> Array:
         """Return dt/dq [s]: finite at the ends, where s' is zero."""
-        q = np.clip(q, 1e-7, 1.0 - 1e-7)
-        s = 0.5 * (1.0 - np.cos(np.pi * q))
-        return 0.5 * np.pi * np.sin(np.pi * q) / np.sqrt(np.maximum(self.z(s), 1e-300))
+        rests = np.array(self.rests)
+        i = np.clip(np.floor(q).astype(int), 0, len(rests) - 2)
+        q = i + np.clip(q - i, 1e-7, 1.0 - 1e-7)
+        rate = np.diff(rests)[i] * 0.5 * np.pi * np.sin(np.pi * (q - i))
+        return rate / np.sqrt(np.maximum(self.z(self._place(q)), 1e-300))
 
     @property
     def duration(self) -> float:
@@ -126,12 +143,24 @@ class TimedPath:
     def time_at(self, s: float) -> float:
         """Return when a point of the path is passed [s]."""
         q, t = self._table
-        at = np.arccos(1.0 - 2.0 * float(s)) / np.pi
+        at = float(self._angle(np.array([s]))[0])
         i = min(int(np.searchsorted(q, at, "right")) - 1, len(q) - 2)
         return float(t[i] + self._spans(q[i : i + 1], np.array([at]))[0])
 
     def place_at(self, t: Array) -> Array:
-        """Return s at times (n,) [s]."""
+        """Return s at times (n,) [s]; that of the last ones is kept, for all derivatives there."""
+        key = t.tobytes()
+        if key not in self._places:
+            self._places.clear()
+            self._places[key] = self._place_at(t)
+        return self._places[key]
+
+    @cached_property
+    def _places(self) -> dict[bytes, Array]:
+        """The places of the times asked for last."""
+        return {}
+
+    def _place_at(self, t: Array) -> Array:
         q_nodes, t_nodes = self._table
         i = np.clip(np.searchsorted(t_nodes, t, "right") - 1, 0, len(q_nodes) - 2)
         low, high = q_nodes[i], q_nodes[i + 1]
@@ -139,7 +168,7 @@ class TimedPath:
         for _ in range(6):
             error = t_nodes[i] + self._spans(low, q) - t
             q = np.clip(q - error / self._slowness(q), low, high)
-        return 0.5 * (1.0 - np.cos(np.pi * q))
+        return self._place(q)
 
     def __call__(self, u: Array, order: int = 0) -> Array:
         u = np.asarray(u, dtype=np.float64)
@@ -249,9 +278,11 @@ class TracedPath:
                 break
         return u
 
-    def speed(self, u: Array) -> Array:
-        """Return ds/du at instants (n,) of unit time."""
-        return self._speed(u) / self.length
+    def law(self, s: Array) -> tuple[Array, Array]:
+        """Return (ds/du)^2 of the motion itself and its derivative by s, at places (n,)."""
+        u = self.instant(s)
+        rate, growth = self._run.derivative()(u), self._run.derivative(2)(u)
+        return (rate / self.length) ** 2, 2.0 * growth / self.length
 
     def __call__(self, s: Array, order: int = 0) -> Array:
         s = np.asarray(s, dtype=np.float64)
@@ -272,47 +303,3 @@ class TracedPath:
                 third = (bend - growth**2) / v
                 value = (rate[2] - first * third - 3.0 * second * v * growth) / v**3
         return (value * self.length**order).reshape(*s.shape, 4)
-
-
-@dataclass(frozen=True, eq=False)
-class SteppedPath(TimedPath):
-    """A path run with an s'' that is constant between the knots of z, which is linear there."""
-
-    @classmethod
-    def of(cls, path: Path, s: Array, z: Array) -> SteppedPath:
-        """Return it from z (n,) at knots s (n,), both ends among them."""
-        from scipy.interpolate import BSpline
-
-        return cls(path, BSpline(np.concatenate([[s[0]], s, [s[-1]]]), z, 1))
-
-    @cached_property
-    def _knots(self) -> tuple[Array, Array, Array]:
-        """s, s' [1/s] and the time [s] at the knots."""
-        s = self.z.t[1:-1]
-        rate = np.sqrt(np.maximum(self.z.c[: len(s)], 0.0))
-        time = np.cumsum(2.0 * np.diff(s) / (rate[1:] + rate[:-1]))
-        return s, rate, np.concatenate([[0.0], time])
-
-    @property
-    def breaks(self) -> Array:
-        """See `plan.UnitCurve`."""
-        return self._knots[2] / self.duration
-
-    @property
-    def duration(self) -> float:
-        """How long it takes [s]."""
-        return float(self._knots[2][-1])
-
-    def place_at(self, t: Array) -> Array:
-        """Return s at times (n,) [s]."""
-        s, rate, time = self._knots
-        i = np.clip(np.searchsorted(time, t, "right") - 1, 0, len(s) - 2)
-        passed = np.clip(t - time[i], 0.0, time[i + 1] - time[i])
-        growth = (rate[i + 1] - rate[i]) / (time[i + 1] - time[i])
-        return np.clip(s[i] + (rate[i] + 0.5 * growth * passed) * passed, s[i], s[i + 1])
-
-    def time_at(self, s: float) -> float:
-        """Return when a point of the path is passed [s]."""
-        at, rate, time = self._knots
-        i = min(int(np.searchsorted(at, s, "right")) - 1, len(at) - 2)
-        return float(time[i] + 2.0 * (s - at[i]) / (rate[i] + np.sqrt(max(float(self.z(s)), 0.0))))

@@ -8,20 +8,31 @@ limit holds at every instant. What is not part of a convex program is the jerk.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE
 from paminsa_viz.trajectory.law_program import LawProgram
 from paminsa_viz.trajectory.limits import LIMITED, UNITS, MotionLimits
-from paminsa_viz.trajectory.paths import SteppedPath, TracedPath
+from paminsa_viz.trajectory.paths import TimedPath, TracedPath
 from paminsa_viz.trajectory.plan import Plan
-from paminsa_viz.trajectory.timing import ShortestStretch, limit_of, shortest_stretch
+from paminsa_viz.trajectory.timing import (
+    ShortestStretch,
+    limit_of,
+    needed_durations,
+    shortest_stretch,
+)
 
-PIECES = 160
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
+PIECES = 100
 """Pieces of the law, besides those that the breaks of the motion make."""
 
 LEAST = 24
@@ -36,7 +47,7 @@ SETTLED = 2e-4
 EXCEEDED = 1e-3
 """Share of the duration by which a law may be too fast between the points of its program."""
 
-FINE = 62
+FINE = 30
 """Points of a piece at which the law is looked at in the end."""
 
 _CLOSE = 0.05
@@ -48,6 +59,7 @@ class ShortestMotion(ShortestStretch):
     """A motion in its shortest duration by the best law.
 
     Attributes:
+        plan, quantity, limit, unit, t: See `ShortestStretch`.
         stretched: Duration of the motion's own law, only stretched [s].
         note: Why the law is the motion's own, if it is.
     """
@@ -73,8 +85,9 @@ def shortest_motion(
     """Return a motion with the time-optimal law on its own path, within all limits.
 
     The path, and where the motion stops on it, stay. The acceleration of the best law jumps, so
-    where a jerk is limited the motion's own law is stretched instead (`shortest_stretch`), and
-    `ShortestMotion.note` says so. Coulomb friction is counted in full wherever an actuator moves.
+    where a jerk is limited the motion's own law is stretched instead (`shortest_stretch`), also
+    where speeds alone are; `ShortestMotion.note` says so. Coulomb friction is counted in full
+    wherever an actuator moves.
 
     Args:
         plan: The motion; its duration does not matter.
@@ -86,8 +99,8 @@ def shortest_motion(
         clearance: See `check_path`.
 
     Returns:
-        The motion. Limits hold between the points of its program, too, to 0.1 % of the duration, to
-        which the duration is the shortest.
+        The motion. Between the points of its program limits hold to 0.1 % of the duration. It is up
+        to 0.4 % longer than with twelve times as many pieces, on the presets.
 
     Raises:
         InvalidInput, ImpossibleTrajectory, InfeasibleMotion: As `shortest_stretch`.
@@ -97,25 +110,30 @@ def shortest_motion(
         Bobrow, Dubowsky and Gibson 1985; Verscheure, Demeulenaere, Swevers, De Schutter and Diehl,
         IEEE Transactions on Automatic Control 54 (2009) 2318-2327.
     """
+    from scipy.interpolate import BSpline  # slow to load
+
     own = shortest_stretch(plan, limits, design, drives=drives, clearance=clearance)
+    note = ""
     if np.isfinite(limits.rates[2]).any():
         note = "a limit of the jerk is not convex in the law: the motion's own one is stretched"
+    elif not _accelerations_are_limited(own.plan, limits, design, drives):
+        note = "limits of speeds alone leave its acceleration free: its own law is stretched"
+    if note:
         return ShortestMotion(**vars(own), stretched=own.plan.duration, note=note)
     path = TracedPath(own.plan.curve)
-    knots, u = _knots(path)
-    rests = np.isin(u, path.rests)
-    law = np.where(rests, 0.0, path.speed(u) ** 2)
+    knots, bends = _knots(path)
+    rests = tuple(path.place(path.rests).tolist())
     unit = own.plan.duration
     robot = APPENDIX_4 if design is None else design  # without one, no limit looks at it
-    program = LawProgram(path, knots, rests, limits, robot, unit, drives=drives)
-    curve, duration = SteppedPath.of(path, knots, law / unit**2), unit
+    program = LawProgram(path, knots, bends, limits, robot, unit, drives=drives)
+    z, before = program.solve(path.law), np.inf
+    curve = TimedPath(path, BSpline(z.t, z.c / unit**2, z.k), rests)
     for _ in range(ROUNDS):
-        law = program.solve(law)
-        curve = SteppedPath.of(path, knots, law / unit**2)
         exceeded = program.tighten(curve, EXCEEDED)
-        if not exceeded and curve.duration > (1.0 - SETTLED) * duration:
+        if not exceeded and curve.duration > (1.0 - SETTLED) * before:
             break
-        duration = curve.duration
+        z, before = program.solve(partial(_law_of, z)), curve.duration
+        curve = TimedPath(path, BSpline(z.t, z.c / unit**2, z.k), rests)
     u, needed, column = program.needed(curve, FINE)
     worst = np.unravel_index(int(np.argmax(needed)), needed.shape)
     duration = float(curve.duration * needed[worst])
@@ -129,9 +147,26 @@ def shortest_motion(
     )  # fmt: skip
 
 
-def _knots(path: TracedPath) -> tuple[Array, Array]:
-    """Return places s, close together at stops, and at the motion's breaks, and their instants."""
-    breaks = path.breaks
+def _accelerations_are_limited(
+    plan: Plan, limits: MotionLimits, design: Design | None, drives: bool
+) -> bool:
+    """Whether a limit that is not one of a speed leaves a motion less than any acceleration."""
+    needed = needed_durations(plan.curve, limits, design, drives)(np.linspace(0.0, 1.0, 101))
+    return any(
+        needed[:, column].any()
+        for column in range(needed.shape[1])
+        if not LIMITED[column].endswith("speed") and "motor speed" not in LIMITED[column]
+    )
+
+
+def _law_of(z: BSpline, s: Array) -> tuple[Array, Array]:
+    return z(s), z(s, 1)
+
+
+def _knots(path: TracedPath) -> tuple[Array, NDArray[np.bool_]]:
+    """Return places s, close together at stops, and at breaks of the motion; which those are."""
+    at = path.place(path.breaks)
+    at[[0, -1]] = 0.0, 1.0
     parts = []
     for begin, end in pairwise(path.place(path.rests)):
         count = max(LEAST, round(PIECES * (end - begin)))
@@ -139,9 +174,8 @@ def _knots(path: TracedPath) -> tuple[Array, Array]:
             begin + (end - begin) * 0.5 * (1.0 - np.cos(np.pi * np.arange(1, count) / count))
         )
     s = np.concatenate(parts)
-    least = _CLOSE * np.diff(s, prepend=0.0)
-    apart = np.abs(s[:, None] - path.place(breaks)).min(axis=1) > least
-    u = np.unique(np.concatenate([path.instant(s[apart]), breaks]))
-    s = path.place(u)
-    s[[0, -1]] = 0.0, 1.0
-    return s, u
+    apart = np.abs(s[:, None] - at).min(axis=1) > _CLOSE * np.diff(s, prepend=0.0)
+    s = np.concatenate([s[apart], at])
+    bends = np.arange(len(s)) >= apart.sum()
+    order = np.argsort(s)
+    return s[order], bends[order]

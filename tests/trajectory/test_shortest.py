@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.interpolate import BSpline
 
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.trajectory import (
     PRESET,
     ImpossibleTrajectory,
     MotionLimits,
-    Plan,
     arch,
     circle,
     point_to_point,
@@ -22,7 +22,7 @@ from paminsa_viz.trajectory import (
     shortest_stretch,
     via_points,
 )
-from paminsa_viz.trajectory.paths import SteppedPath, TracedPath
+from paminsa_viz.trajectory.paths import TimedPath, TracedPath
 from paminsa_viz.trajectory.timing import needed_durations
 from tests.trajectory.plans import FRICTION, LAWS, A, B, all_plans, dense, place
 from tests.trajectory.test_timing import BENT, HEAVY, SERVO, driven, shares, used
@@ -40,10 +40,10 @@ def test_straight_move_within_an_acceleration_is_the_textbook_one() -> None:
     goal = A + np.array([0.1, 0.0, 0.0, 0.0])
     plan = point_to_point(A, goal)
     assert shortest_motion(plan, MotionLimits(acceleration=2.0)).plan.duration == pytest.approx(
-        2.0 * np.sqrt(0.1 / 2.0), rel=1e-6
+        2.0 * np.sqrt(0.1 / 2.0), rel=5e-4
     )
     both = shortest_motion(plan, MotionLimits(acceleration=2.0, speed=0.25)).plan.duration
-    assert both == pytest.approx(0.1 / 0.25 + 0.25 / 2.0, rel=1e-4)
+    assert both == pytest.approx(0.1 / 0.25 + 0.25 / 2.0, rel=5e-4)
 
 
 def test_circle_within_an_acceleration_is_the_solution_of_its_equation() -> None:
@@ -56,7 +56,7 @@ def test_circle_within_an_acceleration_is_the_solution_of_its_equation() -> None
     up = float(np.sum(2.0 * np.diff(s) / (rate[1:] + rate[:-1])))
     expected = 2.0 * up + (2.0 * np.pi * r - 2.0 * top) / np.sqrt(a * r)
     found = shortest_motion(plan, MotionLimits(acceleration=a))
-    assert found.plan.duration == pytest.approx(expected, rel=2e-3)
+    assert found.plan.duration == pytest.approx(expected, rel=2e-4)
 
 
 poses = st.tuples(
@@ -167,11 +167,17 @@ def test_jerk_falls_back_to_the_stretched_law_and_says_why() -> None:
     assert "jerk is not convex" in found.explanation
 
 
+def test_speeds_alone_stretch_the_law_and_say_why() -> None:
+    found = shortest_motion(point_to_point(A, B), MotionLimits(speed=0.2))
+    assert found.plan.duration == found.stretched
+    assert "leave its acceleration free" in found.explanation
+
+
 def test_a_law_that_is_the_best_one_stays() -> None:
     plan = point_to_point(A, A + np.array([0.1, 0, 0, 0]), law=LAWS[1])
     limits = MotionLimits(acceleration=2.0, speed=0.3)
     found = shortest_motion(plan, limits)
-    assert found.plan.duration == pytest.approx(found.stretched, rel=1e-6)
+    assert found.plan.duration == pytest.approx(found.stretched, rel=5e-4)
     assert found.plan.duration <= found.stretched
 
 
@@ -182,12 +188,13 @@ def test_optimum_refuses_as_the_stretched_law_does() -> None:
         shortest_motion(point_to_point(A, B), MotionLimits(torque=1.0))
 
 
-def test_constant_pieces_take_the_time_of_their_formula() -> None:
+def test_time_of_constant_accelerations_with_a_stop_between_is_that_of_their_formula() -> None:
+    """z linear: a piece of length h takes 2 h / (s'_0 + s'_1); s grows with the square of time."""
     path = TracedPath(point_to_point(A, B).curve)
-    law = SteppedPath.of(path, np.array([0.0, 0.3, 1.0]), np.array([0.0, 4.0, 0.0]))
-    assert law.duration == pytest.approx(0.6 / 2.0 + 1.4 / 2.0)
-    assert law.time_at(0.3) == pytest.approx(0.3)
-    assert law.place_at(np.array([0.3, 1.0])) == pytest.approx([0.3, 1.0])
-    half = law.place_at(np.array([0.15]))[0]  # a quarter of the way of constant acceleration
-    assert half == pytest.approx(0.075)
-    assert isinstance(Plan(law, law.duration).sample().t, np.ndarray)
+    knots = np.array([0.0, 0.3, 0.5, 0.7, 1.0])
+    z = BSpline(np.concatenate([[0.0], knots, [1.0]]), np.array([0.0, 4.0, 0.0, 1.0, 0.0]), 1)
+    law = TimedPath(path, z, (0.0, 0.5, 1.0))
+    assert law.duration == pytest.approx(0.6 / 2 + 0.4 / 2 + 0.4 + 0.6, rel=1e-9)
+    assert law.breaks * law.duration == pytest.approx(np.array([0, 0.3, 0.5, 0.9, 1.5]), rel=1e-9)
+    assert law.time_at(0.3) == pytest.approx(0.3, rel=1e-9)
+    assert law.place_at(np.array([0.15]))[0] == pytest.approx(0.075, rel=1e-9)
