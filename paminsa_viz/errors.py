@@ -26,6 +26,19 @@ def printable(text: str) -> str:
     return "".join(char if char.isprintable() else "?" for char in text)
 
 
+LONGEST_MESSAGE = 1500
+"""Longest message on one line [characters]: with its program's name it fits on a small screen."""
+
+
+def one_line(error: object) -> str:
+    """Return what an error says as one printable line; of a long one the beginning and the end."""
+    text = printable(" ".join(str(error).split()))
+    if len(text) <= LONGEST_MESSAGE:
+        return text
+    half = LONGEST_MESSAGE // 2
+    return f"{text[:half]} ... {text[-half:]}"
+
+
 def _uncontrolled(text: str) -> str:
     """Return a text with its lines and blanks as they are, and all else as in `printable`."""
     if text.isprintable():

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from paminsa_viz.errors import printable
+from paminsa_viz.errors import one_line
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.report.blocks import Block, Note, ReportRequest, Table
 from paminsa_viz.units import NONE, format_ascii
@@ -18,7 +18,7 @@ from paminsa_viz.version import COMMAND, MADE_BY
 
 def print_error(error: Exception) -> None:
     """Print an error as one line on stderr."""
-    print(f"{COMMAND}: {printable(' '.join(str(error).split()))}", file=sys.stderr)
+    print(f"{COMMAND}: {one_line(error)}", file=sys.stderr)
 
 
 def print_written(paths: Iterable[object]) -> None:

@@ -33,6 +33,12 @@ COMMANDS = (
     "balance",
     "balance --rail b3 7 0 200 5",
     "design show d.toml",
+    "map --cells 12 --out map.csv",
+    "trajectory --rate 50 --out motion.csv",
+    "requirements check --require condition<=20 --cylinder 100 100 --center 0 0 -600",
+    "code --out code",
+    "page --out page.html",
+    "calibrate --propose 20 --out poses.csv",
 )
 """Commands that take no long time; a design is added where it is not named."""
 

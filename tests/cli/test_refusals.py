@@ -200,6 +200,17 @@ BAD = {
     "file": ("none.csv", "none.csv: cannot be read: no such file"),
 }
 
+NAMES = (
+    "map --quantity @", "map --preset @", "map --palette @", "map --design @", "map --knee @",
+    "sweep --out a.csv --vary @=1", "sweep --out a.csv --vary links.b3=@", "balance --change @ 0 1",
+    "balance --goal @", "balance --rail @ 7 0 100 5", "requirements --require @",
+    "requirements --require @<=3", "trajectory --preset @", "trajectory --law @",
+    "trajectory --simulate @", "trajectory --figure @ --out a.png", "drives --cycle @ 1 1",
+    "drives --catalog @", "loads --bar @ --out a.csv", "identify @", "synthesize @",
+    "code --language @ --out a", "page --code @ --out a.html", "design diff @ @", "start --@",
+)  # fmt: skip
+"""Commands with a place ``@`` for a name that there is not."""
+
 WRITERS = [
     "map --out", "trajectory --out", "report --out", "page --out", "export --glb", "export --mjcf",
     "balance --out", "design default --out", "evaluate in.csv --out",
@@ -232,6 +243,13 @@ def test_wrong_words_are_refused(row, capsys, monkeypatch, request) -> None:
         warnings.simplefilter("always", RuntimeWarning)
         check_refused(*split(words, capsys), place=place)
     assert not caught
+
+
+@pytest.mark.parametrize("name", ["zzz", "no\x1b[31m", "long" * 2000])
+@pytest.mark.parametrize("command", NAMES)
+def test_no_name_that_is_unknown_fills_more_than_a_screen(command, name, capsys) -> None:
+    words = command.split()
+    check_refused(words[0], capsys, *(word.replace("@", name) for word in words[1:]), place="")
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,9 @@ from typing import Any
 from paminsa_viz import __version__
 from paminsa_viz.cli import main
 
+SCREEN = 24 * 80
+"""Characters on a screen of a terminal: more than that, and a refusal hides where it begins."""
+
 
 def run(command: str, capsys, *words: str) -> tuple[int, str, str]:
     """Run a command; return its exit code, stdout and stderr."""
@@ -36,5 +39,6 @@ def check_refused(command: str, capsys, *words: str, place: str) -> None:
     code, out, err = run(command, capsys, *words)
     assert (code, out) == (2, "")
     assert err.count("\n") == 1
+    assert len(err) <= SCREEN
     assert place in err
     assert {path: path.read_bytes() for path in Path().iterdir() if path.is_file()} == before
