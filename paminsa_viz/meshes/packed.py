@@ -15,11 +15,12 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from paminsa_viz.dimensions.attached import payload_offset
+from paminsa_viz.dimensions.fixed_parts import CARRIAGE_RADIUS
 from paminsa_viz.dimensions.layout import FrameLayout, frame_lengths
 from paminsa_viz.meshes import bodies, frame
 from paminsa_viz.meshes.library import fixed_part
 from paminsa_viz.meshes.part import SURFACES, MeshPart, srgb_to_linear
-from paminsa_viz.meshes.solids import Array
+from paminsa_viz.meshes.solids import Array, plain_shapes
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.leg import mechanism
 
@@ -29,42 +30,55 @@ STEP: Final = 0.02
 LEAST_STEP: Final = 1e-3
 """Least change of a length [m]."""
 
-DIGITS: Final = 4
+DIGITS: Final = 7
 """Decimals of what a point moves by for 1 m of a length."""
 
-TIE: Final = 1e-6
-"""Moves what is to be rounded off the middle of two steps, where rounding errors would decide."""
+GRAIN: Final = 1e-7
+"""Step of the points' coordinates [m]."""
+
+TIE: Final = 1e-3
+"""Moves what is to be rounded off the middle of two steps, where rounding errors would decide; as
+a share of a step."""
 
 MATERIALS: Final = tuple(SURFACES)
 """Materials by their numbers in `pack_bodies`."""
 
 
 class _Shape(NamedTuple):
-    """A body by the lengths that decide it, which its maker takes in this order."""
+    """A body by the lengths that decide it, which its maker takes in this order.
+
+    Attributes:
+        names: The lengths' names in `body_lengths`.
+        make: The maker.
+        instead: Lengths that take the place of a robot's, for a shape that it may not have.
+    """
 
     names: tuple[str, ...]
     make: Callable[..., MeshPart]
+    instead: dict[str, float] | None = None
 
 
 def pack_bodies(geometry: Geometry) -> dict[str, Any]:
-    """Return the bodies with both knees, as data that can be written as JSON.
+    """Return the bodies with both knees and few faces, as data that can be written as JSON.
 
     Points count from the body's own frame, standing bodies' from the world frame.
 
     Returns:
         ``materials``: linear color, metallic, roughness, whether it is lit. ``bodies``: by name,
         with the ending ``.lower`` or ``.upper`` where the knee decides. Each has the ``names`` of
-        its lengths and the values ``at`` which it was made [m], ``scale`` of its coordinates [m],
-        the numbers of its ``points`` and ``faces``, and ``moves``: for each group of points and
-        each length what a point moves by (x, y, z) for 1 m. ``block``: all bodies one after the
-        other in base64, little-endian: points (n, 3) int16, normals (n, 3) int8, materials (n,)
-        uint8, groups (n,) uint8, faces (m, 3) uint16, each array filled up to 4 bytes.
+        its lengths and the values ``at`` which it was made [m], the numbers of its ``points`` and
+        ``faces``, and ``moves``: for each group of points and each length what a point moves by
+        (x, y, z) for 1 m. ``grain``: step of the points' coordinates [m]. ``block``: all bodies
+        one after the other in base64, little-endian: points (n, 3) int32, normals (n, 3) int8,
+        materials (n,) uint8, groups (n,) uint8, faces (m, 3) uint16, each array filled up to
+        4 bytes. Carriages with the ending ``.neck`` are for arms that begin beyond ``neck`` [m].
         ``payload``: the payload's height over the joints of the platform by knee [m].
     """
     packed, blocks = {}, []
     for name, knee, shape in _shapes():
         body = geometry if knee is None else replace(geometry, knee=knee)
-        packed[name], block = _packed(shape, body)
+        with plain_shapes():
+            packed[name], block = _packed(shape, body)
         blocks.append(block)
     return {
         "materials": {
@@ -72,6 +86,8 @@ def pack_bodies(geometry: Geometry) -> dict[str, Any]:
             for name, s in SURFACES.items()
         },
         "bodies": packed,
+        "grain": GRAIN,
+        "neck": CARRIAGE_RADIUS,
         "payload": {
             knee.value: round(
                 payload_offset(replace(geometry, knee=knee))[2] - geometry.platform_joint_height, 6
@@ -108,15 +124,19 @@ def _shapes() -> list[tuple[str, KneeBranch | None, _Shape]]:
             "base": _Shape(("base_radius", *_MAST), partial(_base, knee)),
             "m1": _Shape(("base_radius",), partial(_motor, knee)),
             "m4": _Shape(_RAM, partial(_lift, knee)),
-            "carriage": _Shape(("base_radius", "arm", *ram), _carriage),
+            "carriage": _Shape(("base_radius", "arm_start", *ram), _carriage, _NO_NECK),
             "guide": _Shape(("guide_link",), partial(_guide, knee)),
         }
         found += [(f"{name}.{knee.value}", knee, shape) for name, shape in shapes.items()]
+        neck = _Shape(("base_radius", "arm_start", *ram), _carriage, _NECK)
+        found.append((f"carriage.{knee.value}.neck", knee, neck))
     return found
 
 
 _MAST: Final = ("ground", "mast_radius", "mast_top", "column_top")
 _RAM: Final = ("column_top", "lift_low", "lift_high")
+_NO_NECK: Final = {"base_radius": 8 * CARRIAGE_RADIUS, "arm_start": CARRIAGE_RADIUS / 2}
+_NECK: Final = {"base_radius": 8 * CARRIAGE_RADIUS, "arm_start": CARRIAGE_RADIUS * 2}
 
 
 def _layout(names: tuple[str, ...], heights: tuple[float, ...]) -> FrameLayout:
@@ -141,8 +161,8 @@ def _motor(knee: KneeBranch, radius: float) -> MeshPart:
     return frame.motor(0, radius, knee)
 
 
-def _carriage(radius: float, arm: float, top: float = 0.0, low: float = 0.0) -> MeshPart:
-    return bodies.carriage(radius, arm, top - low)
+def _carriage(radius: float, start: float, top: float = 0.0, low: float = 0.0) -> MeshPart:
+    return bodies.carriage(radius, radius - start, top - low)
 
 
 def _guide(knee: KneeBranch, length: float) -> MeshPart:
@@ -158,13 +178,14 @@ def body_lengths(geometry: Geometry) -> dict[str, float]:
         "base_radius": m.base_radius, "platform_radius": m.platform_radius,
         "joint_height": m.joint_height, "shaft": m.shaft, "crank": m.crank, "coupler": m.coupler,
         "crank_part": m.crank / m.k, "coupler_part": m.coupler / m.k,
-        "guide_link": geometry.guide_link_length, "arm": geometry.arm_length,
+        "guide_link": geometry.guide_link_length,
+        "arm_start": min(max(m.base_radius - geometry.arm_length, 0.0), m.base_radius),
     }  # fmt: skip
 
 
 def _packed(shape: _Shape, geometry: Geometry) -> tuple[dict[str, Any], bytes]:
     """Return what is said of a body, and its bytes."""
-    lengths = body_lengths(geometry)
+    lengths = body_lengths(geometry) | (shape.instead or {})
     values = [lengths[name] for name in shape.names]
     part = shape.make(*values)
     points = _points(part)
@@ -173,7 +194,6 @@ def _packed(shape: _Shape, geometry: Geometry) -> tuple[dict[str, Any], bytes]:
     moved = np.array([moves[number] for number in kept_lengths]).reshape(-1, *points.shape)
     table = np.moveaxis(moved, 0, 1).reshape(len(points), -1)
     groups, group = np.unique(table, axis=0, return_inverse=True)
-    scale = float(np.abs(points).max()) / 32767
     normals = np.vstack([solid.mesh.vertex_normals for solid in part.solids])
     counts = [len(solid.mesh.vertices) for solid in part.solids]
     materials = np.repeat([MATERIALS.index(solid.material) for solid in part.solids], counts)
@@ -184,13 +204,12 @@ def _packed(shape: _Shape, geometry: Geometry) -> tuple[dict[str, Any], bytes]:
     said = {
         "names": [shape.names[number] for number in kept_lengths],
         "at": [round(values[number], 9) for number in kept_lengths],
-        "scale": float(f"{scale:.6g}"),
         "points": len(points),
         "faces": len(faces),
         "moves": groups.tolist(),
     }
     arrays = (
-        np.rint(points / said["scale"] + TIE).astype("<i2"),
+        np.rint(points / GRAIN + TIE).astype("<i4"),
         np.rint(127 * normals + TIE).astype("i1"),
         materials.astype("u1"),
         group.reshape(-1).astype("u1"),
@@ -210,7 +229,7 @@ def _moves(shape: _Shape, values: list[float], number: int, points: Array) -> Ar
         other = [value + change * (place == number) for place, value in enumerate(values)]
         found = _points(shape.make(*other))
         if found.shape == points.shape:
-            return np.round((found - points) / change + TIE, DIGITS) + 0.0
+            return np.round((found - points) / change + TIE * 0.1**DIGITS, DIGITS) + 0.0
     return np.zeros_like(points)
 
 

@@ -14,7 +14,7 @@ const BODIES = (() => {
   for (const [name, said] of Object.entries(PAGE.meshes.bodies)) {
     const { points: n, faces: m } = said;
     bodies[name] = {
-      ...said, points: read(Int16Array, 3 * n), normals: read(Int8Array, 3 * n),
+      ...said, points: read(Int32Array, 3 * n), normals: read(Int8Array, 3 * n),
       materials: read(Uint8Array, n), groups: read(Uint8Array, n), faces: read(Uint16Array, 3 * m),
     };
   }
@@ -25,10 +25,11 @@ const BODIES = (() => {
 const bodyLengths = (robot) => {
   const m = robot.mechanism;
   return {
-    ...robot.frame, base_radius: m.base_radius, platform_radius: m.platform_radius,
+    ...paminsaFrameLengths(m, robot.guide), base_radius: m.base_radius, platform_radius: m.platform_radius,
     joint_height: m.joint_height, shaft: m.shaft, crank: m.crank, coupler: m.coupler,
     crank_part: m.crank / m.k, coupler_part: m.coupler / m.k,
-    guide_link: robot.guide, arm: robot.arm,
+    guide_link: robot.guide,
+    arm_start: Math.min(Math.max(m.base_radius - robot.arm, 0), m.base_radius),
   };
 };
 
@@ -39,7 +40,7 @@ const stretched = (body, lengths) => {
     changes.reduce((sum, change, index) => sum + change * move[3 * index + axis], 0)));
   const points = new Float32Array(body.points.length);
   for (let index = 0; index < points.length; index++)
-    points[index] = body.points[index] * body.scale + shifts[body.groups[(index / 3) | 0]][index % 3];
+    points[index] = body.points[index] * PAGE.meshes.grain + shifts[body.groups[(index / 3) | 0]][index % 3];
   return points;
 };
 
@@ -61,13 +62,14 @@ const shifted = (x, y, z, turn = 0) => {
  */
 const placedBodies = (robot, pose, solved) => {
   const m = robot.mechanism;
+  const neck = m.base_radius - robot.arm > PAGE.meshes.neck ? ".neck" : "";
   const knee = m.root > 0 ? "lower" : "upper";
   const [x, y, theta, z] = pose;
   const found = [
     { body: "ground", accent: 0, matrix: shifted(0, 0, 0) },
     { body: `base.${knee}`, accent: 0, matrix: shifted(0, 0, 0) },
     { body: `m4.${knee}`, accent: 4, matrix: shifted(0, 0, 0) },
-    { body: `carriage.${knee}`, accent: 4, matrix: shifted(0, 0, solved.actuators[3]) },
+    { body: `carriage.${knee}${neck}`, accent: 4, matrix: shifted(0, 0, solved.actuators[3]) },
     { body: "platform", accent: 0, matrix: shifted(x, y, z, theta) },
   ];
   if (robot.payload > 0) {
@@ -89,14 +91,9 @@ const placedBodies = (robot, pose, solved) => {
       dr * ux, dr * uy, dz, 0, -uy, ux, 0, 0, -dz * ux, -dz * uy, dr, 0,
       ax + r * ux, ay + r * uy, height, 1,
     ];
-    const along = (from, to) => {
-      const [dr, dz] = [to[0] - from[0], to[1] - from[1]];
-      const length = Math.hypot(dr, dz);
-      return [dr / length, dz / length];
-    };
     const level = [1, 0];
-    const b8 = along(joints[8], joints[9]);
-    const b4 = along(joints[9], joints[5]);
+    const b8 = [leg.cos_phi, leg.sin_phi];
+    const b4 = [leg.cos_psi, leg.sin_psi];
     const accent = index + 1;
     found.push(
       { body: `m1.${knee}`, accent, matrix: shifted(0, 0, 0, heading(index) - heading(0)) },
