@@ -35,6 +35,7 @@ from paminsa_viz.trajectory import (
     SimulationFailed,
     Trajectory,
     analyze,
+    shortest_motion,
     shortest_stretch,
     simulate,
     via_points,
@@ -120,8 +121,11 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
     duration: Annotated[float | None, tyro.conf.arg(metavar="S")] = None
     """Duration [s], instead of the motion's own."""
     shortest: bool = False
-    """Run the motion in the shortest time that keeps the limits --max-... and those of the design's
-    drives, if it has any."""
+    """Run the motion by the time-optimal law on its path: the shortest time that keeps the limits
+    --max-... and those of the design's drives, if it has any. With a limit of the jerk as
+    --stretch, since that is not convex."""
+    stretch: bool = False
+    """Keep the motion's own time law, and stretch it to the shortest time within those limits."""
     cross: bool = False
     """Let the motion through --waypoints pass type-2 singularities: its time law is planned such
     that torques stay bounded there, and within the limits --max-torque and --max-force. In the
@@ -153,6 +157,10 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
         limit = f"--{next(iter(limits), 'max_speed').replace('_', '-')}"
         unplanned = self.file is not None and not self.waypoints
         timed = self.duration is not None
+        quick, quickest = (
+            self.shortest or self.stretch,
+            f"--{'stretch' if self.stretch else 'shortest'}",
+        )
         drawn = any(path.suffix.lower() in figure_endings() for path in self.out)
         kind, second = self.figure_kind, self.engine or self.printed or self.reference
         pictures = "needs --out with .png, .svg or .pdf"
@@ -160,16 +168,17 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
         self.exclude_both()
         for wrong, problem in (
             (self.waypoints and self.file is None, "--waypoints belongs to --file"),
-            (self.shortest and timed, "--duration excludes --shortest"),
+            (self.shortest and self.stretch, "--stretch excludes --shortest"),
+            (quick and timed, f"--duration excludes {quickest}"),
             (timed and unplanned, f"--duration {plan}"),
-            (self.shortest and unplanned, f"--shortest {plan}"),
+            (quick and unplanned, f"{quickest} {plan}"),
             (
-                self.shortest and not limits and self.design is None,
-                f"--shortest needs a limit, such as {limit}, or a design with drives",
+                quick and not limits and self.design is None,
+                f"{quickest} needs a limit, such as {limit}, or a design with drives",
             ),
-            (limits and not (self.shortest or self.cross), f"{limit} belongs to --shortest"),
+            (limits and not (quick or self.cross), f"{limit} belongs to --shortest or --stretch"),
             (self.cross and not self.waypoints, "--cross needs --file with --waypoints"),
-            (self.cross and self.shortest, "--cross is the shortest motion; leave out --shortest"),
+            (self.cross and quick, f"--cross is the shortest motion; leave out {quickest}"),
             (
                 self.cross and not limits.keys() & {"max_torque", "max_force"},
                 "--cross needs --max-torque or --max-force",
@@ -286,7 +295,8 @@ def _motion(flags: TrajectoryFlags, design: Design) -> tuple[Trajectory, Shortes
     quickest = None
     if flags.duration is not None:
         plan = plan.lasting(flags.duration)
-    elif flags.shortest:
-        quickest = shortest_stretch(plan, flags.limits, design)
+    elif flags.shortest or flags.stretch:
+        shortest = shortest_motion if flags.shortest else shortest_stretch
+        quickest = shortest(plan, flags.limits, design)
         plan = quickest.plan
     return plan.sample(RATE if flags.rate is None else flags.rate), quickest

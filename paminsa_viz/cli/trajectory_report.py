@@ -24,6 +24,7 @@ from paminsa_viz.report.trajectory_section import LOADS, trajectory_blocks
 from paminsa_viz.trajectory import (
     ImpossibleTrajectory,
     PathEvent,
+    ShortestMotion,
     ShortestStretch,
     Simulation,
     TrajectoryAnalysis,
@@ -67,6 +68,13 @@ class SimulationStopped(PaminsaError):
         super().__init__(f"the simulation stopped {event.explanation}")
 
 
+def _law(quickest: ShortestStretch) -> dict[str, Any]:
+    """Return what a motion with the best law says beyond that."""
+    if not isinstance(quickest, ShortestMotion):
+        return {}
+    return {"stretched_s": quickest.stretched, "note": quickest.note}
+
+
 def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
     """Return everything as data for JSON, in SI units."""
     analysis, check = results.analysis, results.analysis.check
@@ -92,6 +100,7 @@ def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
             "limit": quickest.limit,
             "unit": quickest.unit,
             "t_s": quickest.t,
+            **_law(quickest),
         },
         "actuators": _actuators(analysis),
         "reference": results.reference and _other(results.reference),

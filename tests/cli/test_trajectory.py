@@ -104,12 +104,34 @@ def test_a_written_table_gives_the_same_again(capsys) -> None:
 
 
 def test_the_shortest_motion_reaches_its_limit(capsys) -> None:
-    words = "--preset arch --shortest --max-torque 4 --max-turn-speed 200 --out a.csv"
+    words = "--preset arch --stretch --max-torque 4 --max-turn-speed 200 --out a.csv"
     found = run_json(capsys, *words.split())
     torques = numbers(read("a.csv"), TORQUES[:3])
     assert np.abs(torques).max() == pytest.approx(4.0, rel=1e-4)
     assert np.abs(torques).max() <= 4.0
     assert found["shortest"]["quantity"].startswith("torque of M")
+
+
+@pytest.mark.parametrize("flag", ["--shortest", "--minimum-time"])
+def test_the_shortest_motion_is_the_time_optimal_one(capsys, flag: str) -> None:
+    """By whichever name of the flag: quicker than the stretched law, a torque at its limit."""
+    words = f"--preset arch {flag} --max-torque 4 --max-turn-speed 200 --out a.csv"
+    found = run_json(capsys, *words.split())
+    table = read("a.csv")
+    torque = np.abs(numbers(table, TORQUES[:3])).max(axis=1) / 4.0
+    turn = np.abs(table["omega_rad_s"].astype(float)) / np.radians(200.0)
+    used = np.maximum(torque, turn)
+    assert used.max() <= 1.0 + 1e-3
+    assert np.mean(used > 0.97) > 0.85
+    assert found["trajectory"]["duration_s"] < 0.8 * found["shortest"]["stretched_s"]
+
+
+def test_a_limit_of_jerk_stretches_and_says_why(capsys) -> None:
+    words = ("--preset", "arch", "--shortest", "--max-acceleration", "3", "--max-jerk", "40")
+    found = run_json(capsys, *words)
+    assert found["trajectory"]["duration_s"] == found["shortest"]["stretched_s"]
+    assert "jerk is not convex" in found["shortest"]["note"]
+    assert "jerk is not convex" in run(capsys, *words)[1]
 
 
 def test_degrees_are_degrees(capsys) -> None:
