@@ -14,6 +14,7 @@ from typing import Any
 
 from paminsa_viz.codegen.javascript import FLOOR_MOD, JavaScript
 from paminsa_viz.codegen.printer import Printer
+from paminsa_viz.dimensions.layout import frame_lengths
 from paminsa_viz.explorer.core import persistence
 from paminsa_viz.explorer.features.pose.tab import POSE
 from paminsa_viz.explorer.kit import design_numbers
@@ -22,6 +23,7 @@ from paminsa_viz.explorer.kit.inputs import Slider
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.files.design_schema import KEY_OF, SCHEMA_VERSION
+from paminsa_viz.meshes.packed import pack_bodies
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETER,
@@ -35,7 +37,7 @@ from paminsa_viz.model.leg import leg_position, mechanism_of_lengths
 from paminsa_viz.model.load import WRENCH, wrench_at_center
 from paminsa_viz.model.lumped import MASS_PATHS, Masses, coefficients_of_masses
 from paminsa_viz.model.ranges import possible_range
-from paminsa_viz.model.reach import MARGINS, workspace_radius
+from paminsa_viz.model.reach import MARGINS
 from paminsa_viz.old_names import KNEES
 from paminsa_viz.palette import ACTUATOR_COLORS, DARK, LIGHT, Theme
 from paminsa_viz.version import MADE_BY
@@ -52,6 +54,8 @@ FORMULAS = (
     measures.least_margin,
     measures.dexterity,
     measures.singular_distances,
+    measures.workspace_circle,
+    frame_lengths,
 )
 """What the page computes with, and all that these call."""
 
@@ -84,6 +88,9 @@ def one_file(document: Document) -> str:
         "DATA": json.dumps(_data(document), ensure_ascii=False).replace("<", "\\u003c"),
         "FORMULAS": _formulas(),
         "ROBOT": _text("robot.js"),
+        "BODIES": _text("bodies.js"),
+        "SCENE": _text("scene.js"),
+        "VIEW": _text("view.js"),
         "PICTURES": _text("pictures.js"),
         "PAGE": _text("page.js"),
     }
@@ -110,14 +117,16 @@ def _text(name: str) -> str:
 
 def _colors(selector: str, theme: Theme) -> str:
     names = ("paper", "ink", "muted", "faint", "good", "warn", "bad", "reachless")
+    top, bottom = theme.backdrop
+    backdrop = f"--backdrop: linear-gradient({top}, {bottom});"
     pairs = [f"--{name}: {getattr(theme, name)};" for name in names]
     pairs += [f"--m{i}: {theme.shown(color)};" for i, color in enumerate(ACTUATOR_COLORS, 1)]
-    return f"{selector} {{ {' '.join(pairs)} }}\n"
+    return f"{selector} {{ {' '.join([*pairs, backdrop])} }}\n"
 
 
 def _data(document: Document) -> dict[str, Any]:
     """Return what the page knows of the program besides its formulas."""
-    state, g = initial_state(document.design), document.design.geometry
+    state = initial_state(document.design)
     return {
         "madeBy": MADE_BY,
         "document": persistence.dump(document),
@@ -133,8 +142,7 @@ def _data(document: Document) -> dict[str, Any]:
         "load": [f"load.{name}" for name in (*WRENCH, "point_x", "point_y", "point_z")],
         "heading": list(kinematic_formulas.HEADING),
         "limits": [limit.label for limit in MARGINS],
-        # No singular circle is larger than that.
-        "radius": min(workspace_radius(g), g.base_radius + g.platform_radius),
+        "meshes": pack_bodies(document.design.geometry),
         "pose": [_slider(entry, state) for entry in POSE if isinstance(entry, Slider)],
         "groups": [
             {

@@ -13,7 +13,6 @@
   const forward = [];
   let moving = false;
   let spent = 0;
-  let view = { turn: 0.6, tilt: 0.35 };
 
   // --- the document ---------------------------------------------------------------------------
   const say = (text) => {
@@ -258,7 +257,11 @@
   const canvases = [];
   const titles = [];
   let solvedMaps = null; // maps, and the number of their cells
-  const extent = () => PAGE.radius || 0.1;
+  // No singular circle is larger than the radii together.
+  const extent = () => {
+    const m = robot.mechanism;
+    return Math.min(paminsaWorkspaceCircle(m), m.base_radius + m.platform_radius) || 0.1;
+  };
   const placeIn = (canvas, event) => {
     const box = canvas.getBoundingClientRect();
     return [
@@ -293,19 +296,27 @@
         `x ${number(1e3 * x, 1)} mm, y ${number(1e3 * y, 1)} mm: τ${"₁₂₃"[index]} ${value}`;
     });
   });
-  const turn = (dx, dy) => {
-    view = { turn: view.turn + dx, tilt: Math.max(-1.57, Math.min(1.57, view.tilt + dy)) };
-    request();
-  };
-  find("robot").addEventListener("pointermove", (event) => {
-    if (event.buttons & 1) turn(-0.01 * event.movementX, 0.01 * event.movementY);
+  const view = createView(find("robot"), {
+    shown: () => shown,
+    request: () => request(),
+    move: (changes) => {
+      moving = true;
+      move(changes, "handle");
+    },
+    release: () => {
+      moving = false;
+      lastSource = "";
+    },
   });
-  find("robot").addEventListener("keydown", (event) => {
-    const step = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] };
-    if (!step[event.key]) return;
-    event.preventDefault();
-    turn(...step[event.key]);
-  });
+  for (const name of Object.keys(PRESETS)) {
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: name });
+    button.addEventListener("click", () => view.look(name));
+    find("views").prepend(button);
+  }
+  find("views").prepend(...[...find("views").querySelectorAll("button")].reverse());
+  find("floor").addEventListener("change", () => request());
+  for (const id of ["robot", "views", "help"]) find(id).hidden = view.isMissing;
+  find("flat").hidden = !view.isMissing;
 
   // --- numbers --------------------------------------------------------------------------------
   const fill = (id, rows, head) => {
@@ -322,7 +333,8 @@
         : `${number(1e3 * solved.actuators[3], 1)} mm`;
       const other = pinned
         ? [number(pinned.torques[index], digits), number(torque - pinned.torques[index], digits)] : [];
-      return [`M${index + 1}`, position, `${number(torque, digits)} ${unit}`, ...other];
+      const swatch = `<span class="swatch" style="background: var(--m${index + 1})"></span>`;
+      return [`${swatch}M${index + 1}`, position, `${number(torque, digits)} ${unit}`, ...other];
     }), ["", "position", "static torque", ...(pinned ? ["pinned", "difference"] : [])]);
     const mass = balancedMass();
     fill("quality", [
@@ -362,7 +374,6 @@
     buttons.Pin.textContent = doc.reference ? "Unpin" : "Pin";
     buttons["Balance by m₇"].disabled = !(balancedMass() >= 0);
     drawNumbers(solved);
-    if (shown) drawRobot(find("robot"), shown.robot, shown.pose, shown.solved, view);
     const n = moving && spent > SLOW ? WHILE_MOVED : CELLS;
     const wanted = JSON.stringify([doc.design, doc.load_frame, doc.knee, doc.pose[2], doc.pose[3], n]);
     if (wanted !== key) {
@@ -370,21 +381,36 @@
       solvedMaps = { values: solveMaps(robot, doc.pose[2], doc.pose[3], extent(), n), n };
       spent = performance.now() - start;
       solvedMaps.limit = colorLimit(solvedMaps.values);
+      solvedMaps.pictures = solvedMaps.values.map((each) => pictureOf(each, n, solvedMaps.limit));
       key = wanted;
     }
-    const { values, limit } = solvedMaps;
+    const { pictures, limit } = solvedMaps;
     const m = robot.mechanism;
     const singular = Math.sqrt(Math.max(0, m.base_radius ** 2 + m.platform_radius ** 2
       - 2 * m.base_radius * m.platform_radius * Math.cos(doc.pose[2])));
     canvases.forEach((canvas, index) => {
-      drawMap(canvas, values[index], solvedMaps.n, limit, doc.pose, extent(), singular);
+      drawMap(canvas, pictures[index], doc.pose, extent(), singular);
       titles[index].textContent =
-        `τ${"₁₂₃"[index]}: blue ${number(-limit, 2)} to red ${number(limit, 2)} N·m`;
+        `τ${"₁₂₃"[index]}: blue ${number(-limit, 1)} to red ${number(limit, 1)} N·m`;
       canvas.setAttribute("aria-label", `Map of the static torque of M${index + 1}; `
         + `${number(solved.torques[index], 3)} N·m at the pose`);
     });
+    const chosen = find("floor").value;
+    if (shown)
+      view.draw({
+        floor: chosen && { picture: pictures[chosen], radius: extent() },
+        circle: paminsaWorkspaceCircle(m), singular, dark: isDark(), colors: pageColors(),
+      });
+    const [x, y, theta, z] = (shown?.pose ?? doc.pose);
+    find("robot").setAttribute("aria-label", `The robot at x ${number(1e3 * x, 1)} mm, `
+      + `y ${number(1e3 * y, 1)} mm, θ ${number(180 / Math.PI * theta, 1)}°, z ${number(1e3 * z, 1)} mm. `
+      + "Arrow keys turn the view, + and - zoom, Home shows all; the sliders move the platform.");
     document.documentElement.dataset.drawn = Number(document.documentElement.dataset.drawn ?? 0) + 1;
   };
+
+  const isDark = () => document.documentElement.classList.contains("dark");
+  const pageColors = () => Object.fromEntries(["m1", "m2", "m3", "m4", "ink", "good", "bad"].map((name) =>
+    [name, colorOf(name).match(/\w\w/g).map((part) => parseInt(part, 16) / 255)]));
 
   find("about").textContent = `Written by ${PAGE.madeBy}. All numbers are computed here by the same `
     + `formulas. Only in the served page (pip install, then paminsa-viz): ${PAGE.onlyServed}.`;
@@ -397,5 +423,5 @@
     if (refusal) say(refusal);
   };
   begin();
-  window.paminsaPage = { robotOf, solvePose, solveMaps, openShareCode, shareCode, designFile };
+  window.paminsaPage = { robotOf, solvePose, solveMaps, view, openShareCode, shareCode, designFile };
 })();

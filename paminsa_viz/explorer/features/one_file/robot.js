@@ -76,7 +76,7 @@ const robotOf = (doc, knee = doc.knee) => {
   const c = paminsaCoefficientsOfMasses(masses, k, guide, g, 2);
   const load = PAGE.load.map(of);
   return {
-    mechanism, g, arm: length("arm_length"), imbalance: c[1], load,
+    mechanism, g, guide, arm: length("arm_length"), payload: of("payload.mass"), imbalance: c[1], load,
     turns: doc.load_frame === "platform" ? 1 : 0, loaded: load.slice(0, 6).some(Boolean),
     lift: k * (c[16] * g + 3 * c[0]) + 3 * c[2],
   };

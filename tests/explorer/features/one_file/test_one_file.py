@@ -244,6 +244,82 @@ def test_click_on_a_map_goes_there_and_the_knee_is_mirrored(opened: Opened) -> N
     assert check_reach(found.design.geometry, found.pose).ok
 
 
+COLORED = """async (canvas) => {
+  await new Promise(requestAnimationFrame);
+  const picture = document.createElement("canvas");
+  [picture.width, picture.height] = [90, 60];
+  const draw = picture.getContext("2d");
+  // A drawing buffer holds its picture until it is shown.
+  document.querySelector("#floor").dispatchEvent(new Event("change"));
+  await new Promise((done) => requestAnimationFrame(() => {
+    draw.drawImage(canvas, 0, 0, 90, 60);
+    done();
+  }));
+  const parts = draw.getImageData(0, 0, 90, 60).data;
+  return parts.filter((part, index) => index % 4 === 3 && part > 0).length / 5400;
+}"""
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_robot_is_drawn_and_moves_with_its_handle(opened: Opened) -> None:
+    opened.open(share_code(START))
+    page = opened.page
+    page.get_by_label("Floor map").select_option("1")
+    canvas = page.locator("#robot")
+    assert 0.05 < canvas.evaluate(COLORED) < 0.9
+    assert "x 80.0 mm, y 50.0 mm" in (canvas.get_attribute("aria-label") or "")
+    box = canvas.bounding_box()
+
+    def drag(keys: str, dx: float, dy: float) -> None:
+        u, v = page.evaluate("window.paminsaPage.view.handlePlace()")
+        x, y = box["x"] + u * box["width"], box["y"] + v * box["height"]
+        if keys:
+            page.keyboard.down(keys)
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x + dx, y + dy, steps=3)
+        page.mouse.up()
+        if keys:
+            page.keyboard.up(keys)
+
+    def look(name: str) -> None:
+        before = canvas.evaluate(COLORED)
+        page.get_by_role("button", name=name).click()
+        until(lambda: canvas.evaluate(COLORED) != before, "the view has changed")
+
+    look("Top")
+    drag("", 20, 0)
+    moved = opened.wait(lambda found: found.pose[0] > START.pose[0] + 0.01)
+    assert moved.pose[1:] == pytest.approx(START.pose[1:], abs=1e-3)
+    page.get_by_role("button", name="Undo").click()  # a drag is one step
+    opened.wait(lambda found: found == START)
+    look("Front")
+    drag("Shift", 0, -15)
+    moved = opened.wait(lambda found: found.pose[3] > START.pose[3] + 0.01)
+    assert moved.pose[:3] == START.pose[:3]
+    page.get_by_role("button", name="Undo").click()
+    opened.wait(lambda found: found == START)
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_without_webgl_a_line_says_so(opened: Opened) -> None:
+    page = opened.context.new_page()
+    errors = watch_errors(page)
+    page.add_init_script("""HTMLCanvasElement.prototype.getContext = ((made) =>
+      function (kind, ...rest) {
+        return kind === "webgl2" ? null : made.call(this, kind, ...rest);
+      })(HTMLCanvasElement.prototype.getContext)""")
+    page.goto(opened.address)
+    line = page.get_by_text("The robot is not drawn: this browser has no WebGL2")
+    until(line.is_visible, "it is said")
+    assert not page.locator("#robot").is_visible()
+    assert "N·m" in page.get_by_test_id("actuators").inner_text()
+    page.close()
+    assert errors == []
+
+
 @pytest.mark.browser
 @pytest.mark.slow
 @pytest.mark.parametrize(
