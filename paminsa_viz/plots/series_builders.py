@@ -29,7 +29,7 @@ from paminsa_viz.trajectory.analysis import ActuatorSummary, TrajectoryAnalysis
 from paminsa_viz.units import format_value
 
 SYMBOLS = ("τ₁", "τ₂", "τ₃", "F₄")
-COORDINATES = {"x": "m", "y": "m", "θ": "rad", "z": "m"}
+POSE_UNITS = {"x": "m", "y": "m", "θ": "rad", "z": "m"}
 
 CAUSES: tuple[tuple[str, str, str, Dash], ...] = (
     ("gravity", "gravity", "#56B4E9", "dashed"),
@@ -102,7 +102,7 @@ def _actuators(symbols: Sequence[str], units: Sequence[str]) -> Iterator[tuple[i
 
 
 def _coordinates(suffix: str = "") -> Iterator[tuple[int, SeriesPanel]]:
-    for i, (name, unit) in enumerate(COORDINATES.items()):
+    for i, (name, unit) in enumerate(POSE_UNITS.items()):
         yield i, SeriesPanel(name, name, name, unit + suffix, INK)
 
 
