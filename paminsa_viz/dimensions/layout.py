@@ -69,6 +69,10 @@ LEAST_DEEPEST: Final = 0.0025
 LEAST_DEPTH: Final = 0.1
 """Least square of the depth of the stretched pantographs [m^2], and least depth of joints 5 [m]."""
 
+ROOM_OF_7: Final = at.MOUNT - at.BARREL_RADIUS - 0.004
+LEAST_NEAR: Final = 0.03
+"""Room of joint 7 below the base plate, and least distance of joints 5 from the guides [m]."""
+
 LEAST_PLINTH: Final = 0.15
 PLINTH_EDGE: Final = 0.04
 """Least workspace that a plinth is made for, and how far it goes beyond it [m]."""
@@ -165,33 +169,40 @@ def _rounded(height: Any) -> Any:
     return (steps - np.mod(steps, 1.0)) / 100.0
 
 
+class PlatformRange(NamedTuple):
+    """The heights z that `FrameLayout` calls ``platform_low`` and ``platform_high`` [m]."""
+
+    low: Any
+    high: Any
+
+
+def platform_range(m: Mechanism) -> PlatformRange:
+    """Return the heights in which the drawn bodies stay clear of the frame, a plain formula."""
+    bars = m.crank + m.coupler
+    span = m.span_ratio * np.abs(m.base_radius - m.platform_radius)
+    deepest = np.sqrt(np.maximum(bars * bars - span * span, LEAST_DEEPEST))
+    # How far joint 5 stays from the guides, so that B7 clears the base plate. Joint 7 is at
+    # z_7 = (z_5 - z_9)/k; it comes nearest with the knee 9 straight below (or above) the guide.
+    near = np.maximum(m.crank - m.k * ROOM_OF_7, LEAST_NEAR)
+    deep = -_depth(m, deepest)
+    # With the upper knee the arms travel above the platform; they meet where Z comes down to the
+    # forks.
+    meet = np.maximum((m.shaft - CARRIAGE_HALF - 0.02) / (1.0 - 1.0 / m.k), near + 0.01)
+    high = where(deepest < meet, deepest, meet)
+    lower = m.root > 0.0
+    return PlatformRange(
+        where(lower, deep, near) - m.joint_height,
+        where(lower, np.maximum(deep, -near), high) - m.joint_height,
+    )
+
+
 @kept(64)
 def layout(geometry: Geometry) -> FrameLayout:
     """Return the frame's heights and radii for a geometry."""
     m = mechanism(geometry)
     place = FrameLengths(*map(float, frame_lengths(m, geometry.guide_link_length)))
-    reach = geometry.crank_length + geometry.coupler_length
-    deepest = float(np.sqrt(max(reach**2 - geometry.home_span**2, LEAST_DEEPEST)))
-    near = _near_guides(geometry)
-    if geometry.knee is KneeBranch.LOWER:
-        low = -float(_depth(m, deepest)) - geometry.platform_joint_height
-        high = max(low, -near - geometry.platform_joint_height)
-    else:
-        # The arms travel above the platform; they meet where Z comes down to the forks.
-        meet = (geometry.shaft_length - CARRIAGE_HALF - 0.02) / (1 - 1 / geometry.magnification)
-        low = near - geometry.platform_joint_height
-        high = min(deepest, max(meet, near + 0.01)) - geometry.platform_joint_height
+    low, high = map(float, platform_range(m))
     return FrameLayout(*place[:6], platform_low=low, platform_high=high)
-
-
-def _near_guides(geometry: Geometry) -> float:
-    """Return how far joint 5 has to stay from the guides, so that B7 clears the base plate [m].
-
-    Joint 7 is at z_7 = (z_5 - z_9)/k; it comes nearest to the plate with the knee 9 straight
-    below (or above) the guide.
-    """
-    room = at.MOUNT - at.BARREL_RADIUS - 0.004
-    return float(max(geometry.crank_length - geometry.magnification * room, 0.03))
 
 
 def polar(radius: float, angle: float, height: float = 0.0) -> Array:

@@ -14,9 +14,10 @@ from typing import Any
 
 from paminsa_viz.codegen.javascript import FLOOR_MOD, JavaScript
 from paminsa_viz.codegen.printer import Printer
-from paminsa_viz.dimensions.layout import frame_lengths
+from paminsa_viz.dimensions.layout import frame_lengths, platform_range
 from paminsa_viz.explorer.core import persistence
-from paminsa_viz.explorer.features.pose.tab import POSE
+from paminsa_viz.explorer.features.one_file.motions import motions_data
+from paminsa_viz.explorer.features.pose.tab import GRAIN, LEAST_STEPS, POSE
 from paminsa_viz.explorer.kit import design_numbers
 from paminsa_viz.explorer.kit.entries import given
 from paminsa_viz.explorer.kit.inputs import Slider
@@ -51,22 +52,24 @@ FORMULAS = (
     kinematic_formulas.wrench_torques,
     wrench_at_center,
     robot.unit_torques,
+    robot.inverse_dynamics_kernel,
+    kinematic_formulas.speed_rows,
+    kinematic_formulas.friction,
+    measures.leg_margins,
     measures.least_margin,
     measures.dexterity,
     measures.singular_distances,
     measures.workspace_circle,
     frame_lengths,
+    platform_range,
 )
 """What the page computes with, and all that these call."""
 
 SHOWN_TABS = ("Lengths", "Masses", "Load")
 """Sections of the design's numbers that change what the page shows."""
 
-ONLY_MOVING = ("platform.inertia", "payload.inertia", "inertias.", "friction.")
-"""Starts of the paths of numbers among them that change nothing at rest."""
-
 ONLY_SERVED = (
-    "motions, balance, springs, tolerances, drives, accuracy, stiffness, clearance, "
+    "motions of your own, balance, springs, tolerances, drives, accuracy, stiffness, clearance, "
     "identification, requirements, synthesis and all exports"
 )
 """What the page does not have."""
@@ -88,6 +91,8 @@ def one_file(document: Document) -> str:
         "DATA": json.dumps(_data(document), ensure_ascii=False).replace("<", "\\u003c"),
         "FORMULAS": _formulas(),
         "ROBOT": _text("robot.js"),
+        "MOTION": _text("motion.js"),
+        "PLAYBACK": _text("playback.js"),
         "BODIES": _text("bodies.js"),
         "SCENE": _text("scene.js"),
         "VIEW": _text("view.js"),
@@ -141,7 +146,10 @@ def _data(document: Document) -> dict[str, Any]:
         "masses": dict(zip(Masses._fields, MASS_PATHS, strict=True)),
         "load": [f"load.{name}" for name in (*WRENCH, "point_x", "point_y", "point_z")],
         "heading": list(kinematic_formulas.HEADING),
+        "grain": GRAIN,
+        "leastSteps": LEAST_STEPS,
         "limits": [limit.label for limit in MARGINS],
+        "motions": motions_data(),
         "meshes": pack_bodies(document.design.geometry),
         "pose": [_slider(entry, state) for entry in POSE if isinstance(entry, Slider)],
         "groups": [
@@ -154,7 +162,7 @@ def _data(document: Document) -> dict[str, Any]:
                 ],
             }
             for group in design_numbers.GROUPS
-            if group.tab in SHOWN_TABS and not set(group.prefixes) & set(ONLY_MOVING)
+            if group.tab in SHOWN_TABS
         ],
         "onlyServed": ONLY_SERVED,
     }

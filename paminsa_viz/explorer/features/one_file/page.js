@@ -51,6 +51,18 @@
     set({ ...doc, pose: doc.pose.map((value, index) => changes[index] ?? value) }, source);
   const vary = (path, value, source) =>
     set({ ...doc, design: { ...doc.design, [path]: value } }, source);
+  /** Return the ends of a pose's slider, as the served page has them. */
+  const poseRange = (index, entry) => {
+    if (index === 2) return [entry.low, entry.high];
+    const { grain, leastSteps } = PAGE;
+    if (index < 2) {
+      const steps = Math.max(Math.ceil(1e3 * paminsaWorkspaceCircle(robot.mechanism) / grain), leastSteps);
+      return [-steps * grain, steps * grain];
+    }
+    const { low, high } = paminsaPlatformRange(robot.mechanism);
+    const least = Math.ceil(1e3 * low / grain) * grain;
+    return [least, Math.max(Math.floor(1e3 * high / grain) * grain, least + grain)];
+  };
   const setKnee = (knee) => {
     if (knee === doc.knee) return;
     const [x, y, theta, z] = doc.pose;
@@ -96,7 +108,7 @@
     ? value.toFixed(digits).replace("-", "\u2212") : value === Infinity ? "∞" : "–";
   const decimals = (step) => Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
   const fields = [];
-  const addSlider = (parent, entry, id, read, write) => {
+  const addSlider = (parent, entry, id, read, write, ends = () => [entry.low, entry.high]) => {
     const row = document.createElement("div");
     row.className = "field";
     row.title = entry.hint ?? "";
@@ -126,8 +138,9 @@
     parent.append(row);
     fields.push(() => {
       const value = Number(((read() ?? 0) * entry.factor).toFixed(9));
-      range.min = Math.min(entry.low, value);
-      range.max = Math.max(entry.high, value);
+      const [low, high] = ends();
+      range.min = Math.min(low, value);
+      range.max = Math.max(high, value);
       range.value = value;
       const text = String(Number(value.toFixed(Math.max(decimals(entry.step), 6))));
       if (document.activeElement !== box || !moving) box.value = text;
@@ -136,7 +149,7 @@
   };
   PAGE.pose.forEach((entry, index) => addSlider(
     find("pose"), entry, `pose.${index}`, () => doc.pose[index],
-    (value, source) => move({ [index]: value }, source),
+    (value, source) => move({ [index]: value }, source), () => poseRange(index, entry),
   ));
   for (const group of PAGE.groups) {
     const box = document.createElement("details");
@@ -262,6 +275,15 @@
     const m = robot.mechanism;
     return Math.min(paminsaWorkspaceCircle(m), m.base_radius + m.platform_radius) || 0.1;
   };
+  const differs = () => Boolean(doc.reference) && find("kind").value === "difference";
+  /** Return the maps that are chosen, n cells along each side. */
+  const chosenMaps = (n) => {
+    const [, , theta, z] = doc.pose;
+    const maps = solveMaps(robot, theta, z, extent(), n);
+    if (!differs()) return maps;
+    const other = solveMaps(robotOf(doc.reference, doc.knee), theta, z, extent(), n);
+    return maps.map((map, index) => map.map((value, cell) => value - other[index][cell]));
+  };
   const placeIn = (canvas, event) => {
     const box = canvas.getBoundingClientRect();
     return [
@@ -291,9 +313,11 @@
       if (event.buttons & 1) go(event);
       const [x, y] = placeIn(canvas, event);
       const found = solvePose(robot, [x, y, doc.pose[2], doc.pose[3]]);
-      const value = found.ok ? `${number(found.torques[index], 3)} N·m` : "out of reach";
+      const other = differs()
+        ? solvePose(robotOf(doc.reference, doc.knee), [x, y, doc.pose[2], doc.pose[3]]).torques[index] : 0;
+      const value = found.ok ? `${number(found.torques[index] - other, 3)} N·m` : "out of reach";
       find("hover").textContent =
-        `x ${number(1e3 * x, 1)} mm, y ${number(1e3 * y, 1)} mm: τ${"₁₂₃"[index]} ${value}`;
+        `x ${number(1e3 * x, 1)} mm, y ${number(1e3 * y, 1)} mm: ${differs() ? "Δ" : ""}τ${"₁₂₃"[index]} ${value}`;
     });
   });
   const view = createView(find("robot"), {
@@ -314,8 +338,8 @@
     find("views").prepend(button);
   }
   find("views").prepend(...[...find("views").querySelectorAll("button")].reverse());
-  find("floor").addEventListener("change", () => request());
-  for (const id of ["robot", "views", "help"]) find(id).hidden = view.isMissing;
+  for (const id of ["floor", "kind"]) find(id).addEventListener("change", () => request());
+  for (const id of ["robot", "views"]) find(id).hidden = view.isMissing;
   find("flat").hidden = !view.isMissing;
 
   // --- numbers --------------------------------------------------------------------------------
@@ -336,6 +360,14 @@
       const swatch = `<span class="swatch" style="background: var(--m${index + 1})"></span>`;
       return [`${swatch}M${index + 1}`, position, `${number(torque, digits)} ${unit}`, ...other];
     }), ["", "position", "static torque", ...(pinned ? ["pinned", "difference"] : [])]);
+    const { mechanism } = robot;
+    const [x, y, theta, z] = doc.pose;
+    const margins = [0, 1, 2].map((leg) => Object.values(paminsaLegMargins(mechanism, AXIS_X[leg],
+      AXIS_Y[leg], x, y, Math.cos(theta), Math.sin(theta), z)));
+    fill("margins", PAGE.limits.map((label, limit) => [label, ...margins.map((leg, index) => {
+      const text = number(1e3 * leg[limit], 1);
+      return index + 1 === solved.leg && limit === solved.limit ? `<b>${text}</b>` : text;
+    })]), ["", "leg 1", "leg 2", "leg 3"]);
     const mass = balancedMass();
     fill("quality", [
       ["M<sub>p2</sub>, static imbalance (Eq. 8)", `${number(robot.imbalance, 4)} N`],
@@ -354,6 +386,18 @@
       : beyond ? "Beyond a type-2 singularity" : near ? "Near a singularity" : "Ok";
   };
 
+  const playback = createPlayback({
+    current: () => ({ robot, doc }), request: () => request(), fill, number,
+    move: (changes) => {
+      moving = true;
+      move(changes, "motion");
+    },
+    release: () => {
+      moving = false;
+      lastSource = "";
+    },
+  });
+
   let waiting = 0;
   const request = () => {
     waiting ||= requestAnimationFrame(() => {
@@ -371,14 +415,17 @@
     document.title = `${doc.name} - PAMINSA explorer in one file`;
     buttons.Undo.disabled = !back.length;
     buttons.Redo.disabled = !forward.length;
+    find("kind").disabled = !doc.reference;
     buttons.Pin.textContent = doc.reference ? "Unpin" : "Pin";
     buttons["Balance by m₇"].disabled = !(balancedMass() >= 0);
     drawNumbers(solved);
+    playback.draw();
     const n = moving && spent > SLOW ? WHILE_MOVED : CELLS;
-    const wanted = JSON.stringify([doc.design, doc.load_frame, doc.knee, doc.pose[2], doc.pose[3], n]);
+    const wanted = JSON.stringify([doc.design, doc.load_frame, doc.knee, doc.pose[2], doc.pose[3], n,
+      differs() && doc.reference]);
     if (wanted !== key) {
       const start = performance.now();
-      solvedMaps = { values: solveMaps(robot, doc.pose[2], doc.pose[3], extent(), n), n };
+      solvedMaps = { values: chosenMaps(n), n };
       spent = performance.now() - start;
       solvedMaps.limit = colorLimit(solvedMaps.values);
       solvedMaps.pictures = solvedMaps.values.map((each) => pictureOf(each, n, solvedMaps.limit));
@@ -391,7 +438,7 @@
     canvases.forEach((canvas, index) => {
       drawMap(canvas, pictures[index], doc.pose, extent(), singular);
       titles[index].textContent =
-        `τ${"₁₂₃"[index]}: blue ${number(-limit, 1)} to red ${number(limit, 1)} N·m`;
+        `${differs() ? "Δ" : ""}τ${"₁₂₃"[index]}: ±${number(limit, 1)} N·m`;
       canvas.setAttribute("aria-label", `Map of the static torque of M${index + 1}; `
         + `${number(solved.torques[index], 3)} N·m at the pose`);
     });

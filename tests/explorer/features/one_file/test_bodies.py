@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from paminsa_viz.dimensions.placement import BODIES, place_parts
-from paminsa_viz.explorer.core import persistence
-from paminsa_viz.explorer.features.one_file import one_file
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.meshes.bodies import STANDING, make_body
 from paminsa_viz.meshes.library import fixed_part
@@ -20,12 +16,13 @@ from paminsa_viz.meshes.loads import payload_transform
 from paminsa_viz.meshes.solids import plain_shapes
 from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, inverse_kinematics
 from paminsa_viz.model.arrays import Array
+from tests.explorer.features.one_file.node import run_in_node
 from tests.support.samples import random_design, random_poses
 
 POSE = (0.08, 0.05, np.pi / 3, -0.55)
 
 RUN = """
-const found = JSON.parse(require("fs").readFileSync("documents", "utf8")).map((text) => {
+return given.map((text) => {
   const doc = checkedDocument(text);
   const robot = robotOf(doc);
   const lengths = bodyLengths(robot);
@@ -41,19 +38,13 @@ const found = JSON.parse(require("fs").readFileSync("documents", "utf8")).map((t
     return [body, accent, placed];
   });
 });
-require("fs").writeFileSync("found", JSON.stringify(found));
 """
 
 
 def points_in_javascript(documents: list[Document], folder: Path) -> list[dict[str, Array]]:
     """Return the points of all bodies in the world frame by their names in Python, (n, 3) [m]."""
-    text = one_file(documents[0])
-    script = text[text.index("const PAGE") : text.index("/**\n * The robot in WebGL2")]
-    (folder / "page.js").write_text(script + RUN, encoding="utf-8")
-    (folder / "documents").write_text(json.dumps([persistence.dump(d) for d in documents]))
-    subprocess.run(["node", "page.js"], cwd=folder, check=True)
     found = []
-    for rows in json.loads((folder / "found").read_text()):
+    for rows in run_in_node(RUN, documents, folder):
         named = {}
         for body, accent, points in rows:
             kind = body.partition(".")[0]
