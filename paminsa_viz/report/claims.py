@@ -1,8 +1,9 @@
 """What the documentation says in numbers, each worked out again when it is asked for.
 
 A claim names the page that makes it, how it is checked, and what is allowed: identities in another
-way than the formulas go, durations by planning again. Nothing is kept: the figure is that of the run. Claims whose checks take minutes, or programs that are no part of the
-installation, are held by the tests alone.
+way than the formulas go, durations by planning again. Nothing is kept: the figure is that of the
+run. Claims whose checks take minutes, or programs that are no part of the installation, are held by
+the tests alone.
 """
 
 from __future__ import annotations

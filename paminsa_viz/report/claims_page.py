@@ -1,4 +1,4 @@
-"""The page of `paminsa-viz verify --report`: the documentation's claims as measured, and engines."""
+"""The page of `paminsa-viz verify --report`: claims as they are measured, and the engines."""
 
 from __future__ import annotations
 
@@ -50,8 +50,8 @@ def claims_html(found: Verification, claims: Sequence[MeasuredClaim], made: date
 def claims_section(claims: Sequence[MeasuredClaim]) -> Section:
     """Return the table of the claims."""
     note = Note(
-        "Every figure was worked out in this run; the second column says how. What takes minutes or "
-        "another program to check is held by the tests alone."
+        "Every figure was worked out in this run; the second column says how. What takes minutes "
+        "or another program to check is held by the tests alone."
     )
     rows: list[Row] = []
     for one in claims:
