@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields, replace
+from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
@@ -19,6 +20,7 @@ from paminsa_viz.cli.trajectory_report import (
     report,
     write_files,
 )
+from paminsa_viz.files.published_table import read_published
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import Misprint
@@ -143,9 +145,13 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
 
     figure: FigureKind | None = None
     """What figures show: torques, or with --simulate the tracking, by default.
-    A comparison is with --engine, else --printed, else --reference."""
+    A comparison is with --engine or --published, else --printed, else --reference."""
     engine: Literal["mujoco", "pinocchio"] | None = None
     """Work the torques out in a physics engine too, for the comparison."""
+
+    published: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
+    """Published or measured torques over time, t_s with tau1_Nm, tau2_Nm, tau3_Nm, f4_N or some of
+    them: drawn beside the computed ones, and by how much these are off."""
 
     def check(self) -> None:
         """Refuse flags that do not belong together, before anything is computed.
@@ -162,7 +168,10 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
             f"--{'stretch' if self.stretch else 'shortest'}",
         )
         drawn = any(path.suffix.lower() in figure_endings() for path in self.out)
-        kind, second = self.figure_kind, self.engine or self.printed or self.reference
+        kind, second = (
+            self.figure_kind,
+            self.engine or self.published or self.printed or self.reference,
+        )
         pictures = "needs --out with .png, .svg or .pdf"
         plan = "needs a planned motion: a preset, or --file with --waypoints"
         self.exclude_both()
@@ -191,7 +200,12 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
             (kind == "tracking" and not self.simulate, "--figure tracking needs --simulate"),
             (
                 kind == "comparison" and not second,
-                "--figure comparison needs --engine, --printed or --reference",
+                "--figure comparison needs --engine, --published, --printed or --reference",
+            ),
+            (self.engine and self.published, "--published excludes --engine"),
+            (
+                self.published and self.figure not in (None, "torques", "comparison"),
+                "--published belongs to --figure torques or comparison",
             ),
             (
                 not 0 <= self.bandwidth <= MOST_BANDWIDTH,
@@ -254,11 +268,13 @@ def _worked_out(flags: TrajectoryFlags, design: Design, reference: Design | None
     """
     trajectory, quickest = _motion(flags, design)
     analysis = analyze(design, trajectory)
+    published = None if flags.published is None else read_published(flags.published)
     results = Results(
         analysis,
         quickest,
         None if reference is None else analyze(reference, trajectory),
         analyze(design, trajectory, misprints=Misprint.ALL) if flags.printed else None,
+        published=published,
     )
     if analysis.check.first is not None:
         return replace(results, problems=(ImpossibleTrajectory(analysis.check.first),))

@@ -239,6 +239,8 @@ def _comparison(sources: SeriesSources) -> Iterator[SeriesPanel]:
     other = sources.other
     time, torque = other.pick(sources.analysis.trajectory.t), other.pick(sources.analysis.torque)
     for j, panel in _actuators(SYMBOLS, TORQUE_UNITS):
+        if np.isnan(other.torque[:, j]).all() and np.isfinite(torque[:, j]).any():
+            continue  # a table from elsewhere may lack an actuator
         own = Trace("this analysis", torque[:, j], panel.color, width=1.6)
         compared = Trace(other.name, other.torque[:, j], INK, "dashed", 0.8)
         yield replace(panel, traces=(own, compared))
