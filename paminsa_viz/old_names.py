@@ -5,7 +5,7 @@ from __future__ import annotations
 KNEES = {"printed": "lower", "mirror": "upper"}
 """Branches of the knee."""
 
-FLAGS = {"--assembly": "--knee"}
+FLAGS = {"--assembly": "--knee", "--minimum-time": "--shortest"}
 """Flags of the command line."""
 
 

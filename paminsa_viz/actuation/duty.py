@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from paminsa_viz.checks import require_positive
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.kept import kept
 from paminsa_viz.model.arguments import of_design
@@ -241,8 +242,7 @@ def duty_cycle(design: Design, duties: Sequence[Duty], *, slower: float = 1.0) -
             raise InvalidInput("repeats", f"a number of at least 1 is needed, not {duty.repeats!r}")
         if not (np.isfinite(duty.dwell) and duty.dwell >= 0):
             raise InvalidInput("dwell", f"a time of at least 0 s is needed, not {duty.dwell!r}")
-    if not (np.isfinite(slower) and slower > 0):
-        raise InvalidInput("slower", f"a number above 0 is needed, not {slower!r}")
+    require_positive(slower, "slower")
     plain = replace(design, drives=NO_DRIVES)
     solved = [_solved(plain, duty.trajectory) for duty in duties]
     parts = [_passages(duty, *one[:2], slower) for duty, one in zip(duties, solved, strict=True)]

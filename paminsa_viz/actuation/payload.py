@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.checks import require_positive
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -98,8 +98,7 @@ def payload_time_scaling(
         ImpossibleTrajectory: If the robot cannot run the motion.
         InvalidInput: If the share is not positive.
     """
-    if not share > 0:
-        raise InvalidInput("share", f"a number above 0 is needed, not {share!r}")
+    require_positive(share, "share")
     torques = _torques(design, motion, mass)
     grid = np.geomspace(SLOWEST, FASTEST, SCANNED)
     exceeds = np.array([torques.change(slower) for slower in grid]) > share

@@ -31,7 +31,7 @@ from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.statics import static_imbalance
 
-PANTOGRAPH = (
+MASSES_IN_MP2 = (
     "joints.j4", "joints.j7", "joints.j9", "links.b3", "links.b4", "links.b7", "links.b8",
 )  # fmt: skip
 """Masses that stand in M_p2 (Appendix 2)."""
@@ -51,7 +51,7 @@ def paper_changes(design: Design, most: float = MOST_ADDED) -> Changes:
         design: The design.
         most: By how much each mass may grow [kg].
     """
-    held = {path: design.value(path) for path in PANTOGRAPH}
+    held = {path: design.value(path) for path in MASSES_IN_MP2}
     return Changes(
         tuple(MassRange(p, m, min(m + most, MOST), inertia_follows=False) for p, m in held.items())
     )

@@ -13,6 +13,7 @@ from paminsa_viz.balancing.convex import MaxAbs, Norm
 from paminsa_viz.balancing.program import Program, Variable
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.balancing.springs import Spring, SpringPlace, spring_lengths, unit_spring_torques
+from paminsa_viz.checks import require_each
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
@@ -87,6 +88,7 @@ def fit_springs(
     began = time.perf_counter()
     if measure not in ("peak", "rms"):
         raise InvalidInput("measure", f"'peak' or 'rms' is needed, not {measure!r}")
+    require_each(places, "places", SpringPlace)
     pose = as_vectors(pose, "pose").reshape(-1, 4)
     gravity = static_torques(design, pose)[:, :3]
     columns = [unit_spring_torques(design.geometry, place, pose) for place in places]

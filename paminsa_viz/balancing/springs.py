@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.checks import require_each, require_kind
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, as_vectors
@@ -177,6 +178,7 @@ def _legs(geometry: Geometry, pose: Array) -> LegPosition:
 @of_geometry
 def spring_lengths(geometry: Geometry, spring: Spring | SpringPlace, pose: ArrayLike) -> Array:
     """Return how long a spring is, (..., 3 legs) [m]; NaN where the bars cannot close."""
+    require_kind(spring, "spring", Spring, SpringPlace)
     legs = _legs(geometry, as_vectors(pose, "pose"))
     return _lengths(geometry, legs, spring.first, spring.second)[0]
 
@@ -184,6 +186,7 @@ def spring_lengths(geometry: Geometry, spring: Spring | SpringPlace, pose: Array
 @of_geometry
 def spring_energy(geometry: Geometry, spring: Spring, pose: ArrayLike) -> Array:
     """Return the energy in the three springs together, (...) [J]."""
+    require_kind(spring, "spring", Spring)
     stretch = spring_lengths(geometry, spring, pose) - spring.free_length
     return 0.5 * spring.stiffness * (stretch**2).sum(axis=-1)
 
@@ -211,6 +214,7 @@ def spring_torques(geometry: Geometry, springs: Sequence[Spring], pose: ArrayLik
 
     Add it to `static_torques`. NaN where the bars cannot close.
     """
+    require_each(springs, "springs", Spring)
     pose = as_vectors(pose, "pose")
     total = np.zeros_like(pose)
     for spring in springs:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput, name_hint
 from paminsa_viz.model.arguments import of_design
-from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import MASS_PATHS, lumped_matrix, point_mass_column
@@ -54,9 +54,12 @@ def _relative(tolerances: Tolerances, paths: list[str]) -> Array:
             if path not in paths:
                 hint = name_hint(path, paths, there="tolerances can be given for")
                 raise InvalidInput(path, hint)
-        values = np.array([tolerances.get(path, 0.0) for path in paths], float)
+        given = [tolerances.get(path, 0.0) for path in paths]
     else:
-        values = np.full(len(paths), tolerances, float)
+        if as_numbers(tolerances, "tolerances").ndim:
+            raise InvalidInput("tolerances", "one number, or one for each path, is needed")
+        given = [tolerances] * len(paths)
+    values = as_numbers(given, "tolerances")
     if not ((values >= 0) & (values < 1)).all():
         raise InvalidInput("tolerances", "relative tolerances of at least 0 and below 1 are needed")
     return values

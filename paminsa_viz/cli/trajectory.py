@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields, replace
+from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
@@ -19,6 +20,7 @@ from paminsa_viz.cli.trajectory_report import (
     report,
     write_files,
 )
+from paminsa_viz.files.published_table import read_published
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import Misprint
@@ -35,6 +37,7 @@ from paminsa_viz.trajectory import (
     SimulationFailed,
     Trajectory,
     analyze,
+    shortest_motion,
     shortest_stretch,
     simulate,
     via_points,
@@ -120,8 +123,11 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
     duration: Annotated[float | None, tyro.conf.arg(metavar="S")] = None
     """Duration [s], instead of the motion's own."""
     shortest: bool = False
-    """Run the motion in the shortest time that keeps the limits --max-... and those of the design's
-    drives, if it has any."""
+    """Run the motion by the time-optimal law on its path: the shortest time that keeps the limits
+    --max-... and those of the design's drives, if it has any. With a limit of the jerk as
+    --stretch, since that is not convex."""
+    stretch: bool = False
+    """Keep the motion's own time law, and stretch it to the shortest time within those limits."""
     cross: bool = False
     """Let the motion through --waypoints pass type-2 singularities: its time law is planned such
     that torques stay bounded there, and within the limits --max-torque and --max-force. In the
@@ -139,9 +145,13 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
 
     figure: FigureKind | None = None
     """What figures show: torques, or with --simulate the tracking, by default.
-    A comparison is with --engine, else --printed, else --reference."""
+    A comparison is with --engine or --published, else --printed, else --reference."""
     engine: Literal["mujoco", "pinocchio"] | None = None
     """Work the torques out in a physics engine too, for the comparison."""
+
+    published: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
+    """Published or measured torques over time, t_s with tau1_Nm, tau2_Nm, tau3_Nm, f4_N or some of
+    them: drawn beside the computed ones, and by how much these are off."""
 
     def check(self) -> None:
         """Refuse flags that do not belong together, before anything is computed.
@@ -153,23 +163,31 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
         limit = f"--{next(iter(limits), 'max_speed').replace('_', '-')}"
         unplanned = self.file is not None and not self.waypoints
         timed = self.duration is not None
+        quick, quickest = (
+            self.shortest or self.stretch,
+            f"--{'stretch' if self.stretch else 'shortest'}",
+        )
         drawn = any(path.suffix.lower() in figure_endings() for path in self.out)
-        kind, second = self.figure_kind, self.engine or self.printed or self.reference
+        kind, second = (
+            self.figure_kind,
+            self.engine or self.published or self.printed or self.reference,
+        )
         pictures = "needs --out with .png, .svg or .pdf"
         plan = "needs a planned motion: a preset, or --file with --waypoints"
         self.exclude_both()
         for wrong, problem in (
             (self.waypoints and self.file is None, "--waypoints belongs to --file"),
-            (self.shortest and timed, "--duration excludes --shortest"),
+            (self.shortest and self.stretch, "--stretch excludes --shortest"),
+            (quick and timed, f"--duration excludes {quickest}"),
             (timed and unplanned, f"--duration {plan}"),
-            (self.shortest and unplanned, f"--shortest {plan}"),
+            (quick and unplanned, f"{quickest} {plan}"),
             (
-                self.shortest and not limits and self.design is None,
-                f"--shortest needs a limit, such as {limit}, or a design with drives",
+                quick and not limits and self.design is None,
+                f"{quickest} needs a limit, such as {limit}, or a design with drives",
             ),
-            (limits and not (self.shortest or self.cross), f"{limit} belongs to --shortest"),
+            (limits and not (quick or self.cross), f"{limit} belongs to --shortest or --stretch"),
             (self.cross and not self.waypoints, "--cross needs --file with --waypoints"),
-            (self.cross and self.shortest, "--cross is the shortest motion; leave out --shortest"),
+            (self.cross and quick, f"--cross is the shortest motion; leave out {quickest}"),
             (
                 self.cross and not limits.keys() & {"max_torque", "max_force"},
                 "--cross needs --max-torque or --max-force",
@@ -182,7 +200,12 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
             (kind == "tracking" and not self.simulate, "--figure tracking needs --simulate"),
             (
                 kind == "comparison" and not second,
-                "--figure comparison needs --engine, --printed or --reference",
+                "--figure comparison needs --engine, --published, --printed or --reference",
+            ),
+            (self.engine and self.published, "--published excludes --engine"),
+            (
+                self.published and self.figure not in (None, "torques", "comparison"),
+                "--published belongs to --figure torques or comparison",
             ),
             (
                 not 0 <= self.bandwidth <= MOST_BANDWIDTH,
@@ -245,11 +268,13 @@ def _worked_out(flags: TrajectoryFlags, design: Design, reference: Design | None
     """
     trajectory, quickest = _motion(flags, design)
     analysis = analyze(design, trajectory)
+    published = None if flags.published is None else read_published(flags.published)
     results = Results(
         analysis,
         quickest,
         None if reference is None else analyze(reference, trajectory),
         analyze(design, trajectory, misprints=Misprint.ALL) if flags.printed else None,
+        published=published,
     )
     if analysis.check.first is not None:
         return replace(results, problems=(ImpossibleTrajectory(analysis.check.first),))
@@ -286,7 +311,8 @@ def _motion(flags: TrajectoryFlags, design: Design) -> tuple[Trajectory, Shortes
     quickest = None
     if flags.duration is not None:
         plan = plan.lasting(flags.duration)
-    elif flags.shortest:
-        quickest = shortest_stretch(plan, flags.limits, design)
+    elif flags.shortest or flags.stretch:
+        shortest = shortest_motion if flags.shortest else shortest_stretch
+        quickest = shortest(plan, flags.limits, design)
         plan = quickest.plan
     return plan.sample(RATE if flags.rate is None else flags.rate), quickest

@@ -15,15 +15,17 @@ from paminsa_viz.cli.output import print_blocks, print_error, print_written
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.errors import FileError
+from paminsa_viz.files.published_table import PublishedTorques
 from paminsa_viz.files.tables import table_bytes, table_endings
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.plots.formats import figure_endings
-from paminsa_viz.plots.series import FigureKind
+from paminsa_viz.plots.series import EngineTorques, FigureKind
 from paminsa_viz.report.trajectory_section import LOADS, trajectory_blocks
 from paminsa_viz.trajectory import (
     ImpossibleTrajectory,
     PathEvent,
+    ShortestMotion,
     ShortestStretch,
     Simulation,
     TrajectoryAnalysis,
@@ -43,6 +45,7 @@ class Results:
         quickest: What the duration follows from, if it is the shortest one.
         reference: Another design on the same motion.
         printed: The design by the formulas as published.
+        published: Torques over time from elsewhere.
         simulation: The robot driven along the motion.
         problems: Why the motion, or its simulation, fails.
     """
@@ -51,6 +54,7 @@ class Results:
     quickest: ShortestStretch | None = None
     reference: TrajectoryAnalysis | None = None
     printed: TrajectoryAnalysis | None = None
+    published: PublishedTorques | None = None
     simulation: Simulation | None = None
     problems: tuple[PaminsaError, ...] = ()
 
@@ -65,6 +69,13 @@ class SimulationStopped(PaminsaError):
     def __init__(self, event: PathEvent) -> None:
         self.event = event
         super().__init__(f"the simulation stopped {event.explanation}")
+
+
+def _law(quickest: ShortestStretch) -> dict[str, Any]:
+    """Return what a motion with the best law says beyond that."""
+    if not isinstance(quickest, ShortestMotion):
+        return {}
+    return {"stretched_s": quickest.stretched, "note": quickest.note}
 
 
 def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
@@ -92,10 +103,12 @@ def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
             "limit": quickest.limit,
             "unit": quickest.unit,
             "t_s": quickest.t,
+            **_law(quickest),
         },
         "actuators": _actuators(analysis),
         "reference": results.reference and _other(results.reference),
         "printed": results.printed and _other(results.printed),
+        "published": results.published and _published(results, results.published),
         "simulation": results.simulation and _simulation(results.simulation),
         "files": [os.fspath(path) for path in written],
     }
@@ -113,6 +126,8 @@ def print_report(results: Results, written: Sequence[Path]) -> None:
         first = results.reference.check.first
         verdict = "can run it too" if first is None else f"fails {first.explanation}"
         print(f'reference "{results.reference.design.name}": {verdict}')
+    if results.published is not None:
+        _print_published(results, results.published)
     if results.simulation is not None:
         _print_simulation(results.simulation)
     print_written(written)
@@ -161,6 +176,42 @@ def _simulation(simulation: Simulation) -> dict[str, Any]:
         "largest_error": np.abs(simulation.error).max(axis=0).tolist(),
         "energy_drift_J": float(np.abs(simulation.energy_drift).max()),
     }
+
+
+def _published(results: Results, table: PublishedTorques) -> list[dict[str, Any] | None]:
+    """Return how far the computed torques are from a table's, for each actuator it has."""
+    off = table.differences(results.analysis.trajectory.t, results.analysis.torque)
+    found: list[dict[str, Any] | None] = []
+    for j in range(4):
+        known = np.isfinite(off[:, j])
+        if not known.any():
+            found.append(None)
+            continue
+        part = off[known, j]
+        found.append(
+            {
+                "rows": int(known.sum()),
+                "largest_difference": float(np.abs(part).max()),
+                "rms_difference": float(np.sqrt(np.mean(part**2))),
+                "largest_published": float(np.abs(table.torque[known, j]).max()),
+            }
+        )
+    return found
+
+
+def _print_published(results: Results, table: PublishedTorques) -> None:
+    for j, row in enumerate(_published(results, table)):
+        if row is None:
+            print(f"published {table.name}, {ACTUATORS[j]}: no value at a time of this motion")
+            continue
+        largest, rms, size = (
+            format_ascii(row[key], TORQUE_UNITS[j], 3)
+            for key in ("largest_difference", "rms_difference", "largest_published")
+        )
+        print(
+            f"published {table.name}, {ACTUATORS[j]}: computed off by at most {largest}, RMS "
+            f"{rms}, of {size} at {row['rows']} times"
+        )
 
 
 def _print_simulation(simulation: Simulation) -> None:
@@ -217,6 +268,9 @@ def write_files(
 
     analysis, simulation = results.analysis, results.simulation
     other = None if engine is None else engine_torques(analysis, engine, most=None)
+    if results.published is not None:
+        t = analysis.trajectory.t
+        other = EngineTorques(results.published.name, results.published.at(t))
 
     def content(ending: str) -> bytes:
         if ending in table_endings():

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 import tyro
 
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
 from paminsa_viz.cli.output import print_blocks, print_json, print_written
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, verify
 from paminsa_viz.errors import InvalidInput
@@ -25,6 +26,7 @@ Check the formulas against MuJoCo and Pinocchio, two independent physics engines
   paminsa-viz verify                                  Appendix 4 on a motion with 1 m/s²
   paminsa-viz verify --design robot.toml --preset circle --figures checked
   paminsa-viz verify --file motion.csv --json         for other programs
+  paminsa-viz verify --report verification.html       the documentation's claims, measured
 
 Static torques at random poses of the workspace and dynamic torques along a trajectory, of all four
 actuators: by how much formulas and engine differ, at most and on average (RMS), over the largest
@@ -34,6 +36,8 @@ MuJoCo moves under the calculated torques. Joint friction is left out.
 Exit code: 0 passed, 1 failed, 2 a wrong argument or no engine."""
 
 if TYPE_CHECKING:
+    from paminsa_viz.report.claims import MeasuredClaim
+
     FormatName: TypeAlias = str
 else:
     FormatName = Literal[tuple(FIGURE_FORMATS)]
@@ -55,9 +59,14 @@ class Verify(JsonFlags, MotionFlags, DesignFlags):
     """Write figures like the paper's Figs. 6 and 7 there: both curves and their difference."""
     format: FormatName = "png"
     """Format of the figures."""
+    report: Annotated[Path | None, tyro.conf.arg(metavar="FILE.html")] = None
+    """Also measure claims of the documentation about numbers, and write them, how each is checked,
+    and the engines' results as one page."""
 
     def run(self) -> int:
         """Compare, and return the verdict."""
+        if self.report is not None:
+            check_output("--report", self.report, [".html", ".htm"])
         design = self.given_design()
         motion = self.given_motion(design.geometry)
         xml = None if self.model is None else _mechanics(self.model)
@@ -71,15 +80,30 @@ class Verify(JsonFlags, MotionFlags, DesignFlags):
                 raise
             raise FileError(str(self.model), error.problem) from error
         drawn = [] if self.figures is None else _figures(found, self.figures, self.format)
+        claims = [] if self.report is None else _report(found, self.report)
         if self.json:
-            files = {"figures": [str(path) for path in drawn]} if drawn else {}
+            files: dict[str, object] = {"figures": [str(path) for path in drawn]} if drawn else {}
+            if self.report is not None:
+                files["claims"] = [
+                    {
+                        "page": one.claim.page, "claim": one.claim.text, "check": one.claim.check,
+                        "measured": one.value, "stated": one.claim.stated,
+                        "allowed": one.claim.allowed, "unit": one.claim.unit, "holds": one.holds,
+                    }
+                    for one in claims
+                ]  # fmt: skip
             print_json({"paminsa_viz": __version__, **found.to_dict(), "seed": self.seed, **files})
         else:
             label = design.geometry.knee.label
             print(f'{design.name}, {label}; "{motion.name}", {motion.duration:.3g} s')
             print_blocks(verification_blocks(found))
-            print_written(drawn)
-        return 0 if found.passed else 1
+            if self.report is not None:
+                holding = sum(one.holds for one in claims)
+                print(f"\n{holding} of {len(claims)} claims of the documentation hold")
+                print_written([*drawn, self.report])
+            else:
+                print_written(drawn)
+        return 0 if found.passed and all(one.holds for one in claims) else 1
 
 
 FLAGS = Verify
@@ -98,6 +122,17 @@ def _mechanics(path: Path) -> str:
             if child.tag == "mesh" or child.get("type") == "mesh":
                 parent.remove(child)
     return ET.tostring(root, encoding="unicode")
+
+
+def _report(found: Verification, path: Path) -> list[MeasuredClaim]:
+    """Measure the claims of the documentation, write the page, and return them."""
+    # Late: the page's figures, and what the claims need, take seconds to load.
+    from paminsa_viz.report.claims import measured_claims
+    from paminsa_viz.report.claims_page import claims_html
+
+    claims = list(measured_claims())
+    write_bytes(path, claims_html(found, claims, datetime.now(UTC)).encode())
+    return claims
 
 
 def _figures(found: Verification, folder: Path, kind: str) -> list[Path]:

@@ -10,17 +10,20 @@ down with a ram.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
+from paminsa_viz.dimensions.layers import CARRIAGE_HALF, SLIDER_HALF
 from paminsa_viz.kept import kept
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.kinematics import AXIS_ANGLES
-from paminsa_viz.model.reach import workspace_radius
+from paminsa_viz.model.leg import Mechanism, mechanism
+from paminsa_viz.model.measures import workspace_circle
+from paminsa_viz.model.robot import where
 
 MAST_ANGLE: Final = float(np.radians(150.0))
 """Direction of the mast, midway between legs 1 and 3 [rad]."""
@@ -40,6 +43,39 @@ STRETCHED: Final = 0.07
 TABLE: Final = 0.30
 """Least height of the guides above the ground with the upper knee [m]."""
 
+MAST_HALF: Final = float(np.hypot(*MAST)) / 2
+MAST_GAP: Final = 0.012
+BAR_REACH: Final = 1.16
+MAST_ROOM: Final = 0.12
+"""Of the mast: half its diagonal, its distance from the links, how far B8 with all that it carries
+reaches over its length, and the least distance of the mast from a leg's axis [m]."""
+
+LOWEST_ARM: Final = at.QUILL_TOP + at.ARM_BEARING_HALF + 0.008
+"""Least height of joint 2 with the lower knee, above the quills [m]."""
+
+LEAST_LIFT: Final = 0.05
+ABOVE_LIFT: Final = 0.004
+ABOVE_CARRIAGE: Final = 0.012
+MAST_TOP: Final = at.MOUNT + 0.105
+"""Lower knee: least stroke of M4's column, room above its end and above the carriage there, and the
+height of the mast [m]."""
+
+ABOVE_RAM: Final = 0.01
+BELOW_BRIDGE: Final = 0.03
+ABOVE_BRIDGE: Final = 0.085
+"""Upper knee: room above M4's stroke, below the bridge, and height of the mast above that [m]."""
+
+LEAST_DEEPEST: Final = 0.0025
+LEAST_DEPTH: Final = 0.1
+"""Least square of the depth of the stretched pantographs [m^2], and least depth of joints 5 [m]."""
+
+ROOM_OF_7: Final = at.MOUNT - at.BARREL_RADIUS - 0.004
+LEAST_NEAR: Final = 0.03
+"""Room of joint 7 below the base plate, and least distance of joints 5 from the guides [m]."""
+
+LEAST_PLINTH: Final = 0.15
+PLINTH_EDGE: Final = 0.04
+"""Least workspace that a plinth is made for, and how far it goes beyond it [m]."""
 
 CUTS: Final = 3
 """Edges that each rounded corner of the platform's plate is made of; they lie outside of it."""
@@ -69,77 +105,104 @@ class FrameLayout:
     platform_high: float
 
 
-def mast_radius(geometry: Geometry) -> float:
-    """Return the mast's distance from the axis, out of reach of any link at any angle [m]."""
-    reach = max(
-        geometry.guide_link_length + at.SLIDER_HALF,
-        geometry.stroke + at.SLIDER_HALF,
-        1.16 * geometry.crank_length,
+class FrameLengths(NamedTuple):
+    """The frame's lengths as `FrameLayout` explains them, and the radius of the plinth [m]."""
+
+    ground: Any
+    mast_radius: Any
+    mast_top: Any
+    column_top: Any
+    lift_low: Any
+    lift_high: Any
+    plinth_radius: Any
+
+
+def frame_lengths(m: Mechanism, guide_link: Any) -> FrameLengths:
+    """Return the lengths of the frame, a plain formula for every robot; not in the paper.
+
+    Args:
+        m: The mechanism.
+        guide_link: l_B10 [m].
+    """
+    # Depth of joints 5 with the pantographs fully stretched and the platform in the middle.
+    bars = m.crank + m.coupler
+    span = m.span_ratio * np.abs(m.base_radius - m.platform_radius)
+    deepest = np.sqrt(np.maximum(bars * bars - span * span, LEAST_DEEPEST))
+    lower = m.root > 0.0
+
+    low = -_depth(m, deepest) - m.joint_height
+    room = where(low - HANG < -deepest - STRETCHED, low - HANG, -deepest - STRETCHED)
+    top = np.maximum(m.shaft, LOWEST_ARM + LEAST_LIFT) + ABOVE_LIFT
+    # Joints 9 turn about the guides on B8; with folded pantographs they hang from them.
+    table = -np.maximum(TABLE, m.crank + STRETCHED)
+    high = m.shaft + deepest / m.k + ABOVE_RAM
+    bridge = high + CARRIAGE_HALF + BELOW_BRIDGE
+
+    # The mast is out of reach of any link at any angle.
+    links = np.maximum(
+        np.maximum(guide_link + SLIDER_HALF, m.stroke + SLIDER_HALF), BAR_REACH * m.crank
     )
-    clear = reach + float(np.hypot(*MAST)) / 2 + 0.012
-    radius = geometry.base_radius
+    clear = links + MAST_HALF + MAST_GAP
     # Mast, leg axis and robot axis form a triangle with 60 degrees at the robot axis.
-    inside = clear**2 - 0.75 * radius**2
-    outer = radius / 2 + np.sqrt(inside) if inside > 0 else 0.0
-    return float(max(outer, radius + 0.12))
+    inside = clear * clear - 0.75 * (m.base_radius * m.base_radius)
+    outer = where(inside > 0.0, m.base_radius / 2.0 + np.sqrt(np.maximum(inside, 0.0)), 0.0)
+    return FrameLengths(
+        _rounded(where(lower, room, table)),
+        np.maximum(outer, m.base_radius + MAST_ROOM),
+        where(lower, MAST_TOP, bridge + ABOVE_BRIDGE),
+        where(lower, top + CARRIAGE_HALF + ABOVE_CARRIAGE, bridge),
+        where(lower, LOWEST_ARM, m.shaft),
+        where(lower, top, high),
+        np.maximum(workspace_circle(m), LEAST_PLINTH) + PLINTH_EDGE,
+    )
+
+
+def _depth(m: Mechanism, deepest: Any) -> Any:
+    """Return how far the platform's joints hang below the guides at most, lower knee [m]."""
+    by_arms = m.k * (m.shaft - LOWEST_ARM)
+    return np.maximum(where(deepest < by_arms, deepest, by_arms), LEAST_DEPTH)
+
+
+def _rounded(height: Any) -> Any:
+    """Return a height rounded down to a full centimeter, but for rounding errors [m]."""
+    steps = height * 100.0 + 5e-7
+    return (steps - np.mod(steps, 1.0)) / 100.0
+
+
+class PlatformRange(NamedTuple):
+    """The heights z that `FrameLayout` calls ``platform_low`` and ``platform_high`` [m]."""
+
+    low: Any
+    high: Any
+
+
+def platform_range(m: Mechanism) -> PlatformRange:
+    """Return the heights in which the drawn bodies stay clear of the frame, a plain formula."""
+    bars = m.crank + m.coupler
+    span = m.span_ratio * np.abs(m.base_radius - m.platform_radius)
+    deepest = np.sqrt(np.maximum(bars * bars - span * span, LEAST_DEEPEST))
+    # How far joint 5 stays from the guides, so that B7 clears the base plate. Joint 7 is at
+    # z_7 = (z_5 - z_9)/k; it comes nearest with the knee 9 straight below (or above) the guide.
+    near = np.maximum(m.crank - m.k * ROOM_OF_7, LEAST_NEAR)
+    deep = -_depth(m, deepest)
+    # With the upper knee the arms travel above the platform; they meet where Z comes down to the
+    # forks.
+    meet = np.maximum((m.shaft - CARRIAGE_HALF - 0.02) / (1.0 - 1.0 / m.k), near + 0.01)
+    high = where(deepest < meet, deepest, meet)
+    lower = m.root > 0.0
+    return PlatformRange(
+        where(lower, deep, near) - m.joint_height,
+        where(lower, np.maximum(deep, -near), high) - m.joint_height,
+    )
 
 
 @kept(64)
 def layout(geometry: Geometry) -> FrameLayout:
     """Return the frame's heights and radii for a geometry."""
-    reach = geometry.crank_length + geometry.coupler_length
-    # Depth of joints 5 with the pantographs fully stretched and the platform in the middle.
-    deepest = float(np.sqrt(max(reach**2 - geometry.home_span**2, 0.0025)))
-    factor = geometry.magnification
-    lowest_arm = at.QUILL_TOP + at.ARM_BEARING_HALF + 0.008
-    radius = mast_radius(geometry)
-    if geometry.knee is KneeBranch.LOWER:
-        by_arms = factor * (geometry.shaft_length - lowest_arm)
-        depth = max(min(deepest, by_arms), 0.1)
-        low = -depth - geometry.platform_joint_height
-        high = max(geometry.shaft_length, lowest_arm + 0.05) + 0.004
-        return FrameLayout(
-            ground=_rounded(min(low - HANG, -deepest - STRETCHED)),
-            mast_radius=radius,
-            mast_top=at.MOUNT + 0.105,
-            column_top=high + at.CARRIAGE_HALF + 0.012,
-            lift_low=lowest_arm,
-            lift_high=high,
-            platform_low=low,
-            platform_high=max(low, -_near_guides(geometry) - geometry.platform_joint_height),
-        )
-    high = geometry.shaft_length + deepest / factor + 0.01
-    bridge = high + at.CARRIAGE_HALF + 0.03
-    # The arms travel above the platform; they meet where Z comes down to the forks.
-    meet = (geometry.shaft_length - at.CARRIAGE_HALF - 0.02) / (1 - 1 / factor)
-    low = _near_guides(geometry)
-    # Joints 9 turn about the guides on B8; with the pantographs folded they come to hang from them.
-    hanging = geometry.crank_length + STRETCHED
-    return FrameLayout(
-        ground=_rounded(-max(TABLE, hanging)),
-        mast_radius=radius,
-        mast_top=bridge + 0.085,
-        column_top=bridge,
-        lift_low=geometry.shaft_length,
-        lift_high=high,
-        platform_low=low - geometry.platform_joint_height,
-        platform_high=min(deepest, max(meet, low + 0.01)) - geometry.platform_joint_height,
-    )
-
-
-def _near_guides(geometry: Geometry) -> float:
-    """Return how far joint 5 has to stay from the guides, so that B7 clears the base plate [m].
-
-    Joint 7 is at z_7 = (z_5 - z_9)/k; it comes nearest to the plate with the knee 9 straight
-    below (or above) the guide.
-    """
-    room = at.MOUNT - at.BARREL_RADIUS - 0.004
-    return float(max(geometry.crank_length - geometry.magnification * room, 0.03))
-
-
-def _rounded(height: float) -> float:
-    """Return a height rounded down to a full centimeter [m]."""
-    return float(np.floor(round(height * 100, 6)) / 100)
+    m = mechanism(geometry)
+    place = FrameLengths(*map(float, frame_lengths(m, geometry.guide_link_length)))
+    low, high = map(float, platform_range(m))
+    return FrameLayout(*place[:6], platform_low=low, platform_high=high)
 
 
 def polar(radius: float, angle: float, height: float = 0.0) -> Array:
@@ -149,15 +212,20 @@ def polar(radius: float, angle: float, height: float = 0.0) -> Array:
 
 def plinth_radius(geometry: Geometry) -> float:
     """Return the radius of the plinth below the workspace [m]."""
-    return max(workspace_radius(geometry), 0.15) + 0.04
+    return float(frame_lengths(mechanism(geometry), geometry.guide_link_length).plinth_radius)
 
 
 def plinth_outline(geometry: Geometry) -> Array:
-    """Return the plinth seen from above, counterclockwise (n, 2) [m].
+    """Return the plinth seen from above, counterclockwise (n, 2) [m]."""
+    return outline_about(plinth_radius(geometry), layout(geometry).mast_radius)
+
+
+def outline_about(radius: float, mast: float) -> Array:
+    """Return a plinth's outline by its radius and the mast's distance, counterclockwise (n, 2) [m].
 
     A disc below the workspace with a tongue that carries the mast's foot.
     """
-    radius, end = plinth_radius(geometry), layout(geometry).mast_radius + TONGUE[0]
+    end = mast + TONGUE[0]
     half = min(TONGUE[1], 0.9 * radius)
     if end <= radius:
         angle = np.linspace(0.0, 2 * np.pi, 72, endpoint=False)

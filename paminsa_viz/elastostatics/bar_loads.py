@@ -34,7 +34,7 @@ from paminsa_viz.elastostatics.bar_diagram import (
     make_diagram,
 )
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JointForces, joint_forces
-from paminsa_viz.elastostatics.leg_bodies import PANTOGRAPH, Vector, bar_masses, joint_places
+from paminsa_viz.elastostatics.leg_bodies import Vector, bar_masses, joint_places
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.kept import kept
 from paminsa_viz.model.arrays import Array, in_blocks
@@ -42,6 +42,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.kinematics import LEG_AXES
+from paminsa_viz.model.parameters import PANTOGRAPH
 from paminsa_viz.model.reach import Limit
 
 BAR_NAMES: dict[str, str] = {bar: bar.upper() for bar in BARS}

@@ -18,10 +18,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.leg import LegMotion, LegPosition
 from paminsa_viz.model.leg_points import PointWeights, bar_length, point_weights
-from paminsa_viz.model.parameters import BAR_ENDS
-
-PANTOGRAPH = ("b3", "b4", "b7", "b8")
-"""Bars of the pantograph, by the first part of their paths in a design."""
+from paminsa_viz.model.parameters import BAR_ENDS, PANTOGRAPH
 
 _PINS: dict[str, tuple[int, ...]] = {"b3": (3,), "b4": (4, 5), "b7": (7,), "b8": (9,)}
 """Joints whose mass is on a bar of the pantograph."""

@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from paminsa_viz.checks import require_count
 from paminsa_viz.elastostatics.beams import beam_mass, beam_stiffness, body_mass, point_mass
 from paminsa_viz.elastostatics.leg_frame import LegFrame
 from paminsa_viz.elastostatics.leg_model import FIXED, SPANS, LegModel, leg_model
@@ -154,8 +155,7 @@ def leg_matrices(design: Design, divisions: int = 1, shear: bool = False) -> Leg
     Raises:
         InvalidInput: If arm or shaft has no length, or ``divisions`` is not possible.
     """
-    if not 1 <= divisions <= MOST_DIVISIONS:
-        raise InvalidInput("divisions", f"1 to {MOST_DIVISIONS} are possible, not {divisions}")
+    require_count(divisions, "divisions", MOST_DIVISIONS)
     for name in ("arm_length", "shaft_length"):
         if getattr(design.geometry, name) == 0:
             raise InvalidInput(f"geometry.{name}", "a bar without length is no beam element")

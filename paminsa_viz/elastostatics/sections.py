@@ -13,9 +13,7 @@ from typing import NamedTuple
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.leg_points import bar_length
-
-PANTOGRAPH = ("b3", "b4", "b7", "b8")
-"""Bars whose inertias the design has."""
+from paminsa_viz.model.parameters import PANTOGRAPH
 
 
 class TubeFit(NamedTuple):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.checks import require_positive
 from paminsa_viz.identification.base_parameters import (
     BASE_PARAMETERS,
     LEG_PARAMETERS,
@@ -69,9 +69,7 @@ class IdentificationSettings:
 
     def __post_init__(self) -> None:
         for name in ("cut_off", "block"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
-                raise InvalidInput(name, f"a finite number above 0 is needed, not {value!r}")
+            require_positive(getattr(self, name), name, "a finite number above 0")
 
 
 class FitParameter(NamedTuple):

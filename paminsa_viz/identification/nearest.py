@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.checks import require_positive
 from paminsa_viz.identification.base_parameters import BASE_SYMBOLS, mass_columns
 from paminsa_viz.identification.results import Identification
 from paminsa_viz.model.arrays import Array
@@ -91,8 +91,7 @@ def nearest_masses(identification: Identification, spread: float = SPREAD) -> Ne
     """
     from scipy.optimize import lsq_linear  # takes a while to load
 
-    if not (np.isfinite(spread) and spread > 0):
-        raise InvalidInput("spread", f"a finite number above 0 is needed, not {spread!r}")
+    require_positive(spread, "spread", "a finite number above 0")
     design = _with_actuators(identification)
     columns, fixed = mass_columns(design)
     free = [i for i, path in enumerate(MASS_PATHS) if not path.startswith("payload.")]

@@ -17,7 +17,7 @@ import trimesh
 from paminsa_viz import palette
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
-from paminsa_viz.dimensions.layout import layout, plinth_radius, polar
+from paminsa_viz.dimensions.layout import FrameLayout, layout, plinth_radius, polar
 from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.kept import kept
 from paminsa_viz.meshes import frame
@@ -95,9 +95,29 @@ def make_body(body: str, geometry: Geometry) -> MeshPart:
         KeyError: If there is no such body.
     """
     kind = _kind(body)
-    if kind in _STANDING_MAKERS:
-        return _STANDING_MAKERS[kind](geometry)
+    if kind in STANDING:
+        return standing_body(kind, geometry, layout(geometry), plinth_radius(geometry))
     return _made(_MOVING_MAKERS[kind], lengths_of(body, geometry), is_plain()).copy()
+
+
+def standing_body(body: str, geometry: Geometry, place: FrameLayout, plinth: float) -> MeshPart:
+    """Return a body that does not move, in the world frame [m].
+
+    Args:
+        body: One of `STANDING`.
+        geometry: The radius of the base and the knee count.
+        place: Heights and radii of the frame.
+        plinth: Radius of the plinth.
+    """
+    radius, knee = geometry.base_radius, geometry.knee
+    match body:
+        case "ground":
+            return frame.ground(plinth, place)
+        case "base":
+            return frame.base(radius, place, knee)
+        case "m4":
+            return frame.lift(place, knee)
+    return frame.motor(int(body[1]) - 1, radius, knee)
 
 
 @kept(64)
@@ -260,10 +280,6 @@ def swivel() -> MeshPart:
     return fixed_part("swivel_disc").join(fixed_part("swivel_head"))
 
 
-_STANDING_MAKERS: Final[dict[str, Callable[[Geometry], MeshPart]]] = {
-    "ground": frame.ground, "base": frame.base, "m1": partial(frame.motor, 0),
-    "m2": partial(frame.motor, 1), "m3": partial(frame.motor, 2), "m4": frame.lift,
-}  # fmt: skip
 _MOVING_MAKERS: Final[dict[str, Callable[..., MeshPart]]] = {
     "carriage": carriage, "platform": platform, "guide": guide, "shaft": shaft,
     "slider": partial(fixed_part, "slider"),

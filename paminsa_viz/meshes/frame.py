@@ -12,9 +12,7 @@ from paminsa_viz.dimensions.layout import (
     FrameLayout,
     column_heights,
     cylinder_length,
-    layout,
-    plinth_outline,
-    plinth_radius,
+    outline_about,
     polar,
     ring_arcs,
 )
@@ -35,17 +33,16 @@ from paminsa_viz.meshes.solids import (
     tube,
     turn,
 )
-from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.model.kinematics import AXIS_ANGLES
 
 FLIP = turn("y", np.pi)
 """Turns the base plate over; it keeps the three leg directions where they are."""
 
 
-def ground(geometry: Geometry) -> MeshPart:
+def ground(radius: float, place: FrameLayout) -> MeshPart:
     """Return the plinth the machine stands on; its upper face is the ground. World frame."""
-    radius, outline = plinth_radius(geometry), plinth_outline(geometry)
-    top = layout(geometry).ground
+    outline, top = outline_about(radius, place.mast_radius), place.ground
     low, high = (
         np.column_stack([outline, np.full(len(outline), h)])
         for h in (top - size.PLINTH_HEIGHT, top - 0.0015)
@@ -58,11 +55,10 @@ def ground(geometry: Geometry) -> MeshPart:
     return part
 
 
-def base(geometry: Geometry) -> MeshPart:
+def base(radius: float, place: FrameLayout, knee: KneeBranch) -> MeshPart:
     """Return the frame that does not move, without the actuators' bodies. World frame."""
-    place = layout(geometry)
-    plate = _base_plate(geometry)
-    if geometry.knee is KneeBranch.LOWER:
+    plate = _base_plate(radius)
+    if knee is KneeBranch.LOWER:
         arm = _cantilever(place, at.MOUNT + size.CANTILEVER_RISE, *size.CANTILEVER)
         return plate.join(_mast(place), arm, _column(place))
     top = -at.MOUNT - size.CANTILEVER_RISE
@@ -72,20 +68,19 @@ def base(geometry: Geometry) -> MeshPart:
     return plate.moved(rotation=FLIP).join(_mast(place), arm, _bridge(place))
 
 
-def motor(leg: int, geometry: Geometry) -> MeshPart:
+def motor(leg: int, radius: float, knee: KneeBranch) -> MeshPart:
     """Return the actuator of a leg (index 0 to 2) in the world frame."""
     angle = AXIS_ANGLES[leg]
-    seat, rotation = polar(geometry.base_radius, angle, at.MOUNT + at.PLATE), turn("z", angle)
-    if geometry.knee is KneeBranch.UPPER:
+    seat, rotation = polar(radius, angle, at.MOUNT + at.PLATE), turn("z", angle)
+    if knee is KneeBranch.UPPER:
         # Turned over, legs 1 and 2 change places, so each motor goes to the other's seat.
         seat, rotation = FLIP @ seat * [-1, 1, 1], rotation @ turn("x", np.pi)
     return fixed_part("rotary_actuator").moved(seat, rotation)
 
 
-def lift(geometry: Geometry) -> MeshPart:
+def lift(place: FrameLayout, knee: KneeBranch) -> MeshPart:
     """Return the fixed body of M4 in the world frame; with the upper knee it has a cylinder."""
-    place = layout(geometry)
-    if geometry.knee is KneeBranch.LOWER:
+    if knee is KneeBranch.LOWER:
         return fixed_part("lift_motor").moved((0.0, 0.0, place.column_top))
     foot = place.column_top + at.PLATE_OF_BRIDGE
     top = foot + cylinder_length(place)
@@ -95,11 +90,10 @@ def lift(geometry: Geometry) -> MeshPart:
     return part.join(fixed_part("lift_motor").moved((0.0, 0.0, top)))
 
 
-def _base_plate(geometry: Geometry) -> MeshPart:
+def _base_plate(radius: float) -> MeshPart:
     """The plate above the guides: hub, spokes to the motors, ring."""
     low, high = at.MOUNT, at.MOUNT + at.PLATE
     part = MeshPart().add("frame", rod(size.HUB_RADIUS, low, high, 0.002, 32))
-    radius = geometry.base_radius
     for angle in AXIS_ANGLES:
         spin = turn("z", angle)
         # Spokes stand on edge above the plate's lower face, clear of the bars below.

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
+from paminsa_viz.checks import kind_of
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import Design, Geometry
 
@@ -30,7 +31,7 @@ def of_geometry(
             return value
         if isinstance(value, Design):
             return value.geometry
-        raise InvalidInput("geometry", f"a Geometry or a Design is needed, not {_kind(value)}")
+        raise InvalidInput("geometry", f"a Geometry or a Design is needed, not {kind_of(value)}")
 
     return cast(Any, _checked(function, "geometry", geometry_of))
 
@@ -44,7 +45,7 @@ def of_design(function: Callable[Concatenate[Design, P], R]) -> Callable[Concate
     def design_of(value: object) -> Design:
         if isinstance(value, Design):
             return value
-        raise InvalidInput("design", f"a Design is needed, not {_kind(value)}")
+        raise InvalidInput("design", f"a Design is needed, not {kind_of(value)}")
 
     return cast(Any, _checked(function, "design", design_of))
 
@@ -61,9 +62,3 @@ def _checked(
         return function(**named)
 
     return checked
-
-
-def _kind(value: object) -> str:
-    """Return the type of a value that is refused, with its article."""
-    name = type(value).__name__
-    return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"

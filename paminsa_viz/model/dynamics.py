@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.checks import require_kind
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import backend
 from paminsa_viz.model.arguments import of_design
@@ -225,6 +226,7 @@ def friction_torque(friction: Friction | ActuatorFriction, speed: ArrayLike) -> 
     `Design.actuator_friction` is that of joints and drives together.
     """
     speed = as_vectors(speed, "speed")
+    require_kind(friction, "friction", Friction, ActuatorFriction)
     if isinstance(friction, Friction):
         friction = friction.by_actuator
     viscous, coulomb = np.array(friction.viscous), np.array(friction.coulomb)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.checks import require_kind
 from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.parameters import Group, parameter
@@ -127,6 +128,7 @@ def center_wrench(load: LoadCase, theta: ArrayLike, extra: ArrayLike | None = No
     Raises:
         InvalidInput: If theta is no real number, or the further wrench does not hold six each.
     """
+    require_kind(load, "load", LoadCase)
     theta = as_numbers(theta, "theta")
     parts: Any = load.wrench
     if extra is not None:

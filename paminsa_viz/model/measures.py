@@ -199,3 +199,17 @@ def singular_distances(m: Mechanism, x: Any, y: Any, c: Any, turn: Any) -> Singu
     inside = before & (position >= 0.0)
     known = radius2 + turn == radius2 + turn
     return SingularDistances(position, where(known, where(inside, nearest, -nearest), np.nan))
+
+
+def workspace_circle(m: Mechanism) -> Any:
+    """Return the radius of the smallest circle about the origin that holds every position [m].
+
+    At the best theta and height all three legs have X_1 <= r. The points 5 then lie within r of
+    axes that are off the center by c = |R_b - R_pl|, at 120 degrees from each other.
+    """
+    bars = (m.crank + m.coupler) / m.span_ratio
+    guide = m.stroke * (m.k - 1.0)
+    longest = where(guide < bars, guide, bars)
+    offset = np.abs(m.base_radius - m.platform_radius)
+    inside = 4.0 * (longest * longest) - 3.0 * (offset * offset)
+    return np.maximum(0.0, (np.sqrt(np.maximum(inside, 0.0)) - offset) / 2.0)

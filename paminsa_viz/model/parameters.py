@@ -130,6 +130,9 @@ class Group:
 BAR_ENDS: dict[str, tuple[int, int]] = {"b3": (4, 7), "b4": (9, 5), "b7": (8, 7), "b8": (8, 9)}
 """Bars of the pantograph and the joints at their two ends."""
 
+PANTOGRAPH = tuple(BAR_ENDS)
+"""Bars of the pantograph, by the first part of their paths in a design."""
+
 
 @dataclass(frozen=True)
 class Counterweight(Group, path="counterweight"):

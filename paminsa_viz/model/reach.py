@@ -167,16 +167,8 @@ def reach_status(geometry: Geometry, pose: Array) -> tuple[NDArray[np.uint8], ND
 
 
 def workspace_radius(geometry: Geometry) -> float:
-    """Return the radius of the smallest circle about the origin that holds every position [m].
-
-    At the best theta and height all three legs have X_1 <= r. The points 5 then lie within r of
-    axes that are off the center by c = |R_b - R_pl|, at 120 degrees from each other.
-    """
-    bars = (geometry.crank_length + geometry.coupler_length) / geometry.span_ratio
-    longest = min(bars, geometry.stroke * (geometry.magnification - 1))
-    offset = abs(geometry.base_radius - geometry.platform_radius)
-    inside = 4 * longest**2 - 3 * offset**2
-    return max(0.0, (np.sqrt(inside) - offset) / 2) if inside > 0 else 0.0
+    """Return the radius of the smallest circle about the origin that holds every position [m]."""
+    return float(measures.workspace_circle(mechanism(geometry)))
 
 
 def workspace_height(geometry: Geometry) -> float:

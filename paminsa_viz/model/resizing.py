@@ -19,9 +19,7 @@ from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.elastic import SECTION_VALUES
 from paminsa_viz.model.leg_points import bar_length, counterweight_point
 from paminsa_viz.model.lumped import MASS_PATHS, lumped_of_masses, mass_vector, point_mass_column
-
-PANTOGRAPH = ("b3", "b4", "b7", "b8")
-"""Bars of the pantograph."""
+from paminsa_viz.model.parameters import PANTOGRAPH
 
 TUBES = ("b1", "b2", *PANTOGRAPH, "b10")
 """Bars whose mass may follow their length."""

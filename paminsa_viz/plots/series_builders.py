@@ -29,7 +29,7 @@ from paminsa_viz.trajectory.analysis import ActuatorSummary, TrajectoryAnalysis
 from paminsa_viz.units import format_value
 
 SYMBOLS = ("τ₁", "τ₂", "τ₃", "F₄")
-COORDINATES = {"x": "m", "y": "m", "θ": "rad", "z": "m"}
+POSE_UNITS = {"x": "m", "y": "m", "θ": "rad", "z": "m"}
 
 CAUSES: tuple[tuple[str, str, str, Dash], ...] = (
     ("gravity", "gravity", "#56B4E9", "dashed"),
@@ -102,7 +102,7 @@ def _actuators(symbols: Sequence[str], units: Sequence[str]) -> Iterator[tuple[i
 
 
 def _coordinates(suffix: str = "") -> Iterator[tuple[int, SeriesPanel]]:
-    for i, (name, unit) in enumerate(COORDINATES.items()):
+    for i, (name, unit) in enumerate(POSE_UNITS.items()):
         yield i, SeriesPanel(name, name, name, unit + suffix, INK)
 
 
@@ -239,6 +239,8 @@ def _comparison(sources: SeriesSources) -> Iterator[SeriesPanel]:
     other = sources.other
     time, torque = other.pick(sources.analysis.trajectory.t), other.pick(sources.analysis.torque)
     for j, panel in _actuators(SYMBOLS, TORQUE_UNITS):
+        if np.isnan(other.torque[:, j]).all() and np.isfinite(torque[:, j]).any():
+            continue  # a table from elsewhere may lack an actuator
         own = Trace("this analysis", torque[:, j], panel.color, width=1.6)
         compared = Trace(other.name, other.torque[:, j], INK, "dashed", 0.8)
         yield replace(panel, traces=(own, compared))

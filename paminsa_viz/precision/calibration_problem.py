@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from paminsa_viz.checks import require_count
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
@@ -154,8 +155,7 @@ def measuring_poses(design: Design, poses: int, *, coordinates: int = 6, seed: i
     Raises:
         InvalidInput: If a number is not possible, or the workspace is too small.
     """
-    if not 1 <= poses <= MOST_POSES:
-        raise InvalidInput("poses", f"1 to {MOST_POSES} are possible, not {poses}")
+    require_count(poses, "poses", MOST_POSES)
     if coordinates not in (4, 6):
         raise InvalidInput("coordinates", f"4 or 6 are possible, not {coordinates}")
     found = _candidates(design, max(_CANDIDATES, 2 * poses), seed)

@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.checks import require_kind
 from paminsa_viz.kept import kept
 from paminsa_viz.model import backend
 from paminsa_viz.model.accuracy import DriveAccuracy
@@ -128,6 +129,7 @@ def drive_errors(geometry: Geometry, accuracy: DriveAccuracy, pose: ArrayLike) -
     Raises:
         InvalidInput: If the pose has another shape or is not real.
     """
+    require_kind(accuracy, "accuracy", DriveAccuracy)
     pose = as_vectors(pose, "pose")
     flat, m = pose.reshape(-1, 4), mechanism(geometry)
     rows = backend.over_list(WRENCH_TORQUES, m, flat).T

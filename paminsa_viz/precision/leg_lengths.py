@@ -94,9 +94,9 @@ def with_deviations(design: Design, values: ArrayLike) -> Design:
         InvalidInput: If the shape is another one.
         InvalidDesign: If a number is not finite or too large.
     """
-    array = as_lengths(values, "deviations")
+    array = as_lengths(values, "values")
     if array.ndim != 2:
-        raise InvalidInput("deviations", f"the shape has to be (3, 14), not {array.shape}")
+        raise InvalidInput("values", f"the shape has to be (3, 14), not {array.shape}")
     one, two, three = array.tolist()
     return replace(
         design,

@@ -11,7 +11,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.design import Design
-from paminsa_viz.precision.leg_lengths import INDEX, LENGTHS, nominal_lengths
+from paminsa_viz.precision.leg_lengths import INDEX, LENGTHS, as_lengths, nominal_lengths
 from paminsa_viz.precision.unequal_legs import UnequalPose, solve_pose
 
 
@@ -96,7 +96,7 @@ def coordinate_scales(design: Design) -> Array:
 @of_design
 def predict(design: Design, deviations: ArrayLike, measured: Measurements) -> UnequalPose:
     """Return the poses that legs with deviations (3, 14) have at the measured readings."""
-    lengths = nominal_lengths(design.geometry) + np.asarray(deviations, np.float64)
+    lengths = nominal_lengths(design.geometry) + as_lengths(deviations, "deviations")
     return solve_pose(design.geometry, lengths, measured.actuators, measured.poses[:, :4])
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model import grid
 from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Geometry
@@ -24,7 +25,7 @@ from paminsa_viz.model.robot import platform_determinant
 from paminsa_viz.precision.closure_equations import ACTUATORS, SLIDES, STATE, closure_equations
 from paminsa_viz.precision.leg_lengths import INDEX, as_lengths
 
-COORDINATES = ("x", "y", "theta", "z", "tilt_x", "tilt_y")
+COORDINATES = (*grid.COORDINATES, "tilt_x", "tilt_y")
 """Names of the platform's six coordinates [m, m, rad, m, rad, rad]."""
 
 _FORWARD = np.arange(9, dtype=np.intp)

@@ -21,7 +21,7 @@ from paminsa_viz.studies.drive_accuracy import error_rows, region_errors, statis
 from paminsa_viz.studies.metrics import RegionResults, default_region
 from paminsa_viz.units import format_value
 
-COORDINATES = (
+ERROR_UNITS = (
     ("x", "m:um"), ("y", "m:um"), ("θ", "rad:arcsec"), ("z", "m:um"),
     ("tilt about x", "rad:arcsec"), ("tilt about y", "rad:arcsec"),
 )  # fmt: skip
@@ -116,7 +116,7 @@ def manufacture_blocks(
         lost = int((robots.closure != Closure.OK).sum())
         drawn = f" {lost} of {len(robots.closure)} robots cannot be assembled." if lost else ""
     rows = []
-    for index, (name, unit) in enumerate(COORDINATES):
+    for index, (name, unit) in enumerate(ERROR_UNITS):
         cells = (format_value(float(values[index]), unit) for values in columns.values())
         rows.append(Row((name, *cells, _dominating(found, index))))
     caption = (
@@ -146,7 +146,7 @@ def _own_legs(design: Design, pose: ArrayLike) -> str:
     off = [*(found.pose - np.asarray(pose)), *found.tilt]
     texts = (
         f"{name} {format_value(float(value), unit, 3)}"
-        for (name, unit), value in zip(COORDINATES, off, strict=True)
+        for (name, unit), value in zip(ERROR_UNITS, off, strict=True)
     )
     return (
         "With drives set for equal legs, the design's own put the platform off by "

@@ -38,6 +38,10 @@ STEPS = (
 """What is worked out, in this order; requirements and identification where they are asked for."""
 
 
+COLORS = {"ink": INK, "muted": MUTED, "ok": OK, "warn": WARN, "bad": BAD}
+"""Colors of a report's page."""
+
+
 def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
     """Return the report.
 
@@ -85,20 +89,22 @@ def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
     sections.append(verification_section(found))
     began("balance")
     sections += [balance_section(analysis), provenance_section(request, found)]
-    return _template().render(
+    return template().render(
+        kind="design report",
         title=f"PAMINSA design report: {request.design.name}",
         design=request.design.name,
         lines=_head(request),
         opening=_facts(request, analysis, found),
         sections=list(enumerate(sections, 1)),
-        colors={"ink": INK, "muted": MUTED, "ok": OK, "warn": WARN, "bad": BAD},
+        colors=COLORS,
         version=__version__,
         made=request.made.strftime("%Y-%m-%d %H:%M %Z"),
     )
 
 
 @lru_cache(maxsize=1)
-def _template() -> Template:
+def template() -> Template:
+    """Return the template of a report's page."""
     environment = Environment(
         loader=PackageLoader("paminsa_viz.report"),
         autoescape=True,

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.balancing.changes import whole_mass
+from paminsa_viz.checks import require_positive
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
@@ -58,8 +59,7 @@ class Region:
     max_condition: float = CONDITION_LIMIT
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.radius) and self.radius > 0):
-            raise InvalidInput("radius", f"a length above 0 is needed, not {self.radius!r}")
+        require_positive(self.radius, "radius", "a length above 0")
         for name, values in (("theta", self.theta), ("z", self.z)):
             if not values or not np.isfinite(values).all():
                 raise InvalidInput(name, "one finite number at least is needed")

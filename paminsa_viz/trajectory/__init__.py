@@ -1,8 +1,9 @@
 """Trajectories: planned, timed within limits, checked, analyzed, and simulated with a controller.
 
-A planner (or a preset) makes a `Plan`; `shortest_stretch` may give it its shortest duration within
-limits; `Plan.sample` makes a `Trajectory`, as `from_samples` does of a file's rows;
-`analyze` returns the required torques, and where it fails; `simulate` drives it by a controller.
+A planner (or a preset) makes a `Plan`; `shortest_motion` gives it the time-optimal law within
+limits, `shortest_stretch` stretches its own; `Plan.sample` makes a `Trajectory`, as `from_samples`
+does of a file's rows; `analyze` returns the required torques, and where it fails; `simulate` drives
+it by a controller.
 """
 
 from __future__ import annotations
@@ -56,6 +57,7 @@ from paminsa_viz.trajectory.planners import (
 )
 from paminsa_viz.trajectory.presets import PRESET, PRESETS, Preset, paper_like, preset_center
 from paminsa_viz.trajectory.sampled import Locus, Passage, States, Trajectory
+from paminsa_viz.trajectory.shortest import ShortestMotion, shortest_motion
 from paminsa_viz.trajectory.simulation import Simulation, SimulationFailed, simulate
 from paminsa_viz.trajectory.solved import SolvedTrajectory, solve_trajectory
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw, fit_law
@@ -90,6 +92,7 @@ __all__ = [
     "PlannedCrossing",
     "Preset",
     "Profile",
+    "ShortestMotion",
     "ShortestStretch",
     "Simulation",
     "SimulationFailed",
@@ -120,6 +123,7 @@ __all__ = [
     "point_to_point",
     "preset_center",
     "round_trip",
+    "shortest_motion",
     "shortest_stretch",
     "simulate",
     "solve_trajectory",

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.checks import require_positive
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -106,8 +106,7 @@ def plan_deformed(
         InvalidInput: As `time_optimal`, or if the largest deviation is not above zero.
         CrossingRefused: If no such path can be run either: the cause on the given path.
     """
-    if not (np.isfinite(most) and most > 0):
-        raise InvalidInput("most", f"a length above 0 m is needed, not {most!r}")
+    require_positive(most, "most", "a length above 0 m")
     try:
         return DeformedPlan(time_optimal(design, path, limits, duration, name=name), 0.0)
     except CrossingRefused as refusal:

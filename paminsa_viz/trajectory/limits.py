@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.checks import require_positive
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.drive import ACTUATORS, TORQUE_UNITS
 
@@ -43,8 +43,8 @@ class MotionLimits:
     def __post_init__(self) -> None:
         for item in fields(self):
             value = getattr(self, item.name)
-            if value is not None and not (np.isfinite(value) and value > 0):
-                raise InvalidInput(item.name, f"a finite limit above 0 is needed, not {value!r}")
+            if value is not None:
+                require_positive(value, item.name, "a finite limit above 0")
 
     @property
     def rates(self) -> Array:

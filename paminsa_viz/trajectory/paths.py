@@ -11,13 +11,19 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.trajectory.plan import Spline
-from paminsa_viz.trajectory.planners import shared_time
+from paminsa_viz.trajectory.plan import Spline, UnitCurve
+from paminsa_viz.trajectory.planners import TURN_LENGTH, shared_time
 
 if TYPE_CHECKING:
-    from scipy.interpolate import BSpline
+    from scipy.interpolate import BSpline, PPoly
 
 _GAUSS = np.polynomial.legendre.leggauss(8)
+
+_METRIC = np.array([1.0, 1.0, TURN_LENGTH**2, 1.0])
+_CELLS = 16  # polynomials of the length run between two breaks
+_SAME = 1e-9  # difference below which two instants are one
+_AT_REST = 1e-9  # share of the largest speed below which a motion stands still
+_OFF_REST = 1e-5  # share of a piece by which directions are looked at off an instant of rest
 
 
 class Path(Protocol):
@@ -80,21 +86,40 @@ class TimedPath:
     Attributes:
         path: The path.
         z: s'^2 by s, with s' by true time [1/s^2]; zero at both ends.
+        rests: Places s at which z is zero, both ends among them.
     """
 
     path: Path
     z: BSpline
+    rests: tuple[float, ...] = (0.0, 1.0)
 
-    breaks = np.array([0.0, 1.0])
     bounded_jerk = False  # at the ends the acceleration steps, as a trapezoid's
+
+    @property
+    def breaks(self) -> Array:
+        """See `plan.UnitCurve`: the ends; of a spline of a low degree, all of its knots."""
+        time = self._table[1]
+        return np.array([0.0, 1.0]) if self.z.k > 2 else time[::2] / time[-1]
 
     @cached_property
     def _table(self) -> tuple[Array, Array]:
-        """Angles q in [0, 1], s = (1 - cos pi q)/2, and the times at which they are reached [s]."""
-        knots = np.unique(np.clip(self.z.t, 0.0, 1.0))
-        q = np.arccos(1.0 - 2.0 * knots) / np.pi
+        """Angles q, see `_place`, and the times at which they are reached [s]."""
+        q = self._angle(np.unique(np.clip(self.z.t, 0.0, 1.0)))
         q = np.unique(np.concatenate([q, 0.5 * (q[1:] + q[:-1])]))
         return q, np.concatenate([[0.0], np.cumsum(self._spans(q[:-1], q[1:]))])
+
+    def _place(self, q: Array) -> Array:
+        """Return s at angles: (1 - cos pi q)/2 of the way from a stop, 0 <= q <= 1, to the next."""
+        rests = np.array(self.rests)
+        i = np.clip(np.floor(q).astype(int), 0, len(rests) - 2)
+        return rests[i] + np.diff(rests)[i] * 0.5 * (1.0 - np.cos(np.pi * (q - i)))
+
+    def _angle(self, s: Array) -> Array:
+        """Return the angles of places (n,)."""
+        rests = np.array(self.rests)
+        i = np.clip(np.searchsorted(rests, s, "right") - 1, 0, len(rests) - 2)
+        share = np.clip((s - rests[i]) / np.diff(rests)[i], 0.0, 1.0)
+        return i + np.arccos(1.0 - 2.0 * share) / np.pi
 
     def _spans(self, begin: Array, end: Array) -> Array:
         """Return the time from one q to another, (n,) [s]."""
@@ -104,9 +129,11 @@ class TimedPath:
 
     def _slowness(self, q: Array) -> Array:
         """Return dt/dq [s]: finite at the ends, where s' is zero."""
-        q = np.clip(q, 1e-7, 1.0 - 1e-7)
-        s = 0.5 * (1.0 - np.cos(np.pi * q))
-        return 0.5 * np.pi * np.sin(np.pi * q) / np.sqrt(np.maximum(self.z(s), 1e-300))
+        rests = np.array(self.rests)
+        i = np.clip(np.floor(q).astype(int), 0, len(rests) - 2)
+        q = i + np.clip(q - i, 1e-7, 1.0 - 1e-7)
+        rate = np.diff(rests)[i] * 0.5 * np.pi * np.sin(np.pi * (q - i))
+        return rate / np.sqrt(np.maximum(self.z(self._place(q)), 1e-300))
 
     @property
     def duration(self) -> float:
@@ -116,12 +143,24 @@ class TimedPath:
     def time_at(self, s: float) -> float:
         """Return when a point of the path is passed [s]."""
         q, t = self._table
-        at = np.arccos(1.0 - 2.0 * float(s)) / np.pi
+        at = float(self._angle(np.array([s]))[0])
         i = min(int(np.searchsorted(q, at, "right")) - 1, len(q) - 2)
         return float(t[i] + self._spans(q[i : i + 1], np.array([at]))[0])
 
     def place_at(self, t: Array) -> Array:
-        """Return s at times (n,) [s]."""
+        """Return s at times (n,) [s]; that of the last ones is kept, for all derivatives there."""
+        key = t.tobytes()
+        if key not in self._places:
+            self._places.clear()
+            self._places[key] = self._place_at(t)
+        return self._places[key]
+
+    @cached_property
+    def _places(self) -> dict[bytes, Array]:
+        """The places of the times asked for last."""
+        return {}
+
+    def _place_at(self, t: Array) -> Array:
         q_nodes, t_nodes = self._table
         i = np.clip(np.searchsorted(t_nodes, t, "right") - 1, 0, len(q_nodes) - 2)
         low, high = q_nodes[i], q_nodes[i + 1]
@@ -129,7 +168,7 @@ class TimedPath:
         for _ in range(6):
             error = t_nodes[i] + self._spans(low, q) - t
             q = np.clip(q - error / self._slowness(q), low, high)
-        return 0.5 * (1.0 - np.cos(np.pi * q))
+        return self._place(q)
 
     def __call__(self, u: Array, order: int = 0) -> Array:
         u = np.asarray(u, dtype=np.float64)
@@ -147,3 +186,120 @@ class TimedPath:
             third = 0.5 * self.z(s, 2)[:, None] * first
             value = parts[3] * first**3 + 3.0 * parts[2] * first * second + parts[1] * third
         return (value * self.duration**order).reshape(*u.shape, 4)
+
+
+@dataclass(frozen=True, eq=False)
+class TracedPath:
+    """The path of a motion without its time law: poses by the share s of the length run.
+
+    A turn counts as a length by `TURN_LENGTH`. Where the motion stops on its way, the path may have
+    a corner; derivatives there are those right after it.
+
+    Attributes:
+        curve: The motion in unit time.
+    """
+
+    curve: UnitCurve
+
+    @cached_property
+    def _run(self) -> PPoly:
+        """The length run [m] by the instant of unit time: polynomials through 8 speeds a cell."""
+        from scipy.interpolate import PPoly
+
+        breaks = self.breaks
+        share = np.arange(_CELLS) / _CELLS
+        begin = np.append(
+            (breaks[:-1, None] + np.diff(breaks)[:, None] * share).ravel(), breaks[-1]
+        )
+        nodes = 0.5 * (1.0 + _GAUSS[0])
+        size = np.diff(begin)
+        speed = self._speed((begin[:-1, None] + size[:, None] * nodes).ravel())
+        powers = np.linalg.inv(np.vander(nodes, increasing=True)) @ speed.reshape(-1, len(nodes)).T
+        order = np.arange(len(nodes))[:, None]
+        rates = PPoly((powers / size**order)[::-1], begin)
+        return rates.antiderivative()
+
+    def _speed(self, u: Array) -> Array:
+        return np.sqrt(self.curve(u, 1) ** 2 @ _METRIC)
+
+    @cached_property
+    def length(self) -> float:
+        """Its length [m]."""
+        return float(self._run(1.0))
+
+    @cached_property
+    def breaks(self) -> Array:
+        """The motion's breaks in unit time, those that differ by rounding alone as one."""
+        breaks = self.curve.breaks
+        return breaks[np.concatenate([np.diff(breaks) > _SAME, [True]])]
+
+    @cached_property
+    def rests(self) -> Array:
+        """Instants of unit time, both ends among them, at which the motion stops."""
+        breaks = self.breaks
+        stopped = self._speed(breaks) <= _AT_REST * self._speed(np.linspace(0.0, 1.0, 101)).max()
+        stopped[[0, -1]] = True
+        return breaks[stopped]
+
+    def place(self, u: Array) -> Array:
+        """Return s at instants (n,) of unit time."""
+        return self._run(u) / self.length
+
+    def instant(self, s: Array) -> Array:
+        """Return the instants of unit time at which places s (n,) are passed."""
+        key = s.tobytes()
+        if key not in self._instants:
+            self._instants.clear()
+            self._instants[key] = self._instant(s)
+        return self._instants[key]
+
+    @cached_property
+    def _instants(self) -> dict[bytes, Array]:
+        """The places asked for last: one place is asked for several derivatives."""
+        return {}
+
+    def _instant(self, s: Array) -> Array:
+        at, wanted = self._run.x, s * self.length
+        ends = self._run(at)
+        i = np.clip(np.searchsorted(ends, wanted, "right") - 1, 0, len(at) - 2)
+        low, high = at[i], at[i + 1]
+        u = low + (high - low) * (wanted - ends[i]) / (ends[i + 1] - ends[i])
+        rate = self._run.derivative()
+        for _ in range(60):
+            error = self._run(u) - wanted
+            low, high = np.where(error < 0, u, low), np.where(error > 0, u, high)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                step = u - error / rate(u)
+            inside = (step >= low) & (step <= high)
+            new = np.where(inside, step, 0.5 * (low + high))
+            moved = np.abs(new - u).max(initial=0.0)
+            u = new
+            if moved < 1e-14:
+                break
+        return u
+
+    def law(self, s: Array) -> tuple[Array, Array]:
+        """Return (ds/du)^2 of the motion itself and its derivative by s, at places (n,)."""
+        u = self.instant(s)
+        rate, growth = self._run.derivative()(u), self._run.derivative(2)(u)
+        return (rate / self.length) ** 2, 2.0 * growth / self.length
+
+    def __call__(self, s: Array, order: int = 0) -> Array:
+        s = np.asarray(s, dtype=np.float64)
+        u = self.instant(s.ravel())
+        if order == 0:
+            return self.curve(u).reshape(*s.shape, 4)
+        i = np.clip(np.searchsorted(self.rests, u, "right") - 1, 0, len(self.rests) - 2)
+        begin, end = self.rests[i], self.rests[i + 1]
+        u = np.clip(u, begin + _OFF_REST * (end - begin), end - _OFF_REST * (end - begin))
+        rate = [self.curve(u, n) for n in range(1, order + 1)]
+        v = np.sqrt(rate[0] ** 2 @ _METRIC)[:, None]
+        value = first = rate[0] / v
+        if order > 1:
+            growth = (rate[0] * rate[1]) @ _METRIC[:, None] / v
+            value = second = (rate[1] - first * growth) / v**2
+            if order > 2:
+                bend = (rate[1] ** 2 + rate[0] * rate[2]) @ _METRIC[:, None]
+                third = (bend - growth**2) / v
+                value = (rate[2] - first * third - 3.0 * second * v * growth) / v**3
+        return (value * self.length**order).reshape(*s.shape, 4)

@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.checks import require_positive
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.trajectory.plan import Arc, Blend, Chain, Displacement, Plan, Spline
@@ -94,8 +95,7 @@ def circle(
     middle = _pose(center, "center")
     if plane not in PLANES:
         raise InvalidInput("plane", f"one of {', '.join(PLANES)} is needed, not {plane!r}")
-    if not (np.isfinite(radius) and radius > 0):
-        raise InvalidInput("radius", f"a length above 0 m is needed, not {radius!r}")
+    require_positive(radius, "radius", "a length above 0 m")
     for argument, value in (("begin", begin), ("angle", angle)):
         if not np.isfinite(value):
             raise InvalidInput(argument, f"a finite number is needed, not {value!r}")

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.checks import require_positive
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.trajectory.plant import hermite
@@ -32,8 +33,7 @@ def sample_times(begin: float, end: float, rate: float) -> Array:
     Raises:
         InvalidInput: If the rate is not positive, or there would be more than `MOST_SAMPLES`.
     """
-    if not (np.isfinite(rate) and rate > 0):
-        raise InvalidInput("rate", f"a finite rate above 0 is needed, not {rate!r}")
+    require_positive(rate, "rate", "a finite rate above 0")
     count = (end - begin) * rate
     if count > MOST_SAMPLES:
         problem = f"{count:.3g} samples are more than {MOST_SAMPLES:,}"

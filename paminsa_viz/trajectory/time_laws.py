@@ -63,6 +63,14 @@ class TimeLaw:
         return _derivatives(self.profile, self.ramp, self.blend)[0].x
 
     @property
+    def coefficients(self) -> Array:
+        """Coefficients (m, n) of the n polynomials between `breaks`, the highest power first.
+
+        They are in the time since the break before.
+        """
+        return _derivatives(self.profile, self.ramp, self.blend)[0].c
+
+    @property
     def bounded_jerk(self) -> bool:
         """Whether the acceleration never jumps, also against the rest before and after."""
         return self.profile is not Profile.TRAPEZOID

@@ -115,6 +115,8 @@ def time_optimal(
 ) -> TimeOptimalPlan:
     """Return the shortest motion on a path, from rest to rest, or one of a given duration.
 
+    It may cross singularities. On a path without, `shortest_motion` keeps every other limit, too.
+
     Args:
         design: The robot; its friction at the actuators is not counted in the limits.
         path: The path; it may cross no singularity at all.
@@ -129,7 +131,9 @@ def time_optimal(
     """
     if not limits.needs_torques or np.isfinite(limits.rates[1:]).any():
         raise InvalidInput(
-            "limits", "torque or force, and at most speed and turn_speed, are needed"
+            "limits",
+            "torque or force, and at most speed and turn_speed, are needed; shortest_motion keeps "
+            "the others, on a path without singularities",
         )
     found = crossings(design.geometry, path)
     _check_path(design, path, found, limits)

@@ -12,7 +12,7 @@ duration in closed form, and that of the motion is the largest of them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -21,7 +21,7 @@ import numpy as np
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.drive import NO_DRIVES
+from paminsa_viz.model.drive import NO_DRIVES, Drive
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.jacobians import actuator_acceleration, actuator_velocity
 from paminsa_viz.model.load import NO_LOAD
@@ -137,17 +137,10 @@ def shortest_stretch(
     if np.isfinite(rates[2]).any() and not curve.bounded_jerk:
         problem = "the acceleration of this motion jumps, so its jerk has no bound"
         raise InvalidInput("limits", problem)
-    parts: list[Callable[[Array], Array]] = [partial(_rate_durations, curve, rates)]
-    driven = drives and design is not None and any(design.drives)
-    if design is not None and (driven or limits.needs_torques):
-        torques = partial(_torque_durations, curve, limits.actuators, design, misprints)
-        parts.append(torques)
-    if design is not None and driven:
-        parts.append(_drive_durations(curve, design, misprints))
-    needed = supremum(lambda u: np.concatenate([part(u) for part in parts], axis=1), curve.breaks)
+    needed = supremum(needed_durations(curve, limits, design, drives, misprints), curve.breaks)
     if not np.isfinite(needed.value) and design is not None:
         at = np.array([needed.u])
-        held = _parts(curve, design, misprints, at)[0][0]
+        held = torque_parts(curve, design, misprints, at)[0][0]
         bounds = limits.actuators
         if needed.column >= FIRST_OF_DRIVES:
             bounds = np.array([one.peak for one in design.output_limits])
@@ -158,11 +151,37 @@ def shortest_stretch(
     if needed.value <= 0:
         raise InvalidInput("limits", "nothing that moves is limited")
     duration = needed.value * (1.0 + _ROUNDING)
-    limit = [*rates.ravel(), *limits.actuators, *[1.0] * 4, *_motor_speeds(design)][needed.column]
     return ShortestStretch(
-        plan.lasting(duration), LIMITED[needed.column], float(limit), UNITS[needed.column],
-        needed.u * duration,
+        plan.lasting(duration), LIMITED[needed.column], limit_of(needed.column, limits, design),
+        UNITS[needed.column], needed.u * duration,
     )  # fmt: skip
+
+
+def limit_of(column: int, limits: MotionLimits, design: Design | None) -> float:
+    """Return a limit by its place in `limits.LIMITED`, in its unit."""
+    rows = [*limits.rates.ravel(), *limits.actuators, *[1.0] * 4, *_motor_speeds(design)]
+    return float(rows[column])
+
+
+def needed_durations(
+    curve: UnitCurve,
+    limits: MotionLimits,
+    design: Design | None,
+    drives: bool = True,
+    misprints: Misprint = Misprint.NONE,
+) -> Callable[[Array], Array]:
+    """Return what gives the durations that limits require at instants (n,), (n, columns) [s].
+
+    The columns are those of `limits.LIMITED`, as far as a design is given and its drives are kept.
+    """
+    parts: list[Callable[[Array], Array]] = [partial(_rate_durations, curve, limits.rates)]
+    driven = drives and design is not None and any(design.drives)
+    if design is not None and (driven or limits.needs_torques):
+        torques = partial(_torque_durations, curve, limits.actuators, design, misprints)
+        parts.append(torques)
+    if design is not None and driven:
+        parts.append(_drive_durations(curve, design, misprints))
+    return lambda u: np.concatenate([part(u) for part in parts], axis=1)
 
 
 def _reshaped(plan: Plan, limits: MotionLimits) -> Plan:
@@ -190,13 +209,13 @@ def _rate_durations(curve: UnitCurve, limits: Array, u: Array) -> Array:
     return np.concatenate(found, axis=1)
 
 
-def _parts(
-    curve: UnitCurve, design: Design, misprints: Misprint, u: Array
+def torque_parts(
+    curve: Callable[[Array, int], Array], design: Design, misprints: Misprint, u: Array
 ) -> tuple[Array, Array, Array]:
     """Return the torques' parts of order 0, 1 and 2 in 1/T along a curve, each (n, 4)."""
     friction = design.actuator_friction
     plain = design.without_friction()
-    pose, rate, growth = curve(u), curve(u, 1), curve(u, 2)
+    pose, rate, growth = curve(u, 0), curve(u, 1), curve(u, 2)
     still = np.zeros_like(pose)
     gravity = inverse_dynamics(plain, pose, still, still, misprints).torque
     weightless = replace(plain, gravity=0.0, load=NO_LOAD)
@@ -232,7 +251,7 @@ def _drive_durations(
     speeds = np.array([one.speed for one in design.output_limits])
 
     def durations(u: Array) -> Array:
-        load = _parts(curve, plain, misprints, u)
+        load = torque_parts(curve, plain, misprints, u)
         pose, rate, growth = curve(u), curve(u, 1), curve(u, 2)
         speed = actuator_velocity(design, pose, rate)
         turned = actuator_acceleration(design.geometry, pose, rate, growth)
@@ -244,14 +263,7 @@ def _drive_durations(
             viscous, coulomb = drive.reflected_friction
             inertia = drive.reflected_inertia * turned[:, j]
             own = (coulomb * np.sign(speed[:, j]), viscous * speed[:, j], inertia)
-            # behind the gear the load is T/eta where the motor drives and T eta where the load does
-            eta = np.where(speed[:, j] == 0, 1.0, drive.total_efficiency)
-            shares = (1 / eta, eta) if drive.total_efficiency < 1 else (eta,)
-            lines = [(a * drive.ratio, s * drive.ratio**2, shares, 1.0) for a, s in drive.lines]
-            lines.append((drive.gear_limits.peak, 0.0, (np.ones_like(eta),), 0.0))
-            for limit, fall, lossy, counted in lines:
-                if np.isinf(limit):
-                    continue
+            for limit, fall, lossy, counted in drive_lines(drive, speed[:, j]):
                 for sign in (1.0, -1.0):
                     needed = []
                     for share in lossy:
@@ -270,6 +282,27 @@ def _drive_durations(
     return durations
 
 
+def drive_lines(
+    drive: Drive, speed: Array
+) -> Iterator[tuple[float, float, tuple[Array, ...], float]]:
+    """Yield the limits of a drive, |share load + counted own| + fall |speed| <= limit.
+
+    Args:
+        drive: The drive.
+        speed: (n,) of the actuator; its sign matters.
+
+    Yields:
+        Limit and fall at the actuator, the shares (n,) of which the larger one counts at a positive
+        speed and the smaller one at a negative, and whether the motor's own torque counts.
+    """
+    # behind the gear the load is T/eta where the motor drives and T eta where the load does
+    eta = np.where(speed == 0, 1.0, drive.total_efficiency)
+    shares = (1 / eta, eta) if drive.total_efficiency < 1 else (eta,)
+    lines = [(a * drive.ratio, s * drive.ratio**2, shares, 1.0) for a, s in drive.lines]
+    lines.append((drive.gear_limits.peak, 0.0, (np.ones_like(eta),), 0.0))
+    yield from (line for line in lines if not np.isinf(line[0]))
+
+
 def _longest(room: Array, first: Array, second: Array) -> Array:
     """Return 1/w for the smallest w > 0 with first w + second w^2 = room; infinite without room."""
     with np.errstate(all="ignore"):
@@ -286,7 +319,7 @@ def _torque_durations(
     With w = 1/T a torque is constant + first w + second w^2. It starts within its limit at w = 0
     and first leaves it at the smallest positive root w of limit -+ torque = 0; T = 1/w.
     """
-    constant, first, second = _parts(curve, design, misprints, u)
+    constant, first, second = torque_parts(curve, design, misprints, u)
     longest = np.zeros_like(constant)
     for sign in (1.0, -1.0):
         needed = _longest(limits - sign * constant, sign * first, sign * second)

@@ -145,6 +145,10 @@ trajectory --shortest                               | --max-speed
 trajectory --cross --max-torque 3                   | --waypoints
 trajectory --file poses.csv --waypoints --cross     | --max-torque
 trajectory --max-torque 3                           | --max-torque
+trajectory --shortest --stretch --max-speed 1       | --stretch excludes --shortest
+trajectory --stretch                                | --max-speed
+trajectory --published none.csv                     | none.csv
+trajectory --published a.csv --figure pose --out a.png | --published
 trajectory --shortest --max-speed -1                | speed
 trajectory --shortest --max-speed 1 --duration 2    | --duration
 trajectory --shortest --max-torque 1e308            | --max-torque: at most 1e+09

@@ -104,12 +104,34 @@ def test_a_written_table_gives_the_same_again(capsys) -> None:
 
 
 def test_the_shortest_motion_reaches_its_limit(capsys) -> None:
-    words = "--preset arch --shortest --max-torque 4 --max-turn-speed 200 --out a.csv"
+    words = "--preset arch --stretch --max-torque 4 --max-turn-speed 200 --out a.csv"
     found = run_json(capsys, *words.split())
     torques = numbers(read("a.csv"), TORQUES[:3])
     assert np.abs(torques).max() == pytest.approx(4.0, rel=1e-4)
     assert np.abs(torques).max() <= 4.0
     assert found["shortest"]["quantity"].startswith("torque of M")
+
+
+@pytest.mark.parametrize("flag", ["--shortest", "--minimum-time"])
+def test_the_shortest_motion_is_the_time_optimal_one(capsys, flag: str) -> None:
+    """By whichever name of the flag: quicker than the stretched law, a torque at its limit."""
+    words = f"--preset arch {flag} --max-torque 4 --max-turn-speed 200 --out a.csv"
+    found = run_json(capsys, *words.split())
+    table = read("a.csv")
+    torque = np.abs(numbers(table, TORQUES[:3])).max(axis=1) / 4.0
+    turn = np.abs(table["omega_rad_s"].astype(float)) / np.radians(200.0)
+    used = np.maximum(torque, turn)
+    assert used.max() <= 1.0 + 1e-3
+    assert np.mean(used > 0.97) > 0.85
+    assert found["trajectory"]["duration_s"] < 0.8 * found["shortest"]["stretched_s"]
+
+
+def test_a_limit_of_jerk_stretches_and_says_why(capsys) -> None:
+    words = ("--preset", "arch", "--shortest", "--max-acceleration", "3", "--max-jerk", "40")
+    found = run_json(capsys, *words)
+    assert found["trajectory"]["duration_s"] == found["shortest"]["stretched_s"]
+    assert "jerk is not convex" in found["shortest"]["note"]
+    assert "jerk is not convex" in run(capsys, *words)[1]
 
 
 def test_degrees_are_degrees(capsys) -> None:
@@ -226,3 +248,44 @@ def test_an_engine_is_compared_with_friction_on_both_sides(capsys) -> None:
     other = engine_torques(analysis, "pinocchio", most=None)
     np.testing.assert_allclose(other.torque, analysis.torque, atol=1e-9)
     assert Path("a.svg").exists()
+
+
+def test_published_torques_are_drawn_and_compared(capsys) -> None:
+    """A table of the computed torques, M1 and M4, each off by a known amount."""
+    run(capsys, "--preset", "line", "--out", "own.csv")
+    table = read("own.csv")
+    t = table["t_s"].astype(float)
+    m1, m4 = table["tau1_Nm"].astype(float) + 0.25, table["f4_N"].astype(float)
+    numbers_of = np.stack([t, m1, m4], axis=1)[::10].tolist()
+    rows = [",".join(map(repr, row)) for row in numbers_of]
+    Path("fig6.csv").write_text("# digitized\nt_s,tau1_Nm,f4_N\n" + "\n".join(rows) + "\n")
+    words = ("--preset", "line", "--published", "fig6.csv")
+    found = run_json(capsys, *words, "--out", "a.svg")["published"]
+    assert found[0]["largest_difference"] == pytest.approx(0.25, rel=1e-9)
+    assert found[0]["rms_difference"] == pytest.approx(0.25, rel=1e-9)
+    assert found[1] is None
+    assert found[2] is None
+    assert found[3]["largest_difference"] < 1e-9
+    assert "fig6" in Path("a.svg").read_text(encoding="utf-8")
+    code, out, _ = run(capsys, *words, "--figure", "comparison", "--out", "b.svg")
+    assert code == 0
+    assert "published fig6, M1: computed off by at most 0.25 N·m, RMS 0.25 N·m" in out
+    drawn = Path("b.svg").read_text(encoding="utf-8")
+    assert "fig6" in drawn
+    assert "Difference of M4" in drawn
+    assert "Difference of M2" not in drawn  # the table lacks it; the motion does not fail
+
+
+def test_the_balanced_robot_has_the_torques_that_the_paper_prints(capsys) -> None:
+    """The worked example: none of gravity on M1 to M3, on a motion that is all but at rest."""
+    from paminsa_viz.balancing import balance
+    from paminsa_viz.files.design_file import save_design
+
+    save_design(balance(APPENDIX_4).after, "balanced.toml")
+    example = Path(__file__).parents[2] / "published" / "paper-balanced-gravity.csv"
+    words = ("--preset", "circle", "--duration", "600", "--rate", "2", "--published", str(example))
+    balanced = run_json(capsys, *words, "--design", "balanced.toml")["published"]
+    assert all(one["largest_difference"] < 1e-4 for one in balanced[:3])
+    assert balanced[3] is None
+    as_it_is = run_json(capsys, *words)["published"]
+    assert max(one["largest_difference"] for one in as_it_is[:3]) > 1.0

@@ -99,3 +99,19 @@ def test_without_the_engine_the_line_says_how_to_install_it(capsys, monkeypatch)
     assert err == (
         "paminsa-viz: MuJoCo is not installed; it is part of the installation: pip install mujoco\n"
     )
+
+
+def test_report_has_every_claim_with_its_figure(capsys) -> None:
+    from paminsa_viz.report.claims import CLAIMS
+
+    code, found = 0, run_json(capsys, *QUICK, "--report", "claims.html")
+    assert code == 0
+    assert [one["claim"] for one in found["claims"]] == [one.text for one in CLAIMS]
+    assert all(one["holds"] for one in found["claims"])
+    text = Path("claims.html").read_text(encoding="utf-8")
+    assert text.count("<td>holds</td>") + text.count(">holds<") >= len(CLAIMS)
+    assert "FAILS" not in text
+    assert f"{len(CLAIMS)} of {len(CLAIMS)} hold" in text
+    code, _, err = run(capsys, *QUICK, "--report", "claims.txt")
+    assert code == 2
+    assert "--report" in err

@@ -52,11 +52,11 @@ def change(state: State, **changes: Any) -> State:
 
 
 def choose_preset(state: State, key: str) -> State:
-    """Choose a preset, in its own duration unless the shortest one is chosen."""
+    """Choose a preset, in its own duration unless a shortest one is chosen."""
     if key not in PRESET:
         raise InvalidInput("motion", f"one of {', '.join(PRESET)} is needed")
     motion = state.document.motion
-    timing = Timing.SHORTEST if motion.timing is Timing.SHORTEST else Timing.OWN
+    timing = motion.timing if motion.timing.keeps_limits else Timing.OWN
     return from_start(change(state, kind=Kind.PRESET, preset=key, timing=timing, back=False))
 
 

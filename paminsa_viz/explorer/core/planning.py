@@ -29,6 +29,7 @@ from paminsa_viz.trajectory import (
     plan_deformed,
     point_to_point,
     round_trip,
+    shortest_motion,
     shortest_stretch,
     spline_path,
     straight_path,
@@ -69,7 +70,7 @@ def planned(motion: Motion, design: Design) -> Planned:
     # Masses matter only where torques bound the duration: other trajectories stay while a mass
     # changes, and with them all that was solved along them.
     bounded = motion.limits.needs_torques or any(design.drives)
-    shown = motion.crosses or (motion.timing is Timing.SHORTEST and bounded)
+    shown = motion.crosses or (motion.timing.keeps_limits and bounded)
     return _planned(motion, design.geometry, design if shown else None)
 
 
@@ -90,9 +91,10 @@ def _planned(motion: Motion, geometry: Geometry, design: Design | None) -> Plann
             plan = crossing.plan
         except PaminsaError as error:
             problem = str(error)
-    elif motion.timing is Timing.SHORTEST:
+    elif motion.timing.keeps_limits:
+        shortest = shortest_motion if motion.timing is Timing.SHORTEST else shortest_stretch
         try:
-            found = shortest_stretch(plan, motion.limits, design)
+            found = shortest(plan, motion.limits, design)
             plan, bound = found.plan, found.explanation
         except ImpossibleTrajectory:
             bound = "no shortest duration, since the robot cannot run the path"
@@ -155,7 +157,7 @@ def plan_through(motion: Motion, design: Design) -> DeformedPlan:
     limits = replace(
         motion.limits, acceleration=None, turn_acceleration=None, jerk=None, turn_jerk=None
     )
-    duration = None if motion.timing is Timing.SHORTEST else motion.duration
+    duration = None if motion.timing.keeps_limits else motion.duration
     if motion.deviation:
         return plan_deformed(
             design, path, limits, duration, most=motion.deviation, name=motion.kind.value

@@ -77,6 +77,14 @@ class Timing(Enum):
     """The preset's own duration; other motions take `Motion.duration`."""
     GIVEN = "given"
     SHORTEST = "shortest"
+    """The time-optimal law on the path."""
+    STRETCHED = "stretched"
+    """The shortest that the motion's own law can be stretched to."""
+
+    @property
+    def keeps_limits(self) -> bool:
+        """Whether the duration follows from limits."""
+        return self in (Timing.SHORTEST, Timing.STRETCHED)
 
 
 DEFAULT_LIMITS = MotionLimits(

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from paminsa_viz.checks import require_positive
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
@@ -256,8 +257,7 @@ def largest_workspace(
     if workspace is None:
         raise InvalidInput("workspace", "a shape with its proportions is needed")
     for name, number in (("tolerance", tolerance), ("time_limit", time_limit)):
-        if not (np.isfinite(number) and number > 0.0):
-            raise InvalidInput(name, f"a number above 0 is needed, not {number!r}")
+        require_positive(number, name)
     control = Control(time_limit, progress)
     grows, region = growth.axes, region_of(workspace, requirements)
     free = [place is None for place in workspace.center]

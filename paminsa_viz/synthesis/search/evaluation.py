@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -102,10 +102,11 @@ class Evaluator:
     density: Density = TRIAL
     tighter: tuple[float, ...] = ()
     relaxed: int | None = None
-    _poses: Poses = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "_poses", Poses(self.case, self.density))
+    @cached_property
+    def _poses(self) -> Poses:
+        """The poses that trials are measured at; solved once in each process."""
+        return Poses(self.case, self.density)
 
     def costs(
         self, numbers: Sequence[Array], most: Sequence[float] = (), best: float = np.inf

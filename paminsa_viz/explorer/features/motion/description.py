@@ -37,6 +37,7 @@ TIMINGS = {
     "the preset's": Timing.OWN,
     "given": Timing.GIVEN,
     "shortest within limits": Timing.SHORTEST,
+    "shortest, law kept": Timing.STRETCHED,
 }
 
 
@@ -161,7 +162,8 @@ DESCRIPTION: tuple[Entry, ...] = (
     _setting("back", visible=_planned),
     Dropdown(
         "motion.timing", "Duration", options=timing_options, visible=_planned,
-        hint="Given, or the shortest in which the robot keeps its limits", read=current_timing,
+        hint="Given, or the shortest within limits, by the time-optimal law or the motion's own",
+        read=current_timing,
         apply=lambda state, timing: motions.change(state, timing=timing),
     ),
     _setting(
@@ -171,7 +173,7 @@ DESCRIPTION: tuple[Entry, ...] = (
     Folder(
         "motion.limits", "Limits",
         visible=lambda state: _planned(state)
-        and (_crosses(state) or state.document.motion.timing is Timing.SHORTEST),
+        and (_crosses(state) or state.document.motion.timing.keeps_limits),
         entries=(
             Html(
                 "motion.limits.note",

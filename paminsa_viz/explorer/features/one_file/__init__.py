@@ -14,14 +14,17 @@ from typing import Any
 
 from paminsa_viz.codegen.javascript import FLOOR_MOD, JavaScript
 from paminsa_viz.codegen.printer import Printer
+from paminsa_viz.dimensions.layout import frame_lengths, platform_range
 from paminsa_viz.explorer.core import persistence
-from paminsa_viz.explorer.features.pose.tab import POSE
+from paminsa_viz.explorer.features.one_file.motions import motions_data
+from paminsa_viz.explorer.features.pose.tab import GRAIN, LEAST_STEPS, POSE
 from paminsa_viz.explorer.kit import design_numbers
 from paminsa_viz.explorer.kit.entries import given
 from paminsa_viz.explorer.kit.inputs import Slider
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.files.design_schema import KEY_OF, SCHEMA_VERSION
+from paminsa_viz.meshes.packed import pack_bodies
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETER,
@@ -35,7 +38,7 @@ from paminsa_viz.model.leg import leg_position, mechanism_of_lengths
 from paminsa_viz.model.load import WRENCH, wrench_at_center
 from paminsa_viz.model.lumped import MASS_PATHS, Masses, coefficients_of_masses
 from paminsa_viz.model.ranges import possible_range
-from paminsa_viz.model.reach import MARGINS, workspace_radius
+from paminsa_viz.model.reach import MARGINS
 from paminsa_viz.old_names import KNEES
 from paminsa_viz.palette import ACTUATOR_COLORS, DARK, LIGHT, Theme
 from paminsa_viz.version import MADE_BY
@@ -49,20 +52,24 @@ FORMULAS = (
     kinematic_formulas.wrench_torques,
     wrench_at_center,
     robot.unit_torques,
+    robot.inverse_dynamics_kernel,
+    kinematic_formulas.speed_rows,
+    kinematic_formulas.friction,
+    measures.leg_margins,
     measures.least_margin,
     measures.dexterity,
     measures.singular_distances,
+    measures.workspace_circle,
+    frame_lengths,
+    platform_range,
 )
 """What the page computes with, and all that these call."""
 
 SHOWN_TABS = ("Lengths", "Masses", "Load")
 """Sections of the design's numbers that change what the page shows."""
 
-ONLY_MOVING = ("platform.inertia", "payload.inertia", "inertias.", "friction.")
-"""Starts of the paths of numbers among them that change nothing at rest."""
-
 ONLY_SERVED = (
-    "motions, balance, springs, tolerances, drives, accuracy, stiffness, clearance, "
+    "motions of your own, balance, springs, tolerances, drives, accuracy, stiffness, clearance, "
     "identification, requirements, synthesis and all exports"
 )
 """What the page does not have."""
@@ -84,6 +91,11 @@ def one_file(document: Document) -> str:
         "DATA": json.dumps(_data(document), ensure_ascii=False).replace("<", "\\u003c"),
         "FORMULAS": _formulas(),
         "ROBOT": _text("robot.js"),
+        "MOTION": _text("motion.js"),
+        "PLAYBACK": _text("playback.js"),
+        "BODIES": _text("bodies.js"),
+        "SCENE": _text("scene.js"),
+        "VIEW": _text("view.js"),
         "PICTURES": _text("pictures.js"),
         "PAGE": _text("page.js"),
     }
@@ -110,14 +122,16 @@ def _text(name: str) -> str:
 
 def _colors(selector: str, theme: Theme) -> str:
     names = ("paper", "ink", "muted", "faint", "good", "warn", "bad", "reachless")
+    top, bottom = theme.backdrop
+    backdrop = f"--backdrop: linear-gradient({top}, {bottom});"
     pairs = [f"--{name}: {getattr(theme, name)};" for name in names]
     pairs += [f"--m{i}: {theme.shown(color)};" for i, color in enumerate(ACTUATOR_COLORS, 1)]
-    return f"{selector} {{ {' '.join(pairs)} }}\n"
+    return f"{selector} {{ {' '.join([*pairs, backdrop])} }}\n"
 
 
 def _data(document: Document) -> dict[str, Any]:
     """Return what the page knows of the program besides its formulas."""
-    state, g = initial_state(document.design), document.design.geometry
+    state = initial_state(document.design)
     return {
         "madeBy": MADE_BY,
         "document": persistence.dump(document),
@@ -132,9 +146,11 @@ def _data(document: Document) -> dict[str, Any]:
         "masses": dict(zip(Masses._fields, MASS_PATHS, strict=True)),
         "load": [f"load.{name}" for name in (*WRENCH, "point_x", "point_y", "point_z")],
         "heading": list(kinematic_formulas.HEADING),
+        "grain": GRAIN,
+        "leastSteps": LEAST_STEPS,
         "limits": [limit.label for limit in MARGINS],
-        # No singular circle is larger than that.
-        "radius": min(workspace_radius(g), g.base_radius + g.platform_radius),
+        "motions": motions_data(),
+        "meshes": pack_bodies(document.design.geometry),
         "pose": [_slider(entry, state) for entry in POSE if isinstance(entry, Slider)],
         "groups": [
             {
@@ -146,7 +162,7 @@ def _data(document: Document) -> dict[str, Any]:
                 ],
             }
             for group in design_numbers.GROUPS
-            if group.tab in SHOWN_TABS and not set(group.prefixes) & set(ONLY_MOVING)
+            if group.tab in SHOWN_TABS
         ],
         "onlyServed": ONLY_SERVED,
     }

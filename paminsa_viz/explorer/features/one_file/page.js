@@ -13,7 +13,6 @@
   const forward = [];
   let moving = false;
   let spent = 0;
-  let view = { turn: 0.6, tilt: 0.35 };
 
   // --- the document ---------------------------------------------------------------------------
   const say = (text) => {
@@ -52,6 +51,18 @@
     set({ ...doc, pose: doc.pose.map((value, index) => changes[index] ?? value) }, source);
   const vary = (path, value, source) =>
     set({ ...doc, design: { ...doc.design, [path]: value } }, source);
+  /** Return the ends of a pose's slider, as the served page has them. */
+  const poseRange = (index, entry) => {
+    if (index === 2) return [entry.low, entry.high];
+    const { grain, leastSteps } = PAGE;
+    if (index < 2) {
+      const steps = Math.max(Math.ceil(1e3 * paminsaWorkspaceCircle(robot.mechanism) / grain), leastSteps);
+      return [-steps * grain, steps * grain];
+    }
+    const { low, high } = paminsaPlatformRange(robot.mechanism);
+    const least = Math.ceil(1e3 * low / grain) * grain;
+    return [least, Math.max(Math.floor(1e3 * high / grain) * grain, least + grain)];
+  };
   const setKnee = (knee) => {
     if (knee === doc.knee) return;
     const [x, y, theta, z] = doc.pose;
@@ -97,7 +108,7 @@
     ? value.toFixed(digits).replace("-", "\u2212") : value === Infinity ? "∞" : "–";
   const decimals = (step) => Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
   const fields = [];
-  const addSlider = (parent, entry, id, read, write) => {
+  const addSlider = (parent, entry, id, read, write, ends = () => [entry.low, entry.high]) => {
     const row = document.createElement("div");
     row.className = "field";
     row.title = entry.hint ?? "";
@@ -127,8 +138,9 @@
     parent.append(row);
     fields.push(() => {
       const value = Number(((read() ?? 0) * entry.factor).toFixed(9));
-      range.min = Math.min(entry.low, value);
-      range.max = Math.max(entry.high, value);
+      const [low, high] = ends();
+      range.min = Math.min(low, value);
+      range.max = Math.max(high, value);
       range.value = value;
       const text = String(Number(value.toFixed(Math.max(decimals(entry.step), 6))));
       if (document.activeElement !== box || !moving) box.value = text;
@@ -137,7 +149,7 @@
   };
   PAGE.pose.forEach((entry, index) => addSlider(
     find("pose"), entry, `pose.${index}`, () => doc.pose[index],
-    (value, source) => move({ [index]: value }, source),
+    (value, source) => move({ [index]: value }, source), () => poseRange(index, entry),
   ));
   for (const group of PAGE.groups) {
     const box = document.createElement("details");
@@ -258,7 +270,20 @@
   const canvases = [];
   const titles = [];
   let solvedMaps = null; // maps, and the number of their cells
-  const extent = () => PAGE.radius || 0.1;
+  // No singular circle is larger than the radii together.
+  const extent = () => {
+    const m = robot.mechanism;
+    return Math.min(paminsaWorkspaceCircle(m), m.base_radius + m.platform_radius) || 0.1;
+  };
+  const differs = () => Boolean(doc.reference) && find("kind").value === "difference";
+  /** Return the maps that are chosen, n cells along each side. */
+  const chosenMaps = (n) => {
+    const [, , theta, z] = doc.pose;
+    const maps = solveMaps(robot, theta, z, extent(), n);
+    if (!differs()) return maps;
+    const other = solveMaps(robotOf(doc.reference, doc.knee), theta, z, extent(), n);
+    return maps.map((map, index) => map.map((value, cell) => value - other[index][cell]));
+  };
   const placeIn = (canvas, event) => {
     const box = canvas.getBoundingClientRect();
     return [
@@ -288,24 +313,34 @@
       if (event.buttons & 1) go(event);
       const [x, y] = placeIn(canvas, event);
       const found = solvePose(robot, [x, y, doc.pose[2], doc.pose[3]]);
-      const value = found.ok ? `${number(found.torques[index], 3)} N·m` : "out of reach";
+      const other = differs()
+        ? solvePose(robotOf(doc.reference, doc.knee), [x, y, doc.pose[2], doc.pose[3]]).torques[index] : 0;
+      const value = found.ok ? `${number(found.torques[index] - other, 3)} N·m` : "out of reach";
       find("hover").textContent =
-        `x ${number(1e3 * x, 1)} mm, y ${number(1e3 * y, 1)} mm: τ${"₁₂₃"[index]} ${value}`;
+        `x ${number(1e3 * x, 1)} mm, y ${number(1e3 * y, 1)} mm: ${differs() ? "Δ" : ""}τ${"₁₂₃"[index]} ${value}`;
     });
   });
-  const turn = (dx, dy) => {
-    view = { turn: view.turn + dx, tilt: Math.max(-1.57, Math.min(1.57, view.tilt + dy)) };
-    request();
-  };
-  find("robot").addEventListener("pointermove", (event) => {
-    if (event.buttons & 1) turn(-0.01 * event.movementX, 0.01 * event.movementY);
+  const view = createView(find("robot"), {
+    shown: () => shown,
+    request: () => request(),
+    move: (changes) => {
+      moving = true;
+      move(changes, "handle");
+    },
+    release: () => {
+      moving = false;
+      lastSource = "";
+    },
   });
-  find("robot").addEventListener("keydown", (event) => {
-    const step = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] };
-    if (!step[event.key]) return;
-    event.preventDefault();
-    turn(...step[event.key]);
-  });
+  for (const name of Object.keys(PRESETS)) {
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: name });
+    button.addEventListener("click", () => view.look(name));
+    find("views").prepend(button);
+  }
+  find("views").prepend(...[...find("views").querySelectorAll("button")].reverse());
+  for (const id of ["floor", "kind"]) find(id).addEventListener("change", () => request());
+  for (const id of ["robot", "views"]) find(id).hidden = view.isMissing;
+  find("flat").hidden = !view.isMissing;
 
   // --- numbers --------------------------------------------------------------------------------
   const fill = (id, rows, head) => {
@@ -322,8 +357,17 @@
         : `${number(1e3 * solved.actuators[3], 1)} mm`;
       const other = pinned
         ? [number(pinned.torques[index], digits), number(torque - pinned.torques[index], digits)] : [];
-      return [`M${index + 1}`, position, `${number(torque, digits)} ${unit}`, ...other];
+      const swatch = `<span class="swatch" style="background: var(--m${index + 1})"></span>`;
+      return [`${swatch}M${index + 1}`, position, `${number(torque, digits)} ${unit}`, ...other];
     }), ["", "position", "static torque", ...(pinned ? ["pinned", "difference"] : [])]);
+    const { mechanism } = robot;
+    const [x, y, theta, z] = doc.pose;
+    const margins = [0, 1, 2].map((leg) => Object.values(paminsaLegMargins(mechanism, AXIS_X[leg],
+      AXIS_Y[leg], x, y, Math.cos(theta), Math.sin(theta), z)));
+    fill("margins", PAGE.limits.map((label, limit) => [label, ...margins.map((leg, index) => {
+      const text = number(1e3 * leg[limit], 1);
+      return index + 1 === solved.leg && limit === solved.limit ? `<b>${text}</b>` : text;
+    })]), ["", "leg 1", "leg 2", "leg 3"]);
     const mass = balancedMass();
     fill("quality", [
       ["M<sub>p2</sub>, static imbalance (Eq. 8)", `${number(robot.imbalance, 4)} N`],
@@ -342,6 +386,18 @@
       : beyond ? "Beyond a type-2 singularity" : near ? "Near a singularity" : "Ok";
   };
 
+  const playback = createPlayback({
+    current: () => ({ robot, doc }), request: () => request(), fill, number,
+    move: (changes) => {
+      moving = true;
+      move(changes, "motion");
+    },
+    release: () => {
+      moving = false;
+      lastSource = "";
+    },
+  });
+
   let waiting = 0;
   const request = () => {
     waiting ||= requestAnimationFrame(() => {
@@ -359,32 +415,49 @@
     document.title = `${doc.name} - PAMINSA explorer in one file`;
     buttons.Undo.disabled = !back.length;
     buttons.Redo.disabled = !forward.length;
+    find("kind").disabled = !doc.reference;
     buttons.Pin.textContent = doc.reference ? "Unpin" : "Pin";
     buttons["Balance by m₇"].disabled = !(balancedMass() >= 0);
     drawNumbers(solved);
-    if (shown) drawRobot(find("robot"), shown.robot, shown.pose, shown.solved, view);
+    playback.draw();
     const n = moving && spent > SLOW ? WHILE_MOVED : CELLS;
-    const wanted = JSON.stringify([doc.design, doc.load_frame, doc.knee, doc.pose[2], doc.pose[3], n]);
+    const wanted = JSON.stringify([doc.design, doc.load_frame, doc.knee, doc.pose[2], doc.pose[3], n,
+      differs() && doc.reference]);
     if (wanted !== key) {
       const start = performance.now();
-      solvedMaps = { values: solveMaps(robot, doc.pose[2], doc.pose[3], extent(), n), n };
+      solvedMaps = { values: chosenMaps(n), n };
       spent = performance.now() - start;
       solvedMaps.limit = colorLimit(solvedMaps.values);
+      solvedMaps.pictures = solvedMaps.values.map((each) => pictureOf(each, n, solvedMaps.limit));
       key = wanted;
     }
-    const { values, limit } = solvedMaps;
+    const { pictures, limit } = solvedMaps;
     const m = robot.mechanism;
     const singular = Math.sqrt(Math.max(0, m.base_radius ** 2 + m.platform_radius ** 2
       - 2 * m.base_radius * m.platform_radius * Math.cos(doc.pose[2])));
     canvases.forEach((canvas, index) => {
-      drawMap(canvas, values[index], solvedMaps.n, limit, doc.pose, extent(), singular);
+      drawMap(canvas, pictures[index], doc.pose, extent(), singular);
       titles[index].textContent =
-        `τ${"₁₂₃"[index]}: blue ${number(-limit, 2)} to red ${number(limit, 2)} N·m`;
+        `${differs() ? "Δ" : ""}τ${"₁₂₃"[index]}: ±${number(limit, 1)} N·m`;
       canvas.setAttribute("aria-label", `Map of the static torque of M${index + 1}; `
         + `${number(solved.torques[index], 3)} N·m at the pose`);
     });
+    const chosen = find("floor").value;
+    if (shown)
+      view.draw({
+        floor: chosen && { picture: pictures[chosen], radius: extent() },
+        circle: paminsaWorkspaceCircle(m), singular, dark: isDark(), colors: pageColors(),
+      });
+    const [x, y, theta, z] = (shown?.pose ?? doc.pose);
+    find("robot").setAttribute("aria-label", `The robot at x ${number(1e3 * x, 1)} mm, `
+      + `y ${number(1e3 * y, 1)} mm, θ ${number(180 / Math.PI * theta, 1)}°, z ${number(1e3 * z, 1)} mm. `
+      + "Arrow keys turn the view, + and - zoom, Home shows all; the sliders move the platform.");
     document.documentElement.dataset.drawn = Number(document.documentElement.dataset.drawn ?? 0) + 1;
   };
+
+  const isDark = () => document.documentElement.classList.contains("dark");
+  const pageColors = () => Object.fromEntries(["m1", "m2", "m3", "m4", "ink", "good", "bad"].map((name) =>
+    [name, colorOf(name).match(/\w\w/g).map((part) => parseInt(part, 16) / 255)]));
 
   find("about").textContent = `Written by ${PAGE.madeBy}. All numbers are computed here by the same `
     + `formulas. Only in the served page (pip install, then paminsa-viz): ${PAGE.onlyServed}.`;
@@ -397,5 +470,5 @@
     if (refusal) say(refusal);
   };
   begin();
-  window.paminsaPage = { robotOf, solvePose, solveMaps, openShareCode, shareCode, designFile };
+  window.paminsaPage = { robotOf, solvePose, solveMaps, view, openShareCode, shareCode, designFile };
 })();

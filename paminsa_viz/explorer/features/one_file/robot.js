@@ -74,26 +74,39 @@ const robotOf = (doc, knee = doc.knee) => {
   for (const [symbol, path] of Object.entries(PAGE.masses)) masses[symbol] = of(path);
   const g = of("gravity");
   const c = paminsaCoefficientsOfMasses(masses, k, guide, g, 2);
+  const weightless = paminsaCoefficientsOfMasses(masses, k, guide, 0, 2);
+  const terms = (coefficients) => Object.fromEntries(Object.entries(PAGE.motions.terms).map(
+    ([name, row]) => [name, row.reduce((sum, part, index) => sum + part * coefficients[index], 0)]));
   const load = PAGE.load.map(of);
   return {
-    mechanism, g, arm: length("arm_length"), imbalance: c[1], load,
+    mechanism, g, guide, arm: length("arm_length"), payload: of("payload.mass"), imbalance: c[1], load,
     turns: doc.load_frame === "platform" ? 1 : 0, loaded: load.slice(0, 6).some(Boolean),
     lift: k * (c[16] * g + 3 * c[0]) + 3 * c[2],
+    terms: terms(c), weightless: terms(weightless), slow: of("friction.transition_speed"),
+    friction: ["rotary", "linear"].map((kind) =>
+      [of(`friction.viscous_${kind}`), of(`friction.coulomb_${kind}`)]),
   };
+};
+
+/** Return the torques of M1..M4 against the load on the platform. */
+const loadTorques = (robot, x, y, c, s, z) => {
+  if (!robot.loaded) return [0, 0, 0, 0];
+  const m = robot.mechanism;
+  const w = paminsaWrenchAtCenter(...robot.load, robot.turns, c, s);
+  const j = paminsaWrenchTorques(m, x, y, c, s, z);
+  const against = [0, 1, 2].map((leg) =>
+    -(j[leg] * w[0] + j[3 + leg] * w[1] + j[6 + leg] * w[5]));
+  return [...against, -m.k * w[2]];
 };
 
 /** Return Gamma times M_p2, the weight of the lift and the load: the static torques of M1..M4. */
 const staticTorques = (robot, unit, x, y, c, s, z) => {
-  const { mechanism: m, imbalance } = robot;
+  const { imbalance } = robot;
   const torques = [unit[0] * imbalance, unit[1] * imbalance, unit[2] * imbalance,
     unit[3] * imbalance + robot.lift];
   if (!robot.loaded) return torques;
-  const w = paminsaWrenchAtCenter(...robot.load, robot.turns, c, s);
-  const j = paminsaWrenchTorques(m, x, y, c, s, z);
-  for (let leg = 0; leg < 3; leg++)
-    torques[leg] -= j[leg] * w[0] + j[3 + leg] * w[1] + j[6 + leg] * w[5];
-  torques[3] -= m.k * w[2];
-  return torques;
+  const against = loadTorques(robot, x, y, c, s, z);
+  return torques.map((torque, index) => torque + against[index]);
 };
 
 /** Return all that is shown of a pose; cosine and sine may be given, as libraries round them. */

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 
 from paminsa_viz.explorer.core.persistence import open_share_code, share_code
 from paminsa_viz.explorer.features.one_file import one_file
+from paminsa_viz.explorer.features.pose.tab import pose_limits
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.files.design_file import read_design
 from paminsa_viz.model import (
@@ -26,9 +28,11 @@ from paminsa_viz.model import (
     check_reach,
     inverse_kinematics,
     static_torques,
+    torque_breakdown,
 )
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_imbalance
+from paminsa_viz.trajectory import PRESET
 from paminsa_viz.webpage import code_page
 from tests.explorer.test_page_access import CHECK, RULES
 from tests.support.chromium import until, watch_errors
@@ -242,6 +246,131 @@ def test_click_on_a_map_goes_there_and_the_knee_is_mirrored(opened: Opened) -> N
     opened.page.get_by_label("Knee branch").select_option("upper")
     found = opened.wait(lambda found: found.design.geometry.knee is KneeBranch.UPPER)
     assert check_reach(found.design.geometry, found.pose).ok
+
+
+COLORED = """async (canvas) => {
+  await new Promise(requestAnimationFrame);
+  const picture = document.createElement("canvas");
+  [picture.width, picture.height] = [90, 60];
+  const draw = picture.getContext("2d");
+  // A drawing buffer holds its picture until it is shown.
+  document.querySelector("#floor").dispatchEvent(new Event("change"));
+  await new Promise((done) => requestAnimationFrame(() => {
+    draw.drawImage(canvas, 0, 0, 90, 60);
+    done();
+  }));
+  const parts = draw.getImageData(0, 0, 90, 60).data;
+  return parts.filter((part, index) => index % 4 === 3 && part > 0).length / 5400;
+}"""
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_robot_is_drawn_and_moves_with_its_handle(opened: Opened) -> None:
+    opened.open(share_code(START))
+    page = opened.page
+    page.get_by_label("Floor map").select_option("1")
+    canvas = page.locator("#robot")
+    assert 0.05 < canvas.evaluate(COLORED) < 0.9
+    assert "x 80.0 mm, y 50.0 mm" in (canvas.get_attribute("aria-label") or "")
+    box = canvas.bounding_box()
+
+    def drag(keys: str, dx: float, dy: float) -> None:
+        u, v = page.evaluate("window.paminsaPage.view.handlePlace()")
+        x, y = box["x"] + u * box["width"], box["y"] + v * box["height"]
+        if keys:
+            page.keyboard.down(keys)
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x + dx, y + dy, steps=3)
+        page.mouse.up()
+        if keys:
+            page.keyboard.up(keys)
+
+    def look(name: str) -> None:
+        before = canvas.evaluate(COLORED)
+        page.get_by_role("button", name=name).click()
+        until(lambda: canvas.evaluate(COLORED) != before, "the view has changed")
+
+    look("Top")
+    drag("", 20, 0)
+    moved = opened.wait(lambda found: found.pose[0] > START.pose[0] + 0.01)
+    assert moved.pose[1:] == pytest.approx(START.pose[1:], abs=1e-3)
+    page.get_by_role("button", name="Undo").click()  # a drag is one step
+    opened.wait(lambda found: found == START)
+    look("Front")
+    drag("Shift", 0, -15)
+    moved = opened.wait(lambda found: found.pose[3] > START.pose[3] + 0.01)
+    assert moved.pose[:3] == START.pose[:3]
+    page.get_by_role("button", name="Undo").click()
+    opened.wait(lambda found: found == START)
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_presets_play_with_torques_by_cause_in_one_step(opened: Opened) -> None:
+    opened.open(share_code(OTHER))
+    page = opened.page
+    page.get_by_label("Preset").select_option("quintic")
+    plan = PRESET["quintic"].build(OTHER.design.geometry)
+    opened.wait(lambda found: np.allclose(found.pose, plan.at(0.0).pose, atol=1e-9))
+    page.get_by_role("button", name="Play").click()
+    opened.wait(lambda found: np.allclose(found.pose, plan.at(plan.duration).pose, atol=1e-9))
+    assert page.get_by_role("button", name="Play").is_visible()
+    page.get_by_role("button", name="Undo").click()
+    opened.wait(lambda found: np.allclose(found.pose, plan.at(0.0).pose, atol=1e-9))
+    page.get_by_label("Time, share of the duration").fill("0.25")
+    state = plan.at(0.25 * plan.duration)
+    opened.wait(lambda found: np.allclose(found.pose, state.pose, atol=1e-9))
+    parts = torque_breakdown(OTHER.design, *state)
+    for values in (parts.gravity, parts.inertial, parts.velocity, parts.total):
+        row = "\t".join(f"{value:.3f}" for value in values[:3]).replace("-", "−")
+        assert row in opened.text("causes")
+    # ranges and margins are those of the design of the link
+    limits = pose_limits(OTHER.design.geometry)
+    for index in (0, 1, 3):
+        slider = page.locator(f'[id="pose.{index}.range"]')
+        ends = float(slider.get_attribute("min") or 0), float(slider.get_attribute("max") or 0)
+        assert ends == pytest.approx(limits[index])
+    margins = check_reach(OTHER.design.geometry, state.pose).margins
+    assert f"{1e3 * margins.ravel()[0]:.1f}" in opened.text("margins")
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_maps_show_the_difference_from_the_pinned_design(opened: Opened) -> None:
+    opened.open(share_code(OTHER))
+    page = opened.page
+    page.get_by_label("Maps", exact=True).select_option("difference")
+    canvas = page.locator("#maps canvas").first
+    box = canvas.bounding_box()
+    canvas.hover(position={"x": 0.5 * box["width"], "y": 0.5 * box["height"]})
+    text = until(
+        lambda: (t := page.locator("#hover").inner_text()) and "Δτ₁" in t and t, "it is said"
+    )
+    x, y = (float(n.replace("−", "-")) / 1e3 for n in re.findall(r"[xy] ([−\d.]+) mm", text))
+    pose = (x, y, *OTHER.pose[2:])
+    wanted = static_torques(OTHER.design, pose)[0] - static_torques(APPENDIX_4, pose)[0]
+    shown = float(text.split("τ₁ ")[1].removesuffix(" N·m").replace("−", "-"))
+    assert shown == pytest.approx(wanted, abs=2e-3)
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_without_webgl_a_line_says_so(opened: Opened) -> None:
+    page = opened.context.new_page()
+    errors = watch_errors(page)
+    page.add_init_script("""HTMLCanvasElement.prototype.getContext = ((made) =>
+      function (kind, ...rest) {
+        return kind === "webgl2" ? null : made.call(this, kind, ...rest);
+      })(HTMLCanvasElement.prototype.getContext)""")
+    page.goto(opened.address)
+    line = page.get_by_text("The robot is not drawn: this browser has no WebGL2")
+    until(line.is_visible, "it is said")
+    assert not page.locator("#robot").is_visible()
+    assert "N·m" in page.get_by_test_id("actuators").inner_text()
+    page.close()
+    assert errors == []
 
 
 @pytest.mark.browser

@@ -1,0 +1,172 @@
+/** The motion's controls, its chart and its torques by cause, in the page in one file. */
+const SAMPLES = 121;
+const CURVES = { all: "τ₁, τ₂, τ₃", 3: "F₄ by cause", 0: "τ₁ by cause", 1: "τ₂ by cause", 2: "τ₃ by cause" };
+const CAUSE_COLORS = { gravity: "m1", inertial: "m2", velocity: "m3", friction: "m4", load: "muted", total: "ink" };
+
+/** Draw curves over time: [name, color, values] each; `now` is an instant. */
+const drawCurves = (canvas, curves, times, now, unit) => {
+  const { context: draw, width, height } = contextOf(canvas);
+  const all = curves.flatMap(([, , values]) => values).filter(Number.isFinite);
+  const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)];
+  const room = (high - low || 1) * 0.06;
+  const [left, top, right, bottom] = [44, 20, width - 6, height - 18];
+  const across = (time) => left + (right - left) * time / times[times.length - 1];
+  const up = (value) => bottom - (bottom - top) * (value - low + room) / (high - low + 2 * room);
+  draw.font = "11px system-ui, sans-serif";
+  draw.fillStyle = draw.strokeStyle = colorOf("muted");
+  draw.lineWidth = 1;
+  const step = [1, 2, 5, 10].map((part) => part * 10 ** Math.floor(Math.log10((high - low || 1) / 3)))
+    .find((part) => (high - low || 1) / part <= 5);
+  draw.textAlign = "right";
+  for (let tick = Math.ceil(low / step); tick * step <= high; tick++) {
+    draw.strokeStyle = colorOf(tick ? "faint" : "muted");
+    draw.beginPath();
+    draw.moveTo(left, up(tick * step));
+    draw.lineTo(right, up(tick * step));
+    draw.stroke();
+    draw.fillText(String(Number((tick * step).toPrecision(6))), left - 4, up(tick * step) + 4);
+  }
+  draw.fillText(`${times[times.length - 1].toFixed(2)} s`, right, height - 5);
+  draw.textAlign = "left";
+  draw.fillText(`0 s, ${unit}`, left, height - 5);
+  let place = left;
+  for (const [name, color, values] of curves) {
+    draw.strokeStyle = draw.fillStyle = colorOf(color);
+    draw.lineWidth = color === "ink" ? 2 : 1.5;
+    draw.beginPath();
+    let on = false;
+    values.forEach((value, index) => {
+      if (Number.isFinite(value)) draw[on ? "lineTo" : "moveTo"](across(times[index]), up(value));
+      on = Number.isFinite(value);
+    });
+    draw.stroke();
+    draw.fillText(name, place, 12);
+    place += draw.measureText(name).width + 8;
+  }
+  draw.strokeStyle = colorOf("ink");
+  draw.lineWidth = 1;
+  draw.beginPath();
+  draw.moveTo(across(now), top);
+  draw.lineTo(across(now), bottom);
+  draw.stroke();
+};
+
+/**
+ * Make the motion's controls. `current` gives the robot and its document, `move` puts the platform
+ * somewhere, `release` ends a change, `fill` writes a table, `number` a number.
+ */
+const createPlayback = ({ current, request, move, release, fill, number }) => {
+  const find = (id) => document.getElementById(id);
+  const option = (value, text) => Object.assign(document.createElement("option"), { value, textContent: text });
+  find("preset").append(option("", "none"), ...PAGE.motions.presets.map(({ key, label }) => option(key, label)));
+  find("law").append(...Object.keys(PAGE.motions.laws).map((name) => option(name, name)));
+  find("curves").append(...Object.entries(CURVES).map(([key, text]) => option(key, text)));
+  find("curves").value = "all";
+  const SHOWN = ["law", "duration", "time", "play", "curves", "chart", "moment", "causes"];
+  let motion = null; // with what was worked out of it
+  let key = "";
+  let started = 0; // when the play began, less the motion's time [ms]; 0 at rest
+  let time = 0;
+
+  const prepare = () => {
+    const { robot, doc } = current();
+    const preset = PAGE.motions.presets.find((each) => each.key === find("preset").value);
+    const wanted = JSON.stringify([doc.design, doc.load_frame, doc.knee, preset?.key,
+      find("law").value, find("duration").value]);
+    if (wanted === key) return;
+    key = wanted;
+    motion = null;
+    for (const id of SHOWN) find(id).disabled = !preset;
+    for (const id of ["chart", "moment", "causes"]) find(id).hidden = !preset;
+    if (!preset) return;
+    const asked = Number(find("duration").value);
+    motion = motionOf(robot, preset, find("law").value || preset.law,
+      asked >= 0.05 && asked <= 60 ? asked : 0);
+    find("duration").placeholder = String(Number(motion.duration.toPrecision(4)));
+    motion.times = Array.from({ length: SAMPLES }, (_, index) => motion.duration * index / (SAMPLES - 1));
+    motion.states = motion.times.map(motion.at);
+    motion.parts = motion.states.map((state) => torqueParts(robot, state));
+    motion.blocked = motion.states.findIndex(({ pose }) => !solvePose(robot, pose).ok);
+    time = Math.min(time, motion.duration);
+  };
+  const goTo = (instant) => {
+    time = Math.max(0, Math.min(motion.duration, instant));
+    const { pose } = motion.at(time);
+    move(Object.fromEntries(pose.map((value, axis) => [axis, Number(value.toFixed(9))])));
+    request();
+  };
+  const stop = () => {
+    started = 0;
+    find("play").textContent = "Play";
+    release();
+    request();
+  };
+  const tick = () => {
+    if (!started) return;
+    prepare();
+    if (!motion) {
+      stop();
+      return;
+    }
+    goTo((performance.now() - started) / 1000);
+    if (time >= motion.duration) stop();
+    else requestAnimationFrame(tick);
+  };
+  find("play").addEventListener("click", () => {
+    if (started) {
+      stop();
+      return;
+    }
+    prepare();
+    if (!motion) return;
+    if (time >= motion.duration) time = 0;
+    started = performance.now() - 1000 * time;
+    find("play").textContent = "Pause";
+    requestAnimationFrame(tick);
+  });
+  for (const id of ["preset", "law", "duration", "curves"])
+    find(id).addEventListener("change", () => {
+      if (id !== "curves") time = 0;
+      if (id === "preset") find("duration").value = "";
+      prepare();
+      if (motion && id !== "curves") goTo(0);
+      release();
+      request();
+    });
+  find("time").addEventListener("input", () => {
+    started = 0;
+    find("play").textContent = "Play";
+    goTo(motion.duration * Number(find("time").value));
+  });
+  find("time").addEventListener("change", () => {
+    release();
+    request();
+  });
+
+  const draw = () => {
+    prepare();
+    if (!motion) return;
+    if (document.activeElement !== find("time") || started) find("time").value = time / motion.duration;
+    const { robot, doc } = current();
+    const chosen = find("curves").value;
+    const curves = chosen === "all"
+      ? [0, 1, 2].map((index) => [`τ${"₁₂₃"[index]}`, `m${index + 1}`, motion.parts.map((each) => each.total[index])])
+      : [...CAUSES, "total"].map((cause) =>
+        [cause, CAUSE_COLORS[cause], motion.parts.map((each) => each[cause][Number(chosen)])])
+        .filter(([cause, , values]) => cause === "total" || values.some((value) => value !== 0));
+    drawCurves(find("chart"), curves, motion.times, time, chosen === "3" ? "N" : "N·m");
+    const largest = [0, 1, 2].map((index) =>
+      Math.max(...motion.parts.map((each) => Math.abs(each.total[index])).filter(Number.isFinite)));
+    find("chart").setAttribute("aria-label",
+      `${CURVES[chosen]} over ${number(motion.duration, 2)} s; largest |τ| of M1 to M3: `
+      + `${largest.map((value) => number(value, 2)).join(", ")} N·m`);
+    const notes = [`t = ${number(time, 2)} s; largest |τ₁|, |τ₂|, |τ₃|: ${largest.map((value) => number(value, 2)).join(", ")} N·m.`];
+    if (motion.blocked >= 0) notes.push(`Out of reach at ${number(motion.times[motion.blocked], 2)} s.`);
+    if (doc.drives) notes.push("Friction and inertia of the design's drives are not counted here.");
+    find("moment").textContent = notes.join(" ");
+    const parts = torqueParts(robot, motion.at(time));
+    fill("causes", [...CAUSES, "total"].map((cause) =>
+      [cause, ...parts[cause].map((value, index) => number(value, index < 3 ? 3 : 1))]), ["", "M1", "M2", "M3", "M4"]);
+  };
+  return { draw };
+};

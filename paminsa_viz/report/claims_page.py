@@ -1,0 +1,79 @@
+"""The page of `paminsa-viz verify --report`: claims as they are measured, and the engines."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import datetime
+
+from paminsa_viz.engines.verification import Verification
+from paminsa_viz.report.blocks import Fact, Note, Row, Section, Table
+from paminsa_viz.report.claims import MeasuredClaim
+from paminsa_viz.report.page import COLORS, template
+from paminsa_viz.report.verification_section import verification_section
+from paminsa_viz.units import number
+from paminsa_viz.version import __version__
+
+
+def claims_html(found: Verification, claims: Sequence[MeasuredClaim], made: datetime) -> str:
+    """Return the page.
+
+    Args:
+        found: The formulas against the engines, on a robot and a motion.
+        claims: The claims, as just measured.
+        made: When.
+    """
+    sections = [claims_section(claims), verification_section(found)]
+    holding = sum(one.holds for one in claims)
+    word, kind = ("passed", "ok") if found.passed else ("failed", "bad")
+    return template().render(
+        kind="verification",
+        title=f"PAMINSA verification: {found.design.name}",
+        design=found.design.name,
+        lines=[
+            "The claims are those of the documentation, on Appendix 4 and its balanced robot; the "
+            f"engines look at this design on “{found.trajectory.name}”"
+        ],
+        opening=[
+            Fact(
+                "Claims", f"{holding} of {len(claims)} hold", "measured in this run",
+                "ok" if holding == len(claims) else "bad",
+            ),
+            Fact("Engines", word, f"largest difference {number(found.worst, 2)}", kind),
+        ],
+        sections=list(enumerate(sections, 1)),
+        colors=COLORS,
+        version=__version__,
+        made=made.strftime("%Y-%m-%d %H:%M %Z"),
+    )  # fmt: skip
+
+
+def claims_section(claims: Sequence[MeasuredClaim]) -> Section:
+    """Return the table of the claims."""
+    note = Note(
+        "Every figure was worked out in this run; the second column says how. What takes minutes "
+        "or another program to check is held by the tests alone."
+    )
+    rows: list[Row] = []
+    for one in claims:
+        claim = one.claim
+        if not rows or claim.page not in (row.cells[0] for row in rows if row.kind == "group"):
+            rows += [Row((claim.page,), "group")]
+            rows += [_row(other) for other in claims if other.claim.page == claim.page]
+    head = ("Claim", "Checked by", "Measured", "Stated", "Allowed", "")
+    return Section(
+        "claims", "Claims of the documentation", (note, Table(head, tuple(rows), words=2))
+    )
+
+
+def _row(one: MeasuredClaim) -> Row:
+    claim = one.claim
+
+    def shown(value: float, digits: int) -> str:
+        return f"{number(value, digits)} {claim.unit}".strip()
+
+    stated = "0" if claim.stated is None else shown(claim.stated, 4)
+    cells = (
+        claim.text, claim.check, shown(one.value, 4 if claim.stated else 2), stated,
+        f"± {shown(claim.allowed, 2)}", "holds" if one.holds else "FAILS",
+    )  # fmt: skip
+    return Row(cells, "plain" if one.holds else "marked")

@@ -1,0 +1,349 @@
+"""The conic program of the time-optimal law on a path without singularities.
+
+The unknown is z(s) = s'^2, a quadratic spline, so that s'' = dz/2 is continuous but at breaks of
+the motion. Speeds and torques are linear in z and dz, lengths of accelerations are cones, and so is
+the duration (Verscheure et al. 2009): the integral of d with d c >= 1 and c <= sqrt(z).
+
+Viscous friction and the fall of a torque with the speed go with s' = sqrt(z). Where they leave less
+room they are not convex; there the tangent at the law before is taken, which lies above: every law
+of the series keeps the limits and is at least as fast as the one before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.errors import PaminsaError
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.drive import NO_DRIVES
+from paminsa_viz.model.jacobians import actuator_acceleration, actuator_velocity
+from paminsa_viz.model.lumped import Misprint
+from paminsa_viz.trajectory.limits import MotionLimits
+from paminsa_viz.trajectory.paths import TimedPath, TracedPath
+from paminsa_viz.trajectory.planners import PLACE
+from paminsa_viz.trajectory.timing import drive_lines, needed_durations, torque_parts
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
+_NODES = 2
+"""Points of a piece at which its time is counted."""
+
+_INSIDE = 1e-6
+"""Share of a piece by which its ends are looked at from inside: directions may change there."""
+
+LOOKED_AT = 14
+"""Points of a piece, besides its ends, at which a law is looked at afterwards."""
+
+_SLOWEST = 1e-9
+"""Least s' of a law at which tangents are taken, in parts of 1 over the duration."""
+
+
+class LawProgramFailed(PaminsaError):
+    """The conic solver found no law."""
+
+
+class Terms(NamedTuple):
+    """Limits growth dz + square z + rate sqrt(z) + constant <= 1, each of them (n, columns)."""
+
+    growth: Array
+    square: Array
+    rate: Array
+    constant: Array
+
+
+Law = Callable[[Array], tuple[Array, Array]]
+"""z and dz of a law at places s (n,)."""
+
+
+class LawProgram:
+    """The program of one path between the knots given.
+
+    Args:
+        path: The path.
+        knots: (n + 1,) places s in (0, 1), ends and stops among them.
+        bends: (n + 1,) at which of them dz may jump: breaks of the motion, stops among them.
+        limits: Limits; those of jerk are left out.
+        design: The robot.
+        unit: Time in which all is counted; about the duration, so that numbers are near 1 [s].
+        drives: Whether to keep the limits of the design's drives.
+    """
+
+    def __init__(
+        self,
+        path: TracedPath,
+        knots: Array,
+        bends: NDArray[np.bool_],
+        limits: MotionLimits,
+        design: Design,
+        unit: float,
+        *,
+        drives: bool = True,
+    ) -> None:
+        self._path, self._limits, self._design, self._unit = path, limits, design, unit
+        self._driven = drives and any(design.drives)
+        self._places = np.sort(np.concatenate([[0.0, 1.0], knots, knots[bends]]))
+        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+        steps = np.diff(knots)[:, None]
+        base = (knots[:-1, None] + steps * 0.5 * (1.0 + nodes)).ravel()
+        self._weights = (steps * 0.5 * weights).ravel()
+        self._longest = float(steps.max())
+        sides = np.concatenate(
+            [knots[:-1] + _INSIDE * steps[:, 0], knots[1:] - _INSIDE * steps[:, 0]]
+        )
+        self._points = np.concatenate([base, sides])
+        # the coefficients that are z at the stops
+        at = np.searchsorted(self._places, path.place(path.rests), "left")
+        rests = np.clip(at - 1, 0, len(self._places) - 4)
+        self._free = np.ones(len(self._places) - 3, dtype=bool)
+        self._free[rests] = False
+
+    def solve(self, before: Law) -> BSpline:
+        """Return z by s, no slower than a law that keeps the limits [1/unit^2].
+
+        Raises:
+            LawProgramFailed: If the solver finds none.
+        """
+        from scipy import sparse  # slow to load
+        from scipy.interpolate import BSpline
+
+        z, dz = self._rows(self._points)
+        m, points, timed = z.shape[1], len(self._points), len(self._weights)
+        limits, right = self._limit_rows(before, z, dz)
+        above = sparse.hstack([-sparse.eye(m), sparse.csr_matrix((m, points + timed))])
+        none, one = sparse.csr_matrix((points, timed)), np.ones(points)
+        eye = sparse.eye(points)
+        # c, d, and z here in parts of what they are by the law before
+        rate = np.sqrt(np.maximum(before(self._points)[0], _SLOWEST**2))
+        part = sparse.diags(rate**-2.0) @ z
+        # c <= sqrt(z), as |(2 c, z - 1)| <= z + 1
+        roots = _interleaved(
+            [
+                (sparse.hstack([-part, 0 * eye, none]), one),
+                (sparse.hstack([0 * z, -2 * eye, none]), 0 * one),
+                (sparse.hstack([-part, 0 * eye, none]), -one),
+            ]
+        )
+        # d c >= 1 at the nodes, as |(2, c - d)| <= c + d
+        here, one = (
+            sparse.hstack([sparse.csr_matrix((timed, m)), sparse.eye(timed, points)]),
+            np.ones(timed),
+        )
+        back = sparse.eye(timed)
+        times = _interleaved(
+            [
+                (sparse.hstack([-here, -back]), 0 * one),
+                (sparse.hstack([0 * here, 0 * back]), 2 * one),
+                (sparse.hstack([-here, back]), 0 * one),
+            ]
+        )
+        cones = self._cones(z, dz, points + timed)
+        sides = [
+            (sparse.vstack([limits, above]), np.concatenate([right, np.zeros(m)])),
+            roots,
+            times,
+        ]
+        sides += cones
+        cost = np.concatenate([np.zeros(m + points), self._weights / rate[:timed]])
+        clarabel: Any = import_module("clarabel")  # compiled, without types
+        settings = clarabel.DefaultSettings()
+        settings.verbose = False
+        found: Any = clarabel.DefaultSolver(
+            sparse.csc_matrix((len(cost), len(cost))), cost,
+            sparse.csc_matrix(sparse.vstack([side for side, _ in sides])),
+            np.concatenate([side for _, side in sides]),
+            [clarabel.NonnegativeConeT(len(sides[0][1])),
+             *[clarabel.SecondOrderConeT(3)] * (points + timed),
+             *[clarabel.SecondOrderConeT(4)] * (points * len(cones))],
+            settings,
+        ).solve()  # fmt: skip
+        if "Solved" not in str(found.status):
+            raise LawProgramFailed(f"the conic solver returned {found.status}")
+        coefficients = np.zeros(len(self._free))
+        coefficients[self._free] = np.maximum(np.array(found.x)[:m], 0.0)
+        return BSpline(self._places, coefficients, 2)
+
+    def _rows(self, s: Array) -> tuple[Any, Any]:
+        """Return z and dz at places (n,) as rows on the free coefficients."""
+        from scipy import sparse
+        from scipy.interpolate import BSpline
+
+        t = self._places
+        count = len(self._free)
+        apart = 2.0 / (t[3 : count + 2] - t[1:count])
+        shape = (count - 1, count)
+        change = sparse.diags(apart, 1, shape=shape) - sparse.diags(apart, 0, shape=shape)
+        z = sparse.csr_matrix(BSpline.design_matrix(s, t, 2))
+        dz = sparse.csr_matrix(BSpline.design_matrix(s, t[1:-1], 1)) @ change
+        return z[:, self._free], sparse.csr_matrix(dz)[:, self._free]
+
+    def _limit_rows(self, before: Law, z: Any, dz: Any) -> tuple[Any, Array]:
+        """Return the linear limits, A and b of A x <= b; x has coefficients, c, d."""
+        from scipy import sparse
+
+        s, timed = self._points, len(self._weights)
+        law, slope = before(s)
+        tangent = np.sqrt(np.maximum(law, _SLOWEST**2))[:, None]
+        terms = self._terms(s, law, slope)
+        eased = terms.rate <= 0.0
+        above = np.where(eased, 0.0, terms.rate)
+        square = terms.square + above / (2.0 * tangent)
+        right = 1.0 - terms.constant - 0.5 * above * tangent
+        left = [
+            sparse.hstack(
+                [
+                    sparse.diags(terms.growth[:, j]) @ dz + sparse.diags(square[:, j]) @ z,
+                    sparse.diags(np.where(eased[:, j], terms.rate[:, j], 0.0) * tangent[:, 0]),
+                    sparse.csr_matrix((len(s), timed)),
+                ]
+            )
+            for j in range(right.shape[1])
+        ]
+        return sparse.vstack(left), right.T.ravel()
+
+    def _cones(self, z: Any, dz: Any, others: int) -> list[tuple[Any, Array]]:
+        """Return the limits of the acceleration's length as cones of four rows each."""
+        from scipy import sparse
+
+        most = self._limits.rates[1, 0] * self._unit**2
+        if not np.isfinite(most):
+            return []
+        s = self._points
+        along, bent = (self._path(s, order)[:, PLACE] / most for order in (1, 2))
+        none = sparse.csr_matrix((len(s), others))
+        rows = [(sparse.hstack([0 * z, none]), np.ones(len(s)))]
+        for axis in range(3):
+            row = sparse.diags(0.5 * along[:, axis]) @ dz + sparse.diags(bent[:, axis]) @ z
+            rows.append((sparse.hstack([-row, none]), np.zeros(len(s))))
+        return [_interleaved(rows)]
+
+    def _terms(self, s: Array, law: Array, slope: Array) -> Terms:
+        """Return the limits at places (n,), where the law before has z and dz (n,)."""
+        along = self._path(s, 1)
+        rates, none = self._limits.rates * self._unit ** np.array([[1.0], [2.0], [3.0]]), 0.0 * s
+        found: list[tuple[Array, Array, Array, Array]] = []
+        for size, most in zip(
+            (np.linalg.norm(along[:, PLACE], axis=1), along[:, 2]), rates[0], strict=True
+        ):
+            if np.isfinite(most):
+                found.append((none, (size / most) ** 2, none, none))
+        if np.isfinite(most := rates[1, 1]):
+            turn, bent = 0.5 * along[:, 2] / most, self._path(s, 2)[:, 2] / most
+            found += [(turn, bent, none, none), (-turn, -bent, none, none)]
+        if self._limits.needs_torques:
+            found += self._torque_terms(s, self._design, self._limits.actuators)
+        if self._driven:
+            found += self._drive_terms(s, law, slope)
+        if not found:
+            found.append((none, none, none, none))
+        return Terms(*(np.stack(column, axis=1) for column in zip(*found, strict=True)))
+
+    def _torque_parts(self, s: Array, design: Design) -> tuple[Array, Array, Array, Array]:
+        """Return the torques' factors of dz, z and sqrt(z), and their constants, (n, 4) each."""
+        constant, rate, square = torque_parts(self._path, design, Misprint.NONE, s)
+
+        def pushed(places: Array, order: int) -> Array:
+            return self._path(places, 1 if order == 2 else order) * (order != 1)
+
+        growth = 0.5 * torque_parts(pushed, design, Misprint.NONE, s)[2]
+        return growth / self._unit**2, square / self._unit**2, rate / self._unit, constant
+
+    def _torque_terms(
+        self, s: Array, design: Design, most: Array
+    ) -> list[tuple[Array, Array, Array, Array]]:
+        """Return the limits of torques on both sides, those that are finite."""
+        parts = self._torque_parts(s, design)
+        return [
+            tuple(sign * part[:, j] / most[j] for part in parts)  # type: ignore[misc]
+            for j in np.flatnonzero(np.isfinite(most))
+            for sign in (1.0, -1.0)
+        ]
+
+    def _drive_terms(
+        self, s: Array, law: Array, slope: Array
+    ) -> list[tuple[Array, Array, Array, Array]]:
+        """Return the limits of the drives: top speeds and lines of torque-speed envelopes."""
+        design, unit = self._design, self._unit
+        pose, along, bent = (self._path(s, order) for order in range(3))
+        speed = actuator_velocity(design, pose, along)
+        pushed = actuator_acceleration(design.geometry, pose, 0.0 * along, along)
+        turned = actuator_acceleration(design.geometry, pose, along, bent)
+        load = self._torque_parts(s, replace(design, drives=NO_DRIVES))
+        none = 0.0 * s
+        away = np.abs(s[:, None] - self._path.place(self._path.rests)).min(axis=1)
+        resting = away <= _INSIDE * self._longest
+        found: list[tuple[Array, Array, Array, Array]] = []
+        for j, drive in enumerate(design.drives):
+            if drive is None:
+                continue
+            top = drive.output_limits.speed * unit
+            if np.isfinite(top):
+                found.append((none, (speed[:, j] / top) ** 2, none, none))
+            viscous, coulomb = drive.reflected_friction
+            inertia = drive.reflected_inertia / unit**2
+            own = (
+                0.5 * inertia * pushed[:, j], inertia * turned[:, j],
+                viscous * speed[:, j] / unit, coulomb * np.sign(speed[:, j]),
+            )  # fmt: skip
+            factors = [part[:, j] for part in load]
+            now = factors[0] * slope + factors[1] * law + factors[2] * np.sqrt(law) + factors[3]
+            for limit, fall, shares, counted in drive_lines(drive, speed[:, j]):
+                for sign in (1.0, -1.0):
+                    least = np.where(
+                        sign * now >= 0, np.min(shares, axis=0), np.max(shares, axis=0)
+                    )
+                    for share in shares:
+                        # the larger one limits a motor that drives, or starts: both of them do; of
+                        # the smaller, concave in the load, the tangent at the law before is above
+                        chosen = np.where((sign * speed[:, j] > 0) | resting, share, least)
+                        row = [
+                            sign * (chosen * part + counted * mine) / limit
+                            for part, mine in zip(factors, own, strict=True)
+                        ]
+                        row[2] = row[2] + fall * np.abs(speed[:, j]) / (limit * unit)
+                        found.append((row[0], row[1], row[2], row[3]))
+        return found
+
+    def needed(self, curve: TimedPath, count: int = LOOKED_AT) -> tuple[Array, Array, Array]:
+        """Return what a law needs between its knots: instants, shares of its duration, limits.
+
+        Args:
+            curve: The law on the path.
+            count: Points of a piece, besides its ends.
+
+        Returns:
+            Instants of unit time (pieces, n), the duration that is needed there in parts of the
+            law's (pieces, n), and which of `limits.LIMITED` needs it (pieces, n).
+        """
+        breaks = curve.breaks
+        share = np.concatenate([[_INSIDE], (np.arange(count) + 0.5) / count, [1.0 - _INSIDE]])
+        u = breaks[:-1, None] + np.diff(breaks)[:, None] * share
+        durations = needed_durations(curve, self._limits, self._design, self._driven)
+        each = durations(u.ravel()) / curve.duration
+        return u, each.max(axis=1).reshape(u.shape), each.argmax(axis=1).reshape(u.shape)
+
+    def tighten(self, curve: TimedPath, tolerance: float) -> bool:
+        """Keep the limits where a law exceeds them most in each piece; whether there are such."""
+        u, needed, _ = self.needed(curve)
+        worst = np.argmax(needed, axis=1)
+        pieces = np.flatnonzero(needed[np.arange(len(needed)), worst] > 1.0 + tolerance)
+        more = curve.place_at(u[pieces, worst[pieces]] * curve.duration)
+        self._points = np.concatenate([self._points, more])
+        return bool(pieces.size)
+
+
+def _interleaved(rows: list[tuple[Any, Array]]) -> tuple[Any, Array]:
+    """Return the rows of many cones alike: first all of the first cone, then of the next."""
+    from scipy import sparse
+
+    count, size = len(rows[0][1]), len(rows)
+    order = np.arange(size * count).reshape(size, count).T.ravel()
+    matrix = sparse.csr_matrix(sparse.vstack([row for row, _ in rows]))[order]
+    return matrix, np.stack([side for _, side in rows], axis=1).ravel()

@@ -1,0 +1,70 @@
+"""The documentation's claims hold, are in the pages they name, and fail where the formulas do."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from paminsa_viz.model.lumped import Misprint, lumped_coefficients
+from paminsa_viz.report import claims
+from paminsa_viz.report.claims import CLAIMS, Claim, MeasuredClaim
+from paminsa_viz.report.claims_page import claims_section
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.mark.parametrize("claim", [pytest.param(one, id=one.text) for one in CLAIMS])
+def test_claim_holds(claim: Claim) -> None:
+    measured = MeasuredClaim(claim, claim.measure())
+    assert measured.holds, measured.value
+
+
+@pytest.mark.parametrize("claim", [pytest.param(one, id=one.text) for one in CLAIMS if one.stated])
+def test_stated_figure_is_on_its_page(claim: Claim) -> None:
+    text = (DOCS / claim.page).read_text(encoding="utf-8")
+    assert re.search(rf"\b{claim.stated:.3g}0?\b|\b{claim.stated:.4g}\b", text)
+
+
+def test_pages_exist() -> None:
+    assert all((DOCS / claim.page).is_file() for claim in CLAIMS)
+
+
+def _fails(text: str) -> bool:
+    claim = next(one for one in CLAIMS if one.text.startswith(text))
+    return not MeasuredClaim(claim, claim.measure()).holds
+
+
+def test_claims_fail_where_a_formula_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each by one fault: a misprint in the coefficients, statics that are 1 ppm off, a slow law."""
+    assert not _fails("Torques are linear")
+    monkeypatch.setattr(
+        claims, "lumped_coefficients", lambda design: lumped_coefficients(design, Misprint.ALL)
+    )
+    assert _fails("Torques are linear")
+    right = claims.static_torques
+    monkeypatch.setattr(claims, "static_torques", lambda *given: right(*given) * (1 + 1e-6))
+    assert _fails("Static torques are the gradient")
+    assert _fails("Joint forces give")
+    best = claims.shortest_motion
+    monkeypatch.setattr(
+        claims,
+        "shortest_motion",
+        lambda *given: (lambda one: replace(one, plan=one.plan.lasting(1.01 * one.plan.duration)))(
+            best(*given)
+        ),
+    )
+    assert _fails("On a circle")
+
+
+def test_a_claim_without_a_figure_or_beyond_its_bound_is_marked() -> None:
+    claim = replace(CLAIMS[0], allowed=1.0)
+    shown = claims_section([MeasuredClaim(claim, np.nan), MeasuredClaim(claim, 0.5)])
+    table = shown.blocks[-1]
+    kinds = [row.kind for row in table.rows]  # type: ignore[union-attr]
+    assert kinds == ["group", "marked", "plain"]

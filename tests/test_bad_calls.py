@@ -1,0 +1,122 @@
+"""Public functions of poses, numbers and robots refuse what is none in one line: which, what, why.
+
+The calls are made from the names of the arguments: a good value for each, then one after the other
+is replaced by values that are none.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.balancing import Spring, SpringPlace, at_joint, on_slider
+from paminsa_viz.errors import InvalidInput, PaminsaError
+from paminsa_viz.model import APPENDIX_4, LoadCase, inverse_kinematics
+from paminsa_viz.precision import nominal_lengths
+from tests.test_api import CALLABLES
+
+POSE = np.array([0.01, 0.02, 0.1, -0.5])
+GOOD: dict[str, Any] = {
+    "design": APPENDIX_4, "geometry": APPENDIX_4.geometry, "load": LoadCase(),
+    "friction": APPENDIX_4.actuator_friction, "accuracy": APPENDIX_4.accuracy,
+    "tolerances": 0.01, "spring": Spring(at_joint(4), on_slider(0.1), 10.0),
+    "springs": (Spring(at_joint(4), on_slider(0.1), 10.0),),
+    "places": (SpringPlace(at_joint(4), on_slider(0.1)),),
+    "pose": POSE, "near": POSE, "start": POSE, "goal": POSE + 0.01, "center": POSE,
+    "velocity": np.zeros(4), "acceleration": np.zeros(4), "torque": np.zeros(4),
+    "speed": np.zeros(4),
+    "actuators": inverse_kinematics(APPENDIX_4, POSE).actuators,
+    "lengths": nominal_lengths(APPENDIX_4.geometry), "deviations": np.zeros((3, 14)),
+    "values": np.zeros((3, 14)), "poses": np.stack([POSE, POSE + 0.01]), "point": POSE[:3],
+    "t": np.linspace(0.0, 1.0, 11), "theta": 0.1, "z": -0.5, "x": np.linspace(-0.1, 0.1, 3),
+    "y": np.linspace(-0.1, 0.1, 3), "height": 0.05, "radius": 0.05,
+}  # fmt: skip
+"""A value for each argument by its name; functions with others have tests of their own."""
+
+BAD: dict[str, Any] = {
+    "None": None, "text": "x", "mapping": {"a": 1.0}, "ragged": [[1.0], [1.0, 2.0]],
+    "complex": np.full(4, 1j), "shape": np.zeros((2, 5)), "NaN": np.full(4, np.nan),
+    "empty": np.zeros((0,)),
+}  # fmt: skip
+NEVER_RIGHT = ("None", "text", "mapping", "ragged", "complex")
+"""Values that no such argument can be; the others may be shapes of another batch."""
+
+TYPED = (
+    "design",
+    "geometry",
+    "load",
+    "friction",
+    "accuracy",
+    "tolerances",
+    "spring",
+    "springs",
+    "places",
+)
+
+
+def _calls() -> dict[str, tuple[Any, dict[str, Any], tuple[str, ...]]]:
+    """Return the functions with arguments, and which of those are to be replaced."""
+    found = {}
+    for place, function in CALLABLES.items():
+        if inspect.isclass(function) or not place.startswith("paminsa_viz."):
+            continue
+        parameters = inspect.signature(function).parameters.values()
+        needed = [one.name for one in parameters if one.default is one.empty]
+        like = tuple(
+            one.name for one in parameters
+            if one.name in needed and (one.name in TYPED or "ArrayLike" in str(one.annotation))
+        )  # fmt: skip
+        if set(like) - set(TYPED) and set(needed) <= set(GOOD):
+            given = {name: GOOD[name] for name in needed}
+            if place.endswith("from_samples"):
+                given["pose"] = np.tile(POSE, (11, 1))
+            found.setdefault(function.__qualname__ + function.__module__, (place, given, like))
+    return {place: (CALLABLES[place], given, like) for place, given, like in found.values()}
+
+
+CALLS = _calls()
+
+
+def refusal(function: Any, given: dict[str, Any]) -> PaminsaError | None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            function(**given)
+        except PaminsaError as error:
+            return error
+    return None
+
+
+def test_most_functions_of_arrays_are_called() -> None:
+    assert len(CALLS) >= 70
+
+
+@pytest.mark.parametrize("place", CALLS)
+def test_what_is_no_value_of_an_argument_is_refused_in_one_line(place: str) -> None:
+    """Positions by name: the argument replaced is named, in one line; nothing else is raised."""
+    function, good, replaced = CALLS[place]
+    for name in replaced:
+        for kind, value in BAD.items():
+            error = refusal(function, good | {name: value})
+            if kind not in NEVER_RIGHT and not (kind == "shape" and name in TYPED):
+                continue
+            assert isinstance(error, InvalidInput), f"{name}={kind}: {error!r}"
+            text = str(error)
+            assert re.search(rf"\b{name}\b", text), f"{name}={kind}: {text}"
+            assert "\n" not in text
+            assert len(text) < 200
+
+
+def test_counts_of_poses_are_refused_in_one_line() -> None:
+    from paminsa_viz.precision import measuring_poses
+
+    for value in (None, "3", 2.5, np.nan, True, 0, 10**9, [3]):
+        with pytest.raises(InvalidInput, match="poses: "):
+            measuring_poses(APPENDIX_4, value)  # type: ignore[arg-type]
+    with pytest.raises(InvalidInput, match="coordinates: 4 or 6"):
+        measuring_poses(APPENDIX_4, 3, coordinates=None)  # type: ignore[arg-type]

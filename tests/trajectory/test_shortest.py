@@ -1,0 +1,200 @@
+"""The time-optimal law: never slower than the stretched one, within all limits, at one of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.interpolate import BSpline
+
+from paminsa_viz.model import APPENDIX_4, InvalidInput
+from paminsa_viz.trajectory import (
+    PRESET,
+    ImpossibleTrajectory,
+    MotionLimits,
+    arch,
+    circle,
+    point_to_point,
+    shortest_motion,
+    shortest_stretch,
+    via_points,
+)
+from paminsa_viz.trajectory.paths import TimedPath, TracedPath
+from paminsa_viz.trajectory.timing import needed_durations
+from tests.trajectory.plans import FRICTION, LAWS, A, B, all_plans, dense, place
+from tests.trajectory.test_timing import BENT, HEAVY, SERVO, driven, shares, used
+
+LIMITS = MotionLimits(
+    speed=1.0, turn_speed=6.0, acceleration=8.0, turn_acceleration=50.0, torque=7.0, force=450.0
+)
+HELD = 1e-3
+"""Share by which a limit may be exceeded between the instants that are looked at."""
+
+
+def test_straight_move_within_an_acceleration_is_the_textbook_one() -> None:
+    """Full acceleration to the middle, full deceleration: T = 2 sqrt(d / a); with a top speed v:
+    T = d/v + v/a."""
+    goal = A + np.array([0.1, 0.0, 0.0, 0.0])
+    plan = point_to_point(A, goal)
+    assert shortest_motion(plan, MotionLimits(acceleration=2.0)).plan.duration == pytest.approx(
+        2.0 * np.sqrt(0.1 / 2.0), rel=5e-4
+    )
+    both = shortest_motion(plan, MotionLimits(acceleration=2.0, speed=0.25)).plan.duration
+    assert both == pytest.approx(0.1 / 0.25 + 0.25 / 2.0, rel=5e-4)
+
+
+def test_circle_within_an_acceleration_is_the_solution_of_its_equation() -> None:
+    """|(z'/2, z/r)| = a on a circle of radius r: z = a r sin(2 s/r) until z = a r, then held."""
+    r, a = 0.08, 3.0
+    plan = circle(np.array([0.0, 0.0, 0.0, -0.5]), r)
+    top = np.pi * r / 4.0  # length run until the whole acceleration is centripetal
+    s = top * np.sin(np.linspace(0.0, np.pi / 2, 200_001)) ** 2
+    rate = np.sqrt(a * r * np.sin(2.0 * s / r))
+    up = float(np.sum(2.0 * np.diff(s) / (rate[1:] + rate[:-1])))
+    expected = 2.0 * up + (2.0 * np.pi * r - 2.0 * top) / np.sqrt(a * r)
+    found = shortest_motion(plan, MotionLimits(acceleration=a))
+    assert found.plan.duration == pytest.approx(expected, rel=2e-4)
+
+
+poses = st.tuples(
+    st.floats(-0.1, 0.1), st.floats(-0.1, 0.1), st.floats(-0.5, 0.5), st.floats(-0.58, -0.44)
+)
+
+
+@pytest.mark.slow
+@settings(max_examples=8)
+@given(
+    st.lists(poses, min_size=2, max_size=4),
+    st.sampled_from(LAWS),
+    st.sampled_from(["move", "arch", "waypoints"]),
+    st.sampled_from([APPENDIX_4, APPENDIX_4.vary(FRICTION), driven(SERVO)]),
+    st.booleans(),
+)
+def test_optimum_is_never_slower_and_keeps_all_limits(way, law, kind, design, with_rates) -> None:
+    """Random paths, laws, robots with and without friction and drives."""
+    if np.abs(np.diff(way, axis=0)).max(axis=1).min() < 0.01:
+        return
+    if kind == "waypoints":
+        plan = via_points(way)
+    elif kind == "arch":
+        plan = arch(way[0], way[1], 0.05, law=law)
+    else:
+        plan = point_to_point(way[0], way[1], law=law)
+    limits = LIMITS if with_rates else MotionLimits(torque=8.0, force=450.0)
+    try:
+        stretched = shortest_stretch(plan, limits, design)
+    except ImpossibleTrajectory:
+        return
+    found = shortest_motion(plan, limits, design)
+    assert found.plan.duration <= stretched.plan.duration
+    assert found.stretched == stretched.plan.duration
+    # between the points of the program, by the durations that the limits need there
+    u = np.linspace(1e-6, 1.0 - 1e-6, 4003)
+    needed = needed_durations(found.plan.curve, limits, design)(u).max(axis=1)
+    assert needed.max() <= found.plan.duration * (1.0 + HELD)
+    # every instant is at one of its limits, but for the pieces in which they change
+    assert np.mean(needed >= 0.97 * found.plan.duration) > 0.75
+    # the poses are those of the motion's own path
+    own = stretched.plan.curve(np.linspace(0.0, 1.0, 20_001))
+    for pose in found.plan.curve(u[::800]):
+        assert np.abs(own - pose).max(axis=1).min() < 2e-4
+
+
+@pytest.mark.parametrize("number", [0, 3, 5, 15], ids=["move", "arch", "trapezoid", "waypoints"])
+def test_torques_and_rates_of_the_samples_keep_their_limits(number: int) -> None:
+    """By inverse dynamics of the sampled motion, not by what the program is made of."""
+    plan = all_plans()[number]
+    found = shortest_motion(plan, LIMITS, APPENDIX_4).plan
+    share = used(found, dense(found), replace(LIMITS))
+    share[:, [4, 5]] = 0.0  # the jerk
+    assert share.max() <= 1.0 + HELD
+    assert np.mean(share.max(axis=1) > 0.97) > 0.8
+
+
+@pytest.mark.parametrize("drive", [SERVO, HEAVY, BENT], ids=["servo", "heavy", "bent"])
+def test_envelopes_of_drives_are_kept(drive) -> None:
+    """By the duty cycle of the sampled motion, which `actuation` works out in its own way."""
+    design = driven(drive)
+    plan = PRESET["arch"].build(design.geometry)
+    found = shortest_motion(plan, MotionLimits(speed=50.0), design)
+    assert found.plan.duration < found.stretched
+    assert shares(design, found.plan.sample(4000)).max() <= 1.0 + 1e-3
+    assert shares(design, found.plan.sample(4000)).max() > 0.97
+    free = shortest_motion(plan, MotionLimits(speed=1.0), design, drives=False)
+    assert free.quantity == "speed"
+
+
+def test_motion_stops_where_it_did() -> None:
+    """A chain of moves keeps its stops, whatever its law."""
+    plan = all_plans()[-1]
+    found = shortest_motion(plan, LIMITS, APPENDIX_4).plan
+    t = found.duration * np.linspace(0, 1, 20_001)
+    states = found.at(t)
+    for stop in (B, np.array([0.02, 0.08, 0.1, -0.5])):
+        near = np.abs(states.pose - stop).max(axis=1).argmin()
+        assert np.abs(states.pose[near] - stop).max() < 1e-5
+        assert place(states.velocity[near : near + 1])[0] < 0.02
+
+
+def test_derivatives_are_those_of_the_poses() -> None:
+    found = shortest_motion(arch(A, B, 0.08), LIMITS, APPENDIX_4).plan
+    h = 1e-5
+    inner = found.curve.breaks
+    t = found.duration * (0.5 * (inner[1:] + inner[:-1]))[5:-5]
+    before, at, after = (found.at(t + step) for step in (-h, 0.0, h))
+    assert np.allclose((after.pose - before.pose) / (2 * h), at.velocity, atol=2e-6)
+    assert np.allclose((after.velocity - before.velocity) / (2 * h), at.acceleration, atol=1e-3)
+    jerk = (after.acceleration - before.acceleration) / (2 * h)
+    assert np.allclose(jerk, found.jerk(t), atol=1e-2 * np.abs(jerk).max())
+
+
+def test_places_and_instants_of_a_traced_path_are_inverse() -> None:
+    path = TracedPath(via_points([A, B, A + 0.05]).curve)
+    s = np.concatenate([np.geomspace(1e-8, 0.1, 30), np.linspace(0.1, 1.0, 200)])
+    assert np.allclose(path.place(path.instant(s)), s, atol=1e-13)
+    u = np.linspace(0.0, 1.0, 200_001)
+    steps = np.diff(path.curve(u), axis=0) * [1.0, 1.0, 0.1, 1.0]
+    assert path.length == pytest.approx(np.linalg.norm(steps, axis=1).sum(), rel=1e-8)
+
+
+def test_jerk_falls_back_to_the_stretched_law_and_says_why() -> None:
+    plan, limits = point_to_point(A, B), replace(LIMITS, jerk=60.0)
+    found = shortest_motion(plan, limits, APPENDIX_4)
+    assert found.plan.duration == shortest_stretch(plan, limits, APPENDIX_4).plan.duration
+    assert "jerk is not convex" in found.explanation
+
+
+def test_speeds_alone_stretch_the_law_and_say_why() -> None:
+    found = shortest_motion(point_to_point(A, B), MotionLimits(speed=0.2))
+    assert found.plan.duration == found.stretched
+    assert "leave its acceleration free" in found.explanation
+
+
+def test_a_law_that_is_the_best_one_stays() -> None:
+    plan = point_to_point(A, A + np.array([0.1, 0, 0, 0]), law=LAWS[1])
+    limits = MotionLimits(acceleration=2.0, speed=0.3)
+    found = shortest_motion(plan, limits)
+    assert found.plan.duration == pytest.approx(found.stretched, rel=5e-4)
+    assert found.plan.duration <= found.stretched
+
+
+def test_optimum_refuses_as_the_stretched_law_does() -> None:
+    with pytest.raises(InvalidInput, match="nothing that moves"):
+        shortest_motion(point_to_point(A, B), MotionLimits())
+    with pytest.raises(InvalidInput, match="design"):
+        shortest_motion(point_to_point(A, B), MotionLimits(torque=1.0))
+
+
+def test_time_of_constant_accelerations_with_a_stop_between_is_that_of_their_formula() -> None:
+    """z linear: a piece of length h takes 2 h / (s'_0 + s'_1); s grows with the square of time."""
+    path = TracedPath(point_to_point(A, B).curve)
+    knots = np.array([0.0, 0.3, 0.5, 0.7, 1.0])
+    z = BSpline(np.concatenate([[0.0], knots, [1.0]]), np.array([0.0, 4.0, 0.0, 1.0, 0.0]), 1)
+    law = TimedPath(path, z, (0.0, 0.5, 1.0))
+    assert law.duration == pytest.approx(0.6 / 2 + 0.4 / 2 + 0.4 + 0.6, rel=1e-9)
+    assert law.breaks * law.duration == pytest.approx(np.array([0, 0.3, 0.5, 0.9, 1.5]), rel=1e-9)
+    assert law.time_at(0.3) == pytest.approx(0.3, rel=1e-9)
+    assert law.place_at(np.array([0.15]))[0] == pytest.approx(0.075, rel=1e-9)
