@@ -55,6 +55,16 @@ def test_mass_spread_agrees_with_robots_of_three_different_legs() -> None:
     spread = np.std(drawn, axis=0)
     np.testing.assert_allclose(spread, found.torque_deviation, rtol=0.2)
     assert (np.abs(drawn).max(axis=0) < found.torque_worst).all()
+    other = np.array([-0.05, 0.04, -0.3, -0.5])
+    unbalanced = mass_tolerance(APPENDIX_4, 0.02, other)
+    assert (unbalanced.torque < 0).any()  # the nominal torque counts by its amount
+    added = unbalanced.torque_worst - np.abs(unbalanced.torque)
+    scaled = [
+        APPENDIX_4.vary({path: w * APPENDIX_4.value(path) for path in LEG}) for w in (0.98, 1.02)
+    ]
+    lighter, heavier = (np.abs(static_torques(design, other)[:3]) for design in scaled)
+    assert (added > 0).all()
+    assert (np.maximum(lighter, heavier) <= unbalanced.torque_worst * (1 + 1e-12)).all()
     # the worst case is reached: every mass of every leg at the end that pulls the same way
     shares = {p: static_imbalance(BALANCED.vary({p: BALANCED.value(p) + 1.0})) for p in LEG}
     ends = [

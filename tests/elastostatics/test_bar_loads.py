@@ -45,6 +45,13 @@ def test_all_loads_of_a_bar_are_used_up_at_its_end(design: Design) -> None:
         assert np.abs(loads.residual).max() < 1e-12 * largest
 
 
+def test_a_shaft_without_length_hangs_at_its_joint_with_its_mass() -> None:
+    point = APPENDIX_4.vary({"geometry.shaft_length": 0.0})
+    forces = joint_forces(point, home_pose(point.geometry), np.zeros(4), np.zeros(4))
+    loads = bar_loads(forces, "b2")
+    assert np.abs(loads.residual).max() < 1e-12 * forces.magnitude.max()
+
+
 @pytest.mark.parametrize("bar", PANTOGRAPH)
 @EACH
 def test_sections_against_quadrature(design: Design, bar: str) -> None:

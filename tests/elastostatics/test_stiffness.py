@@ -11,6 +11,7 @@ from paminsa_viz.elastostatics.leg_frame import leg_frame
 from paminsa_viz.elastostatics.leg_model import CARRIAGE, RETAINED
 from paminsa_viz.elastostatics.stiffness import (
     SHARES,
+    _inverse,
     compensate,
     load_wrench,
     platform_stiffness,
@@ -270,3 +271,12 @@ def test_displacement_under_a_force_is_force_over_stiffness() -> None:
         twist = np.linalg.solve(found.matrix, wrench)
         np.testing.assert_allclose(found.deflection(wrench), twist, rtol=1e-7, atol=1e-15)
         assert twist[axis] == pytest.approx(3.0 / float(found.along(axis)), rel=1e-7)
+
+
+def test_a_matrix_that_has_no_inverse_is_told_by_its_largest_part() -> None:
+    plain = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
+    none = np.diag([1e-20, 1e-20, 1e-20, 1.0, 1.0, 1.0])
+    inverse, singular = _inverse(np.array([plain, none, np.full((6, 6), np.nan)]), 0.5)
+    assert singular.tolist() == [False, True, False]
+    np.testing.assert_allclose(inverse[0] @ plain, np.eye(6), atol=1e-12)
+    assert np.isnan(inverse[1:]).any(axis=(1, 2)).all()

@@ -93,6 +93,14 @@ def test_the_robot_of_appendix_4_comes_close_to_it(knee) -> None:
         assert getattr(room, name) == pytest.approx(getattr(found, name), abs=0.04), name
 
 
+@BOTH
+def test_a_platform_as_large_as_the_base_has_a_room(knee) -> None:
+    wide = replace(with_knee(APPENDIX_4, knee).geometry, platform_radius=0.36)
+    room = counterweight_clearance(wide, Counterweight("b3", 7, 0.2, 1.0))
+    assert room is not None
+    assert np.isfinite([room.inward, room.outward, room.low, room.high]).all()
+
+
 def test_a_disc_needs_its_radius_more() -> None:
     weight = Counterweight("b8", 8, 0.2, 1.0)
     point = counterweight_clearance(APPENDIX_4.geometry, weight)

@@ -283,3 +283,21 @@ def test_whole_and_numpy_numbers_become_floats(kind: Any) -> None:
             stored = getattr(stored, name)
         assert type(stored) is float, parameter.path
         assert stored == value
+
+
+def test_a_counterweight_is_at_its_joint_unless_it_is_placed() -> None:
+    assert Counterweight("b3", 7, mass=1.0).beyond == 0.0
+
+
+@EACH
+def test_a_refusal_names_the_ends_in_the_unit_that_is_shown(parameter: Parameter) -> None:
+    least, most = possible_range(parameter.unit, parameter.positive)
+    if parameter.limits:
+        least, most = parameter.limits
+    fine = [most, least] if parameter.positive else [most, 0.0]
+    wrong = [2 * most, -2 * most] + ([0.5 * least, 0.0] if parameter.positive else [])
+    assert all(parameter.refusal(value, parameter.display) is None for value in fine)
+    for value in wrong + ([] if parameter.signed else [-most]):
+        refused = parameter.refusal(value, parameter.display)
+        assert refused
+        assert parameter.display.text in refused

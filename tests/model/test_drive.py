@@ -72,6 +72,10 @@ def test_inertia_and_friction_of_the_drives_are_added(case: Case) -> None:
     plain = inverse_dynamics(case.design, pose, v, a).torque
     full = inverse_dynamics(design, pose, v, a).torque
     own = np.array(design.drive_inertia) * growth
+    for joint, drive, both in zip(
+        case.design.actuator_friction.viscous, DRIVES, design.actuator_friction.viscous, strict=True
+    ):
+        assert both == pytest.approx(joint + drive.reflected_friction[0])
     assert_close(full, plain + own + friction_torque(design.actuator_friction, speed), 1e-12)
     y = torque_regressor(design.geometry, pose, v, a, gravity=design.gravity)
     columns = drive_regressor(design.geometry, pose, v, a) @ np.array(design.drive_inertia)
@@ -178,8 +182,13 @@ def test_impossible_drives_are_refused_by_field(field: str, values: dict[str, An
 
 
 def test_a_design_has_four_drives_and_only_the_lift_a_screw() -> None:
-    for drives in ((), (None,) * 3, (SCREW, None, None, None), (None, None, None, ROTARY)):
-        with pytest.raises(InvalidDesign, match="drives"):
+    for drives, problem in (
+        ((), "four drives"),
+        ((None,) * 3, "four drives"),
+        ((SCREW, None, None, None), r"M1\.lead .* only M4 moves along a line"),
+        ((None, None, None, ROTARY), r"M4\.lead .* needs a screw or belt"),
+    ):
+        with pytest.raises(InvalidDesign, match=problem):
             replace(APPENDIX_4, drives=drives)
     assert APPENDIX_4.drives == NO_DRIVES
     design = driven(APPENDIX_4)

@@ -23,11 +23,13 @@ from paminsa_viz.model import (
     backend,
     forward_dynamics,
     inverse_dynamics,
+    inverse_jacobian,
     joint_rates,
     kinetic_energy,
     lumped_coefficients,
     lumped_matrix,
     mass_vector,
+    platform_wrench,
     potential_energy,
     static_torques,
     torque_breakdown,
@@ -114,6 +116,14 @@ def test_power_of_the_actuators_is_the_growth_of_energy(case: Case) -> None:
         + (energy(3 * h) - energy(-3 * h))
     ) / (60 * h)
     assert_within(power.sum(axis=-1), growth, 1e-7 * np.abs(power).max())
+
+
+@given(case=cases())
+def test_actuators_make_the_wrench_on_the_platform(case: Case) -> None:
+    pose, v, a = case.states()
+    torque = inverse_dynamics(case.design, pose, v, a).torque
+    turned = np.einsum("nji,nj->ni", inverse_jacobian(case.geometry, pose), torque)
+    assert_close(platform_wrench(case.design, pose, v, a), turned, 1e-10)
 
 
 @given(case=cases())

@@ -23,6 +23,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.kinematics import AXIS_ANGLES, LEG_AXES
 from paminsa_viz.model.reach import (
     MARGINS,
+    home_pose,
     reach_status,
     status_words,
     workspace_height,
@@ -209,6 +210,17 @@ def test_the_workspace_lies_within_its_radius_and_height(case: Case) -> None:
     center = pose * [0.0, 0.0, 1.0, 1.0]
     ok = check_reach(g, center).ok
     assert np.abs(center[ok, 3] + g.platform_joint_height).max() <= height
+
+
+@given(case=cases())
+def test_home_is_reached_on_the_side_of_the_knee_and_not_too_deep(case: Case) -> None:
+    g = case.geometry
+    x, y, theta, z = home_pose(g)
+    z5 = z + g.platform_joint_height
+    assert (x, y, theta) == (0.0, 0.0, 0.0)
+    assert -z5 * g.knee.sign > 0
+    assert abs(z5) <= 0.75 * workspace_height(g) + 5e-4
+    assert abs(z5) <= 0.5 * (g.crank_length + g.coupler_length) + 5e-4
 
 
 def test_the_radius_and_height_of_appendix_4_are_reached() -> None:

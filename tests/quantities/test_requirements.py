@@ -155,6 +155,7 @@ def test_unit_of_every_quantity_is_understood(key: str) -> None:
         ("5 <= condition >= 2", "same side"),
         ("10 <= condition <= 2", "low has to be"),
         ("condition <= 10 for theta 30..-30", "least and largest"),
+        ("condition <= 10 for theta 0..1e999", "least and largest"),
         ("condition <= 10 for theta 1..2, theta 1..2", "one range"),
         ("condition <= 10 for y 1..2", "no range"),
         ("condition <= 10 for z -9..-5 cm", "is in mm"),

@@ -204,6 +204,8 @@ def test_comparison_with_a_reference() -> None:
     failing = analyze(APPENDIX_4, point_to_point([1, 0, 0, -0.5], HOME).sample(50))
     assert failing.summary == compare(failing, failing) == ()
     assert np.isnan(failing.energy_residual).all()
+    short = analyze(APPENDIX_4.vary({"geometry.guide_stroke": 0.01}), samples)
+    assert short.summary == compare(short, reference) == compare(reference, short) == ()
     with pytest.raises(InvalidInput, match="same trajectory"):
         compare(reference, analyze(APPENDIX_4, point_to_point(A, B, 0.5).sample(200)))
 

@@ -71,6 +71,8 @@ def test_arrays_are_read_only_copies() -> None:
         ("pose", {"pose": ROWS[:2]}),
         ("velocity", {"velocity": ROWS[:, :3]}),
         ("acceleration", {"acceleration": np.full((3, 4), np.inf)}),
+        ("load", {"load": np.zeros((3, 4))}),
+        ("load", {"load": np.where(np.arange(18) == 7, np.nan, 0.0).reshape(3, 6)}),
     ],
 )
 def test_errors_name_the_argument(argument: str, change: dict) -> None:

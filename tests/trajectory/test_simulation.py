@@ -137,6 +137,8 @@ def test_payload_mismatch_settles_where_the_gains_predict() -> None:
     controller = Controller(proportional=(200, 200, 200, 2e4), derivative=(20, 20, 20, 800))
     found = simulate(LOADED, samples, model=APPENDIX_4, controller=controller)
     end = found.pose[-1]
+    apart = (found.pose - samples.pose)[:, [0, 1, 3]]
+    np.testing.assert_allclose(found.distance, np.sqrt((apart**2).sum(axis=1)))
     believed, true = (static_torques(d, samples.pose[-1]) for d in (APPENDIX_4, LOADED))
     needed = static_torques(LOADED, end) - believed
     actual, wanted = (

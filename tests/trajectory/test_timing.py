@@ -162,6 +162,7 @@ def test_actuator_too_weak_for_gravity_is_reported() -> None:
     with pytest.raises(InfeasibleMotion) as caught:
         shortest_stretch(point_to_point(A, B), MotionLimits(torque=0.5), APPENDIX_4)
     assert caught.value.actuator in (0, 1, 2)
+    assert f"torque of M{caught.value.actuator + 1} is limited" in str(caught.value)
     # held at rest, but not against Coulomb friction as well
     sticky = APPENDIX_4.vary({"friction.coulomb_linear": 50.0})
     shortest_stretch(point_to_point(A, B), MotionLimits(force=260.0), APPENDIX_4)
