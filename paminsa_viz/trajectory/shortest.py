@@ -99,7 +99,7 @@ def shortest_motion(
         clearance: See `check_path`.
 
     Returns:
-        The motion. Between the points of its program limits hold to 0.2 % of the duration. It is up
+        The motion. Between the points of its program limits hold to 0.5 % of the duration. It is up
         to 0.4 % longer than with twelve times as many pieces, on the presets.
 
     Raises:

@@ -30,7 +30,7 @@ from tests.trajectory.test_timing import BENT, HEAVY, SERVO, driven, shares, use
 LIMITS = MotionLimits(
     speed=1.0, turn_speed=6.0, acceleration=8.0, turn_acceleration=50.0, torque=7.0, force=450.0
 )
-HELD = 2e-3
+HELD = 5e-3
 """Share by which a limit may be exceeded between the instants that are looked at."""
 
 
