@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -91,7 +92,10 @@ def main() -> None:
         axes.set_aspect("equal")
         axes.axis("off")
         axes.margins(0.12)
-    figure.savefig(PICTURE, metadata={"Date": None})
+    picture = io.StringIO()
+    figure.savefig(picture, format="svg", metadata={"Date": None})
+    lines = (line.rstrip() for line in picture.getvalue().splitlines())  # as pre-commit wants it
+    PICTURE.write_text("\n".join(lines) + "\n", encoding="utf-8")
     print(f"{PICTURE.name}: written")
 
 

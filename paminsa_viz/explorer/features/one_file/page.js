@@ -383,7 +383,7 @@
     find("status").className = !solved.ok ? "bad" : near || beyond ? "warn" : "ok";
     find("status").textContent = !solved.ok
       ? `Out of reach: leg ${solved.leg}, ${PAGE.limits[solved.limit]}, by ${number(-1e3 * solved.margin, 1)} mm`
-      : beyond ? "Beyond a type-2 singularity" : near ? "Near a singularity" : "Ok";
+      : beyond ? "Beyond a singularity" : near ? "Near a singularity" : "Reachable";
   };
 
   const playback = createPlayback({
