@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import actions, persistence
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.features.export import exports
 from paminsa_viz.explorer.features.files.examples import EXAMPLES
@@ -32,6 +33,17 @@ def download(tab: Tab, click: Callable[[], Any]) -> tuple[str, bytes]:
     with tab.page.expect_download() as waiting:
         click()
     return waiting.value.suggested_filename, Path(waiting.value.path()).read_bytes()
+
+
+def test_page_in_one_file_comes_down_with_the_document(tab: Tab) -> None:
+    tab.dispatch(lambda state: actions.set_pose(state, (0.03, 0.02, 0.1, -0.5)))
+    tab.open_tab("File")
+    name, content = download(tab, lambda: tab.click("Save as a page"))
+    assert name.endswith(".html")
+    text = content.decode()
+    data, _ = json.JSONDecoder().raw_decode(text, text.index("const PAGE = ") + 13)
+    assert data["document"] == persistence.dump(tab.state.document)
+    assert data["meshes"]["bodies"].keys() >= {"ground", "platform", "b3"}
 
 
 def has_content(png: bytes) -> bool:

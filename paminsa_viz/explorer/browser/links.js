@@ -47,12 +47,14 @@
   });
 
   let timer = 0;
+  let wrote = false; // since the page was opened
   const follow = (code) => {
     clearTimeout(timer);
     timer = setTimeout(() => {
       written = code;
       try {
         write(`#${code}`);
+        wrote = true;
         sessionStorage.setItem(KEY, code);
       } catch (error) {
         console.warn(error);
@@ -61,5 +63,7 @@
   };
   // Without what follows a ?: it says how this page is shown, and may be an access token.
   const to = (code) => `${window.location.href.split(/[?#]/)[0]}#${code}`;
-  window.paminsaLinks = { take, follow, to };
+  /** Return whether viser leaves the address as it was written, null where nothing was yet. */
+  const keeps = () => (wrote ? Boolean(window.location.hash) : null);
+  window.paminsaLinks = { take, follow, to, keeps };
 })();

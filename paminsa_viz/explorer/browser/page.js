@@ -438,6 +438,10 @@
     "graphics card detection (canvas)": () => viewer().canvas,
     "plain background (backgroundMaterial)": () => viewer().backgroundMaterial,
     "rendering on demand (requestRender, __r3f)": () => viewer().requestRender && invalidator(),
+    "links in the address (replaceState)": () => {
+      const keeps = window.paminsaLinks?.keeps();
+      return keeps === null ? UNKNOWN : keeps;
+    },
     "layout of inputs (mantine-Flex-root)": () =>
       onceThere("[role=slider]", () => document.querySelector(".mantine-Flex-root")),
     "numbers typed as a whole (mantine-NumberInput-input, __reactFiber, useGuiConfig)": () =>
