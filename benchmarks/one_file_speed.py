@@ -4,7 +4,7 @@ Run: ``python -m benchmarks.one_file_speed`` (needs the extra ``test`` and a Chr
 
 Times are taken inside the page: from a slider's event to the frame after everything was drawn, the
 robot in 3D and the three maps. Without a graphics card the browser draws in software, which takes
-most of the time; a page with a slider alone, whose event changes one text, is the measure beside it.
+most of the time; beside it stands a page with one slider, whose event changes one text.
 """
 
 from __future__ import annotations
