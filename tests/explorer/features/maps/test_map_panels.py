@@ -113,6 +113,14 @@ def test_reported_sizes_are_used_and_drawn_once(slots: Any) -> None:
     assert action(initial_state()) == initial_state()
 
 
+def test_a_dock_that_was_left_narrow_has_room_for_two_maps() -> None:
+    bridge: Any = SimpleNamespace(on=lambda *_: None)
+    width = Slots(bridge, lambda *_: None, {"a": 120, "b": 0}).width("a")
+    data = MapStore().current(initial_state(), COARSE, TORQUES)
+    scales = choose_scales(data)
+    assert map_layout(data, scales, width, PAGE_EM, columns=COLUMNS).width == width
+
+
 @pytest.mark.parametrize(
     ("data", "width"),
     [
