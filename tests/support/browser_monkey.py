@@ -125,6 +125,8 @@ class Hands:
     def _reload(self) -> None:
         if self._random.random() < 0.2:
             self._page.reload()
+            # Until then viser shows the field with the server's address.
+            self._page.get_by_test_id("status").wait_for()
 
 
 def run(seed: int, *, minutes: float, pages: int) -> tuple[Counter[str], list[str]]:
