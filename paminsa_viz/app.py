@@ -246,6 +246,14 @@ def _warm_up(design: Design, first_tab: threading.Event) -> None:
     importlib.import_module("scipy.optimize")  # or the first balance would wait for it
 
 
+def set_up_process() -> None:
+    """Set threads, memory and warnings of this process as a server needs them."""
+    # A tab may go while it is drawn; viser would report every message that it no longer got.
+    warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    call_allocator("mallopt", M_ARENA_MAX, ARENAS)
+
+
 def run(options: AppOptions) -> None:
     """Start the server, open the browser, and serve until interrupted.
 
@@ -256,10 +264,7 @@ def run(options: AppOptions) -> None:
     from paminsa_viz.files.design_file import load_content
     from paminsa_viz.model import APPENDIX_4
 
-    # A tab may go while it is drawn; viser would report every message that it no longer got.
-    warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
-    sys.setswitchinterval(SWITCH_INTERVAL)
-    call_allocator("mallopt", M_ARENA_MAX, ARENAS)
+    set_up_process()
     design, requirements = APPENDIX_4, None
     if options.design is not None:
         found = load_content(options.design)

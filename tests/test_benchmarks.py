@@ -33,7 +33,7 @@ SMALLEST: dict[str, dict[str, Any]] = {
     "stiffness_speed": {"CELLS": 15},
     "synthesis_speed": {"TRIALS": 20},
 }
-IN_A_BROWSER = ("goals", "page_latency")
+IN_A_BROWSER = ("goals", "one_file_speed", "page_latency", "page_tasks")
 """They start explorers and browsers of their own."""
 
 ARGUMENTS = {"volume_error": ("--cases", "1", "--nodes", "500", "--points", "256")}

@@ -82,6 +82,13 @@ class PlatformStiffness:
         return _softest(self.compliance[..., :2, :2])
 
     @property
+    def softest_direction(self) -> Array:
+        """Softest horizontal direction, its angle from x in [0, pi) (...) [rad]."""
+        block = self.compliance[..., :2, :2]
+        angle = 0.5 * np.arctan2(2 * block[..., 0, 1], block[..., 0, 0] - block[..., 1, 1])
+        return np.mod(angle, np.pi)
+
+    @property
     def tilt(self) -> Array:
         """Stiffness about the softest horizontal axis (...) [N m/rad]."""
         return _softest(self.compliance[..., 3:5, 3:5])

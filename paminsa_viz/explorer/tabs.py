@@ -16,7 +16,7 @@ from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.core.tab_store import TabStore
 from paminsa_viz.explorer.core.workspaces import switch, view_of
 from paminsa_viz.explorer.kit.bindings import Panel
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Entry, Folder
+from paminsa_viz.explorer.kit.entries import Button, ButtonGroup, Entry, Folder
 from paminsa_viz.explorer.scene.build import build_views
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.state.state import State
@@ -346,6 +346,30 @@ def exports_of(entries: Entries) -> list[Command]:
     return found
 
 
+FILE_KEYS = {"file.download": ("S", "cmd/ctrl")}
+"""Keys of buttons of the folder of files."""
+
+
+def files_of(entries: Entries) -> list[Command]:
+    """Return a command for each button of the folders in a table."""
+    from paminsa_viz.explorer.commands import Command
+
+    buttons = [
+        entry
+        for folder in entries
+        if isinstance(folder, Folder)
+        for entry in folder.entries
+        if isinstance(entry, Button)
+    ]
+    return [
+        Command(
+            one.key, f"File: {one.label}", one.effect, *FILE_KEYS.get(one.key, (None, None)),
+            undo=False, words=str(one.hint),
+        )
+        for one in buttons
+    ]  # fmt: skip
+
+
 def build_rest(
     session: Session, places: Mapping[str, Any], file_place: Any, context: SceneContext
 ) -> None:
@@ -377,4 +401,4 @@ def build_rest(
     session.fast += [view_panel(session), Inspector(session)]
     floor = build_views(replace(context, maps=maps.store, legend=maps.legend), animated=False)
     session.deferred += [maps, *floor, maps.legend, *late, TabStore(session)]
-    register_commands(session, (*places_to_go(), *exports_of(exported)))
+    register_commands(session, (*places_to_go(), *files_of(FILE), *exports_of(exported)))

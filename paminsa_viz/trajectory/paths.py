@@ -104,7 +104,7 @@ class TimedPath:
     @cached_property
     def _table(self) -> tuple[Array, Array]:
         """Angles q, see `_place`, and the times at which they are reached [s]."""
-        q = self._angle(np.unique(np.clip(self.z.t, 0.0, 1.0)))
+        q = self._angle(self.z.t)
         q = np.unique(np.concatenate([q, 0.5 * (q[1:] + q[:-1])]))
         return q, np.concatenate([[0.0], np.cumsum(self._spans(q[:-1], q[1:]))])
 

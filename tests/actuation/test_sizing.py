@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import simpson
 
 from paminsa_viz.actuation.drive_table import combined, drive_table, pair_table
-from paminsa_viz.actuation.duty import ActuatorLoad
+from paminsa_viz.actuation.duty import ActuatorLoad, DutyMotion, load_signals
 from paminsa_viz.actuation.ratios import figure_of_merit, ratio_intervals
 from paminsa_viz.actuation.sizing import LIMITS, envelope_share, size_drives
 from paminsa_viz.errors import InvalidInput
@@ -172,6 +172,20 @@ def test_drives_with_and_without_limits_stand_in_one_table() -> None:
     found = ratio_intervals(load, drive_table(drives))
     np.testing.assert_allclose(found.low, [one.low[0] for one in ends], rtol=1e-12)
     np.testing.assert_allclose(found.high, [one.high[0] for one in ends], rtol=1e-12)
+
+
+def test_no_torque_uses_no_share_where_an_envelope_gives_none() -> None:
+    """At its top speed this envelope, which is not concave, gives no torque: 0 of 0 is kept."""
+    speed = np.full(5, 50.0)
+    load = ActuatorLoad(
+        "M1", (DutyMotion(np.linspace(0.0, 1.0, 5), load_signals(0 * speed, 0 * speed, speed),
+                          1.0, 0.0, 0.0),), 0.0,
+    )  # fmt: skip
+    bent = ((0.0, 9.0), (100.0, 2.0), (300.0, 1.9), (600.0, 0.0))
+    table = drive_table([Drive(envelope=bent)])
+    assert not table.concave.any()
+    for ratio in (2.0, 6.0, 12.0):
+        assert envelope_share(load, replace(table, ratio=np.array([ratio])))[0] == 0.0
 
 
 def test_ratio_of_inertias_may_be_below_one_and_counts_only_if_it_is_limited() -> None:

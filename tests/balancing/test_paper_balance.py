@@ -111,6 +111,8 @@ def test_nearest_imbalance_within_tight_bounds() -> None:
     rng = np.random.default_rng(3)
     for j7, j9 in rng.uniform((0.1, 0.2), (1.5, 0.3), (200, 2)):
         assert static_imbalance(APPENDIX_4.vary({"joints.j7": j7, "joints.j9": j9})) >= nearest
+    prices = [item.price for item in result.active]
+    assert prices == sorted(prices, reverse=True)
     for item in result.active:
         step = {"low": -1e-3, "high": 1e-3}[item.side]
         other = result.after.vary({item.name: item.bound + step})

@@ -118,6 +118,13 @@ def test_lengths_are_sampled_with_a_seed() -> None:
     assert first.lost.max() == 0
 
 
+def test_poses_out_of_reach_are_left_out_of_samples() -> None:
+    reached, beyond_reach = [0.0, 0.0, 0.0, -0.5], [0.0, 0.0, 0.0, -5.0]
+    alone = length_tolerance(BALANCED, 0.01, [reached], samples=5)
+    among = length_tolerance(BALANCED, 0.01, [beyond_reach, reached], samples=5)
+    np.testing.assert_allclose(among.peaks, alone.peaks, rtol=1e-9)
+
+
 def test_only_the_magnification_unbalances_masses_at_joints() -> None:
     lengths = {path: 0.01 for path in LENGTH_PATHS if path != "geometry.magnification"}
     still = length_tolerance(BALANCED, lengths, POSES, samples=20)

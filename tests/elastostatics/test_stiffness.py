@@ -259,6 +259,8 @@ def test_softest_directions_are_the_least_of_all_and_axes_lie_between() -> None:
         c = found.compliance[np.ix_(rows, rows)]
         every = 1 / np.einsum("in,ij,jn->n", around, c, around)
         assert value == pytest.approx(every.min(), rel=1e-5)
+        if axes[0] == 0:
+            assert found.softest_direction == pytest.approx(angle[every.argmin()], abs=0.002)
         for axis, place in zip(axes, (0, 1000), strict=True):
             assert found.along(axis) == pytest.approx(every[place], rel=1e-9)
             assert found.along(axis) > value

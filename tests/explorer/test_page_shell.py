@@ -255,8 +255,10 @@ def test_tabs_that_an_earlier_page_has_kept_open(tab: Tab) -> None:
 
 
 def test_palette_finds_sections_and_quantities_by_other_words(tab: Tab) -> None:
-    tab.page.keyboard.press("Control+k")
+    tab.number_box("x  [mm]").fill("33.5")
+    tab.page.keyboard.press("Control+k")  # from the box, whose number is taken
     box = tab.page.get_by_placeholder("Search commands", exact=False)
+    until(lambda: tab.state.document.pose[0] == 0.0335, "the number is taken")
     for words, found in (("encoder", "Open: Errors"), ("lightest", "Open: Synthesis")):
         box.fill(words)
         tab.page.get_by_text(found).first.wait_for()

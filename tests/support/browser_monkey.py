@@ -18,7 +18,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from paminsa_viz.app import App, AppOptions
+from paminsa_viz.app import App, AppOptions, set_up_process
 from paminsa_viz.model import APPENDIX_4
 from tests.support.chromium import FLAGS, FLAGS_OF_TESTS, Tab, browser_path
 from tests.support.monkey import Reports
@@ -33,6 +33,17 @@ SIZES = ((1280, 720), (1400, 900), (900, 600), (1920, 1080))
 TARGETS = "button, [role=tab], [role=switch], [role=slider], [role=option], input, summary, a"
 PART = 5.0
 """Longest time that one move may take before the next one [s]."""
+
+
+WITHOUT_VIEWER_SETTINGS = """addEventListener("DOMContentLoaded", () => {
+  const style = document.createElement("style");
+  style.textContent = '[aria-label="Viewer settings"] { display: none; }';
+  document.head.append(style);
+})"""
+"""viser's own settings hold the server's address: what is typed there ends the page."""
+
+OF_THE_BROWSER = ("showSaveFilePicker", "Failed to load resource")
+"""In errors that the browser reports: of a dialog that is closed, of a picture that is replaced."""
 
 
 def held() -> str:
@@ -114,6 +125,8 @@ class Hands:
     def _reload(self) -> None:
         if self._random.random() < 0.2:
             self._page.reload()
+            # Until then viser shows the field with the server's address.
+            self._page.get_by_test_id("status").wait_for()
 
 
 def run(seed: int, *, minutes: float, pages: int) -> tuple[Counter[str], list[str]]:
@@ -140,6 +153,8 @@ def run(seed: int, *, minutes: float, pages: int) -> tuple[Counter[str], list[st
             contexts = [
                 browser.new_context(viewport={"width": 1280, "height": 720}) for _ in range(pages)
             ]
+            for context in contexts:
+                context.add_init_script(WITHOUT_VIEWER_SETTINGS)
             tabs = [Tab(context.new_page(), app) for context in contexts]
             hands = [Hands(tab.page, drawn) for tab in tabs]
             start = said = time.monotonic()
@@ -148,7 +163,8 @@ def run(seed: int, *, minutes: float, pages: int) -> tuple[Counter[str], list[st
                     said = now
                     print(f"{(now - start) / MINUTE:.0f} min: {held()}", flush=True)
                 drawn.choice(hands).act()
-            errors = [error for tab in tabs for error in tab.errors]
+            reported = [error for tab in tabs for error in tab.errors]
+            errors = [one for one in reported if not any(part in one for part in OF_THE_BROWSER)]
             for context in contexts:
                 context.close()
             browser.close()
@@ -168,6 +184,7 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=60.0)
     parser.add_argument("--pages", type=int, default=3)
     chosen = parser.parse_args()
+    set_up_process()
     done, errors = run(chosen.seed, minutes=chosen.minutes, pages=chosen.pages)
     for text in errors:
         print(text)

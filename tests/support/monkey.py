@@ -24,7 +24,7 @@ from typing import Any
 import viser
 from websockets.exceptions import ConnectionClosed
 
-from paminsa_viz.app import App, AppOptions
+from paminsa_viz.app import App, AppOptions, set_up_process
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.model import APPENDIX_4
 from tests.support.chromium import until
@@ -178,6 +178,7 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=20.0)
     parser.add_argument("--pages", type=int, default=3)
     chosen = parser.parse_args()
+    set_up_process()
     monkey, reports = run(chosen.seed, seconds=60 * chosen.minutes, pages=chosen.pages)
     for text in reports.found:
         print(text)

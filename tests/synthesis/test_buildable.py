@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import nnls
+from scipy.spatial import ConvexHull
 
 from paminsa_viz.clearance import clearance, pair_clearance, shapes_of
 from paminsa_viz.dimensions import needs
@@ -32,6 +34,7 @@ from paminsa_viz.synthesis import (
 from paminsa_viz.synthesis.search.buildability import OVERLAP_ALLOWED, buildability_rows
 from paminsa_viz.synthesis.search.evaluation import REFUSED
 from paminsa_viz.synthesis.search.extremes import Extent, least_over
+from paminsa_viz.synthesis.search.kernels import plate_distance
 from paminsa_viz.synthesis.search.region import SPARSE
 from paminsa_viz.synthesis.search.trial import Poses, TrialRobot
 from tests.synthesis.search_cases import CELL, CYLINDER, TURN
@@ -118,6 +121,27 @@ def test_plate_kernel_is_no_more_than_the_distance_of_the_bodies(lengths: dict) 
         if cheap < 0.001:
             exact = pair_clearance(design, pose)[platform].min()
             assert exact <= max(cheap, 0.0) + 1e-6
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=30)
+def test_distance_of_a_plate_is_that_of_the_nearest_mixture_of_its_corners(seed: int) -> None:
+    """Outside; inside, a ball of that radius and no larger one is within the plate."""
+    rng = np.random.default_rng(seed)
+    angles = np.sort(rng.uniform(0.0, 2.0 * np.pi, 5))
+    corners = np.column_stack([np.cos(angles), np.sin(angles)])  # counterclockwise and convex
+    low, top = np.sort(rng.uniform(-1.0, 1.0, 2))
+    solid = np.array([[*corner, z] for corner in corners for z in (low, top)])
+    for point in rng.uniform(-1.5, 1.5, (5, 3)):
+        found = plate_distance(corners, low, top, *point)
+        # weights of corners that sum to one, by a row that outweighs the others
+        rows = np.vstack([solid.T, np.full(len(solid), 1e4)])
+        weights, _ = nnls(rows, np.append(point, 1e4))
+        nearest = np.linalg.norm(solid.T @ weights - point)
+        assert max(found, 0.0) == pytest.approx(nearest, abs=1e-6)
+        if found < 0.0:
+            hull = ConvexHull(solid).equations
+            assert found == pytest.approx((hull[:, :3] @ point + hull[:, 3]).max(), abs=1e-9)
 
 
 @cache

@@ -238,6 +238,20 @@ def test_refusals_name_their_cause() -> None:
     assert time_optimal(APPENDIX_4, TURN, MotionLimits(torque=6.0 * factor * 1.01)).crossings
 
 
+def test_a_refusal_says_what_torques_are_enough_while_speeds_stay_limited() -> None:
+    def shortest_law(torque: float) -> np.ndarray:
+        limits = MotionLimits(torque=torque, turn_speed=1.0)
+        found = crossings(APPENDIX_4.geometry, TURN)
+        return CrossingProgram(APPENDIX_4, TURN, found, limits).fastest()
+
+    with pytest.raises(CrossingRefused, match=r"times as large") as refusal:
+        shortest_law(6.0)
+    factor = float(str(refusal.value).split("at least ")[1].split(" times")[0])
+    assert shortest_law(6.0 * factor * 1.01).any()
+    with pytest.raises(CrossingRefused, match=r"times as large"):
+        shortest_law(6.0 * factor * 0.99)
+
+
 def test_a_path_along_a_locus_is_refused() -> None:
     turn = singular_rotation(APPENDIX_4.geometry)
     path = straight_path([0.0, 0.0, turn, -0.5], [0.1, 0.0, turn, -0.5])

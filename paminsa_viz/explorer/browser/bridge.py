@@ -221,7 +221,7 @@ class Slots:
             widths: By name [page pixels]; 0 for a place that is not seen.
         """
         self._dispatch = dispatch
-        self._widths = dict(widths)
+        self._widths = {name: _width(width) for name, width in widths.items()}
         self.ratio = 1.0
         bridge.on("slots", self._hear)
 

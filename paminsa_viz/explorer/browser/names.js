@@ -1,6 +1,6 @@
 /**
  * Names of what viser leaves without one, for screen readers: thumbs and number boxes of sliders,
- * boxes of a pair, pictures, and buttons that are an icon.
+ * boxes of a pair, pictures, and buttons that are an icon. By their names they get the focus.
  */
 (() => {
   "use strict";
@@ -33,6 +33,18 @@
     const label = field.closest(ROW)?.querySelector("label[for]");
     if (label) nameFields(label);
   });
+
+  /** Put the focus into the first field that is seen and whose label begins with one of `names`. */
+  const focus = (names) => {
+    const begins = (label) => names.some((name) => plain(label.textContent).startsWith(name));
+    const labels = [...document.querySelectorAll("label[for]")].filter(begins);
+    const rows = labels.map((label) => label.closest(ROW)).filter((row) => row?.getClientRects().length);
+    const field = rows[0]?.querySelector(FIELD);
+    field?.scrollIntoView({ block: "nearest" });
+    field?.focus({ preventScroll: true });
+    field?.select?.();
+  };
+  window.paminsaNames = { focus };
 
   const ICONS = [["search", "Commands"], ["adjust", "Viewer settings"], ["x", "Close"]];
   watch("button:not([aria-label]):not([aria-hidden])", (button) => {

@@ -267,6 +267,19 @@
     }
   }, { signal: stopped.signal });
 
+  // --- keys in a box ------------------------------------------------------------------------
+  // Mantine's keys are dead in a box. These leave it, which takes what was typed, and then work.
+  document.addEventListener("keydown", (event) => {
+    const { target, key, code, ctrlKey, metaKey, altKey } = event;
+    if (altKey || !(ctrlKey || metaKey) || !/^[ks1-5]$/i.test(key)) return;
+    if (!target.matches?.("input, textarea") || target.matches(SEARCH)) return;
+    event.preventDefault();
+    event.stopPropagation();
+    target.blur();
+    const again = { key, code, ctrlKey, metaKey, bubbles: true, cancelable: true };
+    document.documentElement.dispatchEvent(new KeyboardEvent("keydown", again));
+  }, { capture: true, signal: stopped.signal });
+
   // --- what is typed into the command palette -----------------------------------------------
   // The server says what a text means as a whole. Its line comes later than the others and has to be
   // selected as the first one then; an Enter before that waits for it.
@@ -482,9 +495,10 @@
   const copy = (what, text) => window.paminsaClipboard?.give(what, text);
   const followLink = (code) => window.paminsaLinks?.follow(code);
   const copyLink = (code) => copy("Link", window.paminsaLinks?.to(code) || code);
+  const focusInput = (names) => window.paminsaNames?.focus(names);
   const releaseTheme = () => window.paminsaFirstPaint?.release();
   window.paminsa = {
-    stop, whole, tour, copy, send, save, openTab, setTitle, showTime, showLegend, renderOnDemand,
-    releaseTheme, openLink, followLink, copyLink, answerTyped,
+    stop, whole, tour, copy, focusInput, send, save, openTab, setTitle, showTime, showLegend,
+    renderOnDemand, releaseTheme, openLink, followLink, copyLink, answerTyped,
   };
 }

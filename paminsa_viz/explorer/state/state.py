@@ -9,6 +9,7 @@ from paminsa_viz.explorer.state.balance import BalanceState
 from paminsa_viz.explorer.state.clearance import ClearanceState
 from paminsa_viz.explorer.state.document import Document, LastReachable
 from paminsa_viz.explorer.state.drives import DrivesState
+from paminsa_viz.explorer.state.encoder import EncoderState
 from paminsa_viz.explorer.state.export import ExportSettings
 from paminsa_viz.explorer.state.identification import IdentificationState
 from paminsa_viz.explorer.state.inspector import Part
@@ -50,9 +51,9 @@ class State:
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
         point_editing: Which of the poses that a motion is built from is edited, and how.
-        simulation, balance, springs, tolerances, clearance, drives, monte_carlo, loads, stiffness,
-            identification, requirements, synthesis, engine_answer: What a person set in each of
-            these features, its jobs, and what came of them.
+        simulation, balance, springs, tolerances, clearance, drives, encoder, monte_carlo, loads,
+            stiffness, identification, requirements, synthesis, engine_answer: What a person set in
+            each of these features, its jobs, and what came of them.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
         export, recording: How files are exported, and what is made of a motion's picture.
@@ -85,6 +86,7 @@ class State:
     tolerances: TolerancesState = field(default_factory=TolerancesState)
     clearance: ClearanceState = field(default_factory=ClearanceState)
     drives: DrivesState = field(default_factory=DrivesState)
+    encoder: EncoderState = field(default_factory=EncoderState)
     monte_carlo: MonteCarloState = field(default_factory=MonteCarloState)
     loads: LoadsState = field(default_factory=LoadsState)
     stiffness: StiffnessState = field(default_factory=StiffnessState)

@@ -109,8 +109,9 @@ OBJECTIVES: dict[str, Objective] = {
     item.key: item
     for item in (
         Objective(
-            "footprint", "footprint R_f",
-            "Radius about z swept by joints 5, 8, 9 and the guides' ends over the workspace", "m",
+            "footprint", "footprint radius",
+            "Radius R_f about z swept by joints 5, 8, 9 and the guides' ends over the workspace",
+            "m",
             lambda trial: trial.footprint,
         ),
         Objective(

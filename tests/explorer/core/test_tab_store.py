@@ -53,6 +53,7 @@ FORMER = CHANGED
 CHANGED = (
     CHANGED.updated("loads.settings", leg=2, bar="b8", joint="5", along=True)
     .updated("stiffness.settings", mode=2, case="tilt_x", bar="b7")
+    .updated("encoder.settings", gear=50.0)
     .updated("monte_carlo.settings", robots=500, seed=4, coordinate=3, leg=1, length=5)
     .updated("requirements.largest.settings", growth="VERTICAL", free=True, seconds=60.0)
 )

@@ -20,9 +20,10 @@ from paminsa_viz.explorer.kit.entries import (
     Tabs,
     Then,
 )
-from paminsa_viz.explorer.kit.inputs import Slider
-from paminsa_viz.explorer.kit.setting_inputs import layer_switch
+from paminsa_viz.explorer.kit.inputs import Number, Slider
+from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.state.encoder import BITS, EncoderSettings, bits_of, count_of
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import DriveAccuracy
 from paminsa_viz.studies.drive_accuracy import error_rows
@@ -62,6 +63,25 @@ def _choices(state: State) -> dict[str, Effect]:
     return found
 
 
+def _bits(state: State) -> float:
+    """Return the bits a turn of the encoders of M1 to M3, see `EncoderSettings`."""
+    return bits_of(state.document.design.accuracy.resolution_rotary, state.encoder.settings.gear)
+
+
+def _set_bits(state: State, bits: float) -> State:
+    count = count_of(bits, state.encoder.settings.gear)
+    return actions.vary(state, {"accuracy.resolution_rotary": count})
+
+
+def _set_gear(state: State, gear: float) -> State:
+    """Put another gear behind the encoders: a count moves the actuator less."""
+    bits = _bits(state)
+    return _set_bits(state.updated("encoder.settings", gear=gear), bits)
+
+
+_setting = SettingInputs("encoder", "encoder.settings", EncoderSettings, _set_gear)
+
+
 def _slider(name: str, label: str, high: float, step: float) -> Slider:
     return error_slider(f"accuracy.{name}", label, high, step, ", at the actuator")
 
@@ -86,6 +106,13 @@ DRIVES_ACCURACY = (
     Folder(
         "accuracy.drives", "Errors of the drives",
         entries=(
+            Number(
+                "encoder.bits", "encoder M1–M3 [bit]", range=BITS, step=1.0,
+                read=_bits, apply=_set_bits,
+                hint="Bits a turn of the encoders, at the motor where there is a gear: sets the "
+                "count below",
+            ),
+            _setting("gear"),
             _slider("resolution_rotary", "count M1–M3", 0.1, 0.001),
             _slider("resolution_linear", "count M4", 100.0, 0.5),
             _slider("backlash_rotary", "backlash M1–M3", 0.1, 0.001),

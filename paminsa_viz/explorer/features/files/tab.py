@@ -119,7 +119,7 @@ FILE: tuple[Entry, ...] = (
         entries=(
             Button(
                 "file.download", "Download as TOML", icon=Icon.DOWNLOAD,
-                hint="A readable text file, in SI units",
+                hint="A readable text file, in SI units (Ctrl+S)",
                 effect=Run(
                     lambda session: session.submit(partial(_download, session)), at_once=True
                 ),

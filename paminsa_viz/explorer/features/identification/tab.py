@@ -107,15 +107,6 @@ def _upload(place: str, label: str, hint: str) -> Upload:
 
 
 FOUND: tuple[Entry, ...] = (
-    Dropdown(
-        "identify.actuator", "Actuator",
-        options={name: j for j, name in enumerate(ACTUATORS)},
-        **attribute("identification.actuator"),
-    ),
-    Custom("identify.charts", make=_Charts),
-    Html("identify.numbers", content=text.numbers_html, idle=True),
-    Html("identify.checks", content=text.checks_html, idle=True),
-    Html("identify.causes", content=text.causes_html, idle=True),
     ButtonGroup(
         "identify.use", "Use",
         choices={
@@ -131,6 +122,15 @@ FOUND: tuple[Entry, ...] = (
         },
         hint="The nearest masses and the friction; or the log’s motion in the scene",
     ),
+    Dropdown(
+        "identify.actuator", "Actuator",
+        options={name: j for j, name in enumerate(ACTUATORS)},
+        **attribute("identification.actuator"),
+    ),
+    Custom("identify.charts", make=_Charts),
+    Html("identify.numbers", content=text.numbers_html, idle=True),
+    Html("identify.checks", content=text.checks_html, idle=True),
+    Html("identify.causes", content=text.causes_html, idle=True),
     ButtonGroup(
         "identify.export", "Export",
         choices={

@@ -17,6 +17,7 @@ from paminsa_viz.explorer.features.motion import point_entries as motion_points
 from paminsa_viz.explorer.features.motion import points
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.palette import rgb
 from paminsa_viz.plots.contours import joined
 from paminsa_viz.plots.hover import HoverFigure
@@ -173,6 +174,16 @@ def floor_path(motion: TrajectoryAnalysis) -> FloorPath:
     return FloorPath(joined(good), joined(bad))
 
 
+ZERO = 1e-9
+"""Values up to this are rounding errors of what is zero, in whatever unit is shown."""
+
+
+def is_zero(values: Array) -> bool:
+    """Whether there are values, and all are zero but for rounding."""
+    known = values[np.isfinite(values)]
+    return known.size > 0 and float(np.abs(known).max()) < ZERO
+
+
 def caption(state: State, data: MapData) -> str:
     """Return the line below a picture: what it shows, where, and what its marks mean."""
     reference = state.document.reference if shows_difference(state) else None
@@ -182,6 +193,7 @@ def caption(state: State, data: MapData) -> str:
         reference=None if reference is None else reference.name,
         theta=format_value(data.theta, "rad"),
         z=format_value(data.z, "m"),
+        zero=is_zero(data.values),
         missing=data.missing_word,
         outside=() if data.outside is None else data.outside.present(),
         drawing=points.is_drawing(state),

@@ -12,7 +12,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.planning import checked_poses
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.motion import points
-from paminsa_viz.explorer.kit.entries import Button, ButtonGroup, Entry, Folder, Html
+from paminsa_viz.explorer.kit.entries import Button, ButtonGroup, Entry, Folder, Html, Run
 from paminsa_viz.explorer.kit.inputs import Number
 from paminsa_viz.explorer.kit.setting_inputs import layer_switch
 from paminsa_viz.explorer.kit.text import render
@@ -131,7 +131,11 @@ POINTS: tuple[Entry, ...] = (
         lambda state: "Stop drawing on the maps" if points.is_drawing(state)
         else "Draw on a map…",
         hint="Each click on a map adds a waypoint, at the map's θ and z", color="gray",
-        effect=lambda state: points.set_drawing(state, not points.is_drawing(state)), undo=False,
+        effect=Run(
+            lambda session: switch_drawing(session, not points.is_drawing(session.state)),
+            at_once=True,
+        ),
+        undo=False,
     ),
 )  # fmt: skip
 
@@ -142,8 +146,22 @@ def receive_row(session: Session, data: Any) -> None:
         session.dispatch("motion.point", partial(points.select, index=int(data)), step=False)
 
 
-def receive_switch(session: Session, data: Any) -> None:
-    """Draw a motion on the maps, or no longer."""
+MAPS = ("Torque maps", "Single map")
+"""Tabs with maps that can be drawn on."""
+
+
+def switch_drawing(session: Session, on: bool) -> None:
+    """Draw a motion on the maps, one of which is opened, or no longer."""
+
+    def show() -> None:
+        if on and not (session.open_tabs or frozenset()).intersection(MAPS):
+            session.open_tab(MAPS[0])
+
     session.dispatch(
-        "motion.draw", lambda state: points.set_drawing(state, data == "on"), step=False
+        "motion.draw", lambda state: points.set_drawing(state, on), step=False, then=show
     )
+
+
+def receive_switch(session: Session, data: Any) -> None:
+    """Draw a motion on the maps, or no longer; ``data`` comes from the page."""
+    switch_drawing(session, data == "on")

@@ -436,17 +436,19 @@
     const singular = Math.sqrt(Math.max(0, m.base_radius ** 2 + m.platform_radius ** 2
       - 2 * m.base_radius * m.platform_radius * Math.cos(doc.pose[2])));
     canvases.forEach((canvas, index) => {
-      drawMap(canvas, pictures[index], doc.pose, extent(), singular);
       titles[index].textContent =
         `${differs() ? "Δ" : ""}τ${"₁₂₃"[index]}: ±${number(limit, 1)} N·m`;
       canvas.setAttribute("aria-label", `Map of the static torque of M${index + 1}; `
         + `${number(solved.torques[index], 3)} N·m at the pose`);
     });
+    // All texts are written by now: each size that is read after a text has the page laid out again.
+    canvases.forEach((canvas, index) =>
+      drawMap(canvas, pictures[index], doc.pose, extent(), singular));
     const chosen = find("floor").value;
     if (shown)
       view.draw({
         floor: chosen && { picture: pictures[chosen], radius: extent() },
-        circle: paminsaWorkspaceCircle(m), singular, dark: isDark(), colors: pageColors(),
+        circle: paminsaWorkspaceCircle(m), singular, dark: isDark(), colors: pageColors(), moving,
       });
     const [x, y, theta, z] = (shown?.pose ?? doc.pose);
     find("robot").setAttribute("aria-label", `The robot at x ${number(1e3 * x, 1)} mm, `

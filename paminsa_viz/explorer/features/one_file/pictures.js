@@ -1,6 +1,9 @@
 /** Pictures of the page in one file: the maps of static torques. */
 const colorOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`);
 
+// Pictures that are filled cell by cell are quicker where the processor has them.
+const IN_MEMORY = { willReadFrequently: true };
+
 /** Return a canvas's context and its size in page pixels, as sharp as the screen. */
 const contextOf = (canvas) => {
   const ratio = window.devicePixelRatio || 1;
@@ -8,7 +11,7 @@ const contextOf = (canvas) => {
   const wanted = [Math.round(width * ratio), Math.round(height * ratio)];
   if (canvas.width !== wanted[0] || canvas.height !== wanted[1])
     [canvas.width, canvas.height] = wanted;
-  const context = canvas.getContext("2d");
+  const context = canvas.getContext("2d", IN_MEMORY);
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, width, height);
   return { context, width, height };
@@ -47,7 +50,7 @@ const drawMap = (canvas, picture, mark, radius, singular) => {
   const { context: draw, width, height } = contextOf(canvas);
   const cells = drawMap.cells ||= document.createElement("canvas");
   cells.width = cells.height = picture.width;
-  cells.getContext("2d").putImageData(picture, 0, 0);
+  cells.getContext("2d", IN_MEMORY).putImageData(picture, 0, 0);
   draw.fillStyle = colorOf("reachless");
   draw.fillRect(0, 0, width, height);
   draw.imageSmoothingEnabled = false;

@@ -5,6 +5,7 @@
 const FIELD_OF_VIEW = Math.PI * 32 / 180;
 const FLOOR_GAP = 0.0015; // pictures on the floor lie that much over it
 const HANDLE_SIZE = 34; // radius of the handle [px]
+const SHARPNESS = 2; // least pixels of the picture for a pixel of the page, so that edges are smooth
 
 const SOLID_POINTS = `#version 300 es
 in vec3 point; in vec3 normal; in float material;
@@ -71,6 +72,13 @@ void main() {
   if (kind == 2) seen.a *= pow(max(1.0 - dot(place, place), 0.0), 2.0);
   seen.rgb *= seen.a;
 }`;
+
+/** Return what draws: the graphics card, or a program. Chromium tells it by an extension alone. */
+const rendererOf = (gl) => {
+  const told = gl.getParameter(gl.RENDERER);
+  const more = /^webkit/i.test(told) && gl.getExtension("WEBGL_debug_renderer_info");
+  return more ? gl.getParameter(more.UNMASKED_RENDERER_WEBGL) : told;
+};
 
 /** Return points of a flat ring about z with radius 1, as a strip. */
 const ringPoints = (width, from = 0, to = 2 * Math.PI) => {
@@ -182,8 +190,10 @@ const programOf = (gl, points, colors, attributes) => {
 
 /** Return the scene on a canvas, null where the browser has no WebGL2. */
 const createScene = (canvas, lost) => {
-  const gl = canvas.getContext("webgl2", { antialias: true });
+  const gl = canvas.getContext("webgl2", { antialias: false });
   if (!gl) return null;
+  // Without a graphics card the processor draws: fewer pixels while the robot moves.
+  const isSoftware = /swiftshader|llvmpipe|software|basic render/i.test(rendererOf(gl));
   const MATERIALS = Object.keys(PAGE.meshes.materials);
   let solid, flat, meshes, shapes, texture, stretchedFor, textureFor;
 
@@ -267,11 +277,12 @@ const createScene = (canvas, lost) => {
   /**
    * Draw a robot at a pose that it can take. `floor` is a picture and half its width, or null;
    * `colors` are those of the page as parts of 1: `m1` to `m4`, `ink`; `circle` and `singular`
-   * are radii, `held` says whether the handle is in use.
+   * are radii, `held` says whether the handle is in use, `moving` that more pictures follow.
    */
-  const draw = ({ robot, pose, solved, view, floor, circle, singular, dark, colors, held }) => {
+  const draw = ({ robot, pose, solved, view, floor, circle, singular, dark, colors, held, moving }) => {
     if (gl.isContextLost()) return null;
-    const ratio = window.devicePixelRatio || 1;
+    const screen = window.devicePixelRatio || 1;
+    const ratio = moving && isSoftware ? screen : Math.max(screen, SHARPNESS);
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     const wanted = [Math.max(1, Math.round(width * ratio)), Math.max(1, Math.round(height * ratio))];
     if (canvas.width !== wanted[0] || canvas.height !== wanted[1])

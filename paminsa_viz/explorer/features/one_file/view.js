@@ -149,7 +149,8 @@ const createView = (canvas, { shown, request, move, release }) => {
       fittedFor = key;
       view = fittedView(robot, ...chosen.map((part) => part * Math.PI / 180), aspect);
     }
-    camera = scene.draw({ ...shown(), ...scenery, view, held }) ?? camera;
+    const moving = scenery.moving || fingers.size > 0;
+    camera = scene.draw({ ...shown(), ...scenery, view, held, moving }) ?? camera;
   };
   /** Return where the handle is in the picture, as shares of its size from the upper left. */
   const handlePlace = () => pictured(camera, center()).slice(0, 2);

@@ -85,6 +85,9 @@ def _own(name: str, label: str, unit_label: str, unit: Any, step: float) -> tupl
     )  # fmt: skip
 
 
+VALUE, ENDS = "Value", "From, to"
+"""What the labels of the boxes begin with that hold the bound."""
+
 EDIT = (
     Dropdown(
         "requirements.selected", "Requirement",
@@ -101,11 +104,11 @@ EDIT = (
         read=_side, apply=actions.choose_side,
     ),
     Number(
-        "requirements.value", partial(_unit, name="Value"), step=0.1,
+        "requirements.value", partial(_unit, name=VALUE), step=0.1,
         visible=lambda state: _side(state) is not Side.BETWEEN, read=_bound, apply=_set_bound,
     ),
     Pair(
-        "requirements.ends", partial(_unit, name="From, to"), step=0.1, ordered=True,
+        "requirements.ends", partial(_unit, name=ENDS), step=0.1, ordered=True,
         visible=lambda state: _side(state) is Side.BETWEEN, read=_ends, apply=_set_ends,
     ),
     *_own("theta", "Own θ range", "θ [°]", DEGREES, 1.0),

@@ -10,7 +10,13 @@ from paminsa_viz.explorer.core.saved_requirements import asked
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.requirements import actions
 from paminsa_viz.explorer.features.requirements import texts as text
-from paminsa_viz.explorer.features.requirements.inputs import DEGREES, EDIT, has_selected
+from paminsa_viz.explorer.features.requirements.inputs import (
+    DEGREES,
+    EDIT,
+    ENDS,
+    VALUE,
+    has_selected,
+)
 from paminsa_viz.explorer.features.requirements.largest import LARGEST_WORKSPACE
 from paminsa_viz.explorer.features.requirements.suggestions import default_workspace
 from paminsa_viz.explorer.features.requirements.volumes import VOLUMES
@@ -151,7 +157,11 @@ def _select(session: Session, data: Any) -> None:
     """Edit the requirement that was clicked; ``data`` comes from the page."""
     if isinstance(data, str) and data.isascii() and data.isdecimal() and len(data) < 4:
         action = partial(actions.select, index=int(data))
-        session.dispatch("requirements.selected", action, step=False)
+        boxes = [VALUE, ENDS]
+        session.dispatch(
+            "requirements.selected", action, step=False,
+            then=lambda: session.bridge.call("focusInput", boxes),
+        )  # fmt: skip
 
 
 def _go(session: Session, data: Any) -> None:

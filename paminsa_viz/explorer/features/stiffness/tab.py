@@ -171,7 +171,9 @@ def result_html(frame: Frame) -> str:
         moves = 1e3 * np.asarray(result.compensation.actuators)
         motors = list(zip(ACTUATORS, moves.tolist(), strict=True))
     return render(
-        "stiffness/result.j2", stiffness=stiffness, case=CASES[outcome.job.case][0],
+        "stiffness/result.j2", softest=float(found.horizontal) * 1e-3,
+        softest_along=float(np.degrees(found.softest_direction)), stiffness=stiffness,
+        case=CASES[outcome.job.case][0],
         loaded=result.shares is not None, moved=(1e3 * twist[:3]).tolist(),
         turn=1e3 * float(twist[5]), tilt=1e3 * float(np.hypot(*twist[3:5])), motors=motors,
         frequencies=result.frequencies, mode=frame.state.stiffness.settings.mode,

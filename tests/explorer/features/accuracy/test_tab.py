@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer.core import actions, persistence
+from paminsa_viz.explorer.core import actions, persistence, tab_store
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.features.accuracy import tab as panel
 from paminsa_viz.explorer.features.accuracy.layers import shown_errors
 from paminsa_viz.explorer.features.accuracy.manufacture import MANUFACTURE
 from paminsa_viz.explorer.kit.entries import ButtonGroup, Folder, given
-from paminsa_viz.explorer.kit.inputs import Slider
+from paminsa_viz.explorer.kit.inputs import Number, Slider
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, Drive, DriveAccuracy, InvalidInput, singular_rotation
 from paminsa_viz.units import ARCSEC, number
@@ -93,3 +93,26 @@ def test_encoders_of_the_drives_are_offered() -> None:
 def test_buttons_show_the_errors_on_the_single_map() -> None:
     for label, effect in group("accuracy.map", initial_state()).items():
         assert effect(initial_state()).map_view.quantity == panel.MAPS[label]
+
+
+def test_encoder_is_given_by_its_bits_and_the_gear_behind_it() -> None:
+    entries = panel.DRIVES_ACCURACY[-1]
+    assert isinstance(entries, Folder)
+    bits, gear = (
+        next(entry for entry in entries.entries if entry.key == f"encoder.{name}")
+        for name in ("bits", "gear")
+    )
+    assert isinstance(bits, Number)
+    assert isinstance(gear, Number)
+    state = bits.apply(initial_state(), 12.0)
+    assert state.document.design.accuracy.resolution_rotary == pytest.approx(2 * np.pi / 4096)
+    worst = shown_errors(compute(state)).worst
+    state = gear.apply(state, 50.0)
+    assert bits.read(state) == pytest.approx(12.0)
+    assert state.document.design.accuracy.resolution_rotary == pytest.approx(np.pi / 2048 / 50)
+    assert (shown_errors(compute(state)).worst < worst)[:3].all()  # M4 has its own
+    state = actions.vary(state, {"accuracy.resolution_rotary": np.pi / 2**9 / 50})
+    assert bits.read(state) == pytest.approx(10.0)  # the count is what counts
+    kept = tab_store.restore(initial_state(), tab_store.dump(state))
+    assert gear.read(kept) == 50
+    assert bits.read(kept) == pytest.approx(10.0)

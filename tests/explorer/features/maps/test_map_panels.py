@@ -18,6 +18,7 @@ from paminsa_viz.explorer.browser.style import dock_width, view_width
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore, choose_quantity
 from paminsa_viz.explorer.dock import MapsPanel, clicked_place
+from paminsa_viz.explorer.features.balance.actions import balance_now
 from paminsa_viz.explorer.features.maps.pictures import COLUMNS, caption, click_frame
 from paminsa_viz.explorer.features.maps.tab import show_figure_3
 from paminsa_viz.explorer.kit.setting_inputs import quantity_inputs
@@ -112,6 +113,14 @@ def test_reported_sizes_are_used_and_drawn_once(slots: Any) -> None:
     assert action(initial_state()) == initial_state()
 
 
+def test_a_dock_that_was_left_narrow_has_room_for_two_maps() -> None:
+    bridge: Any = SimpleNamespace(on=lambda *_: None)
+    width = Slots(bridge, lambda *_: None, {"a": 120, "b": 0}).width("a")
+    data = MapStore().current(initial_state(), COARSE, TORQUES)
+    scales = choose_scales(data)
+    assert map_layout(data, scales, width, PAGE_EM, columns=COLUMNS).width == width
+
+
 @pytest.mark.parametrize(
     ("data", "width"),
     [
@@ -155,6 +164,13 @@ def test_caption_names_the_reference_escaped() -> None:
     text = caption(state, MapStore().data(state, COARSE))
     assert "difference from “&lt;script&gt;”" in text
     assert "<script>" not in text
+
+
+def test_caption_says_of_a_balanced_robot_that_torques_are_zero_everywhere() -> None:
+    state = initial_state()
+    assert "0 everywhere" not in caption(state, MapStore().current(state, COARSE, TORQUES))
+    state = balance_now(state)
+    assert "0 everywhere" in caption(state, MapStore().current(state, COARSE, TORQUES))
 
 
 def test_ends_show_the_range_drawn_and_set_it(desk: Desk) -> None:

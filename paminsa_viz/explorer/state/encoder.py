@@ -1,0 +1,40 @@
+"""Encoders of the rotary drives as a person gives them: bits a turn, and the gear behind them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from paminsa_viz.explorer.state.settings import Settings, setting
+
+TURN = 2 * math.pi
+
+BITS = (3.0, 40.0)
+"""Bits a turn that can be typed; a count of fewer is more than the model's errors may be."""
+
+
+@dataclass(frozen=True)
+class EncoderSettings(Settings):
+    """What a count of the encoders of M1 to M3 is read with."""
+
+    gear: float = setting(
+        1.0, "Gear ratio", "Turns of the encoder for one of the actuator; its bits stay",
+        range=(0.01, 1e4), step=1.0,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class EncoderState:
+    """Encoders of a session."""
+
+    settings: EncoderSettings = EncoderSettings()
+
+
+def bits_of(count: float, gear: float) -> float:
+    """Return the bits a turn of an encoder whose count moves the actuator by `count` [rad]."""
+    return math.log2(TURN / (count * gear)) if count > 0 else math.inf
+
+
+def count_of(bits: float, gear: float) -> float:
+    """Return one count at the actuator [rad]: 2 pi / (2^bits gear)."""
+    return TURN / (2.0**bits * gear)
