@@ -20,22 +20,26 @@ from paminsa_viz.explorer.features.inspector.shares import (
     tolerance_share,
 )
 from paminsa_viz.explorer.features.loads.solving import found, instant
-from paminsa_viz.explorer.kit.bindings import Panel
-from paminsa_viz.explorer.kit.design_numbers import GROUPS
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Html, Message, Run, Then
+from paminsa_viz.explorer.features.stiffness.tab import SLIDERS
+from paminsa_viz.explorer.kit.bindings import Panel, perform
+from paminsa_viz.explorer.kit.design_numbers import GROUPS, label
+from paminsa_viz.explorer.kit.entries import Effect, Html, Message, Then
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.inspector import Kind, Part
 from paminsa_viz.explorer.state.monte_carlo import NAMES
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.stiffness import CASES
-from paminsa_viz.model import PARAMETER
-from paminsa_viz.units import NONE, number, symbol_text
+from paminsa_viz.model import PARAMETER, Design
+from paminsa_viz.units import NONE, number
 
-WIDTH: Final = 300
+WIDTH: Final = 236
 """Width of the panel [px]."""
 
 ESCAPE: Final = "escape"
 """Message of the page: the key Esc was pressed and nothing else takes it."""
+
+INSPECT: Final = "inspector"
+"""Message of the page: a link of the panel was clicked."""
 
 LENGTHS: Final = {
     "b1": "geometry.arm_length", "b2": "geometry.shaft_length", "b3": "geometry.crank_length",
@@ -72,6 +76,12 @@ def section_of(path: str) -> str:
     )  # fmt: skip
 
 
+def label_of(path: str) -> str:
+    """Return how the label of a number of the design begins on the page."""
+    group, _, name = path.partition(".")
+    return SLIDERS[name][0] if group == "elastic" and name in SLIDERS else label(PARAMETER[path])
+
+
 def quantity_of(part: Part) -> str:
     """Return the key of the map quantity that goes with a part."""
     if part.kind is Kind.BAR:
@@ -89,28 +99,29 @@ def text(frame: Frame) -> str:
         return ""
     time = instant(state).time
     return render(
-        "inspector/part.j2", title=part.title, words=part.words,
+        "inspector/part.j2", title=part.title, words=part.words, message=INSPECT,
         dot="m4" if part.leg is None else f"m{part.leg + 1}",
-        facts=_facts(state, part), reason=numbers.reason(state),
-        rows=numbers.numbers(state, part), missing=_missing(state),
-        when="At rest" if time is None else f"At {time:.2f} s of the motion",
-        shares=_shares(frame, part),
+        length=_length(state, part),
+        fields=[_field(state.shown_design, path) for path in fields_of(part)],
+        reason=numbers.reason(state), rows=numbers.numbers(state, part), missing=_missing(state),
+        when="At rest" if time is None else f"At {time:.2f} s",
+        shares=_shares(frame, part), actions=_actions(state),
     )  # fmt: skip
 
 
-def _facts(state: State, part: Part) -> list[tuple[str, str]]:
-    design = state.shown_design
-    rows = []
-    if part.kind is Kind.BAR:
-        rows.append(("length", f"{number(1e3 * numbers.bar_length(state, part.name), 4)} mm"))
-    if part.mass_path:
-        rows.append(("mass", f"{number(design.value(part.mass_path), 4)} kg"))
-    if part.kind is Kind.BAR:
-        section = design.elastic.section(part.name)
-        ends = [1e3 * getattr(design.elastic, f"{part.name}_{side}") for side in ("outer", "inner")]
-        tube = "/".join(number(end, 3) for end in ends)
-        rows.append(("tube ⌀", f"{tube} mm with A = {number(1e6 * section.area, 3)} mm²"))
-    return rows
+def _length(state: State, part: Part) -> str:
+    """Return the length of a bar [mm], where none of the fields is it."""
+    if part.kind is not Kind.BAR or PARAMETER[LENGTHS[part.name]].unit == "m":
+        return ""
+    return number(1e3 * numbers.bar_length(state, part.name), 4)
+
+
+def _field(design: Design, path: str) -> tuple[str, str, str, str, str]:
+    """Return path, symbol, name, value and section of a number of the design."""
+    parameter = PARAMETER[path]
+    value = design.value(path)
+    text = "rigid" if math.isinf(value) else parameter.display.format(value, 4)
+    return path, parameter.symbol.partition(" = ")[0], parameter.label, text, section_of(path)
 
 
 def _missing(state: State) -> str:
@@ -121,7 +132,7 @@ def _missing(state: State) -> str:
         return "Worst: over a motion, which the section Path sets."
     if state.loads.settings.along:
         return "Worst: being computed."
-    return "Worst: “Along the motion” finds it."
+    return ""
 
 
 def _percent(share: float) -> str:
@@ -148,30 +159,18 @@ def _shares(frame: Frame, part: Part) -> list[tuple[str, str, str]]:
     return rows
 
 
-def _change(state: State) -> dict[str, Effect]:
-    """Return buttons that open the sections of the numbers worth changing."""
-    part = state.inspected
-    if part is None:
-        return {}
-    return {
-        f"{symbol_text(PARAMETER[path].symbol)} ({section_of(path)})": Run(
-            partial(Session.open_tab, name=section_of(path)), at_once=True
-        )
-        for path in fields_of(part)
-    }
-
-
 def _actions(state: State) -> dict[str, Effect]:
+    """Return what the links below do, by their texts."""
     part = state.inspected
     if part is None:
         return {}
     shown: dict[str, Effect] = {
-        "Map this": Then(partial(choose_quantity, quantity=quantity_of(part)), opens="Single map")
+        "map this": Then(partial(choose_quantity, quantity=quantity_of(part)), opens="Single map")
     }
     planned_motion = planned(state.document.motion, state.document.design).trajectory
     if planned_motion is not None and not state.loads.settings.along:
-        shown["Along the motion"] = _along
-    return {**shown, "Close": partial(inspect, part=None)}
+        shown["along the motion"] = _along
+    return {**shown, "close": partial(inspect, part=None)}
 
 
 def _along(state: State) -> State:
@@ -184,15 +183,23 @@ def _escape(session: Session, data: Any) -> None:
     session.dispatch("inspect", partial(inspect, part=None), step=False)
 
 
+def _receive(session: Session, data: Any) -> None:
+    """Do what was clicked in the panel; ``data`` comes from the page."""
+    part = session.state.inspected
+    if part is None or not isinstance(data, str):
+        return
+    if data in fields_of(part):
+        session.open_tab(section_of(data))
+        session.bridge.call("focusInput", [label_of(data)])
+    elif data in (choices := _actions(session.state)):
+        perform(session, INSPECT, choices[data], undo=False)
+
+
 INSPECTOR: Final = (
     Message(ESCAPE, receive=_escape),
+    Message(INSPECT, receive=_receive),
     Html("inspector.part", content=text, idle=True),
-    ButtonGroup(
-        "inspector.change", "Change", choices=_change,
-        hint="Opens the section where it is set",
-    ),
-    ButtonGroup("inspector.do", "Do", choices=_actions, hint="Esc closes the panel as well"),
-)  # fmt: skip
+)
 
 
 class Inspector:

@@ -51,7 +51,7 @@ def test_numbers_of_a_bar_are_those_of_its_loads() -> None:
     found = numbers(state, B4)
     assert [one.now for one in found] == pytest.approx([*inner, 100 * use])
     assert np.isnan([one.worst for one in found]).all()
-    assert "“Along the motion”" in panel.text(compute(motions.choose_kind(state, MotionKind.ARCH)))
+    assert "along the motion" in panel.text(compute(motions.choose_kind(state, MotionKind.ARCH)))
 
 
 def test_worst_is_that_of_the_motion_once_it_is_known() -> None:
@@ -88,7 +88,7 @@ def test_every_part_has_a_text_a_map_fields_and_a_command() -> None:
         state = inspecting(part)
         assert part.title in panel.text(compute(state))
         assert panel.quantity_of(part) in QUANTITIES
-        assert 2 <= len(panel._change(state)) <= 3
+        assert 2 <= len(panel.fields_of(part)) <= 3
         assert f"Inspect: {part.title}" in labels
 
 
