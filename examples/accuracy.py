@@ -10,7 +10,7 @@ import numpy as np
 
 from paminsa_viz import APPENDIX_4
 from paminsa_viz.model import singular_rotation
-from paminsa_viz.precision import LENGTHS, Bound, drive_errors, monte_carlo, tolerance_errors
+from paminsa_viz.precision import LENGTHS, drive_errors, monte_carlo, tolerance_errors
 
 UM, ARCSEC = 1e6, np.degrees(1) * 3600
 fold = float(np.degrees(singular_rotation(APPENDIX_4.geometry)))
@@ -19,7 +19,7 @@ print("errors of theta from half a count of 0.01° and 10 µm, at the center:")
 for angle in (0.0, 45.0, 65.0, 70.0, 72.0, 72.9):
     found = drive_errors(APPENDIX_4.geometry, APPENDIX_4.accuracy, (0, 0, np.radians(angle), -0.3))
     linear, worst = found.linear[2] * ARCSEC, found.worst[2] * ARCSEC
-    exact = f"exact {worst:7.1f}″" if found.ok else f"no bound: {Bound(found.bound).reason()}"
+    exact = f"exact {worst:7.1f}″" if found.ok else f"no bound: {found.reason()}"
     print(f"  {angle:5.1f}°, {fold - angle:5.1f}° to the fold: linear {linear:7.1f}″, {exact}")
 
 # Bars to 20 µm in place of the standard's tolerance

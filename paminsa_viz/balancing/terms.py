@@ -172,7 +172,7 @@ def trajectory_rows(
         raise InvalidInput(
             "trajectory", "published misprints describe no machine; solve it without them"
         )
-    if not solved.check.ok or len(solved.y) == 0:
+    if not solved.check.possible or len(solved.y) == 0:
         raise InvalidInput("trajectory", "the robot cannot run the whole trajectory")
     matrix = np.zeros((len(solved.y), len(actuators), len(space.start)))
     matrix[..., :MASS] = solved.y[:, actuators]

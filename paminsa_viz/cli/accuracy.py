@@ -15,7 +15,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.reach import home_pose, require_reachable
-from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors
+from paminsa_viz.precision.drive_errors import DriveErrors, drive_errors
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import (
     MonteCarlo,
@@ -23,7 +23,7 @@ from paminsa_viz.precision.manufacture import (
     monte_carlo,
     tolerance_errors,
 )
-from paminsa_viz.precision.unequal_legs import COORDINATES, Closure
+from paminsa_viz.precision.unequal_legs import COORDINATES
 from paminsa_viz.report.accuracy_section import drive_blocks, manufacture_blocks
 from paminsa_viz.studies.drive_accuracy import (
     STATISTICS_OF,
@@ -127,7 +127,6 @@ FLAGS = Accuracy
 
 
 def _data(design: Design, here: DriveErrors, region: Region, over: RegionErrors) -> dict[str, Any]:
-    bound, leg = Bound(int(here.bound)), int(here.leg)
     names = ("median", "p95", "largest")
     return {
         "design": design.name,
@@ -135,7 +134,7 @@ def _data(design: Design, here: DriveErrors, region: Region, over: RegionErrors)
         "deviations": dict(zip(ACTUATORS, design.accuracy.deviations, strict=True)),
         "pose": here.pose.tolist(),
         "bounded": bool(here.ok),
-        "reason": "" if here.ok else bound.reason(leg),
+        "reason": here.reason(),
         "errors": {
             _key(row.name): {kind: float(getattr(row, kind)[0]) for kind in STATISTICS_OF}
             for row in error_rows(here)
@@ -180,7 +179,7 @@ def _manufacture_data(
             for key, row in zip(keys, errors.shares, strict=True)
         },
         "actual": named(actual.coordinates),
-        "actual_reason": Closure(int(actual.closure)).reason,
+        "actual_reason": actual.reason(),
     }
     if robots:
         data["robots"] = {

@@ -27,7 +27,7 @@ from paminsa_viz.files.loads_table import bar_table, bearing_table, joint_table,
 from paminsa_viz.files.tables import DataTable, save_table, table_endings
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.elastic import BARS
-from paminsa_viz.model.reach import Limit, home_pose, require_reachable, status_words
+from paminsa_viz.model.reach import home_pose, require_reachable, status_words
 from paminsa_viz.report.loads_section import motion_blocks, pose_blocks
 from paminsa_viz.trajectory import ImpossibleTrajectory, analyze
 
@@ -91,7 +91,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
         pose = np.array(self.given_pose or home_pose(design.geometry))
         require_reachable(design.geometry, pose)
         forces = joint_forces(design, pose)
-        if forces.status != Limit.OK:
+        if not forces.ok:
             word = status_words(forces.status, forces.leg)
             print_error(PaminsaError(f"there are no joint forces in this pose: {word}"))
             return 1

@@ -25,7 +25,7 @@ from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
-from paminsa_viz.model.reach import Limit, home_pose, require_reachable
+from paminsa_viz.model.reach import home_pose, require_reachable
 from paminsa_viz.report.stiffness_section import stiffness_blocks, strain_cases
 from paminsa_viz.units import MM
 
@@ -72,8 +72,7 @@ class Stiffness(JsonFlags, PoseFlags, DesignFlags):
         pose = np.array(self.given_pose or home_pose(design.geometry))
         require_reachable(design.geometry, pose)
         found = platform_stiffness(design, pose, shear=self.shear)
-        if found.status != Limit.OK:
-            reason = Limit(int(found.status)).reason(int(found.leg))
+        if reason := found.reason():
             if self.json:
                 print_json({"pose": pose.tolist(), "reason": reason})
             else:

@@ -36,7 +36,7 @@ from paminsa_viz.model.jacobians import actuator_acceleration, actuator_velocity
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import LegPosition, LegVector, mechanism
 from paminsa_viz.model.load import center_wrench, flat_load
-from paminsa_viz.model.reach import Limit, reach_status
+from paminsa_viz.model.reach import Limit, OfLimits, reach_status
 from paminsa_viz.model.robot import platform_determinant, solve_wrench
 
 
@@ -86,7 +86,7 @@ NEEDS_STIFFNESS = (
 
 
 @dataclass(frozen=True, eq=False)
-class JointForces:
+class JointForces(OfLimits):
     """Forces at the joints for poses of batch shape (...); NaN where ``status`` is not OK.
 
     Attributes:

@@ -17,11 +17,11 @@ from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.leg import leg_position, mechanism
 from paminsa_viz.model.leg_points import point_weights
-from paminsa_viz.model.reach import Limit, check_reach
+from paminsa_viz.model.reach import Limit, OfLimits, check_reach
 
 
 @dataclass(frozen=True, eq=False)
-class LegFrame:
+class LegFrame(OfLimits):
     """The three legs at poses of batch shape (...); NaN where a pose cannot be reached.
 
     Attributes:

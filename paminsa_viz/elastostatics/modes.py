@@ -26,13 +26,13 @@ class Modes:
         frequencies: (..., n) natural frequencies, lowest first [Hz]; infinite for coordinates
             without mass, NaN where the robot does not vibrate.
         shapes: (..., coordinates, n) the modes' shapes in the columns, with v^T M v = 1.
-        stable: (...) whether the stiffness is positive definite. It is not where the robot is
+        ok: (...) whether the stiffness is positive definite. It is not where the robot is
             singular, or where weight or load push it away from the pose harder than it is held.
     """
 
     frequencies: Array
     shapes: Array
-    stable: NDArray[np.bool_]
+    ok: NDArray[np.bool_]
 
 
 @np.errstate(all="ignore")

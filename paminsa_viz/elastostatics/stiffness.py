@@ -25,7 +25,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.jacobians import inverse_jacobian
 from paminsa_viz.model.load import center_wrench
-from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.reach import Limit, OfLimits
 
 SINGULAR = 1e-12
 """Smallest eigenvalue of K over its largest, from which on a pose counts as singular; rotations are
@@ -45,7 +45,7 @@ _ACTUATED = [0, 1, 5, 2]
 
 
 @dataclass(frozen=True, eq=False)
-class PlatformStiffness:
+class PlatformStiffness(OfLimits):
     """Stiffness and compliance of the platform, batch shape (...).
 
     NaN where a pose cannot be reached; the compliance, and all that follows from it, also where the

@@ -126,7 +126,7 @@ def iterated_modes(robot: ReducedRobot, count: int = 1) -> Modes:
     x = start.shapes * (2 * np.pi * start.frequencies[:, None, :])  # x^T K x = 1
     real = np.all(np.isfinite(x), axis=1)  # not those without mass
     x = np.where(real[:, None, :], x, 0.0)
-    stable = np.asarray(start.stable)[:, None, None]
+    stable = np.asarray(start.ok)[:, None, None]
     firm = np.where(stable, robot.stiffness, np.eye(SHARED))
     inertia = robot.mass @ x
     y = np.linalg.solve(firm, inertia)
@@ -136,7 +136,7 @@ def iterated_modes(robot: ReducedRobot, count: int = 1) -> Modes:
     stiffness = y_t @ inertia + x_t @ inner
     mass = y_t @ robot.mass @ y + mixed + np.swapaxes(mixed, 1, 2)
     mass = mass + x_t @ _to_shared(robot.ends, robot.inner_mass) @ x
-    stiffness[~start.stable] = np.nan
+    stiffness[~start.ok] = np.nan
     stiffness += np.where(real, 0.0, 1.0)[:, :, None] * np.eye(SHARED)
     found = natural_modes(stiffness, mass, count)
     return replace(found, shapes=y @ found.shapes)

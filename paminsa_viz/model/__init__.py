@@ -84,6 +84,7 @@ from paminsa_viz.model.statics import (
     static_torques,
     unit_torques,
 )
+from paminsa_viz.model.status import Status, WithStatus
 
 __all__ = [
     "APPENDIX_4",
@@ -127,9 +128,11 @@ __all__ = [
     "Reach",
     "Singularity",
     "StaticBreakdown",
+    "Status",
     "Tolerances",
     "TorqueBreakdown",
     "UnreachablePose",
+    "WithStatus",
     "actuator_acceleration",
     "actuator_power",
     "actuator_velocity",

@@ -30,13 +30,13 @@ from paminsa_viz.model.leg_forces import LegForces, leg_forces
 from paminsa_viz.model.load import NO_LOAD, flat_load, generalized_force
 from paminsa_viz.model.lumped import Misprint, term_factors
 from paminsa_viz.model.parameters import ActuatorFriction, Friction
-from paminsa_viz.model.reach import Limit, reach_status
+from paminsa_viz.model.reach import Limit, OfLimits, reach_status
 from paminsa_viz.model.robot import acceleration_of_force
 from paminsa_viz.model.statics import load_torques
 
 
 @dataclass(frozen=True)
-class InverseDynamics:
+class InverseDynamics(OfLimits):
     """Torques that make a motion; batch shape (...), NaN where there is none.
 
     Attributes:

@@ -25,7 +25,7 @@ from paminsa_viz.model.grid import COORDINATES, Grid, xy_grid
 from paminsa_viz.model.kinematic_formulas import wrench_torques
 from paminsa_viz.model.leg import Mechanism, mechanism
 from paminsa_viz.model.load import LoadCase, generalized_force
-from paminsa_viz.model.reach import LEAST_MARGIN, Limit, decode
+from paminsa_viz.model.reach import LEAST_MARGIN, Limit, OfLimits, decode
 from paminsa_viz.model.singularity import DEXTERITY
 from paminsa_viz.model.statics import UNIT_TORQUES, lift_constant, static_imbalance
 
@@ -59,7 +59,7 @@ WORTH_THREADS = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Field:
+class Field(OfLimits):
     """What the geometry says about every pose of a grid; arrays have the grid's shape.
 
     Attributes:

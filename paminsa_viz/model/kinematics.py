@@ -210,11 +210,11 @@ class AssemblyModes:
 
     Attributes:
         pose: (..., 2, 4) candidate poses; NaN where there is none [m, m, rad, m].
-        valid: (..., 2) whether the pose exists and every leg points from its axis to the platform.
+        ok: (..., 2) whether the pose exists and every leg points from its axis to the platform.
     """
 
     pose: Array
-    valid: NDArray[np.bool_]
+    ok: NDArray[np.bool_]
 
 
 @of_geometry
@@ -260,7 +260,7 @@ def nearest_solution(geometry: Geometry, actuators: ArrayLike, near: ArrayLike) 
     near = near[..., None, :]
     turn = geometry.platform_radius * wrap(found.pose[..., 2] - near[..., 2])
     distance = np.hypot(np.hypot(*np.moveaxis(found.pose - near, -1, 0)[:2]), turn)
-    distance = np.where(found.valid, distance, np.inf)
+    distance = np.where(found.ok, distance, np.inf)
     best = np.argmin(distance, axis=-1)[..., None, None]
     pose = np.take_along_axis(found.pose, best, axis=-2)[..., 0, :].copy()
     pose[..., 2] = near[..., 0, 2] + wrap(pose[..., 2] - near[..., 0, 2])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +13,7 @@ from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.status import Status, WithStatus
 
 LEAST_MARGIN = backend.Formula(measures.least_margin, 2)
 """The least margin of all legs and limits [m], and which one it is."""
@@ -23,7 +23,7 @@ HOME_DROP = 0.5
 """How far below the guides the platform is at home, as a share of l_B4 + l_B8."""
 
 
-class Limit(IntEnum):
+class Limit(Status):
     """Why a pose cannot be taken, or a torque not be given.
 
     Attributes:
@@ -35,7 +35,6 @@ class Limit(IntEnum):
     label: str
     noun: str
     explanation: str
-    _reason: str
 
     OK = 0, "ok", "no limit", "the pose can be taken", "no value"
     NOT_FINITE = 1, "finite", "no number", "the pose is not finite", "out of reach"
@@ -69,14 +68,11 @@ class Limit(IntEnum):
         found._reason = reason
         return found
 
-    @property
-    def word(self) -> str:
-        """The name used in tables and files."""
-        return self.name.lower().replace("_", "-")
 
-    def reason(self, leg: int = -1) -> str:
-        """Return why there is no value; ``leg`` is the index of the leg, -1 for none."""
-        return self._reason.format(leg=f"leg {leg + 1}" if leg >= 0 else "a leg")
+class OfLimits(WithStatus):
+    """A result whose ``status`` is a `Limit`."""
+
+    KINDS = Limit
 
 
 MARGINS: tuple[Limit, ...] = (Limit.STRETCHED, Limit.FOLDED, Limit.GUIDE, Limit.AXIS)
@@ -84,7 +80,7 @@ MARGINS: tuple[Limit, ...] = (Limit.STRETCHED, Limit.FOLDED, Limit.GUIDE, Limit.
 
 
 @dataclass(frozen=True)
-class Reach:
+class Reach(OfLimits):
     """Whether poses of batch shape (...) can be taken.
 
     Attributes:
@@ -100,11 +96,6 @@ class Reach:
     leg: NDArray[np.int8]
     excess: Array
     margins: Array
-
-    @property
-    def ok(self) -> NDArray[np.bool_]:
-        """Where the pose can be taken, (...)."""
-        return self.status == Limit.OK
 
     def words(self) -> NDArray[np.str_]:
         """Return the status as words for tables, such as ``ok`` or ``stretched:leg2``, (...)."""

@@ -56,7 +56,7 @@ def motion_clearance(
     motion, chosen = analysis.trajectory, tuple(g for g in PairGroup if g in frozenset(pairs))
     count = min(motion.size, SAMPLES)
     samples = np.linspace(0, motion.size - 1, count).round().astype(np.intp)
-    pose = np.where(analysis.check.good[:, None], motion.pose, np.nan)
+    pose = np.where(analysis.check.ok[:, None], motion.pose, np.nan)
     first = clearance(analysis.design, pose[samples], chosen).least
     if np.isfinite(first).any():
         low = int(np.nanargmin(first))
@@ -94,7 +94,7 @@ def clearance_panels(sources: SeriesSources) -> Iterator[SeriesPanel]:
         if not known.any():
             return np.full(time.size, np.nan)
         between = np.interp(time, time[found.samples], values)
-        between[~analysis.check.good] = np.nan
+        between[~analysis.check.ok] = np.nan
         return between
 
     peak = (found.t, found.distance) if np.isfinite(found.distance) else None

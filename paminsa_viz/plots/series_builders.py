@@ -59,7 +59,7 @@ def build_series(kind: SeriesKind, sources: SeriesSources) -> SeriesData:
     title, builder = _BUILDERS[kind]
     panels = tuple(builder(sources))
     check, time = sources.analysis.check, sources.analysis.trajectory.t
-    failing, until = ~check.good, check.until
+    failing, until = ~check.ok, check.until
     if kind in ("comparison", "differences"):
         samples = sources.other.samples_of(time.size)
         time, failing, until = time[samples], failing[samples], int((samples < until).sum())

@@ -135,7 +135,7 @@ def _compared_sentences(sources: SeriesSources) -> list[str]:
     if sources.reference is not None:
         sentences.append(f"Reference: design {shown(sources.reference.design.name)}.")
         first = sources.reference.check.first
-        if first is not None and sources.analysis.check.ok:
+        if first is not None and sources.analysis.check.possible:
             sentences.append(f"The reference fails {first.explanation}.")
     if sources.published is not None:
         misprints = sources.published.solved.misprints

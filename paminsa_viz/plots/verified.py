@@ -69,7 +69,7 @@ def engine_torques(
         t.pose, t.velocity, t.acceleration, load=t.load
     )
     torque += analysis.breakdown.friction
-    torque[~analysis.check.good] = np.nan
+    torque[~analysis.check.ok] = np.nan
     return EngineTorques(f"{found} {version}", torque)
 
 

@@ -20,7 +20,7 @@ from paminsa_viz.precision.measurements import (
     length_scales,
     predict,
 )
-from paminsa_viz.precision.unequal_legs import Closure, UnequalPose, nominal_pose, sensitivities
+from paminsa_viz.precision.unequal_legs import UnequalPose, nominal_pose, sensitivities
 
 COUNT = 3 * len(LENGTHS)
 """Number of lengths."""
@@ -73,7 +73,7 @@ class CalibrationProblem:
         """
         if not found.ok.all():
             index = int(np.argmin(found.ok))
-            reason = Closure(int(found.closure[index])).reason
+            reason = found.reason(index)
             raise InvalidMeasurement(index, f"the design has no such pose: {reason}; {_ADVICE}")
         miss = np.abs(differences(found, measured) * self._row).max(axis=-1)
         if miss.max() > FARTHEST * self.design.geometry.base_radius:

@@ -21,7 +21,6 @@ whole box by a Taylor expansion with a bound of its remainder.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import Any
 
 import numpy as np
@@ -37,6 +36,7 @@ from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.grids import WRENCH_TORQUES, Field
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.reach import LEAST_MARGIN, Limit, decode
+from paminsa_viz.model.status import Status, WithStatus
 from paminsa_viz.precision.drive_corners import (
     CORNERS,
     beyond_corners,
@@ -45,38 +45,19 @@ from paminsa_viz.precision.drive_corners import (
 )
 
 
-class Bound(IntEnum):
+class Bound(Status):
     """Whether the errors at a pose are bounded, or why not."""
 
-    OK = 0
-    UNREACHABLE = 1
-    SINGULAR = 2
-    NOT_ASSEMBLED = 3
-    SINGULARITY = 4
-    LIMIT = 5
-
-    @property
-    def word(self) -> str:
-        """The name used in tables and files."""
-        return self.name.lower().replace("_", "-")
-
-    def reason(self, leg: int = -1) -> str:
-        """Return why there is no bound; ``leg`` is the index of the leg, -1 for none."""
-        return _REASONS[self].format(leg=f"leg {leg + 1}" if leg >= 0 else "a leg")
-
-
-_REASONS = {
-    Bound.OK: "bounded",
-    Bound.UNREACHABLE: "the pose is out of reach of {leg}",
-    Bound.SINGULAR: "the pose is singular",
-    Bound.NOT_ASSEMBLED: "within the drives' errors the robot cannot be assembled",
-    Bound.SINGULARITY: "a singularity lies within the drives' errors",
-    Bound.LIMIT: "within the drives' errors {leg} passes a limit of its reach",
-}
+    OK = 0, "bounded"
+    UNREACHABLE = 1, "the pose is out of reach of {leg}"
+    SINGULAR = 2, "the pose is singular"
+    NOT_ASSEMBLED = 3, "within the drives' errors the robot cannot be assembled"
+    SINGULARITY = 4, "a singularity lies within the drives' errors"
+    LIMIT = 5, "within the drives' errors {leg} passes a limit of its reach"
 
 
 @dataclass(frozen=True, eq=False)
-class DriveErrors:
+class DriveErrors(WithStatus):
     """Errors at poses of batch shape (...), in the order (x, y, theta, z) of a pose.
 
     Attributes:
@@ -94,7 +75,7 @@ class DriveErrors:
             [m, m, rad]; NaN as ``worst``.
         between: (..., 4) by how much edges may exceed the corners, to second order: x, y, theta
             and the distance in the plane [m, m, rad, m]; NaN as ``worst``.
-        bound: (...) values of `Bound`.
+        status: (...) values of `Bound`: whether they are bounded, or why not.
         leg: (...) index of the leg that is the reason, -1 for none.
     """
 
@@ -108,13 +89,10 @@ class DriveErrors:
     rms_horizontal: Array
     corners: Array
     between: Array
-    bound: NDArray[np.uint8]
+    status: NDArray[np.uint8]
     leg: NDArray[np.int8]
 
-    @property
-    def ok(self) -> NDArray[np.bool_]:
-        """Where the errors are bounded, (...)."""
-        return self.bound == Bound.OK
+    KINDS = Bound
 
 
 @of_geometry

@@ -11,8 +11,10 @@ their tolerances and solves their poses by exact kinematics.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +28,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.kinematics import wrap
 from paminsa_viz.model.reach import check_reach
+from paminsa_viz.model.status import WithStatus
 from paminsa_viz.precision.leg_lengths import INDEX, LENGTHS, design_lengths
 from paminsa_viz.precision.unequal_legs import (
     Closure,
@@ -119,7 +122,7 @@ def manufactured_pose(design: Design, pose: ArrayLike) -> UnequalPose:
     if equal_legs(design):
         return nominal
     found = solve_pose(design.geometry, design_lengths(design), nominal.actuators, nominal.pose)
-    return found._replace(closure=np.where(nominal.ok, found.closure, nominal.closure))
+    return replace(found, status=np.where(nominal.ok, found.status, nominal.status))
 
 
 def field_manufactured_pose(field: Field, design: Design) -> UnequalPose:
@@ -129,8 +132,11 @@ def field_manufactured_pose(field: Field, design: Design) -> UnequalPose:
 
 @kept(4)
 def _field_poses(field: Field, design: Design) -> UnequalPose:
-    poses = field.grid.poses()
-    return UnequalPose(*in_blocks(partial(manufactured_pose, design), poses, BLOCK))
+
+    def solved(poses: Array) -> Iterable[Any]:
+        return vars(manufactured_pose(design, poses)).values()
+
+    return UnequalPose(*in_blocks(solved, field.grid.poses(), BLOCK))
 
 
 def _lengths_alone(field: Field, design: Design, tolerances: Tolerances) -> Design:
@@ -207,7 +213,7 @@ ROBOTS_BLOCK = 4096
 
 
 @dataclass(frozen=True, eq=False)
-class MonteCarlo:
+class MonteCarlo(WithStatus):
     """Errors of n robots at poses (...).
 
     Attributes:
@@ -215,20 +221,22 @@ class MonteCarlo:
         seed: Of the random numbers.
         errors: (n, ..., 6) errors of `unequal_legs.COORDINATES` [m, m, rad, m, rad, rad]; NaN where
             a robot has no solution.
-        closure: (n, ...) values of `Closure`.
+        status: (n, ...) values of `Closure`.
         canceled: Whether it was ended early, with fewer robots than asked for.
     """
 
     pose: Array
     seed: int
     errors: Array
-    closure: NDArray[np.uint8]
+    status: NDArray[np.uint8]
     canceled: bool
+
+    KINDS = Closure
 
     @property
     def solved(self) -> Array:
         """Share of the robots that have a solution, (...)."""
-        return np.asarray((self.closure == Closure.OK).mean(axis=0))
+        return np.asarray(self.ok.mean(axis=0))
 
     @property
     def rms(self) -> Array:
@@ -280,12 +288,12 @@ def monte_carlo(
     geometry, center = design.geometry, design_lengths(design)
     start = solve_actuators(geometry, center, flat)
     if not start.ok.all():
-        reason = Closure(int(start.closure[~start.ok][0])).reason
+        reason = start.reason(int(np.argmin(start.ok)))
         raise InvalidInput("pose", f"a pose cannot be taken: {reason}")
     tolerance, clearance = tolerance_widths(design.tolerances), clearance_widths(design.tolerances)
     random = np.random.default_rng(seed)
     errors = np.empty((robots, len(flat), 6))
-    closure = np.empty((robots, len(flat)), np.uint8)
+    status = np.empty((robots, len(flat)), np.uint8)
     wanted = start.coordinates
     at_once, done, canceled = max(1, block // max(len(flat), 1)), 0, False
     while done < robots and not canceled:
@@ -295,12 +303,12 @@ def monte_carlo(
         found = solve_pose(geometry, lengths[:, None], start.actuators, flat)
         change = found.coordinates - wanted
         change[..., 2] = wrap(change[..., 2])
-        errors[some], closure[some] = change, found.closure
+        errors[some], status[some] = change, found.status
         done = some.stop
         canceled = bool(progress(done / robots))
     shape = pose.shape[:-1]
     return MonteCarlo(
         pose, seed,
-        errors[:done].reshape(done, *shape, 6), closure[:done].reshape(done, *shape),
+        errors[:done].reshape(done, *shape, 6), status[:done].reshape(done, *shape),
         canceled and done < robots,
     )  # fmt: skip

@@ -8,7 +8,7 @@ method from the nominal robot; derivatives by all lengths and actuators follow f
 
 from __future__ import annotations
 
-from enum import IntEnum
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import LEG_AXES, Configuration, inverse_kinematics
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.robot import platform_determinant
+from paminsa_viz.model.status import Status, WithStatus
 from paminsa_viz.precision.closure_equations import ACTUATORS, SLIDES, STATE, closure_equations
 from paminsa_viz.precision.leg_lengths import INDEX, as_lengths
 
@@ -42,28 +43,18 @@ _MOST_CONDITION = 1e13
 """Condition number of a pose that counts as singular: rounding decides over what is found."""
 
 
-class Closure(IntEnum):
+class Closure(Status):
     """Whether the loops of the three legs close."""
 
-    OK = 0
-    NOT_FINITE = 1
-    OPEN = 2
-    SINGULAR = 3
-    DIVERGED = 4
-
-    @property
-    def reason(self) -> str:
-        """Why there is no solution, as a clause."""
-        return (
-            "the loops close",
-            "an input is not a finite number",
-            "the bars of a leg cannot close with these lengths",
-            "a singular pose lies in between, so no assembly can be told from the other",
-            "no solution was found near the nominal pose",
-        )[self]
+    OK = 0, "the loops close"
+    NOT_FINITE = 1, "an input is not a finite number"
+    OPEN = 2, "the bars of a leg cannot close with these lengths"
+    SINGULAR = 3, "a singular pose lies in between, so no assembly can be told from the other"
+    DIVERGED = 4, "no solution was found near the nominal pose"
 
 
-class UnequalPose(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class UnequalPose(WithStatus):
     """Solutions of batch shape (...); NaN where there is none.
 
     Attributes:
@@ -71,19 +62,16 @@ class UnequalPose(NamedTuple):
         tilt: (..., 2) = (t_x, t_y) in the platform's axes [rad].
         slides: (..., 3) places of the sliders, negative beyond the leg axis [m].
         actuators: (..., 4) = (theta_1, theta_2, theta_3, Z) [rad, rad, rad, m].
-        closure: (...) values of `Closure`: whether there is a solution, or why not.
+        status: (...) values of `Closure`: whether there is a solution, or why not.
     """
 
     pose: Array
     tilt: Array
     slides: Array
     actuators: Array
-    closure: NDArray[np.uint8]
+    status: NDArray[np.uint8]
 
-    @property
-    def ok(self) -> NDArray[np.bool_]:
-        """Where there is a solution, (...)."""
-        return self.closure == Closure.OK
+    KINDS = Closure
 
     @property
     def coordinates(self) -> Array:
@@ -146,10 +134,10 @@ def nominal_pose(geometry: Geometry, pose: ArrayLike) -> UnequalPose:
     finite = np.isfinite(pose).all(axis=-1)
     closed = np.asarray(np.isfinite(found.points[9]).all(axis=(-1, -2)))
     state = np.where(closed[..., None], _state(pose, found, geometry), np.nan)
-    closure = np.where(closed, Closure.OK, np.where(finite, Closure.OPEN, Closure.NOT_FINITE))
+    status = np.where(closed, Closure.OK, np.where(finite, Closure.OPEN, Closure.NOT_FINITE))
     return UnequalPose(
         state[..., :4], state[..., 4:6], state[..., SLIDES], state[..., ACTUATORS],
-        closure.astype(np.uint8),
+        status.astype(np.uint8),
     )  # fmt: skip
 
 
@@ -206,12 +194,12 @@ def _solve(
     shape = start.shape[:-1]
     lengths = lengths.reshape(-1, *lengths.shape[-2:])
     state = start.reshape(-1, STATE).copy()
-    closure = np.full(len(state), Closure.DIVERGED, np.uint8)
+    status = np.full(len(state), Closure.DIVERGED, np.uint8)
     given = np.setdiff1d(np.arange(STATE), unknown)
     usable = np.isfinite(state[:, given]).all(axis=-1) & np.isfinite(lengths).all(axis=(-1, -2))
-    closure[~usable] = Closure.NOT_FINITE
-    closure[usable & ~np.isfinite(state).all(axis=-1)] = Closure.OPEN
-    live = np.flatnonzero(closure == Closure.DIVERGED)
+    status[~usable] = Closure.NOT_FINITE
+    status[usable & ~np.isfinite(state).all(axis=-1)] = Closure.OPEN
+    live = np.flatnonzero(status == Closure.DIVERGED)
     side = side.reshape(-1)
     behind = np.sign(state[:, SLIDES])
     step = np.zeros((len(state), len(unknown)))
@@ -233,7 +221,7 @@ def _solve(
         flipped[live[fault == Closure.SINGULAR]] = True
         step[stuck] *= 0.5
         ended = np.abs(step[live]).max(axis=-1) < _LAST_STEP
-        closure[stuck] = np.where(ended, fault, Closure.DIVERGED)[fault != Closure.OK]
+        status[stuck] = np.where(ended, fault, Closure.DIVERGED)[fault != Closure.OK]
         fine = fault == Closure.OK
         good, change, largest = live[fine], change[fine], largest[fine]
         state[good] = trial[fine]
@@ -241,14 +229,14 @@ def _solve(
         step[good] = change * factor[:, None]
         done = good[largest < _LAST_STEP]
         state[np.ix_(done, unknown)] += step[done]
-        closure[done] = Closure.OK
-        live = live[closure[live] == Closure.DIVERGED]
-    closure[(closure == Closure.DIVERGED) & flipped] = Closure.SINGULAR
-    state[closure != Closure.OK] = np.nan
+        status[done] = Closure.OK
+        live = live[status[live] == Closure.DIVERGED]
+    status[(status == Closure.DIVERGED) & flipped] = Closure.SINGULAR
+    state[status != Closure.OK] = np.nan
     state = state.reshape(*shape, STATE)
     return UnequalPose(
         state[..., :4], state[..., 4:6], state[..., SLIDES], state[..., ACTUATORS],
-        closure.reshape(shape),
+        status.reshape(shape),
     )  # fmt: skip
 
 

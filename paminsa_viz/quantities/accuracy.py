@@ -43,7 +43,7 @@ _WORDS = tuple(
 def _unbounded(field: Field, design: Design) -> Missing:
     """Return where the exact errors from the drives have no bound, and why."""
     found = field_drive_errors(field, design.accuracy)
-    code = np.where(found.ok, 0, 4 * found.bound + (found.leg + 1)).astype(np.uint8)
+    code = np.where(found.ok, 0, 4 * found.status + (found.leg + 1)).astype(np.uint8)
     return Missing(code, _TEXTS, _WORDS)
 
 
@@ -89,14 +89,14 @@ def _from_tolerances(key: str, word: str, start: str, name: str, prefix: str) ->
     ]  # fmt: skip
 
 
-_UNCLOSED_TEXTS = tuple(f"no assembly: {closure.reason}" for closure in Closure)
-_UNCLOSED_WORDS = tuple(f"no-assembly:{c.name.lower().replace('_', '-')}" for c in Closure)
+_UNCLOSED_TEXTS = tuple(f"no assembly: {closure.reason()}" for closure in Closure)
+_UNCLOSED_WORDS = tuple(f"no-assembly:{closure.word}" for closure in Closure)
 
 
 def _unclosed(field: Field, design: Design) -> Missing:
     """Return where the legs of a design cannot be assembled, and why."""
     found = field_manufactured_pose(field, design)
-    return Missing(found.closure, _UNCLOSED_TEXTS, _UNCLOSED_WORDS)
+    return Missing(found.status, _UNCLOSED_TEXTS, _UNCLOSED_WORDS)
 
 
 def _deviation(key: str, symbol: str, name: str, unit: str, place: int | str) -> Quantity:

@@ -15,7 +15,6 @@ from paminsa_viz.precision.manufacture import (
     manufactured_pose,
     tolerance_errors,
 )
-from paminsa_viz.precision.unequal_legs import Closure
 from paminsa_viz.report.blocks import Block, Note, ReportRequest, Row, Section, Table
 from paminsa_viz.studies.drive_accuracy import error_rows, region_errors, statistics
 from paminsa_viz.studies.metrics import RegionResults, default_region
@@ -93,8 +92,7 @@ def _unbounded(here: DriveErrors, counts: dict[Bound, int], poses: int) -> list[
     """Return where the errors have no bound, and why."""
     texts = []
     if not here.ok:
-        reason = Bound(int(here.bound)).reason(int(here.leg))
-        texts.append(f"No bound at the pose: {reason}. The linear estimate is no bound.")
+        texts.append(f"No bound at the pose: {here.reason()}. The linear estimate is no bound.")
     for bound, count in counts.items():
         texts.append(f"No bound at {count} of the {poses} poses: {bound.reason()}.")
     return texts
@@ -113,8 +111,8 @@ def manufacture_blocks(
     drawn = ""
     if robots is not None:
         columns |= {"RMS of robots": robots.rms, "95 % below": robots.quantile(0.95)}
-        lost = int((robots.closure != Closure.OK).sum())
-        drawn = f" {lost} of {len(robots.closure)} robots cannot be assembled." if lost else ""
+        lost = int((~robots.ok).sum())
+        drawn = f" {lost} of {len(robots.ok)} robots cannot be assembled." if lost else ""
     rows = []
     for index, (name, unit) in enumerate(ERROR_UNITS):
         cells = (format_value(float(values[index]), unit) for values in columns.values())
@@ -142,7 +140,7 @@ def _own_legs(design: Design, pose: ArrayLike) -> str:
     """Return where the design's own legs put the platform."""
     found = manufactured_pose(design, pose)
     if not found.ok:
-        return f"The design's own legs have no position: {Closure(int(found.closure)).reason}."
+        return f"The design's own legs have no position: {found.reason()}."
     off = [*(found.pose - np.asarray(pose)), *found.tilt]
     texts = (
         f"{name} {format_value(float(value), unit, 3)}"

@@ -20,7 +20,6 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS
-from paminsa_viz.model.reach import Limit
 from paminsa_viz.report.blocks import Block, Note, ReportRequest, Row, Section, Table
 from paminsa_viz.units import MM, NONE, format_value, number
 
@@ -41,8 +40,7 @@ def stiffness_section(request: ReportRequest) -> Section:
     design, pose = request.design, np.array(request.pose)
     blocks: list[Block] = [_data(design)]
     found = platform_stiffness(design, pose)
-    if found.status != Limit.OK:
-        reason = Limit(int(found.status)).reason(int(found.leg))
+    if reason := found.reason():
         blocks.append(Note(f"The stiffness has no value at this pose: {reason}.", "warn"))
     else:
         # Late: a command does without, and the registry of quantities takes half a second to load.
@@ -132,7 +130,7 @@ def _vibration(design: Design, pose: Array, *, shear: bool) -> list[Block]:
         modes = robot_modes(design, pose, MODES, shear=shear)
     except InvalidInput as error:  # of a bar, which stiffness at rest does without
         return [Note(f"There are no natural frequencies: {error}.", "warn")]
-    if not modes.stable:
+    if not modes.ok:
         text = "Weight and load push the platform away harder than drives and bars hold it"
         return [Note(f"{text}: there are no natural frequencies.", "warn")]
     alone = drive_modes(design, pose).frequencies

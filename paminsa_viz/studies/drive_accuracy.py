@@ -69,7 +69,7 @@ def region_errors(results: RegionResults) -> RegionErrors:
         row._replace(**{name: getattr(row, name)[here.ravel()] for name in STATISTICS_OF})
         for row in error_rows(found)
     )
-    counts = Counter(Bound(code) for code in found.bound[here].tolist())
+    counts = Counter(Bound(code) for code in found.status[here].tolist())
     return RegionErrors(rows, int(here.sum()), {b: counts[b] for b in Bound if b and counts[b]})
 
 

@@ -168,7 +168,7 @@ class TrajectoryAnalysis:
         total = kinetic_energy(
             self.design, t.pose, t.velocity, solved.misprints
         ) + potential_energy(self.design, t.pose)
-        total[~self.check.good] = np.nan
+        total[~self.check.ok] = np.nan
         return total
 
     @cached_property

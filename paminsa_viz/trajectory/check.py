@@ -19,7 +19,7 @@ from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import wrap
-from paminsa_viz.model.reach import MARGINS, Limit, check_reach, status_words
+from paminsa_viz.model.reach import MARGINS, Limit, OfLimits, check_reach, status_words
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.trajectory.sampled import Passage, Trajectory
 
@@ -69,7 +69,7 @@ class PathEvent:
 
 
 @dataclass(frozen=True, eq=False)
-class PathCheck:
+class PathCheck(OfLimits):
     """Result of `check_path` along n samples.
 
     Attributes:
@@ -93,14 +93,9 @@ class PathCheck:
     windows: tuple[PassageWindow, ...] = ()
 
     @property
-    def ok(self) -> bool:
+    def possible(self) -> bool:
         """Whether the robot can run the whole trajectory."""
         return self.first is None
-
-    @property
-    def good(self) -> NDArray[np.bool_]:
-        """(n,) samples at which the pose can be taken and a torque be given."""
-        return self.status == Limit.OK
 
     def words(self) -> NDArray[np.str_]:
         """Return the status as words for tables, such as ``ok`` or ``guide:leg2``, (n,)."""

@@ -78,7 +78,7 @@ class SolvedTrajectory:
         """Acceleration of the actuators, (n, 4) [rad/s^2, m/s^2]; NaN where the motion fails."""
         t = self.trajectory
         found = actuator_acceleration(self.geometry, t.pose, t.velocity, t.acceleration)
-        found[~self.check.good] = np.nan
+        found[~self.check.ok] = np.nan
         return found
 
     def loaded(self, design: Design) -> bool:
@@ -89,7 +89,7 @@ class SolvedTrajectory:
         """Return what the actuators need against the load, (n, 4) [N m, N]."""
         w = self.load_force(design)
         torque = -np.einsum("nij,ni->nj", self.jacobian, w)
-        torque[~self.check.good] = np.nan
+        torque[~self.check.ok] = np.nan
         return torque
 
     def load_force(self, design: Design) -> Array:
@@ -124,7 +124,7 @@ class SolvedTrajectory:
             gravity=0.0, misprints=self.misprints,
         )  # fmt: skip
         y[..., _WEIGHTS] = 0.0
-        y[~self.check.good] = np.nan
+        y[~self.check.ok] = np.nan
         return y
 
     def breakdown(self, design: Design) -> TorqueBreakdown:
@@ -155,7 +155,7 @@ class SolvedTrajectory:
         configuration = inverse_kinematics(self.geometry, self.trajectory.pose)
         positions = configuration.actuators.copy()
         positions[:, :3] = np.unwrap(positions[:, :3], axis=0)
-        positions[~self.check.good] = np.nan
+        positions[~self.check.ok] = np.nan
         return positions
 
     def serves(self, geometry: Geometry, trajectory: Trajectory, misprints: Misprint) -> bool:
@@ -193,12 +193,12 @@ def solve_trajectory(
     speed = np.einsum(
         "nij,nj->ni", inverse_jacobian(geometry, trajectory.pose), trajectory.velocity
     )
-    unsolved = ~np.all(np.isfinite(y), axis=(1, 2)) & check.good
+    unsolved = ~np.all(np.isfinite(y), axis=(1, 2)) & check.ok
     if np.any(unsolved):
         check = _with_unsolved(check, trajectory, unsolved)
-    if not check.ok:
-        y[~check.good] = np.nan
-        speed[~check.good] = np.nan
+    if not check.possible:
+        y[~check.ok] = np.nan
+        speed[~check.ok] = np.nan
     return SolvedTrajectory(geometry, trajectory, misprints, gravity, check, y, speed)
 
 

@@ -69,7 +69,7 @@ def test_random_problems_have_a_certified_optimum(case: Case, seed: int) -> None
     states = case.states(24)
     motion = Trajectory(np.linspace(0.0, 1.0, 24), *states)
     solved = solve_trajectory(design.geometry, motion, gravity=design.gravity)
-    assume(solved.check.ok)
+    assume(solved.check.possible)
     masses = tuple(
         MassRange(p, rng.uniform(0, 1) * design.value(p), rng.uniform(1, 3) * design.value(p))
         for p in (*PATHS, "joints.j2", "platform.mass")

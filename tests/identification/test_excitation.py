@@ -151,7 +151,7 @@ def test_best_motion_keeps_its_limits_and_beats_300_random_ones() -> None:
     assert np.all(speed <= slack * limits.speed)
     assert np.all(torque <= slack * limits.torque)
     assert condition <= slack * limits.condition
-    assert check_path(ROBOT.geometry, found.plan.sample(250.0)).ok
+    assert check_path(ROBOT.geometry, found.plan.sample(250.0)).possible
     assert np.all(state.pose[:, 3] < -ROBOT.geometry.platform_joint_height)
     assert all(row.kept for row in found.limits)
     assert max(speed / limits.speed) > 0.9 or condition > 0.9 * limits.condition

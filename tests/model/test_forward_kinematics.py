@@ -36,7 +36,7 @@ def test_forward_after_inverse_finds_the_pose(case: Case) -> None:
     actuators = inverse_kinematics(case.geometry, pose).actuators
     found = forward_kinematics(case.geometry, actuators)
     assert found.pose.shape == (32, 2, 4)
-    distance = np.where(found.valid, apart(found.pose, pose[:, None]), np.inf)
+    distance = np.where(found.ok, apart(found.pose, pose[:, None]), np.inf)
     assert distance.min(axis=-1).max() < 1e-11
 
 
@@ -50,14 +50,14 @@ def test_every_assembly_mode_found_has_these_actuators(case: Case) -> None:
     found = forward_kinematics(case.geometry, chosen)
     exists = np.isfinite(found.pose).all(axis=-1)
     assert exists.any()
-    assert np.all(exists | ~found.valid)
+    assert np.all(exists | ~found.ok)
     assert np.isnan(found.pose[~exists]).all()
     # A pose can lie very far away, where leg lines are nearly parallel.
     size = 1 + np.hypot(found.pose[..., 0], found.pose[..., 1])
     residual = np.abs(closure(case.geometry, found.pose, chosen[:, None])).max(axis=-1) / size
     assert residual[exists].max() < 1e-12
-    back = inverse_kinematics(case.geometry, found.pose[found.valid]).actuators
-    wanted = np.broadcast_to(chosen[:, None], found.pose.shape)[found.valid]
+    back = inverse_kinematics(case.geometry, found.pose[found.ok]).actuators
+    wanted = np.broadcast_to(chosen[:, None], found.pose.shape)[found.ok]
     assert_within(wrap(back[:, :3] - wanted[:, :3]), np.zeros((len(back), 3)), 1e-9)
     assert_within(back[:, 3], wanted[:, 3], 1e-12)
 
@@ -74,9 +74,9 @@ def test_an_assembly_mode_is_valid_where_all_legs_point_at_the_platform(case: Ca
     heading = chosen[:, None, :3] + HEADINGS
     ahead = np.stack([np.cos(heading), np.sin(heading)], -1)
     along = np.sum((p5 - case.geometry.base_radius * axes) * ahead, -1)
-    np.testing.assert_array_equal(found.valid, exists & (along > 0).all(axis=-1))
-    assert found.valid.any()
-    assert (exists & ~found.valid).any()
+    np.testing.assert_array_equal(found.ok, exists & (along > 0).all(axis=-1))
+    assert found.ok.any()
+    assert (exists & ~found.ok).any()
 
 
 def meetings(geometry: Geometry, actuators: Any) -> int:
@@ -106,18 +106,18 @@ def test_there_are_no_more_than_those_found(case: Case) -> None:
 def test_poses_of_appendix_4_by_hand() -> None:
     actuators = inverse_kinematics(APPENDIX_4.geometry, BY_HAND).actuators
     found = forward_kinematics(APPENDIX_4.geometry, actuators)
-    assert found.valid.any(axis=-1).all()
+    assert found.ok.any(axis=-1).all()
     # At home the legs also point at the platform if it is turned by 180 degrees.
     z = BY_HAND[0, 3]
     home = found.pose[0][np.argsort(np.abs(found.pose[0, :, 2]))]
     assert apart(home, [[0.0, 0.0, 0.0, z], [0.0, 0.0, np.pi, z]]).max() < 1e-14
-    assert found.valid[0].all()
+    assert found.ok[0].all()
 
 
 @given(values=st.lists(st.sampled_from([np.nan, np.inf, -np.inf, 0.1]), min_size=4, max_size=4))
 def test_actuators_that_are_not_finite_give_no_pose(values: list[float]) -> None:
     found = forward_kinematics(APPENDIX_4.geometry, values)
-    assert found.valid.any() <= bool(np.isfinite(values).all())
+    assert found.ok.any() <= bool(np.isfinite(values).all())
     assert np.isfinite(found.pose).all(axis=-1).any() == np.isfinite(values).all()
 
 
@@ -135,7 +135,7 @@ def test_the_nearer_of_two_assembly_modes_is_taken() -> None:
     geometry = APPENDIX_4.geometry
     actuators = inverse_kinematics(geometry, BY_HAND).actuators
     found = forward_kinematics(geometry, actuators)
-    for q, poses, valid in zip(actuators, found.pose, found.valid, strict=True):
+    for q, poses, valid in zip(actuators, found.pose, found.ok, strict=True):
         for pose in poses[valid]:
             assert apart(nearest_solution(geometry, q, pose), pose) < 1e-12
 
@@ -149,7 +149,7 @@ def test_double_roots_are_found(case: Case, power: int, side: int) -> None:
     pose = np.stack([x, y, theta, np.full(400, -0.3)], -1)
     actuators = inverse_kinematics(g, pose).actuators
     found = forward_kinematics(g, actuators)
-    assert found.valid.any(axis=-1).all()
+    assert found.ok.any(axis=-1).all()
     assert_within(nearest_solution(g, actuators, pose), pose, 1e-6)
 
 
@@ -165,5 +165,5 @@ def test_no_isolated_pose_where_the_platform_moves_with_locked_actuators(
     for actuators in (inverse_kinematics(g, pose).actuators, parallel):
         found = forward_kinematics(g, actuators)
         assert np.isnan(found.pose).all()
-        assert not found.valid.any()
+        assert not found.ok.any()
         assert np.isnan(nearest_solution(g, actuators, pose)).all()

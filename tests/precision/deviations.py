@@ -27,4 +27,4 @@ def nominal_slopes(geometry: Any, poses: Any) -> Any:
 
 
 def reasons(found: UnequalPose) -> list[Closure]:
-    return [Closure(int(value)) for value in np.ravel(found.closure)]
+    return [Closure(int(value)) for value in np.ravel(found.status)]

@@ -163,7 +163,7 @@ def test_a_bounded_box_holds_no_singularity(geometry: Any) -> None:
     design = replace(APPENDIX_4, geometry=geometry)
     accuracy = DriveAccuracy(resolution_rotary=np.radians(6.0))
     found = drive_errors(geometry, accuracy, poses)
-    counts = np.bincount(found.bound, minlength=len(Bound))
+    counts = np.bincount(found.status, minlength=len(Bound))
     assert counts[Bound.OK] > 100
     assert counts[Bound.SINGULARITY] > 5
     assert counts[Bound.NOT_ASSEMBLED] > 20
@@ -192,7 +192,7 @@ def test_the_box_is_refused_as_soon_as_it_reaches_the_fold(place: tuple[float, f
     actuators = inverse_kinematics(GEOMETRY, poses).actuators[:, None].repeat(8, axis=1)
     actuators[..., :3] += half * CORNERS
     assembled = np.isfinite(forward_kinematics(GEOMETRY, actuators).pose).all(axis=(-1, -2, -3))
-    np.testing.assert_array_equal(found.bound == Bound.NOT_ASSEMBLED, ~assembled)
+    np.testing.assert_array_equal(found.status == Bound.NOT_ASSEMBLED, ~assembled)
     first_assembled, first_bounded = gaps[np.argmax(assembled)], gaps[np.argmax(found.ok)]
     assert first_assembled <= first_bounded < 1.02 * first_assembled
     # The linear estimate is a finite number there, and less than what is left to the singularity.
@@ -253,14 +253,14 @@ def test_limits_of_reach_within_the_errors_are_named() -> None:
     pose = (0.05, 0.02, 0.1, high + 5e-6)
     reach = check_reach(GEOMETRY, (0.05, 0.02, 0.1, low))
     found = drive_errors(GEOMETRY, DEFAULT, pose)
-    assert found.bound == Bound.LIMIT
+    assert found.status == Bound.LIMIT
     assert found.leg == reach.leg
     assert f"leg {reach.leg + 1} passes a limit" in Bound.LIMIT.reason(int(found.leg))
     assert np.isfinite(found.linear).all()
     assert np.isnan(found.worst).all()
     assert drive_errors(GEOMETRY, wide(0.05), pose).ok
     lift_alone = replace(DEFAULT, resolution_rotary=0.0)
-    assert drive_errors(GEOMETRY, lift_alone, pose).bound == Bound.LIMIT
+    assert drive_errors(GEOMETRY, lift_alone, pose).status == Bound.LIMIT
 
 
 def test_poses_out_of_reach_and_singular_ones_have_no_numbers() -> None:
@@ -268,14 +268,14 @@ def test_poses_out_of_reach_and_singular_ones_have_no_numbers() -> None:
     poses = np.array([(0.0, 0.0, 0.0, -2.0), (radius, 0.0, 0.3, -0.3), HOME, [np.nan] * 4])
     assert measure_singularity(GEOMETRY, poses[1]).condition > 1e9
     found = drive_errors(GEOMETRY, DEFAULT, poses)
-    assert found.bound[[0, 2, 3]].tolist() == [Bound.UNREACHABLE, Bound.OK, Bound.UNREACHABLE]
-    assert found.bound[1] in (Bound.SINGULAR, Bound.SINGULARITY, Bound.NOT_ASSEMBLED)
+    assert found.status[[0, 2, 3]].tolist() == [Bound.UNREACHABLE, Bound.OK, Bound.UNREACHABLE]
+    assert found.status[1] in (Bound.SINGULAR, Bound.SINGULARITY, Bound.NOT_ASSEMBLED)
     assert np.isnan(found.linear[[0, 3]]).all()
     assert np.isnan(found.worst[[0, 1, 3]]).all()
     assert np.isfinite(found.horizontal).tolist() == [False, False, True, False]
     fold = (0.01, 0.0, singular_rotation(GEOMETRY), -0.3)
     at = drive_errors(GEOMETRY, DEFAULT, fold)
-    assert at.bound == Bound.SINGULAR
+    assert at.status == Bound.SINGULAR
     assert np.isnan(at.linear).all()
     assert np.isnan(at.rms).all()
 
@@ -302,11 +302,11 @@ def test_grids_and_batches_are_the_poses_one_by_one() -> None:
         "horizontal",
         "corners",
         "between",
-        "bound",
+        "status",
     ):
         np.testing.assert_allclose(getattr(over, name), getattr(listed, name), rtol=1e-9)
     one = drive_errors(design.geometry, DEFAULT, grid.poses()[3, 4])
-    assert (one.bound.shape, one.worst.shape) == ((), (4,))
+    assert (one.status.shape, one.worst.shape) == ((), (4,))
     np.testing.assert_allclose(one.worst, listed.worst[3, 4], rtol=1e-12)
     assert drive_errors(design.geometry, DEFAULT, np.zeros((0, 4))).worst.shape == (0, 4)
 

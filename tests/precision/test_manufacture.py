@@ -158,7 +158,7 @@ def test_robots_without_a_solution_are_counted() -> None:
     near = np.array([0.0, 0.0, 0.0, -0.95])
     found = monte_carlo(loose, near, robots=60)
     assert 0 < found.solved < 1
-    assert np.isnan(found.errors[found.closure != 0]).all()
+    assert np.isnan(found.errors[found.status != 0]).all()
     assert np.isinf(found.quantile(0.999)).all()
     assert np.isnan(found.rms).all()
 

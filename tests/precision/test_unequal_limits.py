@@ -43,7 +43,7 @@ def test_what_has_no_solution_says_why() -> None:
     assert reasons(found) == [Closure.OK, Closure.NOT_FINITE, Closure.OPEN, Closure.OPEN]
     assert np.isnan(found.coordinates[1:]).all()
     assert np.isnan(found.actuators[1:]).all()
-    assert all(reason.reason for reason in Closure)
+    assert all(reason.reason() for reason in Closure)
 
 
 def test_no_number_at_a_singular_pose() -> None:

@@ -66,7 +66,7 @@ def test_where_errors_have_no_bound_the_reason_is_that_of_the_pose() -> None:
     np.testing.assert_array_equal(code == 0, found.ok)
     seen = set()
     for place in zip(*np.nonzero(code), strict=True):
-        bound, leg = Bound(int(found.bound[place])), int(found.leg[place])
+        bound, leg = Bound(int(found.status[place])), int(found.leg[place])
         seen.add((bound, leg))
         assert texts[code[place]] == f"no bound: {bound.reason(leg)}"
         assert words[code[place]].startswith(f"no-bound:{bound.word}")

@@ -56,8 +56,8 @@ def test_shares_and_robots_that_cannot_be_assembled_are_counted() -> None:
     share = tolerance_errors(APPENDIX_4, POSE).shares[0]
     best = int(np.argmax(share))
     drawn = monte_carlo(APPENDIX_4, POSE, robots=20, seed=1)
-    closure = np.array([Closure.OPEN] * 3 + [Closure.OK] * 17, np.uint8)
-    table, note = manufacture_blocks(APPENDIX_4, POSE, replace(drawn, closure=closure))
+    status = np.array([Closure.OPEN] * 3 + [Closure.OK] * 17, np.uint8)
+    table, note = manufacture_blocks(APPENDIX_4, POSE, replace(drawn, status=status))
     assert isinstance(table, Table)
     assert isinstance(note, Note)
     assert table.rows[0].cells[-1].startswith(f"{LENGTHS[best].symbol} {100 * share[best]:.0f} %")

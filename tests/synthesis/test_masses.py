@@ -242,15 +242,15 @@ def test_motion_of_a_trial_is_that_of_the_full_solution():
     full = solve_trajectory(APPENDIX_4.geometry, motion())
     np.testing.assert_array_equal(quick.y, full.y)
     np.testing.assert_array_equal(quick.speed, full.speed)
-    assert quick.check.ok
+    assert quick.check.possible
     assert quick.check.side == full.check.side
     small = replace(APPENDIX_4.geometry, coupler_length=0.4, crank_length=0.3)
     failing = sampled_solution(small, motion(), 9.81)
-    assert not failing.check.ok
+    assert not failing.check.possible
     assert failing.check.first.limit == solve_trajectory(small, motion()).check.first.limit
     wide = PRESET["circle"].build(APPENDIX_4.geometry).sample(20)
     shifted = replace(wide, pose=wide.pose + np.array([0.2, 0.0, 0.0, 0.0]))
-    assert not sampled_solution(APPENDIX_4.geometry, shifted, 9.81).check.ok
+    assert not sampled_solution(APPENDIX_4.geometry, shifted, 9.81).check.possible
     with pytest.raises(InnerInfeasible, match="the motion fails"):
         inner_program(APPENDIX_4, InnerCase(motions=(shifted,)), poses())
 

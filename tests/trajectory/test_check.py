@@ -76,7 +76,7 @@ def test_a_guide_may_be_used_to_its_end_and_no_further() -> None:
     # a motion that ends where the guide does
     end = brentq(lambda y: check_reach(SHORT_GUIDE, [0, y, 0.1, -0.5]).margins[2, 2], -0.2, 0)
     inside = check_path(SHORT_GUIDE, point_to_point(HOME, [0, end + 1e-12, 0.1, -0.5]).sample())
-    assert inside.ok
+    assert inside.possible
 
 
 @pytest.mark.parametrize("goal", [(0.3, 0, 0, -0.5), (0, 0, 1.6, -0.5), (0, 0, 0, -1.3)])
@@ -86,7 +86,7 @@ def test_a_failure_between_two_good_samples_is_found(goal) -> None:
     t = np.array([0.0, 0.2, 1.8, 2.0])
     samples = Trajectory(t, *plan.at(t))
     check = check_path(GEOMETRY, samples)
-    assert check.good.all()
+    assert check.ok.all()
     assert check.first is not None
     assert 0.2 < check.first.t < 1.0
     assert check.until == 2
@@ -99,7 +99,7 @@ def test_a_short_dip_between_many_samples_is_found() -> None:
         plan = round_trip(point_to_point(HOME, [limit + beyond, 0, 0, -0.5]))
         t = np.linspace(0, 2, 1000)  # the turning point at 1 s is none of them
         check = check_path(GEOMETRY, Trajectory(t, *plan.at(t)))
-        assert check.good.all()
+        assert check.ok.all()
         assert (check.first is not None) == fails
 
 
@@ -116,7 +116,7 @@ def test_steps_on_both_sides_of_a_sample_near_a_limit_are_checked(after: bool) -
     if not after:
         samples = samples[:, ::-1] * np.array([1.0, -1.0, 1.0])[:, None, None]
     check = check_path(GEOMETRY, Trajectory(np.linspace(0.0, 4.0, 401), *samples))
-    assert check.good.all()
+    assert check.ok.all()
     assert check.first is not None
     assert check.first.limit is Limit.SINGULAR
     assert (2.0 if after else 1.99) < check.first.t < (2.01 if after else 2.0)
@@ -133,7 +133,7 @@ def test_samples_beyond_a_singularity_stay_singular() -> None:
         check.require()
     # started there, the same poses are fine: no singularity is crossed
     back = check_path(GEOMETRY, point_to_point([0.3, 0, 0, -0.5], [0.28, 0, 0, -0.5]).sample())
-    assert back.ok
+    assert back.possible
     assert back.side == (-1.0, 1.0)
 
 
@@ -146,11 +146,11 @@ def test_samples_agree_with_the_reach_of_their_poses(goal) -> None:
     samples = to(*goal).sample(200)
     check, reach = check_path(GEOMETRY, samples), check_reach(GEOMETRY, samples.pose)
     serial = ~np.isin(check.status, [Limit.OK, Limit.SINGULAR])
-    assert not check.good[~reach.ok].any()
+    assert not check.ok[~reach.ok].any()
     np.testing.assert_array_equal(check.status[serial], reach.status[serial])
     np.testing.assert_array_equal(check.leg[serial], reach.leg[serial])
-    assert check.ok == (check.first is None) == (check.until == samples.size)
-    assert check.good[: check.until].all()
+    assert check.possible == (check.first is None) == (check.until == samples.size)
+    assert check.ok[: check.until].all()
     check.words()
 
 
@@ -179,7 +179,7 @@ def test_a_third_of_a_turn_permutes_the_legs(goal) -> None:
 
 def test_closest_approach() -> None:
     check = check_path(GEOMETRY, to(0.2, 0.0, 0.0, -0.5).sample())
-    assert check.ok
+    assert check.possible
     assert check.closest.t == 2.0
     expected = RADIUS - SINGULAR_CLEARANCE - 0.2
     assert check.closest.margin == pytest.approx(expected, abs=1e-12)

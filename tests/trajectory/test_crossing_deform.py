@@ -53,7 +53,7 @@ def test_a_path_without_influence_can_be_run_after_a_small_change(deformed: Defo
     torque = inverse_dynamics(BALANCED, *state).torque
     assert np.abs(torque - crossing.torque).max() < 2e-2
     analysis = analyze(BALANCED, found.plan.sample(1000.0))
-    assert analysis.check.ok
+    assert analysis.check.possible
     assert np.abs(analysis.torque[:, :3]).max() < 10.1
 
 

@@ -205,7 +205,7 @@ def test_presets_run_on_robots_of_other_sizes(preset, knee, scale) -> None:
     ).geometry
     plan = preset.build(with_knee(geometry, knee))
     check = check_path(geometry, plan.sample())
-    assert check.ok
+    assert check.possible
     assert check.closest.margin > 0.05 * scale * APPENDIX_4.geometry.base_radius
     ends = np.array([0.0, 1.0])
     unscaled = preset.build(with_knee(APPENDIX_4.geometry, knee)).curve(ends)

@@ -128,10 +128,10 @@ class PathSegments(NamedTuple):
 def split_path(analysis: TrajectoryAnalysis) -> PathSegments:
     """Return the path of an analyzed motion: points evenly spread, and the ends of what fails."""
     n = analysis.trajectory.size
-    edges = np.flatnonzero(np.diff(analysis.check.good))[:MOST_POINTS]
+    edges = np.flatnonzero(np.diff(analysis.check.ok))[:MOST_POINTS]
     even = np.linspace(0, n - 1, min(n, MOST_POINTS)).round().astype(np.intp)
     samples = np.unique(np.concatenate([even, edges, edges + 1]))
-    good = analysis.check.good[samples]
+    good = analysis.check.ok[samples]
     place = analysis.trajectory.pose[samples][:, [0, 1, 3]]
     bad = [slice(max(run.start - 1, 0), run.stop + 1) for run in runs(np.where(good, np.nan, 0.0))]
     return PathSegments(samples, place, runs(np.where(good, 0.0, np.nan)), bad)

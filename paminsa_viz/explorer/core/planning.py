@@ -254,7 +254,7 @@ def pose_at(trajectory: Trajectory, geometry: Geometry, time: float) -> Pose | N
         geometry: Lengths and limits of the robot.
         time: [s].
     """
-    good = checked(trajectory, geometry).good
+    good = checked(trajectory, geometry).ok
     right = int(np.clip(np.searchsorted(trajectory.t, time), 0, trajectory.size - 1))
     left = right if trajectory.t[right] <= time else max(right - 1, 0)
     if not (good[left] and good[right]):

@@ -136,7 +136,7 @@ class EngineAnswer:
 
     @cached_property
     def _good(self) -> NDArray[np.bool_]:
-        return self.thinned.check.good
+        return self.thinned.check.ok
 
     @cached_property
     def _scale(self) -> Array:

@@ -112,7 +112,7 @@ class AnswerMargins:
 
     def _in_motion(self, design: Design, motion: Trajectory) -> dict[str, float]:
         solved = sampled_solution(design.geometry, motion, design.gravity)
-        if not solved.check.ok:
+        if not solved.check.possible:
             return {f"run {motion.name}": -np.inf}
         torque = solved.torques(design)
         torque += spring_torques(design.geometry, self.springs, motion.pose)

@@ -18,7 +18,7 @@ from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.kept import kept
 from paminsa_viz.model import DriveAccuracy, Geometry, jacobian
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors
+from paminsa_viz.precision.drive_errors import DriveErrors, drive_errors
 from paminsa_viz.units import display_unit, number
 
 FARTHEST: Final = 0.30
@@ -51,8 +51,7 @@ def _errors(geometry: Geometry, accuracy: DriveAccuracy, pose: Pose) -> DriveErr
 
 def no_bound(found: DriveErrors) -> str:
     """Return why the errors at a pose have no bound, or an empty text."""
-    bound = Bound(int(found.bound))
-    return "" if bound is Bound.OK else bound.reason(int(found.leg))
+    return found.reason()
 
 
 def outline(points: Array) -> Array:

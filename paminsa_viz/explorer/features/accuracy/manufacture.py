@@ -27,7 +27,6 @@ from paminsa_viz.model import PARAMETER, Design
 from paminsa_viz.model.accuracy import LEG_NAMES, NO_DEVIATIONS, NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import ToleranceErrors, manufactured_pose, tolerance_errors
-from paminsa_viz.precision.unequal_legs import Closure
 from paminsa_viz.units import display_unit
 
 LEAST_SHARE = 0.005
@@ -66,7 +65,7 @@ def legs_html(frame: Frame) -> str:
         return render("accuracy/legs.j2", rows=[], reason="")
     found = manufactured_pose(design, pose)
     if not found.ok:
-        return render("accuracy/legs.j2", rows=[], reason=Closure(int(found.closure)).reason)
+        return render("accuracy/legs.j2", rows=[], reason=found.reason())
     off = [*(found.pose - np.array(pose)), *found.tilt]
     rows = [error_row(NAMES[i], UNITS[i], off[i]) for i in SHOWN]
     return render("accuracy/legs.j2", rows=rows, reason="")

@@ -30,7 +30,7 @@ def ask_engine(request: EngineRequest, _: object) -> EngineAnswer:
     count = min(trajectory.size, MOST_SAMPLES)
     kept = np.linspace(0, trajectory.size - 1, count).round().astype(np.intp)
     thinned = analyze(analysis.design, trajectory.take(kept))
-    if not thinned.check.good.any():
+    if not thinned.check.ok.any():
         raise PaminsaError("the robot cannot run any of the motion")
     engine = replace(engine_torques(thinned, request.engine), samples=kept)
     return EngineAnswer(thinned, engine, TOLERANCE)

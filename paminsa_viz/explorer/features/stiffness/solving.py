@@ -47,7 +47,7 @@ def analyze_elasticity(job: ElasticJob, _: object) -> ElasticResult:
             compensation=compensate(design, pose, wrench),
             shares=strain_shares(design, pose, wrench),
         )
-    if modes.stable:
+    if modes.ok:
         shapes = replace(lines, moves=lines.moves[..., 1:])
         found = replace(found, frequencies=tuple(modes.frequencies.tolist()), shapes=shapes)
     return found

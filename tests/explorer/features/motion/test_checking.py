@@ -139,7 +139,7 @@ def test_nothing_is_compared_where_the_motion_fails(state: State) -> None:
     failing = line(0.0, 0.6)
     found = analyzed(failing)
     torques = engine_torques(found)
-    good = found.analysis.check.good[torques.engine.samples]
+    good = found.analysis.check.ok[torques.engine.samples]
     assert 0 < good.sum() < good.size
     comparison = torques.comparison(found.analysis)
     assert len(comparison.computed) == good.sum()

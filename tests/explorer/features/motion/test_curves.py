@@ -152,7 +152,7 @@ def test_path_is_split_where_it_fails(failing: State) -> None:
     analysis = MotionStore().analysis(failing)
     assert analysis is not None
     path = split_path(analysis)
-    good = analysis.check.good[path.samples]
+    good = analysis.check.ok[path.samples]
     assert len(path.good) == 2
     assert all(good[part].all() for part in path.good)
     covered = np.zeros(good.size, dtype=bool)

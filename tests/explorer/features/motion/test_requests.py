@@ -245,11 +245,11 @@ def turning() -> State:
 
 
 def test_motion_passes_singularities_on_request(turning: State) -> None:
-    assert not checked(trajectory(turning), turning.document.design.geometry).ok
+    assert not checked(trajectory(turning), turning.document.design.geometry).possible
     state = motions.change(turning, cross=True)
     assert not motions.planned(state).problem
     assert trajectory(state).duration == pytest.approx(0.372, abs=1e-3)
-    assert checked(trajectory(state), state.document.design.geometry).ok
+    assert checked(trajectory(state), state.document.design.geometry).possible
     there = motions.scrub(state, 0.37)
     assert compute(there).barriers == (Locus.ROTATION,)
     assert "singular rotation lies between" in status_html(compute(there))
