@@ -15,6 +15,7 @@ from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.balance import actions as balancing
 from paminsa_viz.explorer.features.drives import tab as drives
 from paminsa_viz.explorer.features.identification import actions as identify
+from paminsa_viz.explorer.features.inspector.panel import inspect
 from paminsa_viz.explorer.features.maps.tab import show_figure_3
 from paminsa_viz.explorer.features.motion.simulation import simulate
 from paminsa_viz.explorer.features.requirements import actions as requirements
@@ -26,6 +27,7 @@ from paminsa_viz.explorer.kit.design_numbers import GROUPS, label
 from paminsa_viz.explorer.kit.entries import Effect, Run, Then
 from paminsa_viz.explorer.scene.cameras import CAMERAS
 from paminsa_viz.explorer.state.balance import BalanceKind
+from paminsa_viz.explorer.state.inspector import PARTS
 from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.typed import TypedCommand
@@ -100,6 +102,13 @@ def commands() -> tuple[Command, ...]:
                 layer.shortcut, words=layer.hint,
             )
             for key, layer in LAYERS.items()
+        ),
+        *(
+            Command(
+                "inspect", f"Inspect: {part.title}", partial(inspect, part=part), undo=False,
+                words=part.words,
+            )
+            for part in PARTS
         ),
         *(
             Command(

@@ -387,6 +387,7 @@ def build_rest(
     from paminsa_viz.explorer.dock import MapsPanel, view_panel
     from paminsa_viz.explorer.features.export.tab import export_entries
     from paminsa_viz.explorer.features.files.tab import FILE
+    from paminsa_viz.explorer.features.inspector.panel import Inspector
 
     maps = MapsPanel(session, answers())
     late: list[Panel] = []
@@ -397,7 +398,7 @@ def build_rest(
     folder = Folder("file.export", "Export", entries=exported, open=False)
     with file_place:
         late.append(Panel(session, (*FILE, folder)))
-    session.fast.append(view_panel(session))
+    session.fast += [view_panel(session), Inspector(session)]
     floor = build_views(replace(context, maps=maps.store, legend=maps.legend), animated=False)
     session.deferred += [maps, *floor, maps.legend, *late, TabStore(session)]
     register_commands(session, (*places_to_go(), *files_of(FILE), *exports_of(exported)))

@@ -100,6 +100,17 @@ def static_imbalance(design: Design) -> float:
     return float(lumped_coefficients(design)[1])
 
 
+@of_design
+def imbalance_parts(design: Design) -> dict[str, float]:
+    """Return what each mass adds to M_p2 [N], by its path in the design; they add up to it."""
+    parts = lumped_matrix(design.geometry, design.gravity)[1] * mass_vector(design)
+    found = dict(zip(MASS_PATHS, parts.tolist(), strict=True))
+    for number, weight in enumerate(design.counterweights):
+        column = point_mass_column(counterweight_point(design.geometry, weight), design.gravity)
+        found[f"counterweights.{number}.mass"] = float(weight.mass * column[1])
+    return found
+
+
 @dataclass(frozen=True)
 class StaticBreakdown:
     """Static torques, body by body; batch shape (...).

@@ -7,14 +7,8 @@ from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_writer import differences
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.drive import ACTUATORS, TORQUE_UNITS
-from paminsa_viz.model.leg_points import counterweight_point
-from paminsa_viz.model.lumped import (
-    MASS_PATHS,
-    lumped_matrix,
-    mass_vector,
-    point_mass_column,
-)
-from paminsa_viz.model.statics import static_imbalance
+from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.model.statics import imbalance_parts, static_imbalance
 from paminsa_viz.report.blocks import (
     Block,
     Note,
@@ -53,16 +47,15 @@ def balance_section(analysis: TrajectoryAnalysis) -> Section:
 
 def contributions(design: Design) -> list[tuple[str, str, float]]:
     """Return what each body adds to M_p2 [N], with its symbol and name; they add up to it."""
-    shares = lumped_matrix(design.geometry, design.gravity)[MP2] * mass_vector(design)
+    parts = imbalance_parts(design)
     found = [
-        (PARAMETER[path].symbol, PARAMETER[path].label, float(share))
-        for path, share in zip(MASS_PATHS, shares, strict=True)
-        if share != 0
+        (PARAMETER[path].symbol, PARAMETER[path].label, parts[path])
+        for path in MASS_PATHS
+        if parts[path] != 0
     ]
-    for weight in design.counterweights:
-        column = point_mass_column(counterweight_point(design.geometry, weight), design.gravity)
-        share = float(weight.mass * column[MP2])
-        found.append(("m_c", f"counterweight on {weight.place}", share))
+    for number, weight in enumerate(design.counterweights):
+        part = parts[f"counterweights.{number}.mass"]
+        found.append(("m_c", f"counterweight on {weight.place}", part))
     return found
 
 

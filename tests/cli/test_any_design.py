@@ -72,6 +72,18 @@ def test_every_command_answers_or_refuses_in_one_line(
             os.remove("out.xml")
 
 
+@pytest.mark.slow
+@settings(max_examples=1, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(design=edge_designs())
+@example(design=APPENDIX_4.vary({"geometry.shaft_length": 0.0}))
+def test_report_is_written_or_refused_in_one_line(
+    design: Design, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    save_design(design, "d.toml")
+    attempt("report --no-verify --out report.html")
+
+
 @given(design=edge_designs(LENGTHS))
 @example(design=APPENDIX_4.vary({"geometry.platform_radius": 0.35}))
 @example(design=APPENDIX_4.vary({"geometry.magnification": 1.35}))

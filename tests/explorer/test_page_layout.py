@@ -13,6 +13,7 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.kit.design_numbers import GROUPS
 from paminsa_viz.explorer.kit.design_numbers import label as label_of
 from paminsa_viz.explorer.tabs import WORKSPACES
+from paminsa_viz.model import inverse_kinematics
 from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
@@ -232,6 +233,29 @@ def test_click_on_the_floor_map_moves_the_robot_there(tab: Tab) -> None:
         f"the robot moves to {goal}; it is at {tab.state.last_reachable.pose}",
         timeout=15,
     )
+
+
+def test_click_on_a_bar_opens_the_inspector_and_esc_closes_it(tab: Tab) -> None:
+    panel = tab.page.get_by_test_id("inspector-part")
+    tab.wait_frames(600)
+    last = tab.state.last_reachable
+    points = inverse_kinematics(last.geometry, last.pose).points
+    middle = (points[9][1] + points[5][1]) / 2
+    tab.page.mouse.click(*on_screen(tab, "/robot", middle))
+    tab.page.get_by_test_id("inspector-title").get_by_text("B4 leg 2").wait_for()
+    panel.locator("[data-paminsa-value='links.b4']").click()
+    focused = "() => document.activeElement.getAttribute('aria-label') ?? ''"
+    until(lambda: "bar 9" in tab.page.evaluate(focused), "the number of the mass has the focus")
+    tab.page.keyboard.type("0.7")
+    tab.page.keyboard.press("Enter")
+    until(lambda: tab.state.document.design.links.b4 == 0.7, "the mass")
+    panel.get_by_text("0.7 kg").wait_for()
+    panel.get_by_role("button", name="map this").click()
+    until(lambda: tab.state.map_view.quantity == "utilization", "the map")
+    tab.page.locator("body").click(position={"x": 640, "y": 715})
+    tab.page.keyboard.press("Escape")
+    until(lambda: tab.state.inspected is None, "Esc closes it")
+    panel.wait_for(state="hidden")
 
 
 def test_folded_panels_leave_the_view_its_colors_and_its_legend(tab: Tab) -> None:

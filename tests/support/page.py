@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -207,6 +208,7 @@ def tab(shared_tab: SharedTab, request: pytest.FixtureRequest) -> Iterator[Tab]:
 
 def _reset(tab: Tab) -> None:
     """Bring a tab back to the start by what a person could do, and wait for it."""
+    from paminsa_viz.explorer.scene.cameras import CAMERAS, look
     from paminsa_viz.explorer.state.state import initial_state
     from tests.support.chromium import TIMEOUT, until
 
@@ -234,4 +236,7 @@ def _reset(tab: Tab) -> None:
             until(is_reset, "the tab is as at the start", TIMEOUT / 3)
             break
     assert is_reset()
+    for button in tab.page.get_by_role("button", name="Minimize panel").all():
+        button.click()  # the panel View lies over the scene
+    tab.session.submit(partial(look, tab.session, CAMERAS[0]))
     tab.page.wait_for_timeout(200)

@@ -18,9 +18,10 @@
 
   const ROW = '[data-paminsa-mark~="row"]';
   const FIELD = '[role="slider"], input:not([type="hidden"]), textarea';
+  const BOX = ".mantine-NumberInput-input";
   const nameFields = (label) => {
     const found = [...(label.closest(ROW)?.querySelectorAll(FIELD) || [])].filter(nameless);
-    const boxes = found.filter((field) => field.matches(".mantine-NumberInput-input"));
+    const boxes = found.filter((field) => field.matches(BOX));
     const thumbs = found.some((field) => field.matches('[role="slider"]'));
     for (const field of found) {
       const place = thumbs ? -1 : boxes.indexOf(field);
@@ -34,12 +35,16 @@
     if (label) nameFields(label);
   });
 
-  /** Put the focus into the first field that is seen and whose label begins with one of `names`. */
-  const focus = (names) => {
+  /**
+   * Put the focus into the first field that is seen and whose label begins with one of `names`;
+   * fields of a section that is being opened are waited for.
+   */
+  const focus = (names, tries = 60) => {
     const begins = (label) => names.some((name) => plain(label.textContent).startsWith(name));
     const labels = [...document.querySelectorAll("label[for]")].filter(begins);
     const rows = labels.map((label) => label.closest(ROW)).filter((row) => row?.getClientRects().length);
-    const field = rows[0]?.querySelector(FIELD);
+    const field = rows[0]?.querySelector(BOX) ?? rows[0]?.querySelector(FIELD);
+    if (!field && tries > 0) setTimeout(focus, 50, names, tries - 1);
     field?.scrollIntoView({ block: "nearest" });
     field?.focus({ preventScroll: true });
     field?.select?.();

@@ -317,6 +317,13 @@
   for (const kind of ["input", "keydown"])
     document.addEventListener(kind, onSearch, { capture: true, signal: stopped.signal });
 
+  // --- Esc closes the inspector, where nothing else takes it ----------------------------------
+  document.addEventListener("keydown", (event) => {
+    const taken = event.defaultPrevented || event.target.closest?.("input, textarea");
+    if (event.key === "Escape" && !taken && !document.querySelector('[role="dialog"]'))
+      send("escape", null);
+  }, { signal: stopped.signal });
+
   // --- places for figures: which are visible, and how wide ----------------------------------
   const hostOf = (mark) => mark?.parentElement?.parentElement;
   let reported = "";

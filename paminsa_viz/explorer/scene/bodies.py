@@ -8,7 +8,8 @@ message a body is enough that way, where separate bodies would need two.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from dataclasses import replace
+from functools import cache, partial
 from typing import Any, Final
 
 import numpy as np
@@ -19,6 +20,7 @@ from paminsa_viz.dimensions.layout import polar
 from paminsa_viz.dimensions.placement import about_z, elevated
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.context import SceneContext
+from paminsa_viz.explorer.scene.picking import can_be_picked, picked
 from paminsa_viz.meshes import bodies as shapes
 from paminsa_viz.meshes import loads
 from paminsa_viz.meshes.loads import counterweight_glb
@@ -64,6 +66,7 @@ class Robot:
         *,
         standing: bool = True,
         drawn: Callable[[bytes], bytes] | None = None,
+        click: Callable[[str, Any], None] | None = None,
     ) -> None:
         """Prepare an empty robot.
 
@@ -72,9 +75,11 @@ class Robot:
             root: Name of its node.
             standing: Whether the bodies that do not move are part of it.
             drawn: Makes the GLB that is drawn out of a body's own, for another look.
+            click: Called with the body that was clicked and viser's event, for those that mean a
+                part, see `picking`.
         """
         self._scene, self._root = scene, root
-        self._drawn = drawn
+        self._drawn, self._click = drawn, click
         self._bodies = (*STANDING, *_MOVING) if standing else _MOVING
         self._top = scene.add_frame(root, show_axes=False)
         self._nodes: dict[str, FrameHandle | GlbHandle] = {
@@ -124,10 +129,18 @@ class Robot:
             wanted = (shapes.lengths_of(body, geometry), self._fine)
             if self._built.get(body) != wanted:
                 self._built[body] = wanted
-                self._put(self._name(body), shapes.body_glb(body, geometry, fine=self._fine))
+                made = self._name(body) not in self._nodes
+                data = shapes.body_glb(body, geometry, fine=self._fine)
+                node = self._put(self._name(body), data)
+                if made and self._click is not None and can_be_picked(body):
+                    node.on_click(partial(self._clicked, body))
         for leg, angle in enumerate(AXIS_ANGLES, 1):
             self._nodes[self._name(f"leg{leg}")].position = polar(geometry.base_radius, angle)
             self._nodes[self._name(f"leg{leg}/b4")].position = (geometry.crank_length, 0.0, 0.0)
+
+    async def _clicked(self, body: str, event: Any) -> None:
+        assert self._click is not None
+        self._click(body, event)
 
     def _put(self, name: str, data: bytes) -> Any:
         """Make or replace one node; a replaced one keeps its pose and what is attached to it."""
@@ -213,7 +226,17 @@ class Bodies(Robot):
     """The robot of the page: the layers ``mesh`` and ``fine``."""
 
     def __init__(self, context: SceneContext) -> None:
-        super().__init__(context.scene)
+        super().__init__(context.scene, click=self._inspect)
+        self._dispatch = context.dispatch
+
+    def _inspect(self, body: str, event: Any) -> None:
+        """Inspect what was clicked."""
+        where = self._configuration
+        if where is None:
+            return
+        part = picked(where, body, event.ray_origin, event.ray_direction)
+        if part is not None:
+            self._dispatch("inspect", lambda state: replace(state, inspected=part), step=False)
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the design and the pose."""

@@ -12,6 +12,7 @@ from paminsa_viz.explorer.state.drives import DrivesState
 from paminsa_viz.explorer.state.encoder import EncoderState
 from paminsa_viz.explorer.state.export import ExportSettings
 from paminsa_viz.explorer.state.identification import IdentificationState
+from paminsa_viz.explorer.state.inspector import Part
 from paminsa_viz.explorer.state.layers import default_layers
 from paminsa_viz.explorer.state.loads import LoadsState
 from paminsa_viz.explorer.state.maps import MapView
@@ -60,6 +61,7 @@ class State:
         appearance: Which theme the page has.
         browser_dark: Whether the browser asks for a dark one.
         docks: Widths of the page's docks.
+        inspected: Part of the robot that the inspector shows, None while it is closed.
         workspace: Name of the workspace that is open, empty until the page has said so.
         workspaces: How the others were left.
         answer: Key of the answer that the left dock shows, empty until one was chosen.
@@ -99,6 +101,7 @@ class State:
     appearance: Appearance = Appearance.BROWSER
     browser_dark: bool = False
     docks: Docks = field(default_factory=Docks)
+    inspected: Part | None = None
     workspace: str = field(default="", compare=False)
     workspaces: tuple[WorkspaceView, ...] = field(default=(), compare=False)
     answer: str = field(default="", compare=False)

@@ -34,13 +34,14 @@ LEAST_SHARE = 0.005
 
 
 @kept(4)
-def _tolerance_errors(design: Design, pose: Pose) -> ToleranceErrors:
+def errors_at(design: Design, pose: Pose) -> ToleranceErrors:
+    """Return the errors of a design with nothing but lengths and tolerances at a pose."""
     return tolerance_errors(design, pose)
 
 
 def tolerances_html(frame: Frame) -> str:
     """Return the errors by tolerances and clearances at the pose."""
-    found = _tolerance_errors(*shown_lengths(frame))
+    found = errors_at(*shown_lengths(frame))
     columns = (found.worst, found.clearance, found.rms)
     rows = [error_row(NAMES[i], UNITS[i], *(part[i] for part in columns)) for i in SHOWN]
     rows.insert(2, error_row("position", "m:um", found.horizontal, np.nan, found.rms_horizontal))
@@ -51,7 +52,7 @@ def tolerances_html(frame: Frame) -> str:
 def shares_html(frame: Frame) -> str:
     """Return the share of each length in the variance of a coordinate, as bars."""
     index = frame.state.monte_carlo.settings.coordinate
-    share = _tolerance_errors(*shown_lengths(frame)).shares[index]
+    share = errors_at(*shown_lengths(frame)).shares[index]
     order = [i for i in np.argsort(-share) if share[i] >= LEAST_SHARE]
     bars = [(LENGTHS[i].symbol, LENGTHS[i].label, 100 * float(share[i])) for i in order]
     return render("accuracy/shares.j2", name=NAMES[index], bars=bars)

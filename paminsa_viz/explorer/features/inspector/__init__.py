@@ -1,0 +1,1 @@
+"""The inspector: what the robot's part is that was clicked, and what it carries."""

@@ -1,0 +1,112 @@
+"""The inspector: its numbers are those of the rooms, its shares add up, a click means a part."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from paminsa_viz.elastostatics.bar_loads import bar_loads, utilization
+from paminsa_viz.elastostatics.joint_forces import joint_forces
+from paminsa_viz.explorer.commands import commands
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import Frame, compute
+from paminsa_viz.explorer.features.inspector import panel
+from paminsa_viz.explorer.features.inspector.numbers import numbers
+from paminsa_viz.explorer.features.inspector.shares import (
+    imbalance_share,
+    strain_share,
+    tolerance_share,
+)
+from paminsa_viz.explorer.features.loads.solving import ALONG_MOTION, find_loads
+from paminsa_viz.explorer.scene.picking import picked
+from paminsa_viz.explorer.state.inspector import PARTS, Kind, Part
+from paminsa_viz.explorer.state.motion import Kind as MotionKind
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.model import APPENDIX_4, static_imbalance
+from paminsa_viz.model.elastic import BARS
+from paminsa_viz.model.parameters import Counterweight
+from paminsa_viz.quantities import QUANTITIES
+
+B4 = Part(Kind.BAR, "b4", 1)
+WEIGHT = Counterweight(mass=1.5, bar="b8", joint=8, beyond=0.1)
+
+
+def inspecting(part: Part = B4) -> State:
+    return replace(actions.move(initial_state(), x=0.05, theta=0.3), inspected=part)
+
+
+def frame_of(part: Part = B4) -> Frame:
+    return compute(inspecting(part))
+
+
+def test_numbers_of_a_bar_are_those_of_its_loads() -> None:
+    state = inspecting()
+    forces = joint_forces(APPENDIX_4, state.document.pose)
+    inner = bar_loads(forces, "b4").extremes()[1]
+    use = utilization(forces)[1, BARS.index("b4")]
+    found = numbers(state, B4)
+    assert [one.now for one in found] == pytest.approx([*inner, 100 * use])
+    assert np.isnan([one.worst for one in found]).all()
+    assert "along the motion" in panel.text(compute(motions.choose_kind(state, MotionKind.ARCH)))
+
+
+def test_worst_is_that_of_the_motion_once_it_is_known() -> None:
+    state = motions.choose_kind(inspecting().updated("loads.settings", along=True), MotionKind.ARCH)
+    analysis = compute(state).analysis
+    assert analysis is not None
+    loads = find_loads(analysis, None)
+    state = ALONG_MOTION.deliver(state, solve(find_loads, analysis))
+    inner, index = loads.bars[:, 1, BARS.index("b4")], np.arange(3)
+    worst = inner[np.abs(inner).argmax(axis=0), index]
+    most = 100 * loads.utilization[:, 1, BARS.index("b4")].max()
+    assert [one.worst for one in numbers(state, B4)] == pytest.approx([*worst, most])
+    (lift,) = numbers(state, PARTS[-1])
+    assert abs(lift.worst) == pytest.approx(np.abs(loads.forces.torque[:, 3]).max())
+
+
+def test_shares_add_up() -> None:
+    design = replace(APPENDIX_4, counterweights=(WEIGHT,))
+    of_one_leg = [part for part in PARTS if part.leg == 0 and part.mass_path]
+    # Platform and payload are no part of M_p2: they hang on M4 alone.
+    added = [imbalance_share(design, part) or 0.0 for part in of_one_leg]
+    assert sum(added) == pytest.approx(static_imbalance(design))
+    state = inspecting().updated("stiffness.settings", case="x")
+    strain = [strain_share(state, part) or 0.0 for part in PARTS]
+    assert sum(strain) == pytest.approx(1.0)
+    frame = compute(state)
+    kinds = [part for part in PARTS if part.leg == 0]
+    assert sum(tolerance_share(frame, part) or 0.0 for part in kinds) == pytest.approx(1.0)
+
+
+def test_every_part_has_a_text_a_map_fields_and_a_command() -> None:
+    labels = {command.label for command in commands()}
+    for part in PARTS:
+        state = inspecting(part)
+        assert part.title in panel.text(compute(state))
+        assert panel.quantity_of(part) in QUANTITIES
+        assert 2 <= len(panel.fields_of(part)) <= 3
+        assert f"Inspect: {part.title}" in labels
+
+
+def test_out_of_reach_it_goes_on_with_the_last_reachable_pose() -> None:
+    there = inspecting()
+    beyond = actions.move(there, x=0.9)
+    assert [n.now for n in numbers(beyond, B4)] == [n.now for n in numbers(there, B4)]
+
+
+def test_click_on_a_bar_means_it_and_near_a_joint_the_joint() -> None:
+    where = frame_of().configuration
+    nine, four, five = (where.points[joint][1] for joint in (9, 4, 5))
+    eye = np.array([2.0, -2.0, 1.0])
+    between = (four + five) / 2 if np.linalg.norm(five - four) > 0.1 else (nine + four) / 2
+    assert picked(where, "leg2/b4", eye, between - eye) == B4
+    assert picked(where, "leg2/b4", eye, five - eye) == Part(Kind.JOINT, "5", 1)
+    arm = where.points[2][2] * [0.5, 0.5, 1.0]
+    assert picked(where, "carriage", eye, arm - eye) == Part(Kind.BAR, "b1", 2)
+    assert picked(where, "m2", eye, five - eye) == Part(Kind.MOTOR, "M2", 1)
+    assert picked(where, "platform", eye, five - eye) is None
+    assert picked(where, "leg2/b4", eye, np.full(3, np.nan)) is None
