@@ -5,13 +5,20 @@ Those of arrays are in `model.arrays`, those of robots in `model.arguments`.
 
 from __future__ import annotations
 
+import inspect
 import math
-from collections.abc import Iterable
-from typing import Any
+import os
+import types
+import typing
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache, wraps
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 
 def kind_of(value: object) -> str:
@@ -58,3 +65,109 @@ def require_positive(value: Any, argument: str, what: str = "a number above 0") 
     )
     if not (number and math.isfinite(value) and value > 0):
         raise InvalidInput(argument, f"{what} is needed, not {value!r}")
+
+
+_KINDS: dict[Any, tuple[tuple[Any, ...], str]] = {
+    type(None): ((type(None),), ""),
+    bool: ((bool, np.bool_), "bool"),
+    float: ((int, float, np.integer, np.floating), "number"),
+    int: ((int, np.integer), "whole number"),
+    str: ((str,), "text"),
+    os.PathLike: ((os.PathLike,), "path"),
+    Mapping: ((Mapping,), "mapping"),
+    Sequence: ((list, tuple, np.ndarray, range), "list"),
+    list: ((list, tuple), "list"),
+    Callable: ((Callable,), "function"),
+}
+"""What is taken for an annotation, and its name in messages; other classes stand for themselves."""
+
+
+class _Rule(NamedTuple):
+    """What an argument may be, by its annotation."""
+
+    place: int
+    name: str
+    kinds: tuple[Any, ...]
+    allowed: str
+    rest: bool  # whether it takes all further arguments, as ``*plans`` does
+
+    def check(self, value: object) -> None:
+        if isinstance(value, self.kinds):
+            return
+        if float in self.kinds and isinstance(value, np.ndarray) and value.shape == ():
+            return
+        article = "an" if self.allowed[0] in "aeiouAEIOU" else "a"
+        raise InvalidInput(self.name, f"{article} {self.allowed} is needed, not {kind_of(value)}")
+
+
+def kinds_checked(function: F) -> F:
+    """Let a function refuse arguments that are not of the kinds that it is annotated with.
+
+    The decorated function raises InvalidInput. Arrays, protocols of more than a call, and the items
+    of lists are left to the function itself.
+    """
+
+    @wraps(function)
+    def call(*args: Any, **named: Any) -> Any:
+        check_arguments(function, args, named)
+        return function(*args, **named)
+
+    return typing.cast(F, call)
+
+
+def check_arguments(
+    function: Callable[..., Any], args: tuple[Any, ...], named: Mapping[str, Any]
+) -> None:
+    """Raise `InvalidInput` if an argument is not of the kind that it is annotated with."""
+    for rule in _rules(function):
+        if rule.rest:
+            for value in args[rule.place :]:
+                rule.check(value)
+        elif rule.place < len(args):
+            rule.check(args[rule.place])
+        elif rule.name in named:
+            rule.check(named[rule.name])
+
+
+@cache
+def _rules(function: Callable[..., Any]) -> tuple[_Rule, ...]:
+    rules = []
+    for place, item in enumerate(inspect.signature(function).parameters.values()):
+        found = _kinds(_annotation(item.annotation, function))
+        if found and item.kind is not item.VAR_KEYWORD:
+            kinds, allowed = found
+            where = place if item.kind is not item.KEYWORD_ONLY else 1_000
+            rest = item.kind is item.VAR_POSITIONAL
+            rules.append(_Rule(where, item.name, kinds, allowed, rest))
+    return tuple(rules)
+
+
+def _annotation(text: Any, function: Callable[..., Any]) -> Any:
+    """Return what an annotation stands for; `Any` where it is imported for type checkers alone."""
+    try:
+        return eval(text, inspect.unwrap(function).__globals__) if isinstance(text, str) else text
+    except (NameError, TypeError):
+        return Any
+
+
+def _kinds(annotation: Any) -> tuple[tuple[Any, ...], str] | None:
+    """Return the types that an annotation allows, and their names; None if any will do."""
+    origin = typing.get_origin(annotation)
+    if origin in (types.UnionType, typing.Union, typing.Literal):
+        parts = typing.get_args(annotation)
+        words = origin is typing.Literal
+        found = [_kinds(type(part) if words else part) for part in parts]
+        if not all(found):
+            return None
+        kinds = tuple(kind for part in found if part for kind in part[0])
+        return kinds, " or ".join(dict.fromkeys(part[1] for part in found if part and part[1]))
+    if origin is typing.Annotated:
+        return _kinds(typing.get_args(annotation)[0])
+    kind = origin or annotation or type(None)
+    if kind in _KINDS:
+        return _KINDS[kind]
+    if not isinstance(kind, type) or kind in (object, Any):
+        return None
+    if getattr(kind, "_is_protocol", False):
+        return ((Callable,), kind.__name__) if "__call__" in vars(kind) else None
+    return None if issubclass(kind, np.ndarray) else ((kind,), kind.__name__)

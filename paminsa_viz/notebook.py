@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.model.arguments import of_design
@@ -174,6 +175,7 @@ def map_view(
     return interactive_map(data, choose_scales(data), width)
 
 
+@kinds_checked
 def curve_view(
     analysis: TrajectoryAnalysis, kind: FigureKind = "torques", **more: Any
 ) -> InlinePicture:

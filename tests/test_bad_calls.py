@@ -118,5 +118,68 @@ def test_counts_of_poses_are_refused_in_one_line() -> None:
     for value in (None, "3", 2.5, np.nan, True, 0, 10**9, [3]):
         with pytest.raises(InvalidInput, match="poses: "):
             measuring_poses(APPENDIX_4, value)  # type: ignore[arg-type]
-    with pytest.raises(InvalidInput, match="coordinates: 4 or 6"):
+    with pytest.raises(InvalidInput, match="coordinates: a whole number"):
         measuring_poses(APPENDIX_4, 3, coordinates=None)  # type: ignore[arg-type]
+    with pytest.raises(InvalidInput, match="coordinates: 4 or 6"):
+        measuring_poses(APPENDIX_4, 3, coordinates=5)
+
+
+KINDS: dict[str, Any] = {
+    "None": None, "text": "x y", "texts": ["a", "b"], "object": object(), "number": 3,
+    "geometry": APPENDIX_4.geometry, "design": APPENDIX_4,
+}  # fmt: skip
+"""A value of each kind, for every argument of a function at once."""
+
+ADMITTED = {
+    "text": ("str", "ArrayLike"),
+    "texts": ("Sequence[str]", "ArrayLike"),
+    "number": ("int", "float", "Array", "Range"),
+    "geometry": ("Geometry",),
+    "design": ("Design", "Geometry"),
+}
+"""Words in an annotation that may be right for such a value."""
+
+FORMULAS = ("least_margin", "where")
+"""Written for compiled loops, over numbers and arrays alike: they check nothing."""
+
+
+def _functions() -> dict[str, tuple[Any, dict[str, str]]]:
+    """Return all public functions with arguments that have no default, and their annotations."""
+    found = {}
+    for place, function in CALLABLES.items():
+        room = place.split(".")[1]
+        if inspect.isclass(function) or room in ("cli", "explorer", "progress"):
+            continue
+        needed = {
+            one.name: str(one.annotation)
+            for one in inspect.signature(function).parameters.values()
+            if one.default is one.empty and one.kind not in (one.VAR_POSITIONAL, one.VAR_KEYWORD)
+        }
+        if needed and function.__name__ not in FORMULAS:
+            found.setdefault(inspect.unwrap(function), (place, function, needed))
+    return {place: (function, needed) for place, function, needed in found.values()}
+
+
+FUNCTIONS = _functions()
+
+
+def test_all_public_functions_are_called() -> None:
+    assert len(FUNCTIONS) >= 225
+
+
+@pytest.mark.parametrize("place", FUNCTIONS)
+def test_no_public_function_fails_deep_inside(place: str) -> None:
+    """Whatever its arguments are, it names one that is wrong, and nothing else is raised."""
+    function, needed = FUNCTIONS[place]
+    for kind, value in KINDS.items():
+        if all(
+            any(word in annotation for word in ADMITTED.get(kind, ("None",)))
+            for annotation in needed.values()
+        ):
+            continue
+        error = refusal(function, dict.fromkeys(needed, value))
+        assert isinstance(error, InvalidInput), f"{kind}: {error!r}"
+        text = str(error)
+        assert re.search(rf"\b({'|'.join(needed)})\b", text), f"{kind}: {text}"
+        assert "\n" not in text
+        assert len(text) < 200

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from paminsa_viz.actuation.drive_table import DriveTable, pair_table
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidDesign, PaminsaError, name_hint, printable
 from paminsa_viz.model.drive import Drive
 
@@ -125,6 +126,7 @@ def generic_catalog() -> Catalog:
     return read_catalog(text, "generic sizes")
 
 
+@kinds_checked
 def load_catalog(path: str | os.PathLike[str]) -> Catalog:
     """Read a catalog file.
 
@@ -141,6 +143,7 @@ def load_catalog(path: str | os.PathLike[str]) -> Catalog:
     return read_catalog(data, Path(name).name)
 
 
+@kinds_checked
 def read_catalog(content: str | bytes, source: str) -> Catalog:
     """Return the catalog of a CSV text; lines that begin with ``#`` are comments.
 

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from paminsa_viz.actuation.drive_table import DriveTable
 from paminsa_viz.actuation.duty import ActuatorLoad, Signal
 from paminsa_viz.actuation.sizing import envelope_share, rms_torque
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arrays import Array
 
 FIRST_SAMPLES = 64
@@ -64,6 +65,7 @@ class RatioIntervals:
         return self.low <= self.high
 
 
+@kinds_checked
 def ratio_intervals(
     load: ActuatorLoad, table: DriveTable, *, inertia_ratio: float = np.inf
 ) -> RatioIntervals:

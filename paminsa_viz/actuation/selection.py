@@ -14,6 +14,7 @@ from paminsa_viz.actuation.duty import ActuatorLoad, DutyCycle, Signal
 from paminsa_viz.actuation.ratios import ratio_intervals
 from paminsa_viz.actuation.sizing import Order, Sizing, fitting_time, size_drives
 from paminsa_viz.actuation.thermal import thermal_share
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import Drive
@@ -147,6 +148,7 @@ class Selection:
         return f"{text}; motions {factor:.3f} times as long make one fit"
 
 
+@kinds_checked
 def select_drives(
     cycle: DutyCycle,
     catalog: Catalog,

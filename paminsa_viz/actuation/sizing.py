@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from paminsa_viz.actuation.drive_table import DriveTable
 from paminsa_viz.actuation.duty import BLOCK_WIDTH, ActuatorLoad, DutyCycle, Signal
 from paminsa_viz.actuation.thermal import thermal_share
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 
@@ -226,6 +227,7 @@ class Sizing:
         return int(self.use.argmin())
 
 
+@kinds_checked
 def size_drives(load: ActuatorLoad, table: DriveTable, *, inertia_ratio: float = np.inf) -> Sizing:
     """Measure drives on a load.
 

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.actuation.transmission import SPEED_ROWS
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model import backend
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
@@ -233,6 +234,7 @@ def capability(design: Design, pose: ArrayLike) -> Capability:
     )
 
 
+@kinds_checked
 def field_capability(field: Field, design: Design) -> Capability:
     """Return the capability over a solved grid; formulas are solved once for a geometry."""
     shape = field.status.shape

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from paminsa_viz.balancing.program import Levers, Variable
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design, of_geometry
 from paminsa_viz.model.arrays import Array
@@ -97,6 +98,7 @@ class CounterweightRange:
         return f"counterweight on {self.bar.upper()} from joint {self.joint}"
 
 
+@kinds_checked
 def beyond(bar: str, joint: int, longest: float, most: float) -> CounterweightRange:
     """Return the range on a bar's extension beyond a joint, up to a lever [m] and a mass [kg]."""
     return CounterweightRange(bar, joint, 0.0, longest, most)

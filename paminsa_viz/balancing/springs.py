@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.checks import require_each, require_kind
+from paminsa_viz.checks import kinds_checked, require_each, require_kind
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, as_vectors
@@ -93,21 +93,25 @@ class Anchor:
         return f"post on the guide link, {format_ascii(self.radius, 'm')} from the axis, {height}"
 
 
+@kinds_checked
 def at_joint(joint: int) -> Anchor:
     """Return a joint, by the paper's number."""
     return Anchor("joint", joint=joint)
 
 
+@kinds_checked
 def on_bar(bar: str, joint: int, beyond: float) -> Anchor:
     """Return a point of a bar or of its extension; arguments as in `Counterweight`."""
     return Anchor("bar", joint=joint, bar=bar, beyond=beyond)
 
 
+@kinds_checked
 def on_guide(radius: float, height: float) -> Anchor:
     """Return a point fixed to the guide link B10, which turns with the leg; radius 0: the axis."""
     return Anchor("guide", radius=radius, height=height)
 
 
+@kinds_checked
 def on_slider(height: float) -> Anchor:
     """Return the top of a mast on slider 8, which travels along the guide."""
     return Anchor("slider", height=height)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.clearance import kernels
 from paminsa_viz.clearance.shapes import ALL_PAIRS, FRAMES, PairGroup, Shapes, shapes_of
 from paminsa_viz.dimensions.placement import BODIES, place_parts
@@ -56,6 +57,7 @@ class Clearance:
         return clearance_reason(least, self.pairs[pair] if pair >= 0 else ("", ""), required)
 
 
+@kinds_checked
 def clearance_reason(distance: float, names: tuple[str, str], required: float = 0.0) -> str:
     """Return by how much two bodies overlap or are too close, "" if they are not.
 

@@ -21,7 +21,7 @@ import numpy as np
 from paminsa_viz.codegen.add_platform import NotBuilt, with_platform
 from paminsa_viz.codegen.kit import design_header, header, template
 from paminsa_viz.engines.poses import start_pose
-from paminsa_viz.errors import PaminsaError
+from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.files.archives import zipped
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
@@ -79,6 +79,8 @@ def build_fmu(design: Design, kind: FmuKind) -> bytes:
             environment), or it fails.
         UnreachablePose: If the design has no regular configuration at the center, where it starts.
     """
+    if kind not in DESCRIPTIONS:
+        raise InvalidInput("kind", f"{' or '.join(DESCRIPTIONS)} is needed, not {kind!r}")
     packed = zipped({name: text.encode() for name, text in fmu_sources(design, kind).items()})
     compiler = os.environ.get("CC") or next(filter(shutil.which, ("cc", "gcc", "clang")), None)
     if compiler is None:

@@ -12,11 +12,12 @@ from typing import Final
 
 import numpy as np
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.attached import PAYLOAD_HEIGHT, payload_offset, payload_scale
 from paminsa_viz.model.arguments import of_design
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.arrays import Array, as_numbers
 from paminsa_viz.model.design import Design, Geometry, KneeBranch
 
 SLIDER_FROM_AXIS: Final = at.SLIDER_HALF - size.QUILL_BLOCK[0]
@@ -54,7 +55,7 @@ def needed_guide(slider: Array) -> Array:
     Args:
         slider: The largest distance of joint 8 from the leg axis, |X_4| [m].
     """
-    return slider + at.SLIDER_HALF
+    return as_numbers(slider, "slider") + at.SLIDER_HALF
 
 
 @of_design
@@ -71,6 +72,7 @@ def needed_shaft(design: Design, zeta: Array, magnification: Array) -> Array:
         magnification: k, of each robot.
     """
     geometry = design.geometry
+    zeta, magnification = as_numbers(zeta, "zeta"), as_numbers(magnification, "magnification")
     if geometry.knee is KneeBranch.LOWER:
         return zeta / magnification + JOINT_2_ABOVE
     top = at.BARREL_RADIUS
@@ -99,6 +101,7 @@ def bar_distance(crank: Array, coupler: Array, magnification: Array, diagonal: A
     return np.hypot(crank * np.sqrt(1 - cosine**2), np.maximum(gap, 0.0))
 
 
+@kinds_checked
 def missing_room(
     geometries: list[Geometry], slider: Array, zeta: Array, diagonal: Array, clearance: float
 ) -> Array:

@@ -26,6 +26,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.kinematics import Configuration
 
@@ -77,6 +78,7 @@ def elevated(angle: Array) -> Array:
     return heading_and_elevation(np.zeros_like(angle), angle)
 
 
+@kinds_checked
 def place_parts(configuration: Configuration) -> dict[str, Placement]:
     """Return the placement of every moving body, by the names in `BODIES`.
 

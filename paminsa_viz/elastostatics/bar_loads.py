@@ -27,6 +27,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.elastostatics.bar_diagram import (
     BarLoads,
     PointLoad,
@@ -55,6 +56,7 @@ BAR_MEASURES = ("axial", "bending", "utilization")
 """Results of `field_bar_loads`: largest |N| [N], |M| [N m] of a bar, and its utilization [1]."""
 
 
+@kinds_checked
 def bar_loads(forces: JointForces, bar: str) -> BarLoads:
     """Return N, V and M along a bar of every leg, batch shape (..., 3 legs).
 
@@ -75,6 +77,7 @@ def bar_loads(forces: JointForces, bar: str) -> BarLoads:
     raise InvalidInput("bar", f"one of {', '.join(BAR_NAMES)} is needed, not {bar!r}")
 
 
+@kinds_checked
 def all_bar_loads(forces: JointForces) -> dict[str, BarLoads]:
     """Return `bar_loads` of every bar."""
     return {bar: bar_loads(forces, bar) for bar in BAR_NAMES}
@@ -228,6 +231,7 @@ def bar_stress(forces: JointForces, loads: BarLoads) -> Array:
     return np.asarray(found)
 
 
+@kinds_checked
 def utilization(forces: JointForces, bars: tuple[str, ...] = BARS) -> Array:
     """Return the largest stress of bars over the yield stress, (..., 3 legs, len(bars)) [1]."""
     strength = forces.design.elastic.yield_stress

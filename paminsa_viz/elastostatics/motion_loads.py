@@ -16,6 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.elastostatics.bar_loads import bar_loads, utilization
 from paminsa_viz.elastostatics.joint_forces import JOINTS, JointForces, joint_forces
 from paminsa_viz.model.arrays import Array
@@ -118,6 +119,7 @@ class MotionLoads:
         return utilization(self.forces)
 
 
+@kinds_checked
 def motion_loads(analysis: TrajectoryAnalysis) -> MotionLoads | None:
     """Return the loads of an analyzed motion up to its first failure; None if it has no start.
 

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.elastostatics.leg_compliance import LegCompliance, leg_compliance
 from paminsa_viz.elastostatics.leg_frame import LegFrame, leg_frame
 from paminsa_viz.elastostatics.leg_loads import PARTS
@@ -115,6 +116,7 @@ class PlatformStiffness(OfLimits):
         return np.where(good, axes, np.nan), np.where(good[..., None], directions, np.nan)
 
 
+@kinds_checked
 def field_stiffness(field: Field, design: Design) -> PlatformStiffness:
     """Return the stiffness over a solved grid; kept until elastic data change."""
     found = field.keep(

@@ -6,7 +6,8 @@ from functools import cache
 from importlib.util import find_spec
 from typing import Final
 
-from paminsa_viz.errors import PaminsaError
+from paminsa_viz.checks import kinds_checked
+from paminsa_viz.errors import InvalidInput, PaminsaError
 
 INSTALL: Final = {
     "MuJoCo": ("mujoco", "it is part of the installation: pip install mujoco"),
@@ -18,10 +19,22 @@ INSTALL: Final = {
 """Module of each engine, and how it is installed."""
 
 
-@cache
+@kinds_checked
 def why_missing(engine: str) -> str:
-    """Return why an engine of `INSTALL` cannot be used, or an empty string; it is not loaded."""
-    return "" if find_spec(INSTALL[engine][0]) else str(EngineMissing(engine))
+    """Return why an engine of `INSTALL` cannot be used, or an empty string; it is not loaded.
+
+    Raises:
+        InvalidInput: If there is no engine of this name.
+    """
+    if engine not in INSTALL:
+        raise InvalidInput("engine", f"{' or '.join(INSTALL)} is needed, not {engine!r}")
+    return "" if is_installed(engine) else str(EngineMissing(engine))
+
+
+@cache
+def is_installed(engine: str) -> bool:
+    """Return whether the module of an engine is there."""
+    return find_spec(INSTALL[engine][0]) is not None
 
 
 class EngineMissing(PaminsaError, ImportError):

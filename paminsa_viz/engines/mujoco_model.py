@@ -21,7 +21,7 @@ from paminsa_viz.engines.missing import EngineMissing
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.arrays import Array, as_numbers
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.load import LoadFrame
 
@@ -192,7 +192,9 @@ def play(
         InvalidInput: If shapes do not match or times do not increase.
         UnreachablePose: If the first pose has no configuration.
     """
-    t, wanted, u, force = (np.asarray(a, float) for a in (times, poses, velocities, torques))
+    t = as_numbers(times, "times")
+    wanted, u = as_numbers(poses, "poses"), as_numbers(velocities, "velocities")
+    force = as_numbers(torques, "torques")
     for name, array in (("poses", wanted), ("velocities", u), ("torques", force)):
         if array.shape != (t.size, 4):
             raise InvalidInput(name, f"shape {array.shape} where {(t.size, 4)} is needed")
@@ -205,7 +207,7 @@ def play(
     data.qpos[:], data.qvel[:] = robot.state(wanted[0], u[0])
     wrench = np.array(design.load.wrench) + np.zeros((t.size, 6))
     if loads is not None:
-        wrench = wrench + np.asarray(loads, float)
+        wrench = wrench + as_numbers(loads, "loads")
     found, gap = np.full_like(wanted, np.nan), np.full(t.size, np.nan)
     stray, until = np.full(t.size, np.nan), 0
     for index, now in enumerate(t):

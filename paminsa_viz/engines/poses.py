@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.engines.mechanism import LIFT, POSE_JOINTS, Link, MechanismTree, leg_name
 from paminsa_viz.errors import InvalidInput, UnreachablePose
 from paminsa_viz.model.arguments import of_geometry
@@ -30,6 +31,7 @@ _DRAWN = 4096
 _ROUNDS = 200
 
 
+@kinds_checked
 def joint_values(configuration: Configuration) -> dict[str, Array]:
     """Read the value of every joint from the pose and the joint points of a configuration.
 

@@ -26,6 +26,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.atomic import as_file_error, open_atomically
 from paminsa_viz.files.design_schema import (
@@ -73,6 +74,7 @@ class DesignContent:
     requirements: Requirements | None
 
 
+@kinds_checked
 def load_design(path: str | os.PathLike[str]) -> Design:
     """Read a design file.
 
@@ -82,6 +84,7 @@ def load_design(path: str | os.PathLike[str]) -> Design:
     return load_content(path).design
 
 
+@kinds_checked
 def load_content(path: str | os.PathLike[str]) -> DesignContent:
     """Read a design file with its requirements.
 

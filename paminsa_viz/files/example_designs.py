@@ -6,6 +6,7 @@ from enum import Enum
 from functools import cache
 from importlib.resources import files
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.files.design_file import read_design
 from paminsa_viz.model import APPENDIX_4, Design
 
@@ -23,6 +24,7 @@ class ExampleDesign(Enum):
     """The least footprint and bars for a cylinder r 100 x 200 mm, theta up to 30 deg; balanced."""
 
 
+@kinds_checked
 @cache
 def example_design(kind: ExampleDesign) -> Design:
     """Return a design that comes with the program."""

@@ -9,6 +9,7 @@ from typing import TextIO
 
 import numpy as np
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.columns import ACTUATORS, CURRENTS, LOG, MEASURED, TIME
 from paminsa_viz.files.errors import TableFileError
@@ -62,6 +63,7 @@ def parse_log(
         raise TableFileError(source, error.problem, row=error.row, column=column) from error
 
 
+@kinds_checked
 def read_log(
     path: str | os.PathLike[str],
     *,
@@ -78,6 +80,7 @@ def read_log(
         return parse_log(lines, os.fspath(path), gains=gains, split=split)
 
 
+@kinds_checked
 def log_table(log: Log) -> DataTable:
     """Return a log as a table that `read_log` reads."""
     columns = {TIME: log.t}

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple, TextIO
 
 import numpy as np
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.files.columns import ACTUATORS, POSE, TILT
 from paminsa_viz.files.columns import MEASUREMENTS as KIND
 from paminsa_viz.files.errors import TableFileError
@@ -54,6 +55,7 @@ def parse_measurements(lines: TextIO, source: str) -> MeasurementTable:
     return MeasurementTable(Measurements(actuators, poses), first_row)
 
 
+@kinds_checked
 def read_measurements(path: str | os.PathLike[str]) -> MeasurementTable:
     """Read measured poses from a CSV file; see `parse_measurements`.
 
@@ -64,6 +66,7 @@ def read_measurements(path: str | os.PathLike[str]) -> MeasurementTable:
         return parse_measurements(lines, os.fspath(path))
 
 
+@kinds_checked
 def measurement_table(measurements: Measurements, **facts: str) -> DataTable:
     """Return measurements as a table that `read_measurements` reads."""
     names = (*POSE, *TILT)[: measurements.poses.shape[1]]

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.errors import printable
@@ -43,6 +44,7 @@ class DataTable:
     arrays: Mapping[str, NDArray[Any]] | None = None
 
 
+@kinds_checked
 def provenance(layout: str, facts: Mapping[str, str]) -> dict[str, str]:
     """Return a header: name and version of the layout, the program, and facts, each on one line."""
     head = {"format": layout, "made by": MADE_BY, **facts}
@@ -66,6 +68,7 @@ def csv_rows(columns: Sequence[NDArray[Any]]) -> str:
     return "".join([",".join(cells) + "\n" for cells in zip(*texts, strict=True)])
 
 
+@kinds_checked
 def table_csv(table: DataTable) -> bytes:
     """Return a table as CSV (UTF-8): ``#`` lines of provenance, one header row, then the rows."""
     stream = BytesIO(header_lines(table.provenance, table.columns).encode())
@@ -110,6 +113,7 @@ def table_endings() -> tuple[str, ...]:
     return tuple(f".{kind}" for kind in TABLE_FORMATS)
 
 
+@kinds_checked
 def table_bytes(table: DataTable, kind: str) -> bytes:
     """Return a table in one of `TABLE_FORMATS`.
 
@@ -121,6 +125,7 @@ def table_bytes(table: DataTable, kind: str) -> bytes:
     return TABLE_FORMATS[kind](table)
 
 
+@kinds_checked
 def save_table(table: DataTable, path: str | os.PathLike[str]) -> None:
     """Write a table in the format of the file's ending, completely or not at all.
 

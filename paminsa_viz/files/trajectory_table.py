@@ -14,6 +14,7 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.columns import (
     ACCELERATION,
@@ -50,6 +51,7 @@ SIMULATION_FORMAT = "paminsa_viz simulation 1"
 _DESIRED = ("wanted_x_m", "wanted_y_m", "wanted_theta_rad", "wanted_z_m")
 
 
+@kinds_checked
 def analysis_table(analysis: TrajectoryAnalysis) -> DataTable:
     """Return a trajectory and the actuator torques that it requires as a table."""
     t, solved, parts = analysis.trajectory, analysis.solved, analysis.breakdown
@@ -80,6 +82,7 @@ def analysis_table(analysis: TrajectoryAnalysis) -> DataTable:
     return DataTable(columns | {STATUS: analysis.check.words()}, provenance(FORMAT, facts))
 
 
+@kinds_checked
 def simulation_table(simulation: Simulation) -> DataTable:
     """Return a simulated motion as a table."""
     s = simulation
@@ -175,6 +178,7 @@ def parse_trajectory(
         raise TableFileError(source, str(error)) from error
 
 
+@kinds_checked
 def read_trajectory(
     path: str | os.PathLike[str], *, rest: bool = False, name: str = ""
 ) -> Trajectory:

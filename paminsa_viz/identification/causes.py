@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.identification.base_parameters import identity_row
 from paminsa_viz.identification.cause_columns import SPRING, PossibleCause, possible_causes
 from paminsa_viz.identification.estimate import NormalBlocks, directions, jackknife, normal_blocks
@@ -112,6 +113,7 @@ class Causes:
     unseen: tuple[str, ...]
 
 
+@kinds_checked
 def find_causes(identification: Identification) -> Causes:
     """Return what may be wrong with the model of an identified robot, ranked."""
     candidates = possible_causes(identification)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification.base_parameters import BASE_SYMBOLS, identity_row
 from paminsa_viz.identification.columns import (
@@ -62,6 +63,7 @@ def filtered(
     )  # fmt: skip
 
 
+@kinds_checked
 def identify(
     log: Log,
     design: Design,

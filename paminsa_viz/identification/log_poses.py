@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.identification.log import InvalidLog, Log
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, as_vectors
@@ -49,6 +50,7 @@ def follow_pose(geometry: Geometry, position: Array, start: ArrayLike) -> Array:
     return pose
 
 
+@kinds_checked
 def log_poses(
     log: Log, geometry: Geometry, start: ArrayLike | None = None
 ) -> tuple[Array, list[slice]]:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.checks import require_positive
+from paminsa_viz.checks import kinds_checked, require_positive
 from paminsa_viz.identification.base_parameters import BASE_SYMBOLS, mass_columns
 from paminsa_viz.identification.results import Identification
 from paminsa_viz.model.arrays import Array
@@ -79,6 +79,7 @@ class NearestMasses:
     misfit: float
 
 
+@kinds_checked
 def nearest_masses(identification: Identification, spread: float = SPREAD) -> NearestMasses:
     """Return the design nearest to the identified robot's that explains the log.
 

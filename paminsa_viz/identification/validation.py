@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification.columns import FitModel, fit_model
 from paminsa_viz.identification.estimate import (
@@ -97,6 +98,7 @@ class PayloadEstimate:
         return self.mass / self.known, self.half_width / self.known
 
 
+@kinds_checked
 def validate(
     identification: Identification, log: Log, *, start: ArrayLike | None = None
 ) -> Validation:
@@ -123,6 +125,7 @@ def validate(
     return Validation(log, signals, predicted, residual, own.noise)
 
 
+@kinds_checked
 def weigh_payload(
     identification: Identification,
     log: Log,

@@ -15,6 +15,7 @@ import numpy as np
 import trimesh
 
 from paminsa_viz import palette
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.layout import FrameLayout, layout, plinth_radius, polar
@@ -50,6 +51,7 @@ SMALL: Final = 0.028
 """Pieces smaller than this are left out of plain bodies [m]."""
 
 
+@kinds_checked
 def color_of(body: str) -> str:
     """Return the color (``#rrggbb``) of a body's colored faces."""
     if body.startswith("leg"):
@@ -59,6 +61,7 @@ def color_of(body: str) -> str:
     return palette.LIFT_COLOR if body == "carriage" else palette.PLATFORM
 
 
+@kinds_checked
 def lengths_of(body: str, geometry: Geometry) -> tuple[object, ...]:
     """Return the lengths that decide a body's shape; equal tuples mean an equal shape.
 
@@ -88,6 +91,7 @@ def lengths_of(body: str, geometry: Geometry) -> tuple[object, ...]:
     return depends[_kind(body)]
 
 
+@kinds_checked
 def make_body(body: str, geometry: Geometry) -> MeshPart:
     """Return a body by its name, in its own frame [m]; standing bodies in the world frame.
 

@@ -17,6 +17,7 @@ from typing import Final, cast
 import numpy as np
 import trimesh
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.meshes.part import MeshPart
 from paminsa_viz.meshes.solids import is_plain
 
@@ -55,6 +56,7 @@ def mesh_folder() -> Traversable:
     )
 
 
+@kinds_checked
 def fixed_part(name: str) -> MeshPart:
     """Return a fixed part from its mesh file, in the part's own frame (z up) [m].
 

@@ -1,7 +1,8 @@
 """Checks on the robot that a public function takes as its first argument.
 
 A function of lengths takes a whole `Design` as well; what is no robot at all is refused in one
-line that says which argument, what came and what is allowed.
+line that says which argument, what came and what is allowed. The other arguments are checked by
+their annotations, see `checks.kinds_checked`.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
-from paminsa_viz.checks import kind_of
+from paminsa_viz.checks import check_arguments, kind_of
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import Design, Geometry
 
@@ -56,9 +57,10 @@ def _checked(
     @wraps(function)
     def checked(*args: Any, **named: Any) -> R:
         if args:
-            return function(check(args[0]), *args[1:], **named)
-        if argument in named:
+            args = (check(args[0]), *args[1:])
+        elif argument in named:
             named[argument] = check(named[argument])
-        return function(**named)
+        check_arguments(function, args, named)
+        return function(*args, **named)
 
     return checked

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arguments import of_geometry
-from paminsa_viz.model.arrays import Array, together
+from paminsa_viz.model.arrays import Array, as_numbers, together
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.jacobians import actuator_acceleration, jacobian
 from paminsa_viz.model.kinematics import leg_states
@@ -76,7 +76,7 @@ def drive_regressor(
 def regressor_torques(y: Array, c: Array) -> Array:
     """Return Q = Y c, (..., 4) [N m, N], for Y of `torque_regressor` and c (18,)."""
     # Not `@`: threads of a BLAS that wait for each other on a busy machine cost 50 times as much.
-    return np.einsum("...i,i->...", y, c)
+    return np.einsum("...i,i->...", as_numbers(y, "y"), as_numbers(c, "c"))
 
 
 def leg_unit_terms(

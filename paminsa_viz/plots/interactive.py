@@ -9,6 +9,7 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.palette import INK
 from paminsa_viz.plots import colors, contours
 from paminsa_viz.plots.contours import Line
@@ -22,6 +23,7 @@ CONFIG: dict[str, Any] = {"displayModeBar": False, "doubleClick": "reset"}
 """How plotly should behave: no buttons over the headings, double click goes back from a zoom."""
 
 
+@kinds_checked
 def interactive_map(data: MapData, scale: Scale | Sequence[Scale], width: int = 900) -> go.Figure:
     """Draw all panels side by side: colors, contours, boundary, singular circle and pose.
 

@@ -11,6 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.palette import INK, LIGHT, Theme
 from paminsa_viz.plots.caption import caption as caption_text
 from paminsa_viz.plots.caption import summary
@@ -132,6 +133,7 @@ class _LiveFigure:
         return pixels[..., :3].copy()
 
 
+@kinds_checked
 def render_maps(
     data: MapData,
     scale: Scale | Sequence[Scale],

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.kept import kept
 from paminsa_viz.model.arguments import of_geometry
@@ -163,6 +164,7 @@ class MapData:
         return replace(self, pose=new)
 
 
+@kinds_checked
 def difference(current: MapData, reference: MapData) -> MapData:
     """Return current minus reference, panel by panel, masked where either is masked.
 
@@ -263,6 +265,7 @@ def workspace_field(
     return solve_field(geometry, xy_grid(centers, centers, theta, z))
 
 
+@kinds_checked
 def map_data(
     field: Field, design: Design, pose: ArrayLike, quantities: Sequence[str] = TORQUES
 ) -> MapData:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.plots import colors, ticks
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import (
@@ -56,6 +57,7 @@ class ScaleChoice:
         check_kind(self.kind)
 
 
+@kinds_checked
 def choose_scales(
     data: MapData, choice: ScaleChoice | None = None, sample: MapData | None = None
 ) -> tuple[Scale, ...]:

@@ -18,6 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.palette import BAD, INK, MUTED
 from paminsa_viz.plots import series_text
@@ -46,6 +47,7 @@ _SCALE = 15.0  # mm; about the width of the numbers and the label of a value axi
 _CAPTION = "#3b4754"
 
 
+@kinds_checked
 def figure_bytes(
     kind: FigureKind,
     analysis: TrajectoryAnalysis,

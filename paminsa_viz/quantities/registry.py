@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.quantities.accuracy import ACCURACY
@@ -51,6 +52,7 @@ def families() -> dict[str, tuple[Quantity, ...]]:
     return found
 
 
+@kinds_checked
 def find(keys: Sequence[str]) -> tuple[Quantity, ...]:
     """Return quantities by their keys.
 
@@ -75,6 +77,7 @@ def formulas() -> tuple[Formula, ...]:
     return tuple(dict.fromkeys(quantity.formula for quantity in QUANTITIES.values()))
 
 
+@kinds_checked
 def affordable_cells(keys: Sequence[str], most: int, budget: float = MAP_BUDGET) -> int:
     """Return how many cells a side, at most ``most``, a map may have within a time [s]."""
     cost = sum({item.formula: item.cost for item in find(keys)}.values())

@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable
 from typing import NoReturn
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.quantities.quantity import Quantity
 from paminsa_viz.quantities.registry import QUANTITIES
@@ -37,6 +38,7 @@ _RANGE = re.compile(
 )
 
 
+@kinds_checked
 def parse_requirement(text: str) -> Requirement:
     """Return the requirement that a text describes.
 

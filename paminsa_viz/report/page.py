@@ -8,6 +8,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 from markupsafe import Markup
 
 from paminsa_viz.balancing import whole_mass
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.engines.verification import Verification
 from paminsa_viz.identification.findings import investigate
 from paminsa_viz.model.reach import require_reachable
@@ -42,6 +43,7 @@ COLORS = {"ink": INK, "muted": MUTED, "ok": OK, "warn": WARN, "bad": BAD}
 """Colors of a report's page."""
 
 
+@kinds_checked
 def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
     """Return the report.
 

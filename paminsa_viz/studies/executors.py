@@ -15,6 +15,7 @@ from multiprocessing import resource_tracker
 from multiprocessing.connection import wait
 from typing import Any, TypeVar
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.interrupts import hidden_from_children, on_interrupt
 from paminsa_viz.model import backend
@@ -95,6 +96,7 @@ def processes(count: int | None = None) -> Iterator[Workers]:
         pool.shutdown(wait=True, cancel_futures=True)
 
 
+@kinds_checked
 @contextmanager
 def cluster(address: str) -> Iterator[Workers]:
     """Work on a Dask cluster, on whose machines paminsa_viz is installed.

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass, field
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.resumable_csv import ResumableCsv
 from paminsa_viz.progress import Progress, go_on
@@ -87,6 +88,7 @@ class StudySummary:
                     self.extremes[metric.column].add(int(row["row"]), float(row[metric.column]))
 
 
+@kinds_checked
 def run_study(
     study: Study,
     path: str | os.PathLike[str],

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
@@ -236,6 +237,7 @@ class ActuatorChange:
     driven: float
 
 
+@kinds_checked
 def compare(
     chosen: TrajectoryAnalysis, reference: TrajectoryAnalysis
 ) -> tuple[ActuatorChange, ...]:

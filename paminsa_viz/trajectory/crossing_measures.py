@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -88,6 +89,7 @@ def payload_drift(
     return tuple(drifts)
 
 
+@kinds_checked
 def unplanned_torque(item: PlannedCrossing, duration: float, rate: float = RATE) -> float:
     """Return the torque that a usual law needs half a sample before a crossing [N m].
 

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.checks import require_positive
+from paminsa_viz.checks import kinds_checked, require_positive
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.trajectory.plan import Arc, Blend, Chain, Displacement, Plan, Spline
@@ -223,6 +223,7 @@ def chain(*plans: Plan, name: str = "") -> Plan:
     return Plan(curve, float(ends[-1]), name, kind, notes, passages)
 
 
+@kinds_checked
 def round_trip(plan: Plan) -> Plan:
     """Return a plan followed by itself run backwards: a closed motion of twice the duration."""
     curve = Chain((plan.curve,) * 2, np.array([0.0, 0.5, 1.0]), (False, True))

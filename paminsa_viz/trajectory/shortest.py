@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE
@@ -74,6 +75,7 @@ class ShortestMotion(ShortestStretch):
         return f"{super().explanation}; {after}"
 
 
+@kinds_checked
 def shortest_motion(
     plan: Plan,
     limits: MotionLimits,

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 
@@ -109,6 +110,7 @@ def _derivatives(profile: Profile, ramp: float, blend: float) -> tuple[PPoly, ..
     return law, law.derivative(1), law.derivative(2), law.derivative(3)
 
 
+@kinds_checked
 def fit_law(
     law: TimeLaw, speed: float = math.inf, acceleration: float = math.inf, jerk: float = math.inf
 ) -> tuple[TimeLaw, float] | None:

@@ -18,6 +18,7 @@ from functools import partial
 
 import numpy as np
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -92,6 +93,7 @@ class InfeasibleMotion(PaminsaError):
         )
 
 
+@kinds_checked
 def shortest_stretch(
     plan: Plan,
     limits: MotionLimits,

@@ -9,6 +9,7 @@ import pytest
 
 from paminsa_viz.engines import EngineMissing, why_missing
 from paminsa_viz.engines.closed_loop import ClosedLoopRobot
+from paminsa_viz.engines.missing import is_installed
 from paminsa_viz.engines.mujoco_model import MujocoRobot
 from paminsa_viz.engines.pinocchio_model import PinocchioRobot
 from paminsa_viz.errors import InvalidInput, PaminsaError
@@ -109,13 +110,13 @@ def test_a_missing_engine_is_named_with_what_brings_it(
     monkeypatch: pytest.MonkeyPatch, module: str, robot: Engine, install: str
 ) -> None:
     monkeypatch.setitem(sys.modules, module, None)
-    why_missing.cache_clear()
+    is_installed.cache_clear()
     with pytest.raises(EngineMissing) as caught:
         robot(APPENDIX_4)
     assert caught.value.engine in str(caught.value)
     assert install in str(caught.value)
     assert why_missing(caught.value.engine) == str(caught.value)
-    why_missing.cache_clear()
+    is_installed.cache_clear()
     assert isinstance(caught.value, PaminsaError)
     assert isinstance(caught.value, ImportError)
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.clearance import clearance
 from paminsa_viz.dimensions.needs import needed_guide, needed_shaft
 from paminsa_viz.kept import kept
@@ -161,6 +162,7 @@ def buildability(design: Design, workspace: Workspace, theta: Range) -> Buildabi
     )
 
 
+@kinds_checked
 def buildability_rows(found: Buildability, reference: Buildability) -> tuple[BuildRow, ...]:
     """Return the table of a robot beside the reference."""
 

@@ -58,6 +58,7 @@ import os
 from pathlib import Path
 
 from paminsa_viz.balancing import Anchor, CounterweightRange, MassRange, SpringPlace
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.files.design_file import content_of, decode_text, parse_toml, read_bytes
 from paminsa_viz.files.design_schema import KEYS, unit_suffix
 from paminsa_viz.files.errors import DesignFileError
@@ -115,6 +116,7 @@ _KEY_OF = {
 """Keys of the arguments that a case refuses, where they have other names."""
 
 
+@kinds_checked
 def load_case(path: str | os.PathLike[str], *, allow_overlap: bool = False) -> SynthesisCase:
     """Read a case file.
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -143,6 +144,7 @@ OBJECTIVES: dict[str, Objective] = {
 """Every objective by its key, in the order of choices."""
 
 
+@kinds_checked
 def find_objective(key: str) -> Objective:
     """Return an objective.
 

@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model import measures
 from paminsa_viz.model.geometry import Geometry
 from paminsa_viz.model.kinematics import LEG_AXES
@@ -46,6 +47,7 @@ def critical_radius(condition: float) -> float:
     return low
 
 
+@kinds_checked
 def refusal(case: SynthesisCase, regime: Regime) -> str | None:
     """Return why no lengths of a regime meet a case's requirements; None if none is proven."""
     return _turn(case, regime) or _offset(case, regime)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.progress import Canceled, Progress, go_on
 from paminsa_viz.quantities.requirements import Requirement
@@ -131,6 +132,7 @@ class _Run:
         return _Answer(state, found, proof)
 
 
+@kinds_checked
 def synthesize(
     case: SynthesisCase,
     *,
@@ -197,6 +199,7 @@ def synthesize(
     return _result(case, answers, tuple(reached.values()), refused, relaxed, canceled)
 
 
+@kinds_checked
 def relaxations(
     case: SynthesisCase,
     regimes: tuple[Regime, ...],

@@ -15,6 +15,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import Requirement, Workspace
 from paminsa_viz.synthesis.volume.margins import headings
@@ -90,6 +91,7 @@ class Conflict:
     relaxations: tuple[VolumeRelaxation, ...]
 
 
+@kinds_checked
 def smallest_conflict(volume: Volume, workspace: Workspace | None = None) -> Conflict | None:
     """Return the fewest requirements that leave no volume, None if there is one.
 

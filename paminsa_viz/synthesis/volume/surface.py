@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz import palette
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.tables import TABLE_FORMATS, DataTable, provenance, table_bytes
 from paminsa_viz.model.arrays import Array
@@ -83,6 +84,7 @@ class VolumeSurface:
         return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 
+@kinds_checked
 def volume_surface(volume: Volume, *, faces: int = FACES) -> VolumeSurface:
     """Return the surface of a volume, by marching cubes, with fewer faces where it is flat.
 
@@ -185,6 +187,7 @@ def volume_glb(surface: VolumeSurface) -> bytes:
     return glb_bytes(scene)
 
 
+@kinds_checked
 def volume_table(volume: Volume) -> DataTable:
     """Return the nodes that can be reached, and those next to them, along z first.
 
@@ -242,6 +245,7 @@ VOLUME_FORMATS = ("stl", "glb", *TABLE_FORMATS)
 """Endings of the files that a volume can be written to."""
 
 
+@kinds_checked
 def volume_bytes(volume: Volume, kind: str) -> bytes:
     """Return a volume as a file of one of `VOLUME_FORMATS`.
 

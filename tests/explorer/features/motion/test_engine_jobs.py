@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-from paminsa_viz.engines import EngineMissing, why_missing
+from paminsa_viz.engines import EngineMissing
+from paminsa_viz.engines.missing import is_installed
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.motion_results import MotionStore
@@ -44,11 +45,11 @@ def test_plain_installation_has_mujoco_and_a_missing_engine_is_disabled(
     assert switch.disabled is not None
     assert not switch.disabled(state)
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    why_missing.cache_clear()
+    is_installed.cache_clear()
     assert switch.disabled(state)
     assert "pip install mujoco" in given(switch.hint, state)
     monkeypatch.undo()
-    why_missing.cache_clear()
+    is_installed.cache_clear()
 
 
 def test_pinocchio_is_compared_with_and_disabled_with_the_reason_where_it_is_missing(
@@ -63,11 +64,11 @@ def test_pinocchio_is_compared_with_and_disabled_with_the_reason_where_it_is_mis
     assert pinocchio.read(shown)
     with monkeypatch.context() as patch:
         patch.setitem(sys.modules, "pinocchio", None)
-        why_missing.cache_clear()
+        is_installed.cache_clear()
         assert pinocchio.disabled is not None
         assert pinocchio.disabled(state)
         assert "paminsa-viz[verify]" in given(pinocchio.hint, state)
-    why_missing.cache_clear()
+    is_installed.cache_clear()
     pytest.importorskip("pinocchio")
     assert not pinocchio.disabled(state)
     known = answered(chosen)
