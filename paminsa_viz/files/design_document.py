@@ -1,14 +1,12 @@
-"""The content of a design file as a pydantic model, and what is wrong where it does not fit.
-
-Imported when the first file is read: pydantic takes 0.1 s to load.
-"""
+"""The content of a design file as msgspec types, and what is wrong where it does not fit."""
 
 from __future__ import annotations
 
+import re
+import sys
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
-from pydantic_core import ErrorDetails
+from msgspec import UNSET, Meta, Struct, UnsetType, ValidationError, convert, defstruct, to_builtins
 
 from paminsa_viz import old_names
 from paminsa_viz.errors import name_hint
@@ -31,50 +29,47 @@ from paminsa_viz.model.drive import ACTUATORS, TRANSMISSIONS
 from paminsa_viz.model.parameters import BAR_ENDS
 
 _BARS = tuple(bar.upper() for bar in BAR_ENDS)
-_CLOSED = ConfigDict(extra="forbid", strict=True)
-_Number = Annotated[float, Field(allow_inf_nan=False)]
+_LARGEST = sys.float_info.max
+_Number = Annotated[float, Meta(ge=-_LARGEST, le=_LARGEST)]
+"""A finite number."""
 
 
-class CounterweightEntry(BaseModel):
+def _table(name: str, kinds: dict[str, Any]) -> Any:
+    """Return the type of a table whose keys may all be left out, and which has no others."""
+    items = [(key, kind | UnsetType, UNSET) for key, kind in kinds.items()]
+    return defstruct(name, items, forbid_unknown_fields=True)
+
+
+class CounterweightEntry(Struct, forbid_unknown_fields=True):
     """One table ``[[counterweights]]``."""
 
-    model_config = _CLOSED
     bar: Literal[tuple(_BARS) + tuple(BAR_ENDS)]  # type: ignore[valid-type]
     joint: int
     beyond_m: _Number
     mass_kg: _Number
 
 
-class RequirementEntry(BaseModel):
-    """One table ``[[requirements]]``; which keys it may have depends on the quantity."""
+class RequirementEntry(Struct):
+    """One table ``[[requirements]]``; which other keys it may have depends on the quantity."""
 
-    model_config = ConfigDict(extra="allow", strict=True)
-    __pydantic_extra__: dict[str, _Number]  # pyright: ignore[reportIncompatibleVariableOverride, reportGeneralTypeIssues]
     quantity: str
 
 
 _SHAPES = ("cylinder", "box")
-_workspace_fields: Any = dict.fromkeys(WORKSPACE_KEYS, (_Number, None))
-WorkspaceTable = create_model(
-    "WorkspaceTable",
-    __config__=_CLOSED,
-    **_workspace_fields | {"shape": (Literal[_SHAPES], None)},
+WorkspaceTable = _table(
+    "WorkspaceTable", dict.fromkeys(WORKSPACE_KEYS, _Number) | {"shape": Literal[_SHAPES]}
 )
-
 
 _DRIVE_KINDS: dict[str, Any] = {
     "name": str,
-    "envelope": list[Annotated[list[_Number], Field(min_length=2, max_length=2)]],
+    "envelope": list[Annotated[list[_Number], Meta(min_length=2, max_length=2)]],
     "transmission": Literal[TRANSMISSIONS],
     "brake": bool,
 }
-_drive_fields: Any = {
-    key: (_DRIVE_KINDS.get(name, _Number), None) for name, key in DRIVE_KEYS.items()
-}
-DriveEntry = create_model("DriveEntry", __config__=_CLOSED, **_drive_fields)
-DriveTables = create_model(
-    "DriveTables", __config__=_CLOSED, **dict.fromkeys(ACTUATORS, (DriveEntry, None))
+DriveEntry = _table(
+    "DriveEntry", {key: _DRIVE_KINDS.get(name, _Number) for name, key in DRIVE_KEYS.items()}
 )
+DriveTables = _table("DriveTables", dict.fromkeys(ACTUATORS, DriveEntry))
 
 
 def _words(name: str) -> tuple[str, ...]:
@@ -87,51 +82,101 @@ def _old_words(name: str) -> tuple[str, ...]:
 
 
 def _values(table: str) -> dict[str, Any]:
-    values: dict[str, Any] = dict.fromkeys(TABLES[table], (_Number, None))
+    values: dict[str, Any] = dict.fromkeys(TABLES[table], _Number)
     for place, name in CHOICES:
         if place == table:
-            values[name] = (Literal[_words(name) + _old_words(name)], None)
+            values[name] = Literal[_words(name) + _old_words(name)]
     return values
 
 
-_FIELDS: dict[str, Any] = {
-    "schema_version": (Annotated[int, Field(ge=1, le=SCHEMA_VERSION)], ...),
-    "name": (Any, None),
-    "value_count": (Annotated[int, Field(ge=0)], 0),
-    **_values(""),
-    **{
-        table: (create_model(table, __config__=_CLOSED, **_values(table)), None)
-        for table in TABLES
-        if table
+class Version(Struct):
+    """What a file says first, whatever else it has."""
+
+    schema_version: Annotated[int, Meta(ge=1, le=SCHEMA_VERSION)]
+
+
+DesignDocument = _table(
+    "DesignDocument",
+    {
+        "schema_version": int,
+        "name": object,
+        "value_count": Annotated[int, Meta(ge=0)],
+        **_values(""),
+        **{table: _table(table, _values(table)) for table in TABLES if table},
+        COUNTERWEIGHTS: list[CounterweightEntry],
+        DRIVES: DriveTables,
+        REQUIREMENTS: list[RequirementEntry],
+        WORKSPACE: WorkspaceTable,
     },
-    COUNTERWEIGHTS: (list[CounterweightEntry], []),
-    DRIVES: (DriveTables, None),
-    REQUIREMENTS: (list[RequirementEntry], []),
-    WORKSPACE: (WorkspaceTable, None),
-}
-DesignDocument = create_model("DesignDocument", __config__=_CLOSED, **_FIELDS)
+)
 """A whole file; what it leaves out is unset."""
 
 
-def first_error(error: ValidationError) -> tuple[str, object, str]:
-    """Return the path, the value and the problem of the error to show.
+class WrongDocument(Exception):
+    """What is wrong with a document: the path, the value and the problem.
 
     The path is dotted, ``counterweights.1.bar`` in the second counterweight, and empty for a file
     that is no design file. The value is None where it would not help.
     """
-    details = error.errors(include_url=False, include_context=False)
-    # A misspelled key comes before the one that is missing because of it.
-    chosen = min(details, key=lambda e: (e["loc"][0] != "schema_version", e["type"] == "missing"))
-    *tables, name = map(str, chosen["loc"])
+
+    def __init__(self, path: str, value: object, problem: str) -> None:
+        super().__init__(problem)
+        self.path, self.value, self.problem = path, value, problem
+
+
+def checked_content(document: dict[str, Any]) -> dict[str, Any]:
+    """Return what a document sets, with all numbers as floats.
+
+    Raises:
+        WrongDocument: If it does not fit.
+    """
+    try:
+        convert(document, Version)
+        content = to_builtins(convert(document, DesignDocument))
+    except ValidationError as error:
+        raise _problem(str(error), document) from error
+    for index, entry in enumerate(document.get(REQUIREMENTS, ())):
+        for key, value in entry.items():
+            try:
+                content[REQUIREMENTS][index][key] = convert(
+                    value, str if key == "quantity" else _Number
+                )
+            except ValidationError as error:
+                path = f"{REQUIREMENTS}.{index}.{key}"
+                raise WrongDocument(path, value, _wrong_value(key, value)) from error
+    return content
+
+
+_FIELD = re.compile(
+    r"Object (missing required|contains unknown) field `(.*?)`(?: - at `\$([^`]*)`)?", re.S
+)
+"""msgspec's message of a key that is missing or unknown, and its table."""
+
+
+def _problem(message: str, document: dict[str, Any]) -> WrongDocument:
+    """Return what msgspec's message of a document says, in the words of a file."""
+    field = _FIELD.fullmatch(message)
+    if field and field[3] and f"{field[2]}` - at `${field[3]}" in document:
+        return _problem_of_key([], f"{field[2]}` - at `${field[3]}", document)  # such a key
+    place = field[3] or "" if field else message.rpartition(" - at `$")[2]
+    tables = re.findall(r"\w+", place)
+    value: Any = document
+    for part in tables:
+        value = value[int(part) if isinstance(value, list) else part]
+    if field and field[1] == "missing required":
+        return WrongDocument(".".join(tables), None, _missing(tables, field[2]))
+    if field:
+        return _problem_of_key(tables, field[2], value)
+    path = ".".join(tables)
+    if message.startswith(("Expected `object`", "Expected `array`, ")) and "envelope" not in tables:
+        return WrongDocument(path, None, _no_table(tables[0], value))
+    return WrongDocument(path, value, _wrong_value(tables[-1], value))
+
+
+def _problem_of_key(tables: list[str], name: str, table: dict[str, Any]) -> WrongDocument:
+    shown = table[name] if tables and tables[0] in (COUNTERWEIGHTS, WORKSPACE) else None
     path = ".".join((*tables, name))
-    if chosen["type"] == "missing":
-        return ".".join(tables), None, _missing(tables, name)
-    if chosen["type"] == "extra_forbidden":
-        listed = bool(tables) and tables[0] in (COUNTERWEIGHTS, WORKSPACE)
-        return path, chosen["input"] if listed else None, _unknown_key(tables, name, chosen)
-    if chosen["type"] in ("model_type", "list_type"):
-        return path, None, _no_table(tables[0] if tables else name, chosen)
-    return path, chosen["input"], _wrong_value(name, chosen)
+    return WrongDocument(path, shown, _unknown_key(tables, name, table[name]))
 
 
 def _missing(tables: list[str], name: str) -> str:
@@ -142,8 +187,8 @@ def _missing(tables: list[str], name: str) -> str:
     return f"{name} is missing; each needs {', '.join(COUNTERWEIGHT_KEYS.values())}"
 
 
-def _unknown_key(tables: list[str], name: str, error: ErrorDetails) -> str:
-    if not tables and isinstance(error["input"], dict):
+def _unknown_key(tables: list[str], name: str, value: object) -> str:
+    if not tables and isinstance(value, dict):
         return f"there is no table of this name; {table_hint(name)}"
     table = tables[0] if tables else ""
     if table == DRIVES:
@@ -158,14 +203,15 @@ def _unknown_key(tables: list[str], name: str, error: ErrorDetails) -> str:
     return f"there is no such key; {key_hint(table, name)}"
 
 
-def _no_table(table: str, error: ErrorDetails) -> str:
+def _no_table(table: str, value: object) -> str:
     if table in (COUNTERWEIGHTS, REQUIREMENTS):
         return f"a table [[{table}]] in double brackets is needed for each"
-    kind = "in single brackets" if isinstance(error["input"], list) else "of values"
+    kind = "in single brackets" if isinstance(value, list) else "of values"
     return f"a table [{table}] {kind} is needed"
 
 
 _NEEDED = {
+    "name": "a text is",
     "value_count": "a whole number is",
     "bar": f"one of the bars {', '.join(_BARS)} is",
     "quantity": 'the name of a quantity, such as "condition", is',
@@ -176,10 +222,9 @@ _NEEDED = {
 }
 
 
-def _wrong_value(name: str, error: ErrorDetails) -> str:
-    kind = error["type"]
-    value = error["input"]
-    if name == "schema_version" and kind == "less_than_equal":
+def _wrong_value(name: str, value: object) -> str:
+    whole = isinstance(value, int) and not isinstance(value, bool)
+    if name == "schema_version" and isinstance(value, int) and value > SCHEMA_VERSION:
         return (
             f"the file is from a newer paminsa_viz than this one, which reads versions up to "
             f"{SCHEMA_VERSION}; update paminsa_viz"
@@ -192,6 +237,6 @@ def _wrong_value(name: str, error: ErrorDetails) -> str:
         name = "envelope"
     if name in _NEEDED:
         return f"{_NEEDED[name]} needed"
-    if kind == "finite_number" or (isinstance(value, int) and not isinstance(value, bool)):
+    if whole or isinstance(value, float):
         return "a finite number is needed"
     return "a number is needed" + (", without quotes or unit" if isinstance(value, str) else "")

@@ -44,7 +44,7 @@ from paminsa_viz.files.design_schema import (
 from paminsa_viz.files.design_writer import name_problem, write_design
 from paminsa_viz.files.errors import DesignFileError, printable
 from paminsa_viz.files.plain_data import UnusableData, parse_plain_toml
-from paminsa_viz.files.toml_lines import find_line
+from paminsa_viz.files.toml_lines import nearest_line
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.drive import ACTUATORS, Drive
@@ -185,7 +185,7 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
         return parse_plain_toml(text)
     except UnusableData as error:
         problem = error.problem if error.path else f"{error.problem} for a design file"
-        line = find_line(text, error.path) or find_line(text, error.path.rpartition(".")[0])
+        line = nearest_line(text, error.path)
         raise DesignFileError(
             source, problem, line=line, key=error.path, value=error.value
         ) from error
@@ -218,22 +218,18 @@ def _number_hint(line: str) -> str:
 
 def content_of(document: dict[str, Any], text: str, source: str) -> DesignContent:
     """Return the content of a parsed document; the text is where lines are looked up."""
-    # Late: not needed where no file is read, and it brings pydantic.
-    from paminsa_viz.files.design_document import (
-        DesignDocument,
-        ValidationError,
-        first_error,
-    )
+    # Late: not needed where no file is read, and its types are built when it is imported.
+    from paminsa_viz.files.design_document import WrongDocument, checked_content
 
     def refused(path: str, value: object, problem: str) -> DesignFileError:
-        line = find_line(text, path) or find_line(text, path.rpartition(".")[0])
+        line = nearest_line(text, path)
         key = re.sub(rf"^({COUNTERWEIGHTS}|{REQUIREMENTS})\.\d+", r"\1", path)
         return DesignFileError(source, problem, line=line, key=key, value=value)
 
     try:
-        content = DesignDocument.model_validate(document).model_dump(exclude_unset=True)
-    except ValidationError as error:
-        raise refused(*first_error(error)) from error
+        content = checked_content(document)
+    except WrongDocument as error:
+        raise refused(error.path, error.value, error.problem) from error
     name = content.get("name", printable(PurePath(source).stem[:100]))
     if "name" in content and (problem := name_problem(name)):
         raise refused("name", name, problem)

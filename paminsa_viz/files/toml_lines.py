@@ -29,6 +29,15 @@ def find_line(text: str, key: str) -> int | None:
     return None
 
 
+def nearest_line(text: str, key: str) -> int | None:
+    """Return the line of a dotted key, or of the innermost table around it that has one."""
+    line = None
+    while key and line is None:
+        line = find_line(text, key)
+        key = key.rpartition(".")[0]
+    return line
+
+
 def _left_side(line: str) -> str:
     """Return the text before the first ``=`` outside of quotes, empty without one."""
     quote = ""

@@ -8,7 +8,7 @@ from typing import Any, NoReturn, TypeVar
 
 from paminsa_viz.errors import InvalidInput, PaminsaError, name_hint
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.files.toml_lines import find_line
+from paminsa_viz.files.toml_lines import nearest_line
 
 T = TypeVar("T")
 
@@ -45,9 +45,8 @@ class TomlTable:
 
     def refuse(self, name: str, value: object, problem: str) -> NoReturn:
         """Raise the file's error of a key, or of the table for an empty name."""
-        key = place = f"{self.path}.{name}".rstrip(".")
-        while not (line := find_line(self.text, place)) and place:
-            place = place.rpartition(".")[0]
+        key = f"{self.path}.{name}".rstrip(".")
+        line = nearest_line(self.text, key)
         raise DesignFileError(self.source, problem, line=line, key=key, value=value)
 
     @contextmanager

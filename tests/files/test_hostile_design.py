@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.files.design_file import LARGEST_FILE, find_line, load_design, read_design
+from paminsa_viz.files.design_file import LARGEST_FILE, load_design, read_design
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.files.errors import DesignFileError
+from paminsa_viz.files.toml_lines import find_line
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.parameters import Counterweight
 
@@ -128,6 +129,11 @@ def test_a_refused_counterweight_is_named_with_its_line(old, new, line, key, wor
         ("drives.M5]\ngear_ratio = 3.0", "drives.M5", "[drives.M1]"),
         ("drives.M2]\nenvelope = [[0, 1], [0, 2]]", "drives.M2.envelope", "increase"),
         ("drives.M2]\nenvelope = [[0, 1, 2]]", "drives.M2.envelope.0", "pairs"),
+        ("drives.M2]\nenvelope = 3", "drives.M2.envelope", "pairs"),
+        ("drives.M2]\nenvelope = [1]", "drives.M2.envelope.0", "pairs"),
+        ("drives.M2]\nenvelope = [[0, [1]]]", "drives.M2.envelope.0.1", "pairs"),
+        ("drives.M2]\nname = 3", "drives.M2.name", "a text"),
+        ("drives]\nM2 = 3", "drives.M2", "a table"),
         ("drives.M4]\ngear_ratio = 3.0", "drives.M4.lead_m", "screw or belt"),
         ('drives.M1]\nbrake = "yes"', "drives.M1.brake", "true or false"),
         ('drives.M1]\ntransmission = "rope"', "drives.M1.transmission", "screw"),
@@ -160,6 +166,18 @@ def test_counterweights_are_tables_in_double_brackets() -> None:
 def test_lengths_that_contradict_each_other_are_named_where_the_file_sets_them() -> None:
     error = refusal(VERSION + "[geometry]\ncrank_length_m = 0.01\ncoupler_length_m = 0.02")
     assert (error.line, error.key) == (4, "geometry.coupler_length_m")
+
+
+NAMES = ("x - at `$.y", "x` - at `$.y", "x` - at `$.geometry", "`", "a.b", "a b", "0", "é")
+
+
+@pytest.mark.parametrize("table", ["", "[geometry]\n", "[drives.M1]\n", WEIGHT])
+@pytest.mark.parametrize("name", NAMES)
+def test_a_key_is_named_whatever_it_is_called(table: str, name: str) -> None:
+    """Names that look like the end of the checking library's own messages are no exception."""
+    error = refusal(f"{VERSION}{table}'{name}' = 3\n")
+    assert error.key.endswith(name)
+    assert "there is no such key" in error.problem
 
 
 def test_messages_show_hostile_text_printable_and_short() -> None:

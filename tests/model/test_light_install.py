@@ -7,7 +7,7 @@ import sys
 
 HEAVY = (
     "viser", "websockets", "matplotlib", "contourpy", "plotly", "PIL", "mujoco", "pinocchio",
-    "trimesh", "mcubes", "fast_simplification", "jinja2", "rich", "tyro", "pydantic", "numba",
+    "trimesh", "mcubes", "fast_simplification", "jinja2", "rich", "tyro", "numba",
 )  # fmt: skip
 
 IMPORTS = f"""
