@@ -388,6 +388,7 @@ def build_rest(
     from paminsa_viz.explorer.features.export.tab import export_entries
     from paminsa_viz.explorer.features.files.tab import FILE
     from paminsa_viz.explorer.features.inspector.panel import Inspector
+    from paminsa_viz.explorer.features.maps.cursor import Cursor
 
     maps = MapsPanel(session, answers())
     late: list[Panel] = []
@@ -401,4 +402,5 @@ def build_rest(
     session.fast += [view_panel(session), Inspector(session)]
     floor = build_views(replace(context, maps=maps.store, legend=maps.legend), animated=False)
     session.deferred += [maps, *floor, maps.legend, *late, TabStore(session)]
+    Cursor(session, context.scene)
     register_commands(session, (*places_to_go(), *files_of(FILE), *exports_of(exported)))

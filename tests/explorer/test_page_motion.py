@@ -30,6 +30,9 @@ CURSORS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) 
 })"""
 
 
+SEEN = "name => window.__viserMutable.nodeRefFromName[name].visible"
+
+
 def curves(tab: Tab) -> list[Any]:
     """Return the series of every chart, as the page has them: time, shading, ..., curves."""
     return tab.page.evaluate(CURVES)
@@ -72,6 +75,25 @@ def test_robot_cursors_and_numbers_are_at_the_chosen_instant(motion: Tab) -> Non
     half = planned(motion).duration / 2
     until(lambda: abs(motion.state.playback.time - half) < 0.02, "the middle of the motion")
     motion.wait_platform(planned(motion).at(motion.state.playback.time).pose)
+
+
+def test_pointer_in_a_plot_or_a_map_is_marked_in_the_scene_and_the_other_maps(motion: Tab) -> None:
+    box = motion.steady_box(motion.page.locator(".u-over").first)
+    place = planned(motion).at(planned(motion).duration / 2).pose
+    motion.page.mouse.move(box["x"] + box["width"] / 2 - 2, box["y"] + box["height"] / 2)
+    motion.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    until(
+        lambda: np.allclose(motion.place("/cursor")[:2], place[:2], atol=3e-3),
+        "the mark is where the robot is in the middle of the motion",
+    )
+    motion.open_tab("Torque maps")
+    maps = motion.steady_box(motion.page.locator(".pv-map-markers").first)
+    motion.page.mouse.move(maps["x"] + 0.3 * maps["width"], maps["y"] + 0.25 * maps["height"])
+    marks = motion.page.locator(".pv-cursor")
+    until(lambda: marks.count() == 2, "the two other maps are marked")
+    motion.page.mouse.move(1270, 710)
+    until(lambda: marks.count() == 0, "no mark is left")
+    until(lambda: not motion.page.evaluate(SEEN, "/cursor"), "the mark in the scene is gone")
 
 
 def test_motion_is_played_to_its_end_and_a_pose_slider_stops_it(motion: Tab) -> None:

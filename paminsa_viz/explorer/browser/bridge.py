@@ -115,6 +115,7 @@ class Bridge:
         self._run(asset("names.js"))
         self._run(asset("tour.js"))
         self._run(asset("clipboard.js"))
+        self._run(asset("cursor.js"))
         self._run(f"({asset('page.js').rstrip()})({json.dumps(config)})")
 
     def on(self, kind: str, listener: Callable[[Any], None]) -> None:

@@ -249,6 +249,18 @@
   for (const kind of ["pointerdown", "pointerup"])
     document.addEventListener(kind, onPointer, { capture: true, signal: stopped.signal });
 
+  // --- one cursor, see cursor.js ------------------------------------------------------------
+  const placeUnder = ({ target, clientX, clientY }) => {
+    const plot = plotOf(target);
+    const frame = plot && frameOf(plot);
+    return frame ? placeInFrame(frame, [clientX, clientY]) : null;
+  };
+  const timeUnder = ({ target, clientX }) => {
+    const chart = target.closest?.(".uplot") && charts().find((each) => each.over.contains(target));
+    return chart ? chart.posToVal(clientX - chart.over.getBoundingClientRect().left, "x") : null;
+  };
+  window.paminsaCursor?.follow({ placeUnder, timeUnder, send, signal: stopped.signal });
+
   // --- buttons in texts ---------------------------------------------------------------------
   // What is pressed may lie in an element that carries the message, such as a row of a table.
   document.addEventListener("click", (event) => {
@@ -496,9 +508,10 @@
   const followLink = (code) => window.paminsaLinks?.follow(code);
   const copyLink = (code) => copy("Link", window.paminsaLinks?.to(code) || code);
   const focusInput = (names) => window.paminsaNames?.focus(names);
+  const showPlace = (place) => window.paminsaCursor?.show(place);
   const releaseTheme = () => window.paminsaFirstPaint?.release();
   window.paminsa = {
     stop, whole, tour, copy, focusInput, send, save, openTab, setTitle, showTime, showLegend,
-    renderOnDemand, releaseTheme, openLink, followLink, copyLink, answerTyped,
+    renderOnDemand, releaseTheme, openLink, followLink, copyLink, answerTyped, showPlace,
   };
 }

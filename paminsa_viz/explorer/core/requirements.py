@@ -3,15 +3,33 @@
 from __future__ import annotations
 
 from paminsa_viz.explorer.core.saved_requirements import asked
+from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.requirements import Placed, VolumeOutcome
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.kept import kept
 from paminsa_viz.model import Design
-from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.model.reach import home_pose, workspace_radius
+from paminsa_viz.model.singularity import singular_radius
+from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.volume.check import RequirementsCheck, check_requirements
 
 CHEAP = 3e-6
 """Cost of all quantities [s a pose] up to which a given workspace is checked at once: some 5 ms."""
+
+
+SHARE = 0.5
+"""Radius of the workspace that is suggested, over that of the singular circle."""
+
+
+def default_workspace(document: Document) -> Workspace:
+    """Return a cylinder within the singular circles of the required headings, about home."""
+    geometry, theta = document.design.geometry, document.requirements.theta
+    reach = workspace_radius(geometry)
+    circle = min(float(singular_radius(geometry, angle)) for angle in (*theta, 0.0))
+    z = home_pose(geometry)[3]
+    width, height = 2 * SHARE * min(circle, 0.5 * reach), 0.4 * reach
+    width, height = (max(float(round(extent, 2)), 0.01) for extent in (width, height))
+    return Workspace(WorkspaceShape.CYLINDER, (width, width, height), (0.0, 0.0, round(z, 3)))
 
 
 @kept(4)

@@ -26,10 +26,12 @@ from paminsa_viz.explorer.state.stiffness import StiffnessState
 from paminsa_viz.explorer.state.synthesis import SynthesisState
 from paminsa_viz.explorer.state.tolerances import TolerancesState
 from paminsa_viz.explorer.state.view import Appearance, Camera, Docks, WorkspaceView
+from paminsa_viz.explorer.state.worst_errors import WorstErrorsJob
 from paminsa_viz.model import APPENDIX_4, Design
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 from paminsa_viz.palette import DARK, LIGHT, Theme
+from paminsa_viz.synthesis.volume.workspace import RequirementCheck
 
 
 @dataclass(frozen=True)
@@ -51,9 +53,9 @@ class State:
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
         point_editing: Which of the poses that a motion is built from is edited, and how.
-        simulation, balance, springs, tolerances, clearance, drives, encoder, monte_carlo, loads,
-            stiffness, identification, requirements, synthesis, engine_answer: What a person set in
-            each of these features, its jobs, and what came of them.
+        simulation, balance, springs, tolerances, clearance, drives, encoder, worst_errors,
+            monte_carlo, loads, stiffness, identification, requirements, synthesis, engine_answer:
+            What a person set in each of these features, its jobs, and what came of them.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
         export, recording: How files are exported, and what is made of a motion's picture.
@@ -87,6 +89,7 @@ class State:
     clearance: ClearanceState = field(default_factory=ClearanceState)
     drives: DrivesState = field(default_factory=DrivesState)
     encoder: EncoderState = field(default_factory=EncoderState)
+    worst_errors: TaskState[WorstErrorsJob, tuple[RequirementCheck, ...]] = TaskState()
     monte_carlo: MonteCarloState = field(default_factory=MonteCarloState)
     loads: LoadsState = field(default_factory=LoadsState)
     stiffness: StiffnessState = field(default_factory=StiffnessState)

@@ -11,6 +11,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.maps import choose_quantity
 from paminsa_viz.explorer.features.accuracy.layers import no_bound, shown_errors
 from paminsa_viz.explorer.features.accuracy.manufacture import MANUFACTURE, error_slider
+from paminsa_viz.explorer.features.accuracy.worst import WORST_ERRORS
 from paminsa_viz.explorer.kit.entries import (
     Answer,
     ButtonGroup,
@@ -103,6 +104,7 @@ DRIVES_ACCURACY = (
         },
         hint="What the single map and the floor show; the family “accuracy” has more",
     ),
+    *WORST_ERRORS,
     Folder(
         "accuracy.drives", "Errors of the drives",
         entries=(

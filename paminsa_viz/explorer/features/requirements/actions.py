@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from paminsa_viz.explorer.core.actions import change_document
 from paminsa_viz.explorer.core.place import Place
+from paminsa_viz.explorer.core.requirements import default_workspace
 from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS, require_possible
-from paminsa_viz.explorer.features.requirements.suggestions import default_workspace, suggested
+from paminsa_viz.explorer.features.requirements.suggestions import suggested
 from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.requirements import LargestJob, LargestOutcome

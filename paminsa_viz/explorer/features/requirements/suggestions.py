@@ -6,33 +6,19 @@ import math
 
 import numpy as np
 
+from paminsa_viz.explorer.core.requirements import default_workspace
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.model import Design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.grid import Grid
 from paminsa_viz.model.grids import solve_field
-from paminsa_viz.model.reach import home_pose, workspace_radius
-from paminsa_viz.model.singularity import singular_radius
+from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.quantity import Quantity
 from paminsa_viz.quantities.requirements import Range, Requirement, Workspace, WorkspaceShape
 
-SHARE = 0.5
-"""Radius of the workspace that is suggested, over that of the singular circle."""
-
 SPARE = 1.1
 """How far a suggested bound is beyond what a few poses need."""
-
-
-def default_workspace(document: Document) -> Workspace:
-    """Return a cylinder within the singular circles of the required headings, about home."""
-    geometry, theta = document.design.geometry, document.requirements.theta
-    reach = workspace_radius(geometry)
-    circle = min(float(singular_radius(geometry, angle)) for angle in (*theta, 0.0))
-    z = home_pose(geometry)[3]
-    width, height = 2 * SHARE * min(circle, 0.5 * reach), 0.4 * reach
-    width, height = (max(float(round(extent, 2)), 0.01) for extent in (width, height))
-    return Workspace(WorkspaceShape.CYLINDER, (width, width, height), (0.0, 0.0, round(z, 3)))
 
 
 def sampled(

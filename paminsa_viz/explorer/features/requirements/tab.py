@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any
 
 from paminsa_viz.explorer.core import actions as poses
+from paminsa_viz.explorer.core.requirements import default_workspace
 from paminsa_viz.explorer.core.saved_requirements import asked
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.requirements import actions
@@ -18,7 +19,6 @@ from paminsa_viz.explorer.features.requirements.inputs import (
     has_selected,
 )
 from paminsa_viz.explorer.features.requirements.largest import LARGEST_WORKSPACE
-from paminsa_viz.explorer.features.requirements.suggestions import default_workspace
 from paminsa_viz.explorer.features.requirements.volumes import VOLUMES
 from paminsa_viz.explorer.kit.entries import (
     Answer,

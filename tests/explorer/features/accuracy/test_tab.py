@@ -10,12 +10,17 @@ import pytest
 from paminsa_viz.explorer.core import actions, persistence, tab_store
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.features.accuracy import tab as panel
+from paminsa_viz.explorer.features.accuracy import worst
 from paminsa_viz.explorer.features.accuracy.layers import shown_errors
 from paminsa_viz.explorer.features.accuracy.manufacture import MANUFACTURE
+from paminsa_viz.explorer.features.requirements import actions as requirements
 from paminsa_viz.explorer.kit.entries import ButtonGroup, Folder, given
 from paminsa_viz.explorer.kit.inputs import Number, Slider
+from paminsa_viz.explorer.state.outcome import Outcome, TaskState
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, Drive, DriveAccuracy, InvalidInput, singular_rotation
+from paminsa_viz.precision.drive_errors import drive_errors
+from paminsa_viz.progress import go_on
 from paminsa_viz.units import ARCSEC, number
 
 NEAR_FOLD = singular_rotation(APPENDIX_4.geometry) - 0.01
@@ -116,3 +121,24 @@ def test_encoder_is_given_by_its_bits_and_the_gear_behind_it() -> None:
     kept = tab_store.restore(initial_state(), tab_store.dump(state))
     assert gear.read(kept) == 50
     assert bits.read(kept) == pytest.approx(10.0)
+
+
+def test_largest_errors_over_the_workspace_are_those_of_poses_in_it() -> None:
+    state = requirements.change(initial_state(), theta=(-0.5, 0.5))
+    job = worst.WORST.job(state)
+    found = worst.find_worst(job, go_on)
+    state = worst.WORST.place.write(state, TaskState(outcome=Outcome(job, result=found)))
+    x, y, z = (np.linspace(-0.5, 0.5, 7) * size for size in job.workspace.size)
+    grid = np.stack(np.meshgrid(x, y, [-0.5, 0.0, 0.5], z, indexing="ij"), axis=-1).reshape(-1, 4)
+    grid = grid[np.hypot(grid[:, 0], grid[:, 1]) < job.workspace.size[0] / 2]
+    grid[:, 3] += job.workspace.center[2]
+    errors = drive_errors(job.geometry, job.accuracy, grid)
+    assert errors.ok.all()
+    for index, largest in enumerate((errors.horizontal, errors.worst[:, 3], errors.worst[:, 2])):
+        assert largest.max() <= found[index].value * (1 + 1e-9)
+        there = worst.go_to_worst(state, index)
+        here = drive_errors(job.geometry, job.accuracy, there.document.pose)
+        value = (here.horizontal, here.worst[3], here.worst[2])[index]
+        assert value == pytest.approx(found[index].value, rel=1e-9)
+    assert worst.go_to_worst(state, 3) == state
+    assert "headings" in worst.worst_html(compute(state))

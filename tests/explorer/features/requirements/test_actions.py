@@ -6,6 +6,7 @@ from functools import partial
 
 import pytest
 
+from paminsa_viz.explorer.core.requirements import default_workspace
 from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS
 from paminsa_viz.explorer.features.requirements import actions, suggestions
 from paminsa_viz.explorer.features.requirements.actions import Side, selected, side_of
@@ -68,7 +69,7 @@ def test_suggested_bounds_are_kept_over_the_workspace(quantity: str) -> None:
     state = actions.change(initial_state(), theta=(-0.5, 0.5))
     one = suggestions.suggested(state.document, quantity)
     entry = QUANTITIES[quantity]
-    workspace = suggestions.default_workspace(state.document)
+    workspace = default_workspace(state.document)
     design = state.document.design
     values = suggestions.sampled(design, (-0.5, 0.5), workspace, [entry])[quantity]
     margins = one.margin(values)

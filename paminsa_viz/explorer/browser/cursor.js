@@ -1,0 +1,73 @@
+/**
+ * One cursor for all maps, the motion plots and the scene: where the pointer is in one of them is
+ * marked in the others. Where the robot is at a time, and the mark in the scene, the server knows.
+ */
+(() => {
+  "use strict";
+  const MARK = "pv-cursor";
+  const PERIOD = 100; // between messages [ms]
+
+  const clear = () => document.querySelectorAll(`.${MARK}`).forEach((mark) => mark.remove());
+
+  /** Mark a place {x, y} [mm] in all panels of all maps but the one under the pointer. */
+  const show = (place, pointer = null) => {
+    clear();
+    if (!place) return;
+    for (const markers of document.querySelectorAll("[data-paminsa-frame]")) {
+      const box = markers.getBoundingClientRect();
+      if (!box.width) continue;
+      const { edges: [left, right, bottom, top], panels } = JSON.parse(markers.dataset.paminsaFrame);
+      const across = (place.x - left) / (right - left);
+      const down = (top - place.y) / (top - bottom);
+      if (across < 0 || across > 1 || down < 0 || down > 1) continue;
+      for (const [start, head, width, height] of panels) {
+        const at = [start + across * width, head + down * height];
+        const far = pointer && Math.hypot(
+          box.left + at[0] * box.width - pointer[0], box.top + at[1] * box.height - pointer[1]);
+        if (pointer && far < 3) continue;
+        const mark = document.createElement("u");
+        mark.className = MARK;
+        mark.style.left = `${100 * at[0]}%`;
+        mark.style.top = `${100 * at[1]}%`;
+        markers.append(mark);
+      }
+    }
+  };
+
+  /**
+   * Follow the pointer. `placeUnder` and `timeUnder` say of an event which place of a map [mm] or
+   * which time of a motion plot [s] is under it, or null; `send` tells the server.
+   */
+  const follow = ({ placeUnder, timeUnder, send, signal }) => {
+    let last = null; // the newest event, till it is looked at
+    let told = "null";
+    let timer = 0;
+    let next = null;
+    const tell = (data) => {
+      next = data;
+      timer ||= setTimeout(() => {
+        timer = 0;
+        const text = JSON.stringify(next);
+        if (text !== told && send("hover", next)) told = text;
+      }, PERIOD);
+    };
+    const look = () => {
+      const event = last;
+      last = null;
+      const counts = event.type === "pointermove" && !event.buttons; // nothing is dragged
+      const place = counts ? placeUnder(event) : null;
+      const time = counts && !place ? timeUnder(event) : null;
+      if (place) show(place, [event.clientX, event.clientY]);
+      else if (time === null) clear();
+      const found = place ?? (time === null ? null : { time });
+      if (found || told !== "null" || timer) tell(found);
+    };
+    for (const kind of ["pointermove", "pointerdown", "pointerleave"])
+      document.documentElement.addEventListener(kind, (event) => {
+        if (kind === "pointerleave" && event.target !== document.documentElement) return;
+        if (!last) requestAnimationFrame(look);
+        last = event;
+      }, { capture: true, passive: true, signal });
+  };
+  window.paminsaCursor = { follow, show };
+})();
