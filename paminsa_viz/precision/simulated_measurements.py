@@ -48,5 +48,5 @@ def simulated_measurements(
         reason = Closure(int(found.closure[0])).reason
         raise InvalidMeasurement(0, f"legs off by up to {size:g} m: {reason}")
     error = random.normal(scale=noise, size=(len(asked), 6)) / coordinate_scales(design)
-    measured = (found.coordinates + error)[:, : asked.poses.shape[1]]
-    return Measurements(asked.actuators, measured).take(found.ok)
+    measured = (found.coordinates + error)[found.ok, : asked.poses.shape[1]]
+    return Measurements(asked.actuators[found.ok], measured)
