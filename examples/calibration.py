@@ -7,28 +7,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from paminsa_viz.files import measurement_table, table_bytes
-from paminsa_viz.model import APPENDIX_4, inverse_kinematics
-from paminsa_viz.precision import (
-    Measurements,
-    calibrate,
-    coordinate_scales,
-    measuring_poses,
-    predict,
-)
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.precision import calibrate, plan_calibration, simulated_measurements
 
-# A robot with lengths up to 0.5 mm off, and angles up to 0.5 mrad.
-random = np.random.default_rng(5)
-true = random.uniform(-5e-4, 5e-4, (3, 14))
-
-# The nominal robot's actuators for 60 poses; where they really are, measured within 10 um.
-asked = measuring_poses(APPENDIX_4, 60)
-actuators = inverse_kinematics(APPENDIX_4.geometry, asked).actuators
-poses = predict(APPENDIX_4, true, Measurements(actuators, asked)).coordinates
-noise = random.normal(scale=1e-5, size=poses.shape) / coordinate_scales(APPENDIX_4)
-measured = Measurements(actuators, poses + noise)
+# The nominal robot's actuators for 60 poses; where a robot with lengths up to 0.5 mm off, and
+# angles up to 0.5 mrad, really is then, measured within 10 um.
+asked = plan_calibration(APPENDIX_4, 60).measurements
+measured = simulated_measurements(APPENDIX_4, asked, size=5e-4, noise=1e-5, seed=5)
 Path("measured.csv").write_bytes(table_bytes(measurement_table(measured), "csv"))
 
 found = calibrate(APPENDIX_4, measured, validate=0.25)

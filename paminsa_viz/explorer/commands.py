@@ -13,6 +13,7 @@ from paminsa_viz.explorer.core.actions import Action
 from paminsa_viz.explorer.core.maps import choose_quantity
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.features.calibration.actions import PROPOSE
 from paminsa_viz.explorer.features.drives import tab as drives
 from paminsa_viz.explorer.features.identification import actions as identify
 from paminsa_viz.explorer.features.inspector.panel import inspect
@@ -77,6 +78,7 @@ def jobs() -> tuple[tuple[str, Action, str, str], ...]:
         ("find drives", drives.SEARCH.start, "Drives", "motors, gears, catalog"),
         ("simulate the motion", simulate, "Simulate", "controller, errors"),
         ("find the best motion for a log", identify.SEARCH.start, "Excite", "identification"),
+        ("propose poses to measure", PROPOSE.start, "Calibrate", "calibration, laser tracker"),
     )
 
 

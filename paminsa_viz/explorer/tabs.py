@@ -161,6 +161,12 @@ def _excite() -> Entries:
     return EXCITE
 
 
+def _calibrate() -> Entries:
+    from paminsa_viz.explorer.features.calibration.tab import CALIBRATION
+
+    return CALIBRATION
+
+
 WORKSPACES = (
     Workspace(
         "Robot", "What is it, and where does it stand?",
@@ -204,6 +210,10 @@ WORKSPACES = (
         (
             Section("Logs", _logs, "identify, identification, measured, residuals, friction"),
             Section("Excite", _excite, "motion for a log, experiment, D-optimal"),
+            Section(
+                "Calibrate", _calibrate,
+                "calibration, kinematic calibration, laser tracker, measure poses, leg lengths",
+            ),
         ),
         "Answer", ("path",),
     ),

@@ -6,6 +6,7 @@ Whatever a file holds, it is read or refused with its row and column.
 from __future__ import annotations
 
 import csv
+import io
 import os
 import time
 from collections.abc import Iterator, Mapping
@@ -26,6 +27,11 @@ MOST_BLANK_ROWS = 20_000
 
 LONGEST_ROW = 100_000
 """Longest line [characters]; a file without line ends must not fill the memory."""
+
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+"""What a file of that encoding begins with."""
+
+_IS_UTF_16 = "is UTF-16; save it as CSV in UTF-8"
 
 MISSING = "the value is missing"
 
@@ -210,10 +216,27 @@ def open_table(path: str | os.PathLike[str]) -> TextIO:
         )
     except (OSError, ValueError) as error:
         raise as_file_error(os.fspath(path), error, "read", TableFileError) from error
-    if mark in (b"\xff\xfe", b"\xfe\xff"):
+    if mark in _UTF_16:
         lines.close()
-        raise TableFileError(os.fspath(path), "is UTF-16; save it as CSV in UTF-8")
+        raise TableFileError(os.fspath(path), _IS_UTF_16)
     return lines
+
+
+def uploaded_table(name: str, content: bytes) -> TextIO:
+    """Return an uploaded CSV file as text, as `open_table` does one on the disk.
+
+    Args:
+        name: Of the file, for messages.
+        content: Its bytes; the server hands on a file that is too large as an empty one.
+
+    Raises:
+        TableFileError: If it is empty, or no such text.
+    """
+    if not content:
+        raise TableFileError(name, "is empty, or larger than 10 MB")
+    if content[:2] in _UTF_16:
+        raise TableFileError(name, _IS_UTF_16)
+    return io.StringIO(content.decode("utf-8-sig", errors="surrogateescape"), newline="")
 
 
 def _is_blank(record: list[str]) -> bool:

@@ -7,6 +7,7 @@ order x, y, theta, z, and tilt about x and y where the legs are unequal.
 from __future__ import annotations
 
 from paminsa_viz.precision.calibration import Calibration, Combination, calibrate
+from paminsa_viz.precision.calibration_plan import CalibrationPlan, plan_calibration
 from paminsa_viz.precision.calibration_problem import measuring_poses
 from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors, field_drive_errors
 from paminsa_viz.precision.leg_lengths import (
@@ -31,6 +32,7 @@ from paminsa_viz.precision.measurements import (
     predict,
     prediction_errors,
 )
+from paminsa_viz.precision.simulated_measurements import simulated_measurements
 from paminsa_viz.precision.unequal_legs import (
     Closure,
     Sensitivities,
@@ -44,6 +46,7 @@ __all__ = [
     "LENGTHS",
     "Bound",
     "Calibration",
+    "CalibrationPlan",
     "Closure",
     "Combination",
     "DriveErrors",
@@ -64,9 +67,11 @@ __all__ = [
     "measuring_poses",
     "monte_carlo",
     "nominal_lengths",
+    "plan_calibration",
     "predict",
     "prediction_errors",
     "sensitivities",
+    "simulated_measurements",
     "solve_actuators",
     "solve_pose",
     "tolerance_errors",

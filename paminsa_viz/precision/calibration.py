@@ -23,15 +23,23 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.precision.calibration_problem import COUNT, GAP, CalibrationProblem
+from paminsa_viz.precision.calibration_problem import (
+    COUNT,
+    GAP,
+    CalibrationProblem,
+    require_enough,
+)
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array, with_deviations
 from paminsa_viz.precision.measurements import (
     Measurements,
     PredictionErrors,
     coordinate_scales,
+    differences,
+    errors_of,
+    length_scales,
     predict,
-    prediction_errors,
 )
+from paminsa_viz.progress import Progress, go_on
 
 KNOWN = 1e-3
 """Half interval up to which a combination that shows in second order is fitted [m]."""
@@ -69,6 +77,9 @@ class Calibration:
         combinations: Those that were fitted, best known first.
         covariance: (42, 42) of the scaled lengths within the combinations [m^2].
         noise: Standard deviation of the scaled residuals [m].
+        held: (n,) which of the measured poses were held back.
+        residuals_before, residuals_after: (n, c) predicted minus measured coordinates with the
+            lengths before and after [m, m, rad, m, rad, rad].
         before, after: Errors of the fitted poses with the lengths before and after.
         before_held, after_held: The same of the poses that were held back.
     """
@@ -80,6 +91,9 @@ class Calibration:
     combinations: tuple[Combination, ...]
     covariance: Array
     noise: float
+    held: NDArray[np.bool_]
+    residuals_before: Array
+    residuals_after: Array
     before: PredictionErrors
     after: PredictionErrors
     before_held: PredictionErrors
@@ -88,8 +102,13 @@ class Calibration:
     @property
     def determined(self) -> NDArray[np.bool_]:
         """Which lengths lie within what was fitted, so that they have an interval, (3, 14)."""
-        basis = np.array([item.weights.ravel() for item in self.combinations])
-        return (1 - (basis**2).sum(axis=0) < 1e-6).reshape(3, -1)
+        return within(np.array([item.weights.ravel() for item in self.combinations]))
+
+    @property
+    def standard_deviations(self) -> Array:
+        """Of the lengths, (3, 14) [m, rad]; NaN where not `determined`."""
+        sizes = np.sqrt(np.diag(self.covariance)).reshape(3, -1) / length_scales(self.start)
+        return np.where(self.determined, sizes, np.nan)
 
     @property
     def improved(self) -> bool:
@@ -101,9 +120,19 @@ class Calibration:
         return bool(np.linalg.norm(new.rms * scale) < np.linalg.norm(old.rms * scale))
 
 
+def within(basis: Array) -> NDArray[np.bool_]:
+    """Return which lengths lie within the directions (m, 42) of a basis, (3, 14)."""
+    return (1 - (basis**2).sum(axis=0) < 1e-6).reshape(3, -1)
+
+
 @of_design
 def calibrate(
-    design: Design, measured: Measurements, *, validate: float = 0.0, seed: int = 0
+    design: Design,
+    measured: Measurements,
+    *,
+    validate: float = 0.0,
+    seed: int = 0,
+    progress: Progress = go_on,
 ) -> Calibration:
     """Identify the deviations of a design's legs.
 
@@ -112,10 +141,12 @@ def calibrate(
         measured: Poses and readings.
         validate: Share of the poses, drawn at random, that are held back to check the result.
         seed: Of that draw.
+        progress: Told how many of the fits are done, as a part of the most there can be.
 
     Raises:
         InvalidMeasurement: If the design's legs cannot be assembled near a measured pose.
         InvalidInput: If there are too few poses, or the share is not from 0 to 0.9.
+        Canceled: If ``progress`` ends it.
     """
     if not 0 <= validate <= 0.9:
         raise InvalidInput("validate", f"a share from 0 to 0.9 is needed, not {validate:g}")
@@ -124,14 +155,11 @@ def calibrate(
     order = np.random.default_rng(seed).permutation(count)
     held[order[: round(validate * count)]] = True
     fitted, kept = measured.take(~held), measured.take(held)
-    least = COUNT // width + 1
-    if len(fitted) < least:
-        back = f" besides the {held.sum()} that are held back" if held.any() else ""
-        problem = f"at least {least} poses are needed{back}, there are {len(fitted)}"
-        raise InvalidInput("measured", f"{problem}: {width} coordinates each, for {COUNT} lengths")
+    require_enough(len(fitted), width, len(kept))
     start = deviation_array(design)
-    problem = CalibrationProblem(design, fitted)
-    problem.require_near(predict(design, start, measured), measured)
+    problem = CalibrationProblem(design, fitted, progress)
+    predicted = predict(design, start, measured)
+    problem.require_near(predicted, measured)
     origin = problem.scaled(start)
     values, rank, singular = _first_fit(problem, origin)
     values, basis, found, noise = _fit_known(problem, origin, values, rank)
@@ -144,6 +172,8 @@ def calibrate(
         for direction, size in zip(basis.T, found, strict=True)
     )  # fmt: skip
     deviations = problem.unscaled(values)
+    old = differences(predicted, measured)
+    new = differences(predict(design, deviations, measured), measured)
     return Calibration(
         design=with_deviations(design, deviations),
         start=design,
@@ -152,10 +182,13 @@ def calibrate(
         combinations=combinations,
         covariance=(basis * (noise / found) ** 2) @ basis.T,
         noise=noise,
-        before=prediction_errors(design, start, fitted),
-        after=prediction_errors(design, deviations, fitted),
-        before_held=prediction_errors(design, start, kept),
-        after_held=prediction_errors(design, deviations, kept),
+        held=held,
+        residuals_before=old,
+        residuals_after=new,
+        before=errors_of(old[~held]),
+        after=errors_of(new[~held]),
+        before_held=errors_of(old[held]),
+        after_held=errors_of(new[held]),
     )
 
 
@@ -177,7 +210,8 @@ def _fit_known(
     """
     noise, count = problem.noise(values, rank), rank
     basis, found = np.zeros((COUNT, 0)), np.zeros(0)
-    for _ in range(_ROUNDS):
+    for index in range(_ROUNDS):
+        problem.done = (1 + index) / (1 + _ROUNDS)
         _, singular, directions = np.linalg.svd(problem.jacobian(values), full_matrices=False)
         known = (problem.margin(count) * noise < KNOWN * singular) & (singular > GAP * singular[0])
         before, count = count, int(known.sum())

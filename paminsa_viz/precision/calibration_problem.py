@@ -21,6 +21,7 @@ from paminsa_viz.precision.measurements import (
     predict,
 )
 from paminsa_viz.precision.unequal_legs import UnequalPose, nominal_pose, sensitivities
+from paminsa_viz.progress import Progress, go_on, keep_on
 
 COUNT = 3 * len(LENGTHS)
 """Number of lengths."""
@@ -40,11 +41,36 @@ _MISFIT = 10.0
 """Residual of a pose that trial lengths cannot be assembled in [m]."""
 
 
-class CalibrationProblem:
-    """Residuals of scaled deviations (42,) and their Jacobian."""
+def require_enough(poses: int, coordinates: int, held: int = 0) -> None:
+    """Check that so many poses are enough to fit all lengths.
 
-    def __init__(self, design: Design, measured: Measurements) -> None:
+    Args:
+        poses: How many are fitted.
+        coordinates: Measured coordinates of each.
+        held: How many are held back besides.
+
+    Raises:
+        InvalidInput: If they are not.
+    """
+    least = COUNT // coordinates + 1
+    if poses < least:
+        back = f" besides the {held} that are held back" if held else ""
+        problem = f"at least {least} poses are needed{back}, there are {poses}"
+        raise InvalidInput("measured", f"{problem}: {coordinates} coordinates each, for {COUNT} "
+                           "lengths")  # fmt: skip
+
+
+class CalibrationProblem:
+    """Residuals of scaled deviations (42,) and their Jacobian.
+
+    Attributes:
+        done: What part of the work is done, 0 to 1; told to `progress` at each trial.
+    """
+
+    def __init__(self, design: Design, measured: Measurements, progress: Progress = go_on) -> None:
         self.design, self.measured = design, measured
+        self.done = 0.0
+        self._progress = progress
         self.width = measured.poses.shape[1]
         self.rows = measured.poses.size
         self._column = length_scales(design)
@@ -84,6 +110,7 @@ class CalibrationProblem:
     def _at(self, values: Array) -> UnequalPose:
         key = values.tobytes()
         if self._solved is None or self._solved[0] != key:
+            keep_on(self._progress, self.done)
             self._solved = key, predict(self.design, self.unscaled(values), self.measured)
         return self._solved[1]
 
@@ -139,7 +166,14 @@ _ROUNDS = 20
 
 
 @of_design
-def measuring_poses(design: Design, poses: int, *, coordinates: int = 6, seed: int = 0) -> Array:
+def measuring_poses(
+    design: Design,
+    poses: int,
+    *,
+    coordinates: int = 6,
+    seed: int = 0,
+    progress: Progress = go_on,
+) -> Array:
     """Choose poses of which the calibration's intervals are small, (n, 4) [m, m, rad, m].
 
     Random poses on the natural side of the guides, away from limits and singularities, of which
@@ -151,9 +185,11 @@ def measuring_poses(design: Design, poses: int, *, coordinates: int = 6, seed: i
         poses: How many, at most `MOST_POSES`.
         coordinates: Measured coordinates of a pose, 6, or 4 without the tilt.
         seed: Of the random numbers.
+        progress: Told what part of the poses is chosen.
 
     Raises:
         InvalidInput: If a number is not possible, or the workspace is too small.
+        Canceled: If ``progress`` ends it.
     """
     require_count(poses, "poses", MOST_POSES)
     if coordinates not in (4, 6):
@@ -169,7 +205,8 @@ def measuring_poses(design: Design, poses: int, *, coordinates: int = 6, seed: i
     inverse = np.eye(len(seen)) * 1e6  # of the information: hardly any at first
     free = np.ones(len(found), np.bool_)
     chosen = []
-    for _ in range(poses):
+    for index in range(poses):
+        keep_on(progress, index / poses)
         spread = rows @ inverse @ np.swapaxes(rows, -1, -2) + np.eye(coordinates)
         gain = np.where(free, np.linalg.slogdet(spread)[1], -np.inf)
         best = int(np.argmax(gain))

@@ -6,12 +6,14 @@ Their names, symbols and units are those of `LegDeviations`, in its order.
 from __future__ import annotations
 
 from dataclasses import astuple, dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.accuracy import (
+    LEG_NAMES,
     LENGTH_NAMES,
     Leg1Deviations,
     Leg2Deviations,
@@ -78,6 +80,12 @@ def nominal_lengths(geometry: Geometry) -> Array:
 def deviation_array(design: Design) -> Array:
     """Return the deviations of a design's legs, (3, 14) [m, rad]."""
     return np.array([astuple(leg) for leg in design.deviations])
+
+
+def lengths_only(design: Design) -> Design:
+    """Return a design with nothing of its own but lengths and their deviations."""
+    legs: Any = dict(zip(LEG_NAMES, design.deviations, strict=True))
+    return Design(geometry=design.geometry, **legs)
 
 
 @of_design

@@ -105,12 +105,16 @@ def prediction_errors(
     design: Design, deviations: ArrayLike, measured: Measurements
 ) -> PredictionErrors:
     """Return by how much legs with deviations (3, 14) miss measured poses."""
-    width = measured.poses.shape[1]
-    if not len(measured):
-        return PredictionErrors(np.full(width, np.nan), np.full(width, np.nan), 0)
-    error = differences(predict(design, deviations, measured), measured)
-    rms = np.sqrt((error**2).mean(axis=0))
-    return PredictionErrors(rms, np.abs(error).max(axis=0), len(measured))
+    return errors_of(differences(predict(design, deviations, measured), measured))
+
+
+def errors_of(residuals: Array) -> PredictionErrors:
+    """Return the errors of residuals (n, c), see `differences`."""
+    if not len(residuals):
+        none = np.full(residuals.shape[1], np.nan)
+        return PredictionErrors(none, none, 0)
+    rms = np.sqrt((residuals**2).mean(axis=0))
+    return PredictionErrors(rms, np.abs(residuals).max(axis=0), len(residuals))
 
 
 def differences(found: UnequalPose, measured: Measurements) -> Array:

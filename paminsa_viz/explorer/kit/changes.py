@@ -39,6 +39,7 @@ NAMES = {
     "log": "logs",
     "other": "logs",
     "loaded": "logs",
+    "measured": "measured poses",
     "bounds": "requirements",
     "against": "second objective",
 }

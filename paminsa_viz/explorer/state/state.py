@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from paminsa_viz.explorer.state.balance import BalanceState
+from paminsa_viz.explorer.state.calibration import CalibrationState
 from paminsa_viz.explorer.state.clearance import ClearanceState
 from paminsa_viz.explorer.state.document import Document, LastReachable
 from paminsa_viz.explorer.state.drives import DrivesState
@@ -54,8 +55,9 @@ class State:
         playback, plots: Where the motion is played, and how it is plotted.
         point_editing: Which of the poses that a motion is built from is edited, and how.
         simulation, balance, springs, tolerances, clearance, drives, encoder, worst_errors,
-            monte_carlo, loads, stiffness, identification, requirements, synthesis, engine_answer:
-            What a person set in each of these features, its jobs, and what came of them.
+            monte_carlo, loads, stiffness, identification, calibration, requirements, synthesis,
+            engine_answer: What a person set in each of these features, its jobs, and what
+            came of them.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
         export, recording: How files are exported, and what is made of a motion's picture.
@@ -94,6 +96,7 @@ class State:
     loads: LoadsState = field(default_factory=LoadsState)
     stiffness: StiffnessState = field(default_factory=StiffnessState)
     identification: IdentificationState = field(default_factory=IdentificationState)
+    calibration: CalibrationState = field(default_factory=CalibrationState)
     requirements: RequirementsState = field(default_factory=RequirementsState)
     synthesis: SynthesisState = field(default_factory=SynthesisState)
     engine_answer: Answer | None = None

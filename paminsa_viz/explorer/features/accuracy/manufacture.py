@@ -8,15 +8,11 @@ import numpy as np
 
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.features.accuracy.monte_carlo import (
-    MONTE_CARLO,
-    UNITS,
-    error_row,
-    shown_lengths,
-)
+from paminsa_viz.explorer.features.accuracy.monte_carlo import MONTE_CARLO, shown_lengths
 from paminsa_viz.explorer.kit.design_numbers import set_value
 from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Number, Slider
+from paminsa_viz.explorer.kit.robot_texts import UNITS, error_row
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.monte_carlo import NAMES, SHOWN, MonteCarloSettings

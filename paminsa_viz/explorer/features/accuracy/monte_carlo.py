@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
 
 from viser import Icon
 
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.kit.entries import Answer, Button, Entry, Html
+from paminsa_viz.explorer.kit.robot_texts import UNITS, error_row
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.kit.text import render
@@ -16,13 +17,9 @@ from paminsa_viz.explorer.state.monte_carlo import NAMES, SHOWN, MonteCarloJob, 
 from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Design
-from paminsa_viz.model.accuracy import LEG_NAMES
+from paminsa_viz.precision.leg_lengths import lengths_only
 from paminsa_viz.precision.manufacture import MonteCarlo, monte_carlo
 from paminsa_viz.progress import Progress
-from paminsa_viz.units import display_unit, fixed, number
-
-UNITS = ("m:um", "m:um", "rad:arcsec", "m:um", "rad:arcsec", "rad:arcsec")
-"""Units of `unequal_legs.COORDINATES`."""
 
 
 def shown_lengths(frame: Frame) -> tuple[Design, Pose]:
@@ -33,22 +30,7 @@ def shown_lengths(frame: Frame) -> tuple[Design, Pose]:
 
 def toleranced(design: Design) -> Design:
     """Return a design with nothing of its own but lengths, their deviations, and tolerances."""
-    legs: Any = dict(zip(LEG_NAMES, design.deviations, strict=True))
-    return Design(geometry=design.geometry, tolerances=design.tolerances, **legs)
-
-
-def error_row(name: str, unit: str, *values: Any) -> tuple[str, str, list[str]]:
-    """Return a row of a table: name, unit, and numbers of three figures, or whole ones."""
-    shown = display_unit(unit)
-    numbers = [float(value) * shown.factor for value in values]
-    return (
-        name,
-        shown.text,
-        [
-            fixed(one, 0) if 1000 <= abs(one) < 1e6 else number(one, 3, padded=True)
-            for one in numbers
-        ],
-    )
+    return replace(lengths_only(design), tolerances=design.tolerances)
 
 
 def draw_robots(job: MonteCarloJob, progress: Progress) -> MonteCarlo:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from functools import partial
 
 from viser import Icon
@@ -30,8 +29,8 @@ from paminsa_viz.explorer.kit.inputs import Dropdown, attribute
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state.identification import IdentifySettings, parse_gains
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.logs import parse_log
+from paminsa_viz.files.table_reader import uploaded_table
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.plots.identification_series import log_charts
 
@@ -46,10 +45,8 @@ def _open(place: str, session: Session, name: str, content: bytes) -> None:
         TableFileError: If it is refused; row and column say where.
         InvalidInput: If the gains are not four numbers.
     """
-    if not content:
-        raise TableFileError(name, "is empty, or larger than 10 MB")
     settings = session.state.identification.settings
-    lines = io.StringIO(content.decode("utf-8-sig", errors="surrogateescape"), newline="")
+    lines = uploaded_table(name, content)
     log = parse_log(
         lines, name, gains=parse_gains(settings.gains), split=settings.split, timeout=UPLOAD_TIMEOUT
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping
 
 from viser import Icon
@@ -17,7 +16,7 @@ from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.motion import LARGEST_LIMIT, Kind, Motion, Timing
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.files.errors import TableFileError
+from paminsa_viz.files.table_reader import uploaded_table
 from paminsa_viz.files.trajectory_table import parse_trajectory
 from paminsa_viz.trajectory import PRESETS
 from paminsa_viz.units import display_unit
@@ -83,14 +82,9 @@ def _open(session: Session, name: str, content: bytes) -> None:
     """Run the trajectory in an uploaded CSV file.
 
     Raises:
-        TableFileError: If there is none in it; row and column say where. The server hands on a
-            file that is too large as an empty one.
+        TableFileError: If there is none in it; row and column say where.
     """
-    if not content:
-        raise TableFileError(name, "is empty, or larger than 10 MB")
-    text = content.decode("utf-8-sig", errors="surrogateescape")
-    rest = session.state.table_at_rest
-    lines = io.StringIO(text, newline="")
+    rest, lines = session.state.table_at_rest, uploaded_table(name, content)
     table = parse_trajectory(lines, name, rest=rest, timeout=UPLOAD_TIMEOUT)
     session.dispatch(
         "motion.table", lambda state: motions.use_table(state, table),

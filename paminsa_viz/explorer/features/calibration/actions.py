@@ -1,0 +1,158 @@
+"""What a person can ask of the calibration, each as a pure function from state to state."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from paminsa_viz.explorer.core.actions import with_design
+from paminsa_viz.explorer.core.place import Place
+from paminsa_viz.explorer.kit.task import Task
+from paminsa_viz.explorer.state.calibration import (
+    EXAMPLE_SIZE,
+    CalibrateJob,
+    CalibrationSettings,
+    MeasuredPoses,
+    ProposalJob,
+)
+from paminsa_viz.explorer.state.state import State
+from paminsa_viz.files.design_writer import NAME_CHARACTERS
+from paminsa_viz.files.errors import TableFileError, printable
+from paminsa_viz.model import Design, InvalidInput, PaminsaError
+from paminsa_viz.precision import (
+    Calibration,
+    CalibrationPlan,
+    calibrate,
+    plan_calibration,
+    simulated_measurements,
+    with_deviations,
+)
+from paminsa_viz.precision.leg_lengths import deviation_array, lengths_only
+from paminsa_viz.precision.measurements import InvalidMeasurement
+from paminsa_viz.progress import Canceled, Progress
+from paminsa_viz.units import display_unit, number
+
+EXAMPLE_POSES = 60
+"""How many poses example measurements have if none are proposed."""
+
+
+def propose_poses(job: ProposalJob, progress: Progress) -> CalibrationPlan:
+    """Choose poses to measure.
+
+    Raises:
+        PaminsaError: If the robot has too few, or the work was stopped.
+    """
+    own = job.settings
+    try:
+        return plan_calibration(
+            job.design, own.poses, coordinates=own.coordinates, noise=own.noise, seed=own.seed,
+            progress=progress,
+        )  # fmt: skip
+    except Canceled:
+        raise PaminsaError("it was stopped") from None
+
+
+def calibrate_lengths(job: CalibrateJob, progress: Progress) -> Calibration:
+    """Calibrate.
+
+    Raises:
+        PaminsaError: If the measured poses do not allow it, or the work was stopped.
+    """
+    own, measured = job.settings, job.measured
+    try:
+        return calibrate(
+            job.design, measured.measurements, validate=own.held, seed=own.seed, progress=progress
+        )
+    except InvalidMeasurement as error:
+        if not measured.first_row:
+            raise
+        row = measured.first_row + error.index
+        raise TableFileError(measured.name, error.problem, row=row) from error
+    except Canceled:
+        raise PaminsaError("it was stopped") from None
+
+
+def _proposal_job(state: State) -> ProposalJob:
+    geometry = state.document.design.geometry
+    return ProposalJob(Design(geometry=geometry), state.calibration.settings.of_proposal)
+
+
+def _calibrate_job(state: State) -> CalibrateJob:
+    own = state.calibration
+    if own.measured is None:
+        raise InvalidInput("measured poses", "open some first")
+    return CalibrateJob(
+        lengths_only(state.document.design), own.measured, own.settings.of_calibration
+    )
+
+
+PROPOSE = Task(
+    Place(lambda state: state.calibration.proposal), _proposal_job, propose_poses,
+)  # fmt: skip
+"""Chooses poses to measure."""
+
+CALIBRATE = Task(Place(lambda state: state.calibration), _calibrate_job, calibrate_lengths)
+"""Identifies the legs' lengths from the measured poses that are open."""
+
+
+def use_measured(state: State, measured: MeasuredPoses) -> State:
+    """Take measured poses, and calibrate with them at once."""
+    return CALIBRATE.start(state.updated("calibration", measured=measured))
+
+
+def use_example(state: State) -> State:
+    """Take measurements of a robot whose legs are off at random, in the proposed poses if any.
+
+    Raises:
+        PaminsaError: If such a robot cannot be measured.
+    """
+    own, design = state.calibration.settings, state.document.design
+    plan = None if PROPOSE.is_stale(state) else PROPOSE.result(state)
+    if plan is None:
+        plan = propose_poses(
+            replace(_proposal_job(state), settings=replace(own, poses=EXAMPLE_POSES)),
+            lambda done, **known: False,
+        )
+    found = simulated_measurements(
+        design, plan.measurements, size=EXAMPLE_SIZE, noise=own.noise, seed=own.seed
+    )
+    return use_measured(state, MeasuredPoses("example", found, about=_example_text(own)))
+
+
+def _example_text(own: CalibrationSettings) -> str:
+    lengths = display_unit("m").format(EXAMPLE_SIZE)
+    noise = display_unit("m:um").format(own.noise)
+    return (
+        f"computed, not measured: this robot with legs off at random by up to {lengths} and "
+        f"{number(1e3 * EXAMPLE_SIZE)} mrad, measured within {noise}"
+    )
+
+
+def close_measured(state: State) -> State:
+    """Close the measured poses and what came of them."""
+    return CALIBRATE.forget(state.updated("calibration", measured=None))
+
+
+def calibrated_design(state: State) -> Design:
+    """Return the design with the lengths that were found, under a name that says so.
+
+    Raises:
+        InvalidInput: If there are none, or they are not of the design's lengths.
+    """
+    found = CALIBRATE.required(state, "measured poses", "nothing has been calibrated yet")
+    design, outcome = state.document.design, CALIBRATE.outcome(state)
+    if design.geometry != found.start.geometry:
+        raise InvalidInput(
+            "lengths", "they have changed since the calibration; calibrate again, or undo"
+        )
+    source = "measured poses" if outcome is None else outcome.job.measured.name
+    name = f"Calibrated from {printable(source)}"[:NAME_CHARACTERS]
+    return replace(with_deviations(design, deviation_array(found.design)), name=name)
+
+
+def use_design(state: State) -> State:
+    """Make the lengths that were found the design's.
+
+    Raises:
+        InvalidInput: If there are none, or they are not of the design's lengths.
+    """
+    return with_design(state, calibrated_design(state))
