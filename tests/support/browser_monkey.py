@@ -109,6 +109,8 @@ class Hands:
     def _type(self) -> None:
         boxes = self._page.locator("input:not([type=hidden])").locator("visible=true")
         box = boxes.nth(self._random.randrange(max(boxes.count(), 1)))
+        if box.input_value(timeout=1e3 * PART).startswith("ws"):
+            return  # the server's address, which viser shows while there is nothing else
         box.click(timeout=1e3 * PART)
         self._page.keyboard.press("Control+a")
         self._page.keyboard.type(self._random.choice(TEXTS), delay=self._random.choice((0, 40)))

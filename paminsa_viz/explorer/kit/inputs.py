@@ -38,6 +38,15 @@ def same_digits(a: Any, b: Any, places: int) -> bool:
     )
 
 
+def holding(ends: Range, value: float) -> Range:
+    """Return ends that hold a value too: viser builds no input with a value beyond its ends.
+
+    What a file brings may be there; another number beyond the ends is refused as ever.
+    """
+    low, high = ends
+    return None if low is None else min(low, value), None if high is None else max(high, value)
+
+
 def in_unit(ends: Range, unit: DisplayUnit) -> Range:
     """Return ends in SI in the unit shown."""
     low, high = (None if end is None else unit.from_si(end) for end in ends)
@@ -194,8 +203,8 @@ class Number(Input):
         return self.number(state, value, self.range, self.unit)
 
     def add(self, gui: Any, state: State, label: str, **properties: Any) -> Any:
-        low, high = in_unit(self.range, self.unit)
         value = self.shown(state)
+        low, high = holding(in_unit(self.range, self.unit), value)
         handle = gui.add_number(label, value, min=low, max=high, step=self.step, **properties)
         handle.precision = decimals(self.step)
         return handle
@@ -241,10 +250,10 @@ class Pair(Input):
         return first, second
 
     def add(self, gui: Any, state: State, label: str, **properties: Any) -> Any:
-        ranges = map(in_unit, self.range, self.units)
+        value = self.shown(state)
+        ranges = map(holding, map(in_unit, self.range, self.units), value)
         low, high = (None if None in ends else ends for ends in zip(*ranges, strict=True))
         step = given(self.step, state)
-        value = self.shown(state)
         handle = gui.add_vector2(label, value, min=low, max=high, step=step, **properties)
         if self.precision is None:
             handle.precision = decimals(step)

@@ -42,13 +42,21 @@ LEAST_MARGIN = 0.001
 """Least distance to the limits of reach, where nothing else is required [m]."""
 
 
+LEAST, LARGEST = 1e-3, 100.0
+"""Ends of what can be searched [m, or 1 of k]."""
+
+
+def _possible(value: float) -> float:
+    return min(max(round(value, 3), LEAST), LARGEST)
+
+
 def default_ranges(design: Design, requirements: Requirements) -> dict[str, Range]:
     """Return ranges around a design, by path [SI]: half to twice its own lengths.
 
     With a workspace, those of its height and sizes as well.
     """
     held = {path: design.value(path) for path in DEFAULT_PATHS}
-    found = {path: (round(0.5 * value, 3), round(2.0 * value, 3)) for path, value in held.items()}
+    found = {path: (_possible(0.5 * value), _possible(2.0 * value)) for path, value in held.items()}
     low, high = found["geometry.magnification"]
     found["geometry.magnification"] = max(low, 1.5), max(high, 3.0)
     workspace = requirements.workspace

@@ -9,7 +9,13 @@ from viser import Icon
 
 from paminsa_viz.explorer.features.synthesis import actions
 from paminsa_viz.explorer.features.synthesis import texts as text
-from paminsa_viz.explorer.features.synthesis.cases import TALL, WIDTH, ranges_of
+from paminsa_viz.explorer.features.synthesis.cases import (
+    LARGEST,
+    LEAST,
+    TALL,
+    WIDTH,
+    ranges_of,
+)
 from paminsa_viz.explorer.features.synthesis.charts import (
     DESIGN_FRONT,
     clicked_point,
@@ -27,9 +33,6 @@ from paminsa_viz.model import PARAMETER
 from paminsa_viz.synthesis.search.case import DEFAULT_PATHS
 from paminsa_viz.synthesis.search.objectives import OBJECTIVES
 from paminsa_viz.units import symbol_text
-
-LARGEST = 100.0
-"""Largest length that can be typed [m]."""
 
 
 def _sizes(state: State) -> bool:
@@ -53,7 +56,7 @@ def _range(path: str, label: str, hint: str, *, size: bool = False) -> Pair:
 
     return Pair(
         f"synthesize.{path}", label if plain else f"{label} [mm]", units=(unit, unit),
-        range=((1e-3, LARGEST), (1e-3, LARGEST)), step=0.1 if plain else 1.0, read=read,
+        range=((LEAST, LARGEST), (LEAST, LARGEST)), step=0.1 if plain else 1.0, read=read,
         visible=_sizes if size else None, ordered=True,
         hint=f"{hint}: least and largest value; it is held where both are equal",
         apply=lambda state, ends: actions.set_range(state, path, ends),
