@@ -55,6 +55,7 @@ CHANGED = (
     .updated("stiffness.settings", mode=2, case="tilt_x", bar="b7")
     .updated("encoder.settings", gear=50.0)
     .updated("monte_carlo.settings", robots=500, seed=4, coordinate=3, leg=1, length=5)
+    .updated("calibration.settings", poses=20, coordinates=4, held=0.1, seed=3)
     .updated("requirements.largest.settings", growth="VERTICAL", free=True, seconds=60.0)
 )
 

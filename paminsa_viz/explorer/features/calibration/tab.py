@@ -100,7 +100,7 @@ FOUND: tuple[Entry, ...] = (
         "calibrate.use", "Use", choices=_use_choices,
         hint="Each leg with its own lengths, here or as a design file",
     ),
-    chart("calibrate.residuals", shown_residuals, residual_figure, 0.75),
+    chart("calibrate.residuals", shown_residuals, residual_figure, 1.0),
     Html("calibrate.errors", content=text.errors_html, idle=True),
     Html("calibrate.lengths", content=text.lengths_html, idle=True),
     ButtonGroup(
