@@ -25,6 +25,21 @@ DEGREES = 180 / math.pi
 ARCSEC = 3600 * DEGREES
 """Arc seconds in a radian."""
 
+COLUMN_UNITS: dict[str, dict[str, float]] = {
+    "s": {"s": 1.0, "ms": 1e-3, "min": 60.0},
+    "m": {"m": 1.0, "mm": 1e-3},
+    "rad": {"rad": 1.0, "deg": math.pi / 180},
+    "rad/s": {"rad_per_s": 1.0, "rpm": math.pi / 30},
+    "kg": {"kg": 1.0, "g": 1e-3},
+    "kg m^2": {"kg_m2": 1.0, "kg_cm2": 1e-4, "g_cm2": 1e-7},
+    "N": {"N": 1.0, "kN": 1e3},
+    "N m": {"Nm": 1.0, "mNm": 1e-3, "Ncm": 1e-2},
+    "N m s/rad": {"Nm_s_per_rad": 1.0, "mNm_per_rpm": 1e-3 * 30 / math.pi},
+    "A": {"A": 1.0, "mA": 1e-3},
+}
+"""Endings of the columns of tables by SI unit, that of the unit itself first, with the factor to
+it."""
+
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _SYMBOL = re.compile(r"\b([A-Za-z])_([A-Za-z]{0,4}\d{0,2})\b(?:\^\((\w+)\))?")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 import runpy
 import shlex
@@ -24,7 +25,8 @@ DOCS = ROOT / "docs"
 PAGES = sorted(
     [*DOCS.glob("*.md"), *ROOT.glob("*.md"), ROOT / "examples/README.md", *ROOT.glob("bench*/*.md")]
 )
-GENERATED = runpy.run_path(str(DOCS / "generate.py"))["PAGES"]
+GENERATOR = runpy.run_path(str(DOCS / "generate.py"))
+GENERATED = GENERATOR["PAGES"]
 
 
 def name_of(path: Path) -> str:
@@ -80,14 +82,20 @@ def test_the_first_page_leads_to_every_page() -> None:
     )
 
 
-def test_site_is_built_without_warnings(tmp_path) -> None:
+@pytest.mark.slow
+def test_site_is_built_without_warnings_and_its_search_finds_all_public_names(tmp_path) -> None:
     pytest.importorskip("mkdocs")
+    pytest.importorskip("mkdocstrings")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     assert "WARNING" not in done.stderr
     assert (tmp_path / "design-file" / "index.html").exists()
     assert not (tmp_path / "generate.py").exists()
+    entries = json.loads((tmp_path / "search" / "search_index.json").read_text())["docs"]
+    found = {entry["title"] for entry in entries if entry["location"].startswith("api/")}
+    for room in GENERATOR["API"]:
+        assert set(import_module(room).__all__) <= found, room
 
 
 CODE = [

@@ -2,7 +2,7 @@
 
 The column ``kind`` says what a row is, ``motor``, ``gear``, ``screw`` or ``belt``, and ``source``
 where its values are from. All other columns are fields of `Drive`, with their unit at the end of
-the name as in design files (``rotor_inertia_kg_m2``) or another one of `UNITS`
+the name as in design files (``rotor_inertia_kg_m2``) or another one of `units.COLUMN_UNITS`
 (``rotor_inertia_g_cm2``, ``rated_speed_rpm``). A cell may be empty where the kind does not need it.
 An envelope is a cell of pairs, speed and torque, such as ``0 0.95; 3000 0.95; 5000 0.4``, with both
 units in the column's name: ``envelope_rpm_Nm``.
@@ -13,7 +13,6 @@ from __future__ import annotations
 import csv
 import difflib
 import io
-import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
@@ -26,21 +25,10 @@ from paminsa_viz.actuation.drive_table import DriveTable, pair_table
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidDesign, PaminsaError, name_hint, printable
 from paminsa_viz.model.drive import Drive
+from paminsa_viz.units import COLUMN_UNITS
 
 KINDS = ("motor", "gear", "screw", "belt")
 """What a row can be."""
-
-_TURN = 2 * math.pi
-UNITS: dict[str, dict[str, float]] = {
-    "kg m^2": {"kg_m2": 1.0, "kg_cm2": 1e-4, "g_cm2": 1e-7},
-    "N m": {"Nm": 1.0, "mNm": 1e-3, "Ncm": 1e-2},
-    "rad/s": {"rad_per_s": 1.0, "rpm": _TURN / 60},
-    "N m s/rad": {"Nm_s_per_rad": 1.0, "mNm_per_rpm": 1e-3 * 60 / _TURN},
-    "s": {"s": 1.0, "min": 60.0},
-    "m": {"m": 1.0, "mm": 1e-3},
-    "kg": {"kg": 1.0, "g": 1e-3},
-}
-"""Endings of columns by SI unit, and what they multiply a number by."""
 
 NEEDED = {
     "motor": ("rotor_inertia", "rated_torque", "peak_torque", "rated_speed", "top_speed"),
@@ -201,11 +189,11 @@ class _Column:
         for field, item in _FIELDS.items():
             if not item.metadata and field != "brake":
                 continue
-            units = UNITS.get(item.metadata.get("unit", ""), {"": 1.0})
+            units = COLUMN_UNITS.get(item.metadata.get("unit", ""), {"": 1.0})
             for ending, factor in units.items():
                 if name == (f"{field}_{ending}" if ending else field):
                     return cls(name, field, (factor,))
-        speeds, torques = UNITS["rad/s"], UNITS["N m"]
+        speeds, torques = COLUMN_UNITS["rad/s"], COLUMN_UNITS["N m"]
         for speed, first in speeds.items():
             for torque, second in torques.items():
                 if name == f"envelope_{speed}_{torque}":
@@ -232,7 +220,7 @@ def _columns_of(field: str) -> str:
     item = _FIELDS.get(field)
     if field == "envelope":
         return "envelope_rpm_Nm"
-    units = UNITS.get(item.metadata.get("unit", ""), {}) if item else {}
+    units = COLUMN_UNITS.get(item.metadata.get("unit", ""), {}) if item else {}
     return ", ".join(f"{field}_{ending}" for ending in units) or field
 
 

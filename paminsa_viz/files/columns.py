@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import difflib
-import math
 from dataclasses import dataclass
 
 from paminsa_viz.files.errors import TableFileError, printable, shown
+from paminsa_viz.units import COLUMN_UNITS
 
 TIME = "t_s"
 POSE = ("x_m", "y_m", "theta_rad", "z_m")
@@ -30,16 +30,6 @@ RESULTS = frozenset(
     [*ACTUATORS, *SPEEDS, *TORQUES, *POWERS, STATUS, *(c for p in PARTS for c in part_columns(p))]
 )
 """Columns that are computed; tables hold them next to those that are read."""
-
-UNITS: dict[str, dict[str, float]] = {
-    "s": {"s": 1.0, "ms": 1e-3},
-    "m": {"m": 1.0, "mm": 1e-3},
-    "rad": {"rad": 1.0, "deg": math.pi / 180},
-    "N": {"N": 1.0, "kN": 1e3},
-    "Nm": {"Nm": 1.0},
-    "A": {"A": 1.0, "mA": 1e-3},
-}
-"""Units that may be written for an SI unit, each with its factor."""
 
 
 @dataclass(frozen=True)
@@ -167,7 +157,8 @@ def _column(place: int, text: str, kind: TableKind) -> Column | str:
         start, _, si = column.partition("_")
         if start == name:
             base, slash, per = si.partition("_")
-            units = {known + slash + per: factor for known, factor in UNITS[base].items()}
+            written = next(each for each in COLUMN_UNITS.values() if each.get(base) == 1.0)
+            units = {known + slash + per: factor for known, factor in written.items()}
             if unit in units:
                 return Column(place, text, column, units[unit])
             names = " or ".join(f"{name}_{known}" for known in units)

@@ -19,7 +19,6 @@ from paminsa_viz.files.columns import (
     RESULTS,
     TORQUES,
     TRAJECTORY,
-    UNITS,
     VELOCITY,
     match_columns,
     part_columns,
@@ -51,6 +50,7 @@ from paminsa_viz.trajectory import (
     point_to_point,
     simulate,
 )
+from paminsa_viz.units import COLUMN_UNITS
 from tests.support.samples import with_knee
 
 HEAD = "t_s,x_m,y_m,theta_rad,z_m"
@@ -76,12 +76,12 @@ def tables(draw):
     for name in names:
         si = {"t": "s", "theta": "rad", "omega": "rad", "alpha": "rad"}.get(name, "m")
         per = {"v": "_s", "o": "_s", "a": "_s2"}.get(name[0], "")
-        base = draw(st.sampled_from(sorted(UNITS[si])))
+        base = draw(st.sampled_from(sorted(COLUMN_UNITS[si])))
         unit = base + per
         pretty = unit.replace("_", "/").replace("s2", "s^2")
         pretty = draw(st.sampled_from([pretty, pretty.replace("deg", "°").replace("^2", "²")]))
         header.append(draw(st.sampled_from([f"{name}_{unit}", f" {name} [{pretty}] "])))
-        factors.append(UNITS[si][base])
+        factors.append(COLUMN_UNITS[si][base])
     count = draw(st.integers(2, 9))
     numbers = np.random.default_rng(draw(st.integers(0, 99))).uniform(-1, 1, (count, len(names)))
     numbers[:, names.index("t")] = np.arange(count) / 7

@@ -1,0 +1,62 @@
+"""Pages of the documentation's site for the Python API, one a room, out of the docstrings.
+
+MkDocs calls this while it builds the site. Each public name has a heading, its signature, its
+arguments, results and what is raised, and the site's search finds it.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import re
+import runpy
+from pathlib import Path
+from typing import Any
+
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+
+ROOMS: dict[str, str] = runpy.run_path(str(Path(__file__).with_name("generate.py")))["API"]
+"""Rooms of the package and what they are about."""
+
+
+def on_config(config: MkDocsConfig) -> None:
+    """Put the pages of the rooms into the menu."""
+    assert config.nav
+    config.nav.append({"Python API by rooms": [{room: f"api/{room}.md"} for room in ROOMS]})
+
+
+def on_files(files: Files, config: MkDocsConfig) -> None:
+    """Add a page for each room; a name that several rooms list stands in full in one of them."""
+    pages: dict[str, str] = {}
+    # The package itself lists names of its rooms, which come first.
+    for room in sorted(ROOMS, key=lambda name: name == "paminsa_viz"):
+        module = importlib.import_module(room)
+        blocks = [f"# {room}\n\n{ROOMS[room]}\n"]
+        for name in module.__all__:
+            path = _path(module, name)
+            if path in pages:
+                blocks.append(f"- [`{name}`]({pages[path]}.md#{path})")
+            else:
+                pages[path] = room
+                blocks.append(
+                    f"\n::: {path}\n    options:\n      heading: {name}\n      toc_label: {name}\n"
+                )
+        files.append(File.generated(config, f"api/{room}.md", content="\n".join(blocks)))
+
+
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
+    """Let the headings of the list of all names lead to the pages of the rooms."""
+    if page.file.src_uri != "python-api.md":
+        return markdown
+    return re.sub(r"^## (paminsa_viz[\w.]*)$", r"## [\1](api/\1.md)", markdown, flags=re.M)
+
+
+def _path(module: Any, name: str) -> str:
+    """Return the dotted path of a public name in the module that it is written in.
+
+    Some functions are called as their module is; a constant does not know its own.
+    """
+    value = inspect.unwrap(getattr(module, name))
+    home = getattr(value, "__module__", "") if getattr(value, "__name__", "") == name else ""
+    return f"{home if home.startswith('paminsa_viz') else module.__name__}.{name}"
