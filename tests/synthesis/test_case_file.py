@@ -242,3 +242,13 @@ def test_wrong_entries_are_refused_with_the_reason(old, new, match):
     assert old in text
     with pytest.raises(DesignFileError, match=match):
         read_case(text.replace(old, new), "arch.toml")
+
+
+def test_overlap_can_be_allowed_and_forbidden_again_later() -> None:
+    strict = replace(CYLINDER, allow_overlap=False)
+    assert strict.clear
+    assert replace(strict, allow_overlap=True) == CYLINDER
+    assert replace(replace(strict, allow_overlap=True), allow_overlap=False) == strict
+    required = Requirement("clearance", low=0.02)  # a person's own bound stays
+    own = replace(CYLINDER.requirements, bounds=(*CYLINDER.requirements.bounds, required))
+    assert required in replace(CYLINDER, requirements=own).requirements.bounds

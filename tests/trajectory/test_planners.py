@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import count
 
 import numpy as np
@@ -236,3 +237,11 @@ def test_no_preset_claims_to_be_the_papers() -> None:
         assert "paper" not in f"{plan.name} {plan.kind} {preset.label}".lower()
     (note,) = preset_plan(PRESET["paper-like"]).notes
     assert "not the motion of the paper" in note
+
+
+@given(radius=st.floats(0.2, 0.6))
+def test_preset_circle_has_a_radius_of_two_sevenths_of_the_bases(radius: float) -> None:
+    plan = PRESET["circle"].build(replace(APPENDIX_4.geometry, base_radius=radius))
+    far = plan.at(np.linspace(0, plan.duration, 2000)).pose[:, :2]
+    middle = (far.max(axis=0) + far.min(axis=0)) / 2
+    np.testing.assert_allclose(np.linalg.norm(far - middle, axis=1), 2 / 7 * radius, rtol=1e-3)

@@ -155,7 +155,8 @@ class SynthesisCase:
         shaft_follows: Whether the shafts B2 are as long as the drawn bodies need over the
             workspace, where bodies must not overlap and l_B2 is not searched.
         allow_overlap: Whether bodies may overlap as they are drawn. If not, and no bound on
-            ``clearance`` is among the requirements, one is added to them.
+            ``clearance`` is among the requirements, one is added to them; if so, that one is left
+            out of them again.
         clearance: That bound: the least distance of two drawn bodies over the workspace [m].
         margin: Least distance to every limit of reach over the workspace [m].
         above_guides: Whether joints 5 may be above the guides (with the lower knee; below them
@@ -217,10 +218,13 @@ class SynthesisCase:
             raise InvalidInput("margin", f"at least 0 is needed, not {self.margin!r}")
         if not (math.isfinite(self.clearance) and self.clearance >= 0):
             raise InvalidInput("clearance", f"at least 0 is needed, not {self.clearance!r}")
-        if not self.allow_overlap and not self.clear:
-            apart = Requirement(CLEARANCE, low=self.clearance)
-            bounds = (*self.requirements.bounds, apart)
-            object.__setattr__(self, "requirements", replace(self.requirements, bounds=bounds))
+        apart = Requirement(CLEARANCE, low=self.clearance)
+        bounds = self.requirements.bounds
+        if self.allow_overlap:  # of a case that did not allow it
+            bounds = tuple(bound for bound in bounds if bound != apart)
+        elif not self.clear:
+            bounds = (*bounds, apart)
+        object.__setattr__(self, "requirements", replace(self.requirements, bounds=bounds))
         if self.seed < 0:
             raise InvalidInput("seed", f"a whole number of at least 0 is needed, not {self.seed}")
         if not self.regimes:
