@@ -42,9 +42,13 @@ def test_workspaces_and_their_sections_take_a_row_each_and_none_is_cut(tab: Tab)
 
 
 def test_numbers_can_be_typed_digit_by_digit(tab: Tab) -> None:
-    place = tab.element("κ counts up to").bounding_box()
-    assert place is not None
-    assert place["y"] + place["height"] <= 720, "the last input of Pose can be seen"
+    limit = tab.element("κ counts up to")
+
+    def is_seen() -> bool:
+        place = limit.bounding_box()
+        return bool(place) and place["y"] + place["height"] <= 720
+
+    until(is_seen, "the last input of Pose is seen")
     tab.open_tab("Masses")
     for label, text, path in (
         ("m_B3 bar 4–3–7 [kg]", "12.5", "links.b3"),  # beyond the slider
