@@ -133,7 +133,8 @@ CALIBRATION: tuple[Entry, ...] = (
     Html("calibrate.measured", content=text.measured_html, idle=True),
     Upload(
         "calibrate.upload", "Open measured poses…", receive=_open, icon=Icon.UPLOAD,
-        mime_type=".csv,.txt", hint="Poses of the built robot with the actuators’ readings",
+        mime_type=".csv,.txt", color="gray",
+        hint="Poses of the built robot with the actuators’ readings",
     ),
     ButtonGroup("calibrate.source", "Measured", choices=_measured_choices),
     _setting("held"),
