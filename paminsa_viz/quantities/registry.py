@@ -80,5 +80,6 @@ def formulas() -> tuple[Formula, ...]:
 @kinds_checked
 def affordable_cells(keys: Sequence[str], most: int, budget: float = MAP_BUDGET) -> int:
     """Return how many cells a side, at most ``most``, a map may have within a time [s]."""
-    cost = sum({item.formula: item.cost for item in find(keys)}.values())
+    work = {(item.family, item.formula, item.cost) for item in find(keys)}  # shared by its results
+    cost = sum(seconds for *_, seconds in work)
     return max(2, min(most, math.isqrt(int(budget / cost))))

@@ -6,14 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from paminsa_viz.model import APPENDIX_4, solve_field, static_torques
+from paminsa_viz.model import APPENDIX_4, inverse_jacobian, solve_field, static_torques
 from paminsa_viz.model.grids import Field, Grid
+from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.load import LoadCase
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.precision import Bound, field_drive_errors
 from paminsa_viz.precision.manufacture import manufactured_pose
-from paminsa_viz.quantities import QUANTITIES
+from paminsa_viz.quantities import QUANTITIES, affordable_cells
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
 
 LOADED = replace(APPENDIX_4, load=LoadCase(force_x=7.0, force_z=-30.0))
@@ -106,3 +109,46 @@ def test_forces_in_a_plane_are_said_to_be_and_that_of_joint_5_is_not() -> None:
 
 def test_a_workspace_is_about_the_robot_s_axis_unless_it_says_otherwise() -> None:
     assert Workspace(WorkspaceShape.BOX, (0.1, 0.2, 0.3)).center == (0.0, 0.0, None)
+
+
+def test_force_and_motion_of_joint_5_include_the_pressure_angle() -> None:
+    field = solved(-0.5)
+    poses = field.grid.poses()
+    lines = inverse_jacobian(APPENDIX_4.geometry, poses)[..., :3, :3]  # turned by legs: the forces
+    for leg in range(3):
+        pressure = QUANTITIES[f"pressure_{leg + 1}"].over(field, APPENDIX_4)
+        index = QUANTITIES[f"transmission_{leg + 1}"].over(field, APPENDIX_4)
+        np.testing.assert_allclose(np.cos(pressure), index, atol=1e-12)
+        assert ((pressure >= 0) & (pressure <= np.pi / 2)).all()
+        # A motion that the others leave: joint 5 moves so, and its force is along the row of leg.
+        others = lines[..., [j for j in range(3) if j != leg], :]
+        twist = np.cross(others[..., 0, :], others[..., 1, :])
+        (ax, ay), c, s = LEG_AXES[leg], np.cos(poses[..., 2]), np.sin(poses[..., 2])
+        radius = APPENDIX_4.geometry.platform_radius
+        px, py = radius * (c * ax - s * ay), radius * (s * ax + c * ay)
+        moved = np.stack([twist[..., 0] - py * twist[..., 2], twist[..., 1] + px * twist[..., 2]])
+        force = lines[..., leg, :2]
+        along = np.abs(np.einsum("i...,...i->...", moved, force))
+        size = np.linalg.norm(moved, axis=0) * np.linalg.norm(force, axis=-1)
+        np.testing.assert_allclose(along / size, index, rtol=1e-9)
+
+
+@given(
+    keys=st.lists(st.sampled_from(sorted(QUANTITIES)), min_size=1, max_size=3, unique=True),
+    most=st.integers(2, 2000),
+    budget=st.floats(1e-3, 10.0),
+)
+def test_cells_are_as_many_as_the_time_allows(keys: list[str], most: int, budget: float) -> None:
+    cells = affordable_cells(keys, most, budget)
+    costs = [QUANTITIES[key].cost for key in keys]
+    rounding = 1 + 1e-9
+    assert 2 <= cells <= most
+    assert cells == 2 or cells**2 * max(costs) <= budget * rounding
+    assert cells == most or (cells + 1) ** 2 * sum(costs) * rounding > budget
+    assert affordable_cells(keys[::-1], most, budget) == cells
+    assert all(affordable_cells([key], most, budget) >= cells for key in keys)
+
+
+def test_cells_of_results_that_share_their_work_are_as_many_as_of_one() -> None:
+    together = affordable_cells(["pressure_1", "pressure_2", "pressure_3"], 10**6)
+    assert together == affordable_cells(["pressure_1"], 10**6)
