@@ -27,7 +27,9 @@ class Value:
 
 @pytest.fixture
 def make() -> Iterator[Kept[[int], Value]]:
-    """A function of a size whose last four results are kept for each user."""
+    """A function of a size whose last four results are kept for each user, with room for them."""
+    for function in module._functions:
+        function.cache_clear()
 
     @kept(4)
     def make(size: int) -> Value:
