@@ -15,7 +15,7 @@ from paminsa_viz.actuation.thermal import thermal_share
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.load import LoadCase
-from paminsa_viz.trajectory import PRESET, analyze
+from paminsa_viz.trajectory import PRESET, actuator_inertia, analyze
 from tests.actuation.loads import random_load
 from tests.actuation.motor_loads import GEAR, SERVO, motor_torque
 
@@ -37,6 +37,13 @@ def test_motor_torques_are_those_of_the_robot_with_its_drives(motion) -> None:  
         rms = size_drives(loads[j], drive_table([own])).rms[0]
         square = simpson((torque[:, j] / own.ratio) ** 2, x=motion.t) / motion.duration
         assert rms == pytest.approx(np.sqrt(square), rel=1e-8)
+
+
+def test_inertia_of_a_load_is_the_largest_along_the_motion(motion) -> None:  # type: ignore[no-untyped-def]
+    along = actuator_inertia(APPENDIX_4, motion.pose)
+    found = [load.inertia for load in duty_cycle(APPENDIX_4, [Duty(motion)]).loads]
+    np.testing.assert_allclose(found, along.max(axis=0), rtol=1e-3)
+    assert (along[0, :3] < 0.99 * along[:, :3].max(axis=0)).any()  # it is not that of the start
 
 
 @pytest.mark.parametrize("time", [0.05, 1.0, 300.0])

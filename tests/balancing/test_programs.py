@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
+from paminsa_viz.balancing import backends
 from paminsa_viz.balancing.convex import Cuts, MaxAbs, Norm, PositivePartSum
 from paminsa_viz.balancing.enclosure import Enclosure
 from paminsa_viz.balancing.program import Infeasible, Program, Variable
@@ -181,3 +183,13 @@ def test_weights_of_very_uneven_times_stay_positive() -> None:
     weights = time_weights(t)
     assert (weights >= 0).all()
     assert weights.sum() == pytest.approx(3.0)
+
+
+def test_how_far_a_solver_is_from_the_optimum_does_not_depend_on_the_sign_of_the_cost() -> None:
+    def residual(sign: float) -> float:
+        found = SimpleNamespace(
+            obj_val=sign * 1e6, obj_val_dual=sign * (1e6 - 1.0), r_prim=1e-9, r_dual=1e-9
+        )
+        return backends._residual(found)
+
+    assert residual(-1.0) == residual(1.0) == pytest.approx(1e-6)

@@ -25,6 +25,9 @@ LEFT_OUT = {"ground": 0.0007, "base": 0.0005, "slider": 0.00015}
 LOOSE = 0.0019
 """Most that the solids' boxes extend beyond those of what is drawn, frame aside [m]."""
 
+FRAME_LOOSE = 0.015
+"""The same of a solid of the frame, beyond the vertices and middles that are in it [m]."""
+
 
 def vertices(part: MeshPart) -> Array:
     return np.vstack([solid.mesh.vertices for solid in part.solids])
@@ -95,6 +98,21 @@ def test_solids_of_moving_bodies_are_hardly_larger_than_drawn(knee: KneeBranch) 
              extents[:, 1].max(axis=0) - points.max(axis=0)]
         )  # fmt: skip
         assert loose.max() < LOOSE, name
+
+
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_no_solid_of_the_frame_is_much_larger_than_what_is_drawn_in_it(knee: KneeBranch) -> None:
+    design = loaded(None, knee)
+    parts = [surface(drawn.make_body(name, design.geometry)) for name in drawn.STANDING]
+    points = np.vstack(parts)
+    for body in of_frame(design, WORLD):
+        if body.name == "the plinth":
+            continue
+        for number, solid in enumerate(body.solids):
+            inside = points[outside(solid, points) < 1e-9]
+            low, high = solid.extent
+            loose = np.concatenate([inside.min(axis=0) - low, high - inside.max(axis=0)])
+            assert loose.max() < FRAME_LOOSE, (body.name, number)
 
 
 def test_shapes_follow_from_geometry_payload_and_counterweights_alone() -> None:

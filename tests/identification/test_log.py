@@ -13,9 +13,10 @@ from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.logs import log_table, parse_log
 from paminsa_viz.files.tables import table_csv
 from paminsa_viz.identification import InvalidLog, identify, log_poses, make_log
+from paminsa_viz.identification.filtering import filter_log
 from paminsa_viz.identification.log_poses import follow_pose
 from paminsa_viz.model import APPENDIX_4, KneeBranch, forward_kinematics, inverse_kinematics
-from tests.support.identification_logs import clean_signals, multi_sine
+from tests.support.identification_logs import clean_signals, multi_sine, simulated
 
 RATE = 200.0
 
@@ -174,3 +175,26 @@ def test_a_robot_at_rest_is_refused() -> None:
     )
     with pytest.raises(InvalidLog, match="hardly moves"):
         identify(make_log(t, position, position), APPENDIX_4)
+
+
+def test_headings_have_no_jump_behind_a_row_where_the_legs_do_not_meet() -> None:
+    geometry = APPENDIX_4.geometry
+    theta = np.linspace(2.4, 4.0, 60)  # past a half turn
+    poses = np.column_stack([np.zeros((60, 2)), theta, np.full(60, -0.55)])
+    poses[:, :2] = 0.01
+    position = inverse_kinematics(geometry, poses).actuators
+    position[20, :3] = (0.0, 2.0, 4.5)
+    assert np.isnan(forward_kinematics(geometry, position[20]).pose[..., 2]).all()
+    found = follow_pose(geometry, position, poses[0])[:, 2]
+    np.testing.assert_allclose(np.delete(found, 20), np.delete(theta, 20), atol=1e-9)
+
+
+def test_torques_that_are_not_thinned_out_are_filtered_as_columns_are() -> None:
+    log = simulated(1, APPENDIX_4, rate=200.0, duration=10.0)
+    pose, pieces = log_poses(log, APPENDIX_4.geometry)
+    signals = filter_log(
+        log, APPENDIX_4.geometry, pose, pieces, cut_off=20.0, transition_speed=0.01, thinning=1
+    )
+    ends = 2 * 3  # of the differences, twice
+    torque = np.concatenate([log.torque[piece][ends:-ends] for piece in pieces])
+    np.testing.assert_allclose(signals.smooth(torque), signals.torque, rtol=1e-9, atol=1e-12)

@@ -21,6 +21,7 @@ from paminsa_viz.model import (
     require_reachable,
 )
 from paminsa_viz.model.kinematics import AXIS_ANGLES, LEG_AXES
+from paminsa_viz.model.leg import Mechanism, mechanism_of_lengths
 from paminsa_viz.model.reach import (
     MARGINS,
     home_pose,
@@ -255,3 +256,20 @@ def test_error_names_leg_and_excess() -> None:
     assert "pose (100.0 mm, 50.0 mm, 11.5 deg, -1100.0 mm) cannot be taken" in str(error)
     assert f"(leg {error.leg}, by {1e3 * error.excess:.2f} mm)" in str(error)
     assert isinstance(error, PaminsaError)
+
+
+@given(
+    seed=st.integers(0, 10_000), power=st.integers(-8, 8), clearance=st.sampled_from([0.0, 0.02])
+)
+def test_bounds_of_reach_and_their_rounding_scale_with_the_robot(
+    seed: int, power: int, clearance: float
+) -> None:
+    rng = np.random.default_rng(seed)
+    k, scale = rng.uniform(1.2, 4.0), 2.0**power
+    lengths = np.append(rng.uniform(0.1, 1.0, 7), clearance)  # R_b, R_pl, l_B5, l_B2, ..., stroke
+    one, other = (
+        Mechanism(*mechanism_of_lengths(k, *(factor * lengths), 1.0)) for factor in (1.0, scale)
+    )
+    for name in ("rho2_min", "rho2_max", "reach2_min", "reach2_max"):
+        assert getattr(other, name) == pytest.approx(scale**2 * getattr(one, name), rel=1e-14)
+    assert one.rho2_min > 0

@@ -13,12 +13,14 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, Counterweight
 from paminsa_viz.model.accuracy import NO_TOLERANCES, Tolerances
 from paminsa_viz.model.design import Design
-from paminsa_viz.quantities.requirements import Requirement, Requirements
+from paminsa_viz.quantities.requirement_text import requirement_label
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.studies.executors import processes
 from paminsa_viz.synthesis import Regime, RegimeState, SynthesisCase, SynthesisResult, synthesize
 from paminsa_viz.synthesis.answer.checks import AnswerMargins, build_yield, built_robots, fraction
 from paminsa_viz.synthesis.answer.engine_check import check_by_mujoco
 from paminsa_viz.synthesis.masses.program import solve_inner
+from paminsa_viz.synthesis.volume.check import check_requirements
 from paminsa_viz.trajectory import Trajectory
 from tests.synthesis.inner_cases import case, motion, poses
 from tests.synthesis.test_prices import one_length
@@ -215,6 +217,15 @@ def test_mujoco_confirms_the_optimum_and_its_active_bounds(springs):
     tighter = tuple(replace(b, high=0.99 * b.high) for b in asked.bounds)
     margins = AnswerMargins(Requirements(tighter), found.springs)
     assert not check_by_mujoco(found.design, margins, poses()).passed
+
+
+def test_margins_of_what_is_quick_are_those_of_the_whole_check():
+    bounds = (Requirement("condition", low=1.0), Requirement("reach_margin", low=0.01))
+    place = Workspace(WorkspaceShape.CYLINDER, (0.1, 0.1, 0.1), (0.0, 0.0, -0.55))
+    asked = Requirements(bounds, (-0.2, 0.2), place)
+    expected = {item.label: item.margin for item in check_requirements(APPENDIX_4, asked).items}
+    assert AnswerMargins(asked)(APPENDIX_4) == expected
+    assert {requirement_label(bound) for bound in bounds} <= set(expected)
 
 
 def test_poses_out_of_reach_are_refused():

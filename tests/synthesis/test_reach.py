@@ -47,6 +47,15 @@ def test_contains_counts_whole_turns() -> None:
     assert contains(-10.0, -9.0, np.pi)
 
 
+def test_distance_is_known_where_joints_8_and_5_coincide() -> None:
+    geometry = APPENDIX_4.geometry
+    zero, leg = np.zeros(1), np.zeros(1, np.int8)
+    bounds = ReachBounds(geometry, zero, zero, leg, leg, np.ones(1), 1.0)
+    distance, _ = reach_distances(bounds, np.array([-geometry.platform_joint_height]))
+    apart = abs(geometry.coupler_length - geometry.crank_length)
+    assert distance == pytest.approx(-max(apart, geometry.axis_clearance))
+
+
 @given(cases(), st.floats(-2.0, 2.0), st.floats(0.0, 2.0))
 def test_margin_is_the_least_of_all_headings(case: Case, low: float, width: float) -> None:
     rng = np.random.default_rng(case.seed)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -48,6 +49,21 @@ def test_surface_is_closed_and_encloses_the_volume(volume: Volume, surface: Volu
     whole = volume_surface(volume, faces=10**9)
     enclosed = trimesh.Trimesh(whole.vertices, whole.faces).volume
     assert enclosed == pytest.approx(volume.volume, rel=0.008)
+
+
+def test_surface_of_a_body_that_the_grid_ends_is_closed_there(volume: Volume) -> None:
+    middle = volume.inside.shape[0] // 2
+    half = {name: getattr(volume, name)[:middle] for name in ("x", "cause", "depth", "nearest")}
+    cut = volume_surface(replace(volume, **half), faces=10**9)
+    assert trimesh.Trimesh(cut.vertices, cut.faces, process=False).is_watertight
+    assert cut.vertices[:, 0].max() <= half["x"][-1] + volume.cell
+    whole = volume_surface(volume, faces=10**9)
+    kept = whole.vertices[:, 0] < half["x"][-1] - volume.cell
+    there = {tuple(v): c for v, c in zip(whole.vertices[kept], whole.cause[kept], strict=True)}
+    same = [there[tuple(v)] == c for v, c in zip(cut.vertices, cut.cause, strict=True)
+            if tuple(v) in there]  # fmt: skip
+    assert len(same) > 100
+    assert all(same)
 
 
 def test_margin_of_what_cuts_is_zero_at_the_surface(volume: Volume, surface: VolumeSurface) -> None:

@@ -16,8 +16,10 @@ from paminsa_viz.model.reach import check_reach, home_pose
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.progress import Canceled
 from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.synthesis.volume import measure
 from paminsa_viz.synthesis.volume.causes import FIRST_REQUIREMENT, OTHER_SIDE, CauseKind
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE, Resolution, axes_of
+from paminsa_viz.synthesis.volume.measure import Nodes
 from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
 from tests.support.cases import Case, cases
 from tests.synthesis.robots import TURN, met, needs
@@ -307,3 +309,27 @@ def test_volume_of_reach_alone_is_that_of_its_closed_form() -> None:
     assert volume.volume == volume.reachable_volume
     assert abs(volume.volume - exact) <= volume.error + 2e-4 * exact
     assert volume.error < 0.02 * exact
+
+
+@pytest.mark.parametrize("count", [10_000, 60])
+def test_points_are_drawn_in_their_cubes_one_in_each_layer(count: int) -> None:
+    x = 0.1 * np.arange(-6.0, 7.0)
+    depth = 0.45 - np.linalg.norm(np.stack(np.meshgrid(x, x, x, indexing="ij")), axis=0)
+    inside, none = depth > 0, np.zeros(depth.shape, bool)
+    nodes = Nodes(x, x, inside, none, depth, inside, depth)
+    drawn = measure._Surface.of(nodes, inside, none, depth, count)
+    place = (drawn.points - x[0]) / 0.1
+    index = np.rint(place).astype(int)
+    assert (inside | (np.abs(depth) < 0.2))[tuple(index.T)].all()
+    np.testing.assert_allclose(
+        drawn.share, np.clip(0.5 + depth / 0.1, 0, 1)[tuple(index.T)], atol=1e-12
+    )
+    cubes, times = np.unique(index, axis=0, return_counts=True)
+    if count == 60:
+        assert len(cubes) == 60
+        return
+    assert (times == 2).all()
+    assert len(cubes) == drawn.cubes
+    upper = place[:, 2] > index[:, 2]
+    assert upper.sum() == len(cubes)
+    assert len(np.unique(index[upper], axis=0)) == len(cubes)

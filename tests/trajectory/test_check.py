@@ -64,6 +64,18 @@ def test_a_limit_is_found_to_the_instant(name: str, rate: float) -> None:
     assert check.until == np.searchsorted(plan.sample(rate).t, exact)
 
 
+def test_a_limit_is_found_to_the_instant_in_the_first_step_of_many() -> None:
+    start = np.array([RADIUS - SINGULAR_CLEARANCE - 1e-9, 0.0, 0.0, -0.5])
+    plan = point_to_point(start, [0.3, 0.0, 0.0, -0.5], 0.2)
+    samples = plan.sample(1000.0)
+    exact = brentq(lambda t: RADIUS - SINGULAR_CLEARANCE - plan.at(t).pose[0], 0.0, 0.1)
+    check = check_path(GEOMETRY, samples)
+    assert exact < samples.t[1]
+    assert check.until == 1
+    assert check.first is not None
+    assert check.first.t == pytest.approx(exact, abs=1e-9)
+
+
 def test_a_guide_may_be_used_to_its_end_and_no_further() -> None:
     plan = to(0.0, -0.2, 0.1, -0.5)
     check = check_path(SHORT_GUIDE, plan.sample())

@@ -160,6 +160,16 @@ def test_places_and_instants_of_a_traced_path_are_inverse() -> None:
     assert path.length == pytest.approx(np.linalg.norm(steps, axis=1).sum(), rel=1e-8)
 
 
+def test_law_of_a_motion_is_how_its_own_places_follow_each_other() -> None:
+    path = TracedPath(via_points([A, B, A + 0.05]).curve)
+    u, h = np.linspace(0.05, 0.95, 40), 1e-5
+    before, s, after = path.place(u - h), path.place(u), path.place(u + h)
+    z, slope = path.law(s)
+    np.testing.assert_allclose(z, ((after - before) / (2 * h)) ** 2, rtol=1e-5, atol=1e-7)
+    growth = (after - 2 * s + before) / h**2
+    np.testing.assert_allclose(slope, 2 * growth, rtol=1e-2, atol=1e-3)
+
+
 def test_jerk_falls_back_to_the_stretched_law_and_says_why() -> None:
     plan, limits = point_to_point(A, B), replace(LIMITS, jerk=60.0)
     found = shortest_motion(plan, limits, APPENDIX_4)

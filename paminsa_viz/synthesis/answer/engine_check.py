@@ -123,9 +123,7 @@ def check_by_mujoco(
         if len(at):
             ours, engine = (bound_margins(bound, t[at]).min() for t in (held[index], found))
             limit = next(b for b in (bound.high, bound.low) if b is not None)
-            rows.append(
-                _row(bound.entry.title, bound.entry.unit, len(at), ours, engine, limit or 0.0)
-            )
+            rows.append(_row(bound.entry.title, bound.entry.unit, len(at), ours, engine, limit))
     for motion in asked.motions:
         states = motion.pose, motion.velocity, motion.acceleration
         more = spring_torques(design.geometry, springs, motion.pose)
