@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from functools import lru_cache
 from html import escape
 from typing import NamedTuple
@@ -229,6 +230,18 @@ def format_value(value: float, unit: str, digits: int = 4) -> str:
 def format_ascii(value: float, unit: str, digits: int = 4) -> str:
     """Return the same with an ASCII number, for terminals, tables and messages."""
     return display_unit(unit).format(value, digits, ascii_only=True)
+
+
+def format_pose(pose: Iterable[float], *, ascii_only: bool = False) -> str:
+    """Return a pose [m, m, rad, m] for people: ``x 30 mm, y 0 mm, θ 60°, z −480 mm``.
+
+    What is below 1e-9 is a rounding error. With ``ascii_only`` as `format_ascii` writes.
+    """
+    write = format_ascii if ascii_only else format_value
+    x, y, theta, z = (round(float(value), 9) + 0.0 for value in pose)
+    place = f"x {write(x, 'm')}, y {write(y, 'm')}"
+    heading = "theta" if ascii_only else "θ"
+    return f"{place}, {heading} {write(theta, 'rad')}, z {write(z, 'm')}"
 
 
 def interval_text(value: float, half_width: float, *, ascii_only: bool = False) -> str:

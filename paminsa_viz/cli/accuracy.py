@@ -10,7 +10,7 @@ import tyro
 
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, RegionFlags
-from paminsa_viz.cli.output import pose_text, print_blocks, print_json
+from paminsa_viz.cli.output import print_blocks, print_json
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
@@ -33,6 +33,7 @@ from paminsa_viz.studies.drive_accuracy import (
     statistics,
 )
 from paminsa_viz.studies.metrics import Region, RegionResults
+from paminsa_viz.units import format_pose
 
 DESCRIPTION = """\
 Errors of the platform's pose that the drives leave, at a pose and over the workspace; and those by
@@ -95,7 +96,7 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
             more = {"manufacture": _manufacture_data(design, pose, drawn)}
             print_json(data | more if self.manufacture else data)
         else:
-            print(f'design "{design.name}", {pose_text(pose)}')
+            print(f'design "{design.name}", {format_pose(pose, ascii_only=True)}')
             made = manufacture_blocks(design, pose, drawn) if self.manufacture else []
             print_blocks([*drive_blocks(here, over), *made])
         return 0 if here.ok else 1

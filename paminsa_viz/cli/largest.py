@@ -10,7 +10,7 @@ import tyro
 
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import JsonFlags
-from paminsa_viz.cli.output import ascii_numbers, pose_text, print_blocks, print_json
+from paminsa_viz.cli.output import ascii_numbers, print_blocks, print_json
 from paminsa_viz.cli.requirement_flags import RequirementFlags
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirement_text import requirement_text
@@ -20,7 +20,7 @@ from paminsa_viz.synthesis.proof.certificate import prove
 from paminsa_viz.synthesis.proof.evidence import Evidence, Proof, Verdict
 from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace
 from paminsa_viz.synthesis.proof.regions import Growth
-from paminsa_viz.units import MM, format_ascii
+from paminsa_viz.units import MM, format_ascii, format_pose
 
 _GROWTH = {"all": Growth.ALL, "horizontal": Growth.HORIZONTAL, "vertical": Growth.VERTICAL}
 
@@ -50,7 +50,7 @@ class Prove(JsonFlags, RequirementFlags):
             print(f"{design.name}, {_place(requirements)}: {verdict_text(proof)}")
             print_blocks([evidence_table(proof, requirement_text)])
             if proof.pose is not None:
-                print(f"broken at {pose_text(proof.pose)}")
+                print(f"broken at {format_pose(proof.pose, ascii_only=True)}")
             print(f"{proof.boxes:,} boxes, {proof.seconds:.1f} s; {len(proof.remaining):,} open")
         return 0 if proof.verdict is Verdict.PROVEN else 1
 
@@ -129,7 +129,8 @@ def _cause(found: LargestWorkspace) -> str:
     name = found.cause if found.requirement is None else requirement_text(found.requirement)
     if not name:
         return ""
-    return f": {name}" + ("" if found.pose is None else f" breaks at {pose_text(found.pose)}")
+    place = "" if found.pose is None else f" breaks at {format_pose(found.pose, ascii_only=True)}"
+    return f": {name}{place}"
 
 
 def _proof_data(proof: Proof) -> dict[str, Any]:

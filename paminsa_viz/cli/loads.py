@@ -11,7 +11,7 @@ import tyro
 
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PoseFlags, check_output
-from paminsa_viz.cli.output import pose_text, print_blocks, print_error, print_json, print_written
+from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
 from paminsa_viz.elastostatics.bar_diagram import COMPONENTS
 from paminsa_viz.elastostatics.bar_loads import all_bar_loads, utilization
 from paminsa_viz.elastostatics.joint_forces import (
@@ -30,6 +30,7 @@ from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.reach import home_pose, require_reachable, status_words
 from paminsa_viz.report.loads_section import motion_blocks, pose_blocks
 from paminsa_viz.trajectory import ImpossibleTrajectory, analyze
+from paminsa_viz.units import format_pose
 
 DESCRIPTION = """\
 Forces at the joints in the legs' planes, N, V and M of the bars, bearing loads of a motion.
@@ -99,7 +100,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
         if self.json:
             print_json(_pose_data(design, pose, forces, sideways))
         else:
-            print(pose_text(pose))
+            print(format_pose(pose, ascii_only=True))
             print_blocks(pose_blocks(forces, sideways))
         if self.bar is not None:
             self._write(bar_table(forces, pose, self.bar))

@@ -12,7 +12,7 @@ from typing import Any
 from paminsa_viz.errors import one_line
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.report.blocks import Block, Note, ReportRequest, Table
-from paminsa_viz.units import NONE, format_ascii
+from paminsa_viz.units import NONE
 from paminsa_viz.version import COMMAND, MADE_BY
 
 
@@ -78,13 +78,6 @@ def _print_report_table(table: Table) -> None:
         lines.append((mark, *map(ascii_numbers, row.cells), *[""] * missing))
     marked = any(line[0] for line in lines)
     print_table(lines if marked else [line[1:] for line in lines], words=table.words + marked)
-
-
-def pose_text(pose: Iterable[float]) -> str:
-    """Return a pose [m, m, rad, m] as text for people."""
-    x, y, theta, z = (float(value) for value in pose)
-    place = f"x {format_ascii(x, 'm')}, y {format_ascii(y, 'm')}"
-    return f"{place}, theta {format_ascii(theta, 'rad')}, z {format_ascii(z, 'm')}"
 
 
 def ascii_numbers(text: str) -> str:

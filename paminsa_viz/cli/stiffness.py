@@ -10,7 +10,7 @@ import tyro
 
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
-from paminsa_viz.cli.output import pose_text, print_blocks, print_json, print_table
+from paminsa_viz.cli.output import print_blocks, print_json, print_table
 from paminsa_viz.elastostatics.contacts import contacts
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
 from paminsa_viz.elastostatics.sections import TubeFit, tube_fits
@@ -27,7 +27,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.reach import home_pose, require_reachable
 from paminsa_viz.report.stiffness_section import stiffness_blocks, strain_cases
-from paminsa_viz.units import MM
+from paminsa_viz.units import MM, format_pose
 
 DESCRIPTION = """\
 Stiffness of the robot at a pose, motors locked: 6x6 at the platform's center, deflection under
@@ -76,12 +76,13 @@ class Stiffness(JsonFlags, PoseFlags, DesignFlags):
             if self.json:
                 print_json({"pose": pose.tolist(), "reason": reason})
             else:
-                print(f"{design.name}, {pose_text(pose)}: no compliance; {reason}")
+                place = format_pose(pose, ascii_only=True)
+                print(f"{design.name}, {place}: no compliance; {reason}")
             return 1
         if self.json:
             print_json(_data(design, found, shear=self.shear))
         else:
-            print(f"{design.name}, {pose_text(pose)}")
+            print(f"{design.name}, {format_pose(pose, ascii_only=True)}")
             print_blocks(stiffness_blocks(design, found, shear=self.shear))
         return 0
 

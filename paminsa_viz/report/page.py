@@ -29,7 +29,7 @@ from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
 from paminsa_viz.report.workspace_section import maps_section, workspace_section
 from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
-from paminsa_viz.units import NONE, format_value, number, symbols_html
+from paminsa_viz.units import NONE, format_pose, format_value, number, symbols_html
 from paminsa_viz.version import __version__
 
 STEPS = (
@@ -119,10 +119,8 @@ def template() -> Template:
 
 
 def _head(request: ReportRequest) -> list[str]:
-    x, y, theta, z = request.pose
     return [
-        f"{request.design.geometry.knee.label.capitalize()}, pose x {format_value(x, 'm')}, "
-        f"y {format_value(y, 'm')}, θ {format_value(theta, 'rad')}, z {format_value(z, 'm')}",
+        f"{request.design.geometry.knee.label.capitalize()}, pose {format_pose(request.pose)}",
         f"Trajectory “{request.trajectory.name}”, {request.trajectory.duration:.3g} s",
     ]
 

@@ -19,7 +19,7 @@ from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck, check_re
 from paminsa_viz.synthesis.volume.conflict import Conflict, VolumeRelaxation
 from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
 from paminsa_viz.synthesis.volume.surface import volume_surface
-from paminsa_viz.units import NONE, DisplayUnit, format_value, number
+from paminsa_viz.units import NONE, DisplayUnit, format_pose, format_value, number
 
 TIME_LIMIT = 10.0
 """How long the proof of the largest workspace may take [s]."""
@@ -87,11 +87,7 @@ def _checks(check: RequirementsCheck, requirements: Requirements, text: Text) ->
     low, high = (format_value(end, "rad") for end in requirements.theta)
     rows = []
     for item in check.items:
-        pose = NONE
-        if item.pose is not None:
-            x, y, theta, z = (round(value, 9) for value in item.pose)  # no rounding errors
-            place = (format_value(value, "m") for value in (x, y, z))
-            pose = f"({', '.join(place)}), {format_value(theta, 'rad')}"
+        pose = NONE if item.pose is None else format_pose(item.pose)
         label = item.label
         if item.requirement is not None:
             label = text(requirements.bounds[item.requirement])
@@ -99,9 +95,7 @@ def _checks(check: RequirementsCheck, requirements: Requirements, text: Text) ->
         verdict = "holds" if item.holds else item.reason or "broken"
         cells = (label, verdict, format_value(item.value, item.unit), margin, pose)
         rows.append(Row(cells, "plain" if item.holds else "marked"))
-    caption = (
-        f"Worst values {_OVER[check.over]}, from θ {low} to {high}; the poses are (x, y, z), θ."
-    )
+    caption = f"Worst values {_OVER[check.over]}, from θ {low} to {high}."
     head = ("Requirement", "Verdict", "Worst value", "Margin", "Pose")
     blocks: list[Block] = []
     if (workspace := requirements.workspace) is not None:
