@@ -96,6 +96,25 @@ def test_pointer_in_a_plot_or_a_map_is_marked_in_the_scene_and_the_other_maps(mo
     until(lambda: not motion.page.evaluate(SEEN, "/cursor"), "the mark in the scene is gone")
 
 
+def test_piece_of_time_that_is_dragged_in_a_plot_is_marked_on_path_and_maps(motion: Tab) -> None:
+    box = motion.steady_box(motion.page.locator(".u-over").first)
+    start, middle = box["x"] + 0.25 * box["width"], box["y"] + box["height"] / 2
+    motion.page.mouse.move(start, middle)
+    motion.page.mouse.down()
+    motion.page.mouse.move(start + 0.25 * box["width"], middle, steps=4)
+    motion.page.mouse.up()
+    until(lambda: motion.state.playback.piece is not None, "the piece is told")
+    whole = planned(motion).duration
+    np.testing.assert_allclose(motion.state.playback.piece, (whole / 4, whole / 2), atol=0.02)
+    motion.open_tab("Torque maps")
+    until(lambda: motion.page.locator(".pv-piece").count() >= 1, "it is drawn in the maps")
+    motion.open_tab("Motion plots")
+    box = motion.steady_box(motion.page.locator(".u-over").first)
+    motion.page.mouse.dblclick(box["x"] + box["width"] / 2, middle)
+    until(lambda: motion.state.playback.piece is None, "all of the time is shown")
+    until(lambda: motion.page.locator(".pv-piece").count() == 0, "no piece is left in the maps")
+
+
 def test_motion_is_played_to_its_end_and_a_pose_slider_stops_it(motion: Tab) -> None:
     motion.dispatch(lambda s: motions.change(s, timing=Timing.GIVEN, duration=4.0, kind=Kind.MOVE))
     until(lambda: planned(motion).duration == 4.0, "a motion of 4 s")
@@ -288,3 +307,23 @@ def test_motion_is_drawn_on_a_map_and_its_points_are_typed(tab: Tab) -> None:
     until(lambda: tab.state.document.motion.waypoints[1][0] == -0.0335, "the typed number")
     until(lambda: tab.place("/point_handle"), "the handle is in the scene")
     until(lambda: abs(tab.place("/point_handle")[0] + 0.0335) < 1e-9, "it is at the point")
+
+
+def test_sample_of_a_drive_under_the_pointer_is_marked_where_the_robot_is_then(motion: Tab) -> None:
+    motion.open_tab("Drives")
+    motion.page.get_by_role("button", name="Find drives").click()
+    samples = motion.page.locator(".js-plotly-plot .scatterlayer .point")
+    until(lambda: samples.count() > 100, "the chart of the drive")
+    samples.nth(100).scroll_into_view_if_needed()
+    box = motion.steady_box(samples.nth(100))
+    for off in (1.0, 2.0):
+        motion.page.mouse.move(box["x"] + off, box["y"] + off)
+        motion.wait_frames(100)
+    path = planned(motion).pose[:, :2]
+
+    def on_path() -> bool:
+        place = np.array(motion.place("/cursor")[:2])
+        return bool(np.linalg.norm(path - place, axis=1).min() < 3e-3)
+
+    until(on_path, "the mark is on the path")
+    assert motion.page.evaluate(SEEN, "/cursor")

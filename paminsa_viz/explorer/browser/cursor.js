@@ -9,6 +9,13 @@
 
   const clear = () => document.querySelectorAll(`.${MARK}`).forEach((mark) => mark.remove());
 
+  /** Where a place {x, y} [mm] is in a map, as parts of the width and height of its frame. */
+  const inMap = ({ edges: [left, right, bottom, top] }, [start, head, width, height], [x, y]) => {
+    const across = (x - left) / (right - left), down = (top - y) / (top - bottom);
+    const inside = across >= 0 && across <= 1 && down >= 0 && down <= 1;
+    return inside ? [start + across * width, head + down * height] : null;
+  };
+
   /** Mark a place {x, y} [mm] in all panels of all maps but the one under the pointer. */
   const show = (place, pointer = null) => {
     clear();
@@ -16,12 +23,10 @@
     for (const markers of document.querySelectorAll("[data-paminsa-frame]")) {
       const box = markers.getBoundingClientRect();
       if (!box.width) continue;
-      const { edges: [left, right, bottom, top], panels } = JSON.parse(markers.dataset.paminsaFrame);
-      const across = (place.x - left) / (right - left);
-      const down = (top - place.y) / (top - bottom);
-      if (across < 0 || across > 1 || down < 0 || down > 1) continue;
-      for (const [start, head, width, height] of panels) {
-        const at = [start + across * width, head + down * height];
+      const frame = JSON.parse(markers.dataset.paminsaFrame);
+      for (const panel of frame.panels) {
+        const at = inMap(frame, panel, [place.x, place.y]);
+        if (!at) break;
         const far = pointer && Math.hypot(
           box.left + at[0] * box.width - pointer[0], box.top + at[1] * box.height - pointer[1]);
         if (pointer && far < 3) continue;
@@ -33,6 +38,38 @@
       }
     }
   };
+
+  // The path of the piece of time that the motion plots show, over all maps: [[x, y], …] [mm].
+  let piece = [];
+  const SVG = "http://www.w3.org/2000/svg";
+  const drawn = new WeakMap(); // of a map's drawing, the piece
+  const drawPiece = (markers) => {
+    const before = markers.querySelector(".pv-piece");
+    if (before ? drawn.get(before) === piece : !piece.length) return; // drawing calls this again
+    before?.remove();
+    if (!piece.length) return;
+    const frame = JSON.parse(markers.dataset.paminsaFrame);
+    const drawing = document.createElementNS(SVG, "svg");
+    drawn.set(drawing, piece);
+    drawing.setAttribute("class", "pv-piece");
+    drawing.setAttribute("viewBox", "0 0 1 1");
+    drawing.setAttribute("preserveAspectRatio", "none");
+    const steps = frame.panels.flatMap((panel) => {
+      const places = piece.map((place) => inMap(frame, panel, place));
+      return places.map((at, i) => at && `${places[i - 1] ? "L" : "M"}${at[0]} ${at[1]}`);
+    });
+    for (let layer = 0; layer < 2; layer += 1) { // a light one below
+      const line = document.createElementNS(SVG, "path");
+      line.setAttribute("d", steps.filter(Boolean).join(""));
+      drawing.append(line);
+    }
+    markers.append(drawing);
+  };
+  const showPiece = (places) => {
+    piece = places;
+    document.querySelectorAll("[data-paminsa-frame]").forEach(drawPiece);
+  };
+  window.paminsaMarks?.watch("[data-paminsa-frame]", drawPiece);
 
   /**
    * Follow the pointer. `placeUnder` and `timeUnder` say of an event which place of a map [mm] or
@@ -69,5 +106,5 @@
         last = event;
       }, { capture: true, passive: true, signal });
   };
-  window.paminsaCursor = { follow, show };
+  window.paminsaCursor = { follow, show, showPiece };
 })();

@@ -256,6 +256,8 @@
     return frame ? placeInFrame(frame, [clientX, clientY]) : null;
   };
   const timeUnder = ({ target, clientX }) => {
+    const time = plotOf(target)?._hoverdata?.[0]?.customdata;
+    if (typeof time === "number") return time;
     const chart = target.closest?.(".uplot") && charts().find((each) => each.over.contains(target));
     return chart ? chart.posToVal(clientX - chart.over.getBoundingClientRect().left, "x") : null;
   };
@@ -381,8 +383,20 @@
     });
     return line;
   };
+  // A chart that is zoomed shows a piece of the time, which is marked wherever the motion is seen.
+  let piece = "null";
+  const tellPiece = () => {
+    let found = null;
+    for (const { data: [times], scales: { x } } of charts()) {
+      const first = times?.[0], last = times?.[times.length - 1];
+      if (x.min > first || x.max < last) found = { from: Math.max(x.min, first), to: Math.min(x.max, last) };
+    }
+    const text = JSON.stringify(found);
+    if (text !== piece && send("piece", found)) piece = text;
+  };
   const drawCursor = () => {
     if (!cursor.slot) return;
+    if (charts().length) tellPiece();
     for (const chart of charts()) {
       const line = lineOf(chart);
       const x = cursor.time === null ? NaN : chart.valToPos(cursor.time, "x");
@@ -509,9 +523,10 @@
   const copyLink = (code) => copy("Link", window.paminsaLinks?.to(code) || code);
   const focusInput = (names) => window.paminsaNames?.focus(names);
   const showPlace = (place) => window.paminsaCursor?.show(place);
+  const showPiece = (places) => window.paminsaCursor?.showPiece(places);
   const releaseTheme = () => window.paminsaFirstPaint?.release();
   window.paminsa = {
     stop, whole, tour, copy, focusInput, send, save, openTab, setTitle, showTime, showLegend,
-    renderOnDemand, releaseTheme, openLink, followLink, copyLink, answerTyped, showPlace,
+    renderOnDemand, releaseTheme, openLink, followLink, copyLink, answerTyped, showPlace, showPiece,
   };
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any, TypeVar
 
@@ -72,6 +72,14 @@ def move(state: State, **coordinates: float) -> State:
     pose = dict(zip(COORDINATES, state.document.pose, strict=True)) | coordinates
     moved = (pose["x"], pose["y"], pose["theta"], pose["z"])
     return change_document(stop_following(state), pose=moved)
+
+
+def move_to(state: State, pose: Iterable[float] | None) -> State:
+    """Ask for a pose that was found [m, m, rad, m], without its rounding errors; None stays."""
+    if pose is None:
+        return state
+    found = (round(float(value), 9) + 0.0 for value in pose)
+    return move(state, **dict(zip(COORDINATES, found, strict=True)))
 
 
 def stop_following(state: State) -> State:

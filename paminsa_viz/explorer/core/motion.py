@@ -133,6 +133,11 @@ def scrub(state: State, time: float) -> State:
     return show_time(_with_path(stopped), time)
 
 
+def show_piece(state: State, piece: tuple[float, float] | None) -> State:
+    """Mark a piece of the motion's time (from, to) [s] wherever the motion is seen; None: none."""
+    return state if state.playback.piece == piece else state.updated("playback", piece=piece)
+
+
 def play(state: State) -> State:
     """Play the motion on, from its start if it is at its end.
 

@@ -109,6 +109,11 @@ def _collect(
     )
 
 
+def in_piece(t: NDArray[np.float64], piece: tuple[float, float] | None) -> NDArray[np.bool_]:
+    """Return which times (n,) [s] are in a piece of time, all if there is none."""
+    return np.full(t.shape, True) if piece is None else (t >= piece[0]) & (t <= piece[1])
+
+
 class PathSegments(NamedTuple):
     """A path of k points.
 

@@ -258,6 +258,7 @@ class Playback:
             person has moved it, until the motion is played or scrubbed again.
         speed: Times as fast as true time.
         loop: Whether the motion starts again at its end.
+        piece: The piece of time that the motion plots show (from, to) [s], None for all of it.
     """
 
     time: float = 0.0
@@ -265,6 +266,7 @@ class Playback:
     following: bool = False
     speed: float = 1.0
     loop: bool = False
+    piece: tuple[float, float] | None = None
 
 
 def advanced(playback: Playback, passed: float, duration: float) -> Playback:

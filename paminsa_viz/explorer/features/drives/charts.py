@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from paminsa_viz.actuation.duty import DutyCycle
+from paminsa_viz.actuation.duty import ActuatorLoad, DutyCycle
 from paminsa_viz.actuation.selection import DriveFigures, cloud
+from paminsa_viz.explorer.core.motion_results import in_piece
+from paminsa_viz.explorer.core.planning import planned
 from paminsa_viz.explorer.kit.chart import Tree, figure
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED
 
@@ -18,18 +23,100 @@ MOST_POINTS = 600
 
 RPM = 30 / math.pi
 
+HOVER = "%{x:.0f} rpm, %{y:.3~g} N·m<extra></extra>"
 
-def shown_drive(state: State) -> tuple[DriveFigures, DutyCycle, int, tuple[int, ...]] | None:
-    """Return what the chart shows: a drive, its cycle, its actuator, and all with such a drive."""
+
+class Plotted(NamedTuple):
+    """What the motion plots show of a cycle's motions.
+
+    Attributes:
+        motions: Which motions of the cycle are the one that is plotted.
+        origin: Its time where they begin [s].
+        slower: Factor that the cycle stretches its time by.
+        piece: The piece of its time that is shown (from, to) [s], None for all of it.
+    """
+
+    motions: tuple[int, ...]
+    origin: float
+    slower: float
+    piece: tuple[float, float] | None
+
+    def times(self, load: ActuatorLoad) -> Array:
+        """Return the plotted motion's time of all samples of a load, NaN of others (n,) [s]."""
+        return np.concatenate(
+            [
+                self.origin + passage.t / self.slower
+                if i in self.motions
+                else np.full(passage.t.shape, np.nan)
+                for i, passage in enumerate(load.passages)
+            ]
+        )
+
+
+Shown = tuple[DriveFigures, DutyCycle, int, tuple[int, ...], Plotted | None]
+
+
+def shown_drive(state: State) -> Shown | None:
+    """Return what the chart shows: drive, cycle, actuator, all with such a drive, what is plotted.
+
+    The last is None if the motion that is plotted is not in the cycle.
+    """
     drives = state.drives
     if drives.shown is None or drives.result is None:
         return None
-    actuator = drives.actuator
-    return drives.shown, drives.result.selection.cycle, actuator, drives.shared(actuator)
+    actuator, cycle = drives.actuator, drives.result.selection.cycle
+    return drives.shown, cycle, actuator, drives.shared(actuator), _plotted(state, cycle)
+
+
+def _plotted(state: State, cycle: DutyCycle) -> Plotted | None:
+    motion = planned(state.document.motion, state.document.design).trajectory
+    own = tuple(i for i, duty in enumerate(cycle.duties) if duty.trajectory is motion)
+    if motion is None or not own:
+        return None
+    return Plotted(own, float(motion.t[0]), cycle.slower, state.playback.piece)
+
+
+def _some(count: int) -> NDArray[np.intp]:
+    """Return the indices of about `MOST_POINTS` samples, evenly spread."""
+    return np.linspace(0, count - 1, min(count, MOST_POINTS)).round().astype(np.intp)
+
+
+def _cloud(actuator: int, samples: Array, piece: tuple[float, float] | None) -> list[Tree]:
+    """Return the traces of an actuator: all samples, and those of a piece of time.
+
+    The page marks where the robot is at a sample's time.
+
+    Args:
+        actuator: Its index.
+        samples: Speed [rpm], torque [N m] and time [s] of samples, (3, n).
+        piece: The piece of time (from, to) [s].
+    """
+    color, name = ACTUATOR_COLORS[actuator], ACTUATORS[actuator]
+
+    def trace(which: NDArray[np.intp], **more: Any) -> Tree:
+        x, y, times = samples[:, which]
+        return {
+            "type": "scatter", "mode": "lines+markers", "name": name,
+            "x": x.tolist(), "y": y.tolist(),
+            "customdata": [None if np.isnan(t) else float(t) for t in times],
+            "line": {"color": color, "width": 1}, "marker": {"color": color, "size": 3},
+            "hovertemplate": HOVER,
+        } | more  # fmt: skip
+
+    everything = _some(samples.shape[1])
+    if piece is None:
+        return [trace(everything)]
+    inside = np.flatnonzero(in_piece(samples[2], piece))
+    more = {"name": f"{name}, plotted", "mode": "markers", "marker": {"color": color, "size": 5}}
+    return [trace(everything, opacity=0.3), trace(inside[_some(inside.size)], **more)]
 
 
 def chart_figure(
-    one: DriveFigures, cycle: DutyCycle, actuator: int, shared: tuple[int, ...]
+    one: DriveFigures,
+    cycle: DutyCycle,
+    actuator: int,
+    shared: tuple[int, ...],
+    plotted: Plotted | None = None,
 ) -> Tree:
     """Return the figure of a drive's torques over its speeds, inside its envelope."""
     drive = one.drive
@@ -39,7 +126,6 @@ def chart_figure(
     corners = [(s, t) for s, t in corners if math.isfinite(t)]
     around = [*corners, *[(s, -t) for s, t in reversed(corners)]]
     around += [(-s, -t) for s, t in corners] + [(-s, t) for s, t in reversed(corners)]
-    hover = "%{x:.0f} rpm, %{y:.3~g} N·m<extra></extra>"
     data: list[Tree] = []
     if corners:
         data.append(
@@ -60,22 +146,15 @@ def chart_figure(
             }
         )  # fmt: skip
     for j, (speed, torque) in zip(shared, clouds, strict=True):
-        kept = np.linspace(0, len(speed) - 1, min(len(speed), MOST_POINTS)).round().astype(int)
-        color = ACTUATOR_COLORS[j]
-        data.append(
-            {
-                "type": "scatter", "mode": "lines+markers", "name": ACTUATORS[j],
-                "x": (RPM * speed[kept]).tolist(), "y": torque[kept].tolist(),
-                "line": {"color": color, "width": 1}, "marker": {"color": color, "size": 3},
-                "hovertemplate": hover,
-            }
-        )  # fmt: skip
+        times = np.full(len(speed), np.nan) if plotted is None else plotted.times(cycle.loads[j])
+        samples = np.stack([RPM * speed, torque, times])
+        data += _cloud(j, samples, None if plotted is None else plotted.piece)
     mean = RPM * drive.ratio * cycle.loads[actuator].mean_speed
     data.append(
         {
             "type": "scatter", "mode": "markers", "name": f"RMS {ACTUATORS[actuator]}",
             "x": [mean], "y": [one.rms],
-            "marker": {"color": INK, "size": 10, "symbol": "x"}, "hovertemplate": hover,
+            "marker": {"color": INK, "size": 10, "symbol": "x"}, "hovertemplate": HOVER,
         }
     )  # fmt: skip
     legend = {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"}

@@ -11,16 +11,16 @@ import numpy as np
 
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.core.motion_results import split_path
+from paminsa_viz.explorer.core.motion_results import in_piece, split_path
 from paminsa_viz.explorer.core.simulated import wanted_pose
-from paminsa_viz.explorer.scene.curves import segments
+from paminsa_viz.explorer.scene.curves import linear_colors, segments
 from paminsa_viz.explorer.scene.ghost import Ghost
 from paminsa_viz.explorer.scene.hues import ForceScale, drawn_hues, hue
 from paminsa_viz.explorer.scene.nodes import Node, curves, lines
 from paminsa_viz.kept import kept
 from paminsa_viz.model import Design
 from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
-from paminsa_viz.palette import BAD, INK
+from paminsa_viz.palette import BAD, INK, MUTED
 from paminsa_viz.trajectory import TrajectoryAnalysis
 
 WIDTH: Final = 5.0
@@ -46,20 +46,26 @@ def motion_path(frame: Frame) -> tuple[Node, ...]:
     if frame.analysis is None:
         return ()
     height = layout(state.last_reachable.geometry).ground + ABOVE
-    return _drawn(frame.analysis, state.plots.color, height)
+    return _drawn(frame.analysis, state.plots.color, height, state.playback.piece)
 
 
 @kept(4)
-def _drawn(analysis: TrajectoryAnalysis, actuator: int, height: float) -> tuple[Node, ...]:
+def _drawn(
+    analysis: TrajectoryAnalysis, actuator: int, height: float, piece: tuple[float, float] | None
+) -> tuple[Node, ...]:
     found = split_path(analysis)
     torque = analysis.torque[found.samples, actuator]
     good = [segments(found.place[run]) for run in found.good]
     values = [np.stack([torque[run][:-1], torque[run][1:]], axis=1) for run in found.good]
     places = hue(np.concatenate([np.zeros((0, 2)), *values]), path_scale(analysis, actuator))
     way = np.concatenate([np.zeros((0, 2, 3)), *good])
+    colors = drawn_hues()[places]
+    inside = in_piece(analysis.trajectory.t[found.samples], piece)
+    shown = [inside[run][:-1] & inside[run][1:] for run in found.good]
+    colors[~np.concatenate([np.zeros(0, bool), *shown])] = linear_colors(MUTED)[0]
     bad = [found.place[run] for run in found.bad]
     return (
-        lines("/path/way", way, drawn_hues()[places], WIDTH),
+        lines("/path/way", way, colors, WIDTH),
         curves("/path/failing", bad, BAD, WIDTH, dash=DASH),
         curves("/path/below", [found.place[:, :2]], INK, height=height),
     )

@@ -9,10 +9,10 @@ from typing import Any, Literal
 import numpy as np
 
 from paminsa_viz.engines import why_missing
-from paminsa_viz.explorer.browser.bridge import Slots, marker
+from paminsa_viz.explorer.browser.bridge import Slots, finite, marker
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.core.motion_results import MotionResults
+from paminsa_viz.explorer.core.motion_results import MotionResults, in_piece
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.motion.engine import ask_engine
@@ -29,7 +29,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.plots.series import Statistics, Trace, statistics
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_uplot import Chart, charts, trace_order
-from paminsa_viz.units import NONE, number
+from paminsa_viz.units import MM, NONE, number
 
 Engine = Literal["MuJoCo", "Pinocchio"]
 
@@ -102,7 +102,7 @@ class MotionPlots:
 
     def __init__(self, session: Session, slots: Slots, container: Any) -> None:
         gui = session.client.gui
-        self._slots = slots
+        self._slots, self._bridge = slots, session.bridge
         self._cursor = TimeCursor(session.bridge, lambda time: _scrub(session, time))
         gui.add_html(marker(PLACE), order=0)
         height = session.window[1]
@@ -113,11 +113,14 @@ class MotionPlots:
         self._key: tuple[object, ...] = ()
         self._drawn: tuple[Chart, ...] = ()
         self._read: dict[Trace, Statistics] = {}
+        self._piece: tuple[object, ...] = ()
+        session.bridge.on("piece", partial(_take_piece, session))
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what has changed, unless nobody sees it."""
         state = frame.state
         self.inputs.draw(frame, dragging)
+        self._mark_piece(frame)
         if not self._slots.width(PLACE):
             return
         found = frame.motions.all(state)
@@ -129,6 +132,20 @@ class MotionPlots:
         else:
             largest = "least" if state.plots.plot == "clearance" else "largest"
             self._numbers.content = numbers_html(self._drawn, self._read, time, largest)
+
+    def _mark_piece(self, frame: Frame) -> None:
+        """Mark the path of the piece of time that the charts show in the maps."""
+        piece = frame.state.playback.piece
+        trajectory = None if frame.analysis is None or piece is None else frame.analysis.trajectory
+        if (piece, trajectory) == self._piece:
+            return
+        self._piece = (piece, trajectory)
+        places: list[list[float]] = []
+        if trajectory is not None:
+            inside = np.flatnonzero(in_piece(trajectory.t, piece))
+            some = np.linspace(0, inside.size - 1, min(inside.size, PIECE_POINTS)).round()
+            places = (MM * trajectory.pose[inside[some.astype(np.intp)], :2]).round(1).tolist()
+        self._bridge.call("showPiece", places)
 
     def _draw_curves(self, state: State, found: MotionResults | None) -> None:
         key = (found, state.plots, state.theme)
@@ -143,6 +160,22 @@ class MotionPlots:
         for index, chart in enumerate(self.charts):
             chart.draw(self._drawn[index] if index < len(self._drawn) else None, state.theme)
         self._caption.content = caption_html(state, found, self._drawn)
+
+
+PIECE_POINTS = 120
+"""Most points of a piece of the path in a map."""
+
+
+def piece_of(data: Any) -> tuple[float, float] | None:
+    """Return the piece of time (from, to) [s] that the page says the charts show, None for all."""
+    given = data if isinstance(data, dict) else {}
+    start, end = finite(given.get("from")), finite(given.get("to"))
+    return None if start is None or end is None or start >= end else (start, end)
+
+
+def _take_piece(session: Session, data: Any) -> None:
+    action = partial(motions.show_piece, piece=piece_of(data))
+    session.dispatch("playback.piece", action, step=False)
 
 
 def _scrub(session: Session, time: float) -> None:

@@ -74,10 +74,7 @@ def put_here(state: State) -> State:
 
 def go_there(state: State) -> State:
     """Move the robot to the pose that is edited."""
-    pose = selected_pose(state)
-    if pose is None:
-        return state
-    return actions.move(state, **dict(zip(("x", "y", "theta", "z"), pose, strict=True)))
+    return actions.move_to(state, selected_pose(state))
 
 
 def add_waypoint(state: State) -> State:

@@ -11,13 +11,16 @@ import pytest
 
 from paminsa_viz.actuation.catalog import read_catalog
 from paminsa_viz.explorer.core import actions, persistence
+from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.planning import planned
 from paminsa_viz.explorer.features.compare.tab import differences_html
 from paminsa_viz.explorer.features.drives import tab as panel
+from paminsa_viz.explorer.features.drives.charts import RPM
 from paminsa_viz.explorer.features.drives.solving import LISTED
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.trajectory import analyze
 from tests.support.tasks import finished
 
 WEAK = """kind,name,source,rotor_inertia_kg_cm2,rated_torque_Nm,peak_torque_Nm,rated_speed_rpm,\
@@ -87,6 +90,30 @@ def test_the_chart_holds_the_motion_inside_the_envelope(found: State) -> None:
     other = found.updated("drives", row=1)
     assert panel.shown_drive(found) != panel.shown_drive(other)
     assert panel.shown_drive(initial_state()) is None
+
+
+def test_the_piece_of_time_that_is_plotted_stands_out_if_its_motion_is_in_the_cycle(
+    found: State,
+) -> None:
+    (duty,) = found.drives.result.selection.cycle.duties  # type: ignore[union-attr]
+    motion = duty.trajectory
+    start, end = motion.t[0] + 0.25 * motion.duration, motion.t[0] + 0.5 * motion.duration
+    plotted = motions.show_piece(found, (float(start), float(end)))
+    traces = {trace["name"]: trace for trace in drawn(plotted)["data"]}
+    inside = (motion.t >= start) & (motion.t <= end)
+    speed = analyze(found.document.design, motion).solved.speed[inside, 0]
+    shown = np.array(traces["M1, plotted"]["x"])
+    ratio = RPM * plotted.drives.shown.drive.ratio  # type: ignore[union-attr]
+    assert shown.min() == pytest.approx(ratio * speed.min(), rel=1e-3, abs=1e-6)
+    assert shown.max() == pytest.approx(ratio * speed.max(), rel=1e-3, abs=1e-6)
+    times = np.array(traces["M1, plotted"]["customdata"], float)
+    assert (times >= start).all()
+    assert (times <= end).all()
+    np.testing.assert_allclose(np.interp(times, motion.t, analyze(
+        found.document.design, motion).solved.speed[:, 0]) * ratio, shown, atol=1e-9)  # fmt: skip
+    other = drawn(motions.choose_preset(plotted, "circle"))["data"]
+    assert not any("plotted" in trace["name"] for trace in other)
+    assert all(time is None for trace in other for time in trace.get("customdata", ()))
 
 
 def test_a_catalog_without_a_feasible_drive_shows_the_nearest_and_advice() -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,16 +12,20 @@ import pytest
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.clearance import motion_job
+from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.motion_results import MotionResults, MotionStore, split_path
 from paminsa_viz.explorer.features.clearance.actions import find_along
-from paminsa_viz.explorer.features.motion import simulation
+from paminsa_viz.explorer.features.motion import plots, simulation
+from paminsa_viz.explorer.features.motion.layers import motion_path
 from paminsa_viz.explorer.features.motion.plots import drawn_charts
 from paminsa_viz.explorer.features.motion.simulation import run
+from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.state.motion import PLOTS, SIMULATED, Kind, PlotView
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.simulation import SimulationSettings, make_job
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import Misprint
+from paminsa_viz.palette import MUTED
 from paminsa_viz.plots import series_uplot
 from paminsa_viz.plots.series import SeriesKind, Trace, runs, statistics
 from paminsa_viz.plots.series_uplot import Chart
@@ -160,6 +166,39 @@ def test_path_is_split_where_it_fails(failing: State) -> None:
         covered[part] = True
     assert covered.all()
     assert path.bad[0].start == path.good[0].stop - 1
+
+
+@pytest.mark.parametrize("pieces", [1, 3])
+def test_any_piece_of_the_time_has_the_whole_range(state: State, pieces: int) -> None:
+    for chart in drawn_charts(state, results(state)):
+        span = series_uplot.uplot_data(chart, pieces)[1]
+        ends = np.sort(np.stack([span[:-1], span[1:]]), axis=0)
+        assert (series_uplot.bounds(chart.traces) == ends.T).all()
+
+
+def test_path_is_gray_but_for_the_piece_of_time_that_is_plotted(state: State) -> None:
+    state = state.updated("", layers=state.layers | {"path"})
+    gray = linear_colors(MUTED)[0]
+
+    def colored(piece: tuple[float, float] | None) -> np.ndarray:
+        way, *_ = motion_path(compute(motions.show_piece(state, piece)))
+        return (way.live["colors"] != gray).any(axis=(1, 2))
+
+    assert colored(None).all()
+    motion = results(state).analysis.trajectory
+    start, end = 0.2 * motion.duration, 0.6 * motion.duration
+    inside = colored((start, end))
+    assert inside.mean() == pytest.approx(0.4, abs=0.02)
+    assert np.flatnonzero(np.diff(inside.astype(int))).size == 2
+    assert not colored((-2.0, -1.0)).any()
+
+
+@pytest.mark.parametrize(
+    "data", [None, 7, "x", {}, {"from": 1.0}, {"from": 2.0, "to": 1.0}, {"from": math.nan, "to": 1}]
+)
+def test_what_is_no_piece_of_time_is_none(data: Any) -> None:
+    assert plots.piece_of(data) is None
+    assert plots.piece_of({"from": 0.5, "to": 1}) == (0.5, 1.0)
 
 
 def test_result_of_a_simulation_is_plotted_and_holds_for_its_design_only() -> None:
