@@ -10,6 +10,7 @@ from paminsa_viz.explorer.core.actions import Action
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.saved_requirements import asked
 from paminsa_viz.explorer.features.compare.tab import REFERENCE, switch_html
+from paminsa_viz.explorer.features.pins.tab import PINS, pins_html
 from paminsa_viz.explorer.features.pose.tab import (
     load_html,
     pose_line_html,
@@ -53,7 +54,7 @@ def strip_html(frame: Frame) -> str:
     more = f'<div class="pv-more">{numbers}</div>'
     parts = (
         status_line_html(frame), pose_line_html(frame), of_pose(frame, load_html(frame)),
-        springs_html(frame),
+        springs_html(frame), pins_html(frame),
         requirements_html(frame.state), switch_html(frame), more,
     )  # fmt: skip
     return f'<div class="pv-strip">{"".join(parts)}</div>'
@@ -92,6 +93,7 @@ def _again(state: State, start: Action) -> State:
 
 STRIP = (
     REFERENCE,
+    *PINS,
     Html("readout.strip", content=strip_html),
     ButtonGroup(
         "kept", "Kept state",

@@ -1,13 +1,15 @@
-"""What is typed into the command palette as a whole: values to set, and maps to show.
+"""What is typed into the command palette as a whole: values to set, maps to show, pins.
 
 ``m7 3.063`` sets a number of the design, ``x 50 mm`` moves the robot, ``map stiffness z`` shows a
-map. One command of the palette says what the text would do, and does it.
+map, ``pin clearance`` and ``pin m7`` put a number into the strip or take it off. One command of
+the palette says what the text would do, and does it.
 """
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any
@@ -15,9 +17,11 @@ from typing import Any
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.maps import choose_quantity
 from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.pins.tab import name_of, pin
 from paminsa_viz.explorer.kit.bindings import perform
 from paminsa_viz.explorer.kit.design_numbers import DIGITS, set_value
 from paminsa_viz.explorer.kit.entries import Effect, Then
+from paminsa_viz.explorer.state.pins import IMBALANCE
 from paminsa_viz.model import PARAMETERS
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.quantities import QUANTITIES
@@ -26,8 +30,8 @@ from paminsa_viz.units import DisplayUnit, display_unit, symbol_text
 LONGEST = 100
 """Characters that are read of a text."""
 
-HELP = "Set a value, or show a map"
-EXAMPLES = "m7 3.063; R_b 370 mm; theta 60; map stiffness z"
+HELP = "Set a value, show a map, or pin a number"
+EXAMPLES = "m7 3.063; R_b 370 mm; theta 60; map stiffness z; pin clearance"
 
 _VALUE = re.compile(
     r"(?P<name>\S.*?)\s*(?:=|\s)\s*(?P<number>[+\-\u2212]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[+-]?\d+)?)"
@@ -120,12 +124,11 @@ def _value(text: str) -> Typed | None:
     )
 
 
-def _map(text: str) -> Typed | None:
-    """Return the map that words name after ``map``, or None if there is none."""
-    first, *rest = _WORD.findall(text.casefold())
-    if first != "map" or not rest:
+def _quantity(text: str) -> str | None:
+    """Return the key of the quantity that words name, or None if there is none."""
+    words = [_GREEK.get(word, word) for word in _WORD.findall(text.casefold())]
+    if not words:
         return None
-    words = [_GREEK.get(word, word) for word in rest]
 
     def misses(label: str) -> int:
         """Return how many words a label has besides those that are typed, -1 if one is missing."""
@@ -137,10 +140,34 @@ def _map(text: str) -> Typed | None:
         scores = {key: misses(getattr(one, texts)) for key, one in QUANTITIES.items()}
         found = [key for key, score in scores.items() if score >= 0]
         if found:
-            key = min(found, key=scores.__getitem__)
-            effect = Then(partial(choose_quantity, quantity=key), opens="Single map")
-            return Typed(f"Show the map: {QUANTITIES[key].label}", effect)
+            return min(found, key=scores.__getitem__)
     return None
+
+
+def _map(name: str) -> Typed | None:
+    """Return what shows the map of a quantity, or None if there is none of that name."""
+    key = _quantity(name)
+    if key is None:
+        return None
+    effect = Then(partial(choose_quantity, quantity=key), opens="Single map")
+    return Typed(f"Show the map: {QUANTITIES[key].label}", effect)
+
+
+def _pin(name: str) -> Typed | None:
+    """Return what pins a number of the design or a quantity, or None if there is none."""
+    target = _targets().get(_plain(name))
+    if target is not None:
+        # The strip has the pose in any case.
+        effect = None if target.is_pose else partial(pin, key=target.path)
+        return effect and Typed(f"Pin {target.symbol}, or take it off", effect)
+    key = IMBALANCE if _plain(name) == _plain(IMBALANCE) else _quantity(name)
+    if key is None:
+        return None
+    return Typed(f"Pin {name_of(key)[0]}, or take it off", partial(pin, key=key))
+
+
+_DO: dict[str, Callable[[str], Typed | None]] = {"map": _map, "pin": _pin}
+"""What the first word of a text says to do with what the others name."""
 
 
 def meaning(text: str) -> Typed | None:
@@ -148,7 +175,9 @@ def meaning(text: str) -> Typed | None:
     plain = text.strip()
     if not _WORD.search(plain) or len(plain) > LONGEST:
         return None
-    return _map(plain) or _value(plain)
+    first, _, name = plain.partition(" ")
+    does = _DO.get(first.casefold())
+    return (does and name and does(name)) or _value(plain)
 
 
 class TypedCommand:

@@ -55,6 +55,11 @@ class Requirement:
         """The quantity."""
         return find([self.quantity])[0]
 
+    @property
+    def size(self) -> float:
+        """What margins are compared with: the smallest bound that is not 0, else 1 [SI]."""
+        return min((abs(limit) for limit in (self.low, self.high) if limit), default=1.0)
+
     def margin(self, values: ArrayLike) -> Array:
         """Return how far values are inside the bounds, negative outside (...) [SI]; NaN of NaN."""
         values = np.asarray(values, np.float64)

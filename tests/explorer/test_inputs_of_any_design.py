@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,21 +9,12 @@ import numpy as np
 from hypothesis import example, given
 
 from paminsa_viz.explorer.core import actions
-from paminsa_viz.explorer.kit.entries import Entry
 from paminsa_viz.explorer.kit.inputs import Number, Pair, Slider
 from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.explorer.tabs import sections
 from paminsa_viz.model import APPENDIX_4, Design
+from tests.support.entries import flat
 from tests.support.samples import edge_designs
-
-
-def flat(entries: Any) -> Iterator[Entry]:
-    """Yield entries with those in them."""
-    for entry in entries:
-        yield entry
-        yield from flat(getattr(entry, "entries", ()))
-        for inner in getattr(entry, "tabs", {}).values():
-            yield from flat(inner)
 
 
 class Gui:

@@ -259,6 +259,11 @@ def test_click_on_a_bar_opens_the_inspector_and_esc_closes_it(tab: Tab) -> None:
     tab.page.keyboard.press("Enter")
     until(lambda: tab.state.document.design.links.b4 == 0.7, "the mass")
     panel.get_by_text("0.7 kg").wait_for()
+    panel.locator("[data-paminsa-value='elastic.b4_outer']").click()  # its folder is shut
+    until(
+        lambda: "B4 outer" in tab.page.evaluate(focused), "the number in the folder has the focus"
+    )
+    assert tab.page.evaluate("() => document.activeElement.checkVisibility()")
     panel.get_by_role("button", name="map this").click()
     until(lambda: tab.state.map_view.quantity == "utilization", "the map")
     tab.page.locator("body").click(position={"x": 640, "y": 715})

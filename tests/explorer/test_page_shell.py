@@ -279,3 +279,17 @@ def test_palette_finds_sections_and_quantities_by_other_words(tab: Tab) -> None:
     tab.session.undo()
     until(lambda: tab.state.document.design.joints.j7 != 3.063, "it is one step")
     assert tab.state.map_view.quantity == "stiffness_z"
+
+
+def test_number_that_is_clicked_is_pinned_and_the_cross_takes_it_off(tab: Tab) -> None:
+    tab.open_tab("Pose")
+    tab.page.get_by_test_id("quality").locator("[data-paminsa-value='condition']").click()
+    row = tab.page.get_by_test_id("pins").get_by_role("row")
+    row.get_by_text("condition number").wait_for()
+    before = row.inner_text()
+    tab.number_box("x  [mm]").fill("120")
+    tab.number_box("x  [mm]").press("Enter")
+    until(lambda: row.inner_text() not in (before, ""), "the number in the strip follows")
+    tab.page.get_by_role("button", name="Take Condition number", exact=False).click()
+    tab.page.get_by_test_id("pins").wait_for(state="detached")
+    assert tab.state.pins.settings.keys == ()

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from paminsa_viz.explorer.kit.entries import Then
+from paminsa_viz.explorer.state.pins import IMBALANCE
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.typed import meaning
 from paminsa_viz.model import PARAMETERS, InvalidInput
@@ -68,6 +69,21 @@ def test_words_after_map_name_a_quantity(text: str, quantity: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("pin clearance", "clearance"),
+        ("Pin kappa", "condition"),
+        ("pin m7", "joints.j7"),
+        ("pin R_b", "geometry.base_radius"),
+        ("pin M_p2", IMBALANCE),
+        ("pin first natural", "frequency_1"),
+    ],
+)
+def test_words_after_pin_name_a_number_of_the_strip(text: str, key: str) -> None:
+    assert done(text).pins.settings.keys == (key,)
+
+
+@pytest.mark.parametrize(
     ("text", "reason"),
     [
         ("m7 3,063", "thousand or a fraction"),
@@ -84,7 +100,21 @@ def test_what_cannot_be_set_says_why(text: str, reason: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", "m7", "rb3", "stiff", "map", "nothing 5", "M7 3", "x" * 101, "μ 3"]
+    "text",
+    [
+        "",
+        "m7",
+        "rb3",
+        "stiff",
+        "map",
+        "map -",
+        "pin",
+        "pin x",
+        "nothing 5",
+        "M7 3",
+        "x" * 101,
+        "μ 3",
+    ],
 )
 def test_a_search_means_nothing_else(text: str) -> None:
     assert meaning(text) is None

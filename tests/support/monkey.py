@@ -37,7 +37,7 @@ ODD: tuple[Any, ...] = (
 )  # fmt: skip
 """Values of wrong kinds and at the ends of numbers."""
 
-PATIENCE = 120.0
+TIMEOUT = 120.0
 """How long a page may take on a machine with much to do [s]."""
 
 FILES = (b"", b"\x00\xff", b"[geometry]\nbase_radius = nan\n", b"t_s,x_mm\n0,zero\n", b"{}" * 1000)
@@ -95,10 +95,10 @@ class Monkey:
         """Open a page and wait until all of it is there."""
         page = RawPage(self._app.server)
         number = page.client.client_id
-        session = until(lambda: self._app.sessions.get(number), "a session", PATIENCE)
+        session = until(lambda: self._app.sessions.get(number), "a session", TIMEOUT)
         for kind in ("hello", "shown"):
             session.bridge._deliver(kind, None)
-        until(session.built.is_set, "all of the page", PATIENCE)
+        until(session.built.is_set, "all of the page", TIMEOUT)
         return page, session
 
     def act(self, page: RawPage, session: Session) -> None:
@@ -165,7 +165,7 @@ def run(
                 time.sleep(0.02)
             for page, _ in opened:
                 page.socket.close()
-            until(lambda: not app.sessions, "no session is left", PATIENCE)
+            until(lambda: not app.sessions, "no session is left", TIMEOUT)
         finally:
             app.stop()
     return monkey, reports

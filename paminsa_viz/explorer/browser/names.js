@@ -36,18 +36,42 @@
   });
 
   /**
-   * Put the focus into the first field that is seen and whose label begins with one of `names`;
-   * fields of a section that is being opened are waited for.
+   * Put the focus into the first field whose label begins with one of `names` and whose section is
+   * open. Fields of a section that is being opened are waited for; a folder around it is opened.
    */
-  const focus = (names, tries = 60) => {
+  const focus = (names) => {
+    const opened = new Set();
     const begins = (label) => names.some((name) => plain(label.textContent).startsWith(name));
-    const labels = [...document.querySelectorAll("label[for]")].filter(begins);
-    const rows = labels.map((label) => label.closest(ROW)).filter((row) => row?.getClientRects().length);
-    const field = rows[0]?.querySelector(BOX) ?? rows[0]?.querySelector(FIELD);
-    if (!field && tries > 0) setTimeout(focus, 50, names, tries - 1);
-    field?.scrollIntoView({ block: "nearest" });
-    field?.focus({ preventScroll: true });
-    field?.select?.();
+    const seen = (element) => Boolean(element?.getClientRects().length);
+    const CHEVRON = ":scope > [class*=tabler-icon-chevron]";
+    const shut = (body) =>
+      body.style.overflow === "hidden" && body.previousElementSibling?.querySelector(CHEVRON);
+    const shutAround = (row) => {
+      const found = [];
+      for (let body = row; body; body = body.parentElement) if (shut(body)) found.push(body);
+      return found;
+    };
+    const unfold = (row) => {
+      const heads = shutAround(row).map((body) => body.previousElementSibling);
+      const head = heads.find((one) => seen(one) && !opened.has(one));
+      if (!head) return;
+      opened.add(head);
+      head.click();
+    };
+    const attempt = (left) => {
+      const labels = [...document.querySelectorAll("label[for]")].filter(begins);
+      const rows = labels.map((label) => label.closest(ROW)).filter(Boolean);
+      const row = rows.find((one) => seen(one) && !shutAround(one).length);
+      const field = row?.querySelector(BOX) ?? row?.querySelector(FIELD);
+      if (!field && left > 0) {
+        if (!rows.some(seen)) rows.forEach(unfold);
+        setTimeout(attempt, 50, left - 1);
+      }
+      field?.scrollIntoView({ block: "nearest" });
+      field?.focus({ preventScroll: true });
+      field?.select?.();
+    };
+    attempt(60);
   };
   window.paminsaNames = { focus };
 

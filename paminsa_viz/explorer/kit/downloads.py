@@ -5,12 +5,12 @@ from __future__ import annotations
 import logging
 import math
 import unicodedata
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import NamedTuple
 
 from paminsa_viz.explorer.core.session import Session
-from paminsa_viz.explorer.kit.entries import Run
+from paminsa_viz.explorer.kit.entries import ButtonGroup, Run
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import PaminsaError
 
@@ -65,6 +65,12 @@ def session_export(what: str, make: Make) -> Run:
 def export(what: str, make: Callable[[State], File]) -> Run:
     """Return the effect of a button that exports something of the newest state."""
     return session_export(what, lambda session: make(session.state))
+
+
+def table_buttons(key: str, tables: Mapping[str, Callable[[State], File]]) -> ButtonGroup:
+    """Return the buttons that export tables, by what they are called."""
+    choices = {label: export(f"the {label.lower()}", make) for label, make in tables.items()}
+    return ButtonGroup(key, "Export", choices=choices, hint="CSV files")
 
 
 def _export(what: str, make: Make, session: Session) -> None:

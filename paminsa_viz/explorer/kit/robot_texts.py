@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from paminsa_viz.explorer.core.frame import Frame, Health
@@ -16,6 +17,10 @@ from paminsa_viz.units import display_unit, fixed, number
 
 UNITS = ("m:um", "m:um", "rad:arcsec", "m:um", "rad:arcsec", "rad:arcsec")
 """Units of `unequal_legs.COORDINATES`."""
+
+
+PLACES = ("x", "y", "horizontal", "z", "theta")
+"""Endings of the keys of quantities that are errors, in the order of their tables."""
 
 
 def of_pose(frame: Frame, *texts: str) -> str:
@@ -46,6 +51,20 @@ def weights_by_place(*designs: Design) -> dict[str, tuple[float, ...]]:
         for weight in design.counterweights:
             found.setdefault(weight.place, [0.0] * len(designs))[index] += weight.mass
     return {place: tuple(masses) for place, masses in found.items()}
+
+
+NEAR = 0.05
+"""Share of a bound below which a margin is amber."""
+
+
+def margin_share(margin: float, size: float) -> float:
+    """Return a margin over the size of its bound, -1 to 1; no margin is as bad as can be."""
+    return -1.0 if math.isnan(margin) else min(max(margin / size, -1.0), 1.0)
+
+
+def margin_level(share: float) -> str:
+    """Return the class of the color of a margin, see `margin_share`."""
+    return "pv-bad" if share < 0 else "pv-warn" if share < NEAR else "pv-ok"
 
 
 def workspace_text(workspace: Workspace) -> str:

@@ -91,8 +91,7 @@ class Gizmo(PoseHandle):
         return frame.state.last_reachable.pose if shown else None
 
     def put(self, state: State, pose: Pose) -> State:
-        x, y, theta, z = pose
-        return actions.move(state, x=x, y=y, theta=theta, z=z)
+        return actions.move_to(state, pose)
 
     def angle(self, state: State) -> float:
         return state.document.pose[2]

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from paminsa_viz.explorer.state.accuracy import EncoderState, WorstErrorsState
 from paminsa_viz.explorer.state.balance import BalanceState
 from paminsa_viz.explorer.state.calibration import CalibrationState
 from paminsa_viz.explorer.state.clearance import ClearanceState
 from paminsa_viz.explorer.state.document import Document, LastReachable
 from paminsa_viz.explorer.state.drives import DrivesState
-from paminsa_viz.explorer.state.encoder import EncoderState
 from paminsa_viz.explorer.state.export import ExportSettings
 from paminsa_viz.explorer.state.identification import IdentificationState
 from paminsa_viz.explorer.state.inspector import Part
@@ -20,6 +20,7 @@ from paminsa_viz.explorer.state.maps import MapView
 from paminsa_viz.explorer.state.monte_carlo import MonteCarloState
 from paminsa_viz.explorer.state.motion import Playback, PlotView, PointEditing
 from paminsa_viz.explorer.state.outcome import TaskState
+from paminsa_viz.explorer.state.pins import PinsState
 from paminsa_viz.explorer.state.requirements import RequirementsState
 from paminsa_viz.explorer.state.simulation import Answer, SimulationState
 from paminsa_viz.explorer.state.springs import SpringsState
@@ -27,12 +28,10 @@ from paminsa_viz.explorer.state.stiffness import StiffnessState
 from paminsa_viz.explorer.state.synthesis import SynthesisState
 from paminsa_viz.explorer.state.tolerances import TolerancesState
 from paminsa_viz.explorer.state.view import Appearance, Camera, Docks, WorkspaceView
-from paminsa_viz.explorer.state.worst_errors import WorstErrorsJob
 from paminsa_viz.model import APPENDIX_4, Design
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 from paminsa_viz.palette import DARK, LIGHT, Theme
-from paminsa_viz.synthesis.volume.workspace import RequirementCheck
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ class State:
         point_editing: Which of the poses that a motion is built from is edited, and how.
         simulation, balance, springs, tolerances, clearance, drives, encoder, worst_errors,
             monte_carlo, loads, stiffness, identification, calibration, requirements, synthesis,
-            engine_answer: What a person set in each of these features, its jobs, and what
+            pins, engine_answer: What a person set in each of these features, its jobs, and what
             came of them.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
@@ -91,7 +90,7 @@ class State:
     clearance: ClearanceState = field(default_factory=ClearanceState)
     drives: DrivesState = field(default_factory=DrivesState)
     encoder: EncoderState = field(default_factory=EncoderState)
-    worst_errors: TaskState[WorstErrorsJob, tuple[RequirementCheck, ...]] = TaskState()
+    worst_errors: WorstErrorsState = field(default_factory=WorstErrorsState)
     monte_carlo: MonteCarloState = field(default_factory=MonteCarloState)
     loads: LoadsState = field(default_factory=LoadsState)
     stiffness: StiffnessState = field(default_factory=StiffnessState)
@@ -99,6 +98,7 @@ class State:
     calibration: CalibrationState = field(default_factory=CalibrationState)
     requirements: RequirementsState = field(default_factory=RequirementsState)
     synthesis: SynthesisState = field(default_factory=SynthesisState)
+    pins: PinsState = field(default_factory=PinsState)
     engine_answer: Answer | None = None
     condition_limit: float = CONDITION_LIMIT
     export: ExportSettings = field(default_factory=ExportSettings)

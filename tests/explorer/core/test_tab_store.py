@@ -54,6 +54,7 @@ CHANGED = (
     CHANGED.updated("loads.settings", leg=2, bar="b8", joint="5", along=True)
     .updated("stiffness.settings", mode=2, case="tilt_x", bar="b7")
     .updated("encoder.settings", gear=50.0)
+    .updated("pins.settings", keys=("condition", "links.b4"))
     .updated("monte_carlo.settings", robots=500, seed=4, coordinate=3, leg=1, length=5)
     .updated("calibration.settings", poses=20, coordinates=4, held=0.1, seed=3)
     .updated("requirements.largest.settings", growth="VERTICAL", free=True, seconds=60.0)
@@ -115,6 +116,7 @@ def test_everything_kept_comes_back() -> None:
         ("monte_carlo.settings", {"leg": 3}),
         ("monte_carlo.settings", {"length": 10**6}),
         ("stiffness.settings", {"mode": -1}),
+        ("pins.settings", {"keys": ["mood"]}),
         ("requirements.largest.settings", {"seconds": 1e6}),
         ("requirements.largest.settings", {"growth": "WEALTH"}),
         ("synthesis.settings", {"ranges": [["geometry.base_radius", [math.nan, 1.0]]]}),

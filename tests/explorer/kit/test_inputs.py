@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections import Counter
-from collections.abc import Callable, Coroutine, Iterator, Sequence
+from collections.abc import Callable, Coroutine, Iterator
 from types import SimpleNamespace
 from typing import Any
 
@@ -42,16 +42,8 @@ from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.tabs import sections
 from paminsa_viz.model import InvalidInput
 from tests.support.desk import SilentPage, desk_with, stop
+from tests.support.entries import inputs_in
 from tests.support.raw_page import eventually
-
-
-def inputs_in(entries: Sequence[Entry]) -> Iterator[Input]:
-    """Yield all inputs of a table, those in folders and tabs as well."""
-    for entry in entries:
-        if isinstance(entry, Input):
-            yield entry
-        for inner in (getattr(entry, "entries", ()), *getattr(entry, "tabs", {}).values()):
-            yield from inputs_in(inner)
 
 
 def name(entry: Input, state: State) -> str:

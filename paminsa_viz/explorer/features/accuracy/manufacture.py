@@ -12,7 +12,7 @@ from paminsa_viz.explorer.features.accuracy.monte_carlo import MONTE_CARLO, show
 from paminsa_viz.explorer.kit.design_numbers import set_value
 from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Number, Slider
-from paminsa_viz.explorer.kit.robot_texts import UNITS, error_row
+from paminsa_viz.explorer.kit.robot_texts import PLACES, UNITS, error_row
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.monte_carlo import NAMES, SHOWN, MonteCarloSettings
@@ -42,7 +42,10 @@ def tolerances_html(frame: Frame) -> str:
     rows = [error_row(NAMES[i], UNITS[i], *(part[i] for part in columns)) for i in SHOWN]
     rows.insert(2, error_row("position", "m:um", found.horizontal, np.nan, found.rms_horizontal))
     rows.append(error_row("tilt", "rad:arcsec", found.tilt, np.nan, found.rms_tilt))
-    return render("accuracy/errors.j2", rows=rows, known=bool(np.isfinite(found.worst).all()))
+    return render(
+        "accuracy/errors.j2", rows=rows, known=bool(np.isfinite(found.worst).all()),
+        keys=(*PLACES, "", "", "tilt"),
+    )  # fmt: skip
 
 
 def shares_html(frame: Frame) -> str:

@@ -22,9 +22,10 @@ from paminsa_viz.explorer.kit.entries import (
     Then,
 )
 from paminsa_viz.explorer.kit.inputs import Number, Slider
+from paminsa_viz.explorer.kit.robot_texts import PLACES
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.kit.text import render
-from paminsa_viz.explorer.state.encoder import BITS, EncoderSettings, bits_of, count_of
+from paminsa_viz.explorer.state.accuracy import BITS, EncoderSettings, bits_of, count_of
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import DriveAccuracy
 from paminsa_viz.studies.drive_accuracy import error_rows
@@ -43,10 +44,10 @@ def pose_html(frame: Frame) -> str:
     found = shown_errors(frame)
     rotary, _, _, linear = found.accuracy.half_widths
     rows = []
-    for row in error_rows(found):
+    for key, row in zip(PLACES, error_rows(found), strict=True):
         unit = display_unit(row.unit)
         values = (float(part[0]) * unit.factor for part in (row.worst, row.linear, row.rms))
-        rows.append((row.name, unit.text, list(values)))
+        rows.append((key, row.name, unit.text, list(values)))
     return render(
         "accuracy/pose.j2", rows=rows, reason=no_bound(found), rotary=np.degrees(rotary),
         linear=1e6 * linear,

@@ -16,14 +16,14 @@ from paminsa_viz.explorer.kit.entries import Answer, Button, Entry, Html, Messag
 from paminsa_viz.explorer.kit.robot_texts import workspace_text
 from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.state.accuracy import WorstErrorsJob
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.explorer.state.worst_errors import WorstErrorsJob
 from paminsa_viz.model import Design
 from paminsa_viz.progress import Progress
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.synthesis.volume.check import check_requirements
 from paminsa_viz.synthesis.volume.workspace import RequirementCheck
-from paminsa_viz.units import display_unit, fixed
+from paminsa_viz.units import display_unit, format_pose
 
 ERRORS: Final = {"error_horizontal": "position", "error_z": "z", "error_theta": "θ"}
 """Quantities whose largest value is found, and their names."""
@@ -63,8 +63,8 @@ def worst_html(frame: Frame) -> str:
         return ""
     rows = []
     for name, item in zip(ERRORS.values(), outcome.result or (), strict=False):
-        unit = display_unit(item.unit)
-        rows.append((name, unit.text, item.value * unit.factor, _place(item), item.reason))
+        unit, pose = display_unit(item.unit), item.pose and format_pose(item.pose)
+        rows.append((name, unit.text, item.value * unit.factor, pose, item.reason))
     low, high = (display_unit("rad").factor * end for end in outcome.job.theta)
     return render(
         "accuracy/worst.j2", rows=rows, problem=outcome.problem, message=GO, low=low, high=high,
@@ -72,23 +72,10 @@ def worst_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
-def _place(item: RequirementCheck) -> str:
-    if item.pose is None:
-        return ""
-    x, y, theta, z = item.pose
-    places = [fixed(1e3 * value, 0) for value in (x, y, z)]
-    places.insert(2, f"{fixed(display_unit('rad').factor * theta, 1)}°")
-    return f"{', '.join(places)} mm"
-
-
 def go_to_worst(state: State, index: int) -> State:
     """Go to the pose where one of `ERRORS` is largest."""
     found = WORST.result(state) or ()
-    pose = found[index].pose if index < len(found) else None
-    if pose is None:
-        return state
-    x, y, theta, z = pose
-    return actions.move(state, x=x, y=y, theta=theta, z=z)
+    return actions.move_to(state, found[index].pose if index < len(found) else None)
 
 
 def _go(session: Session, data: Any) -> None:

@@ -11,7 +11,7 @@ from paminsa_viz.explorer.features.calibration import actions, files
 from paminsa_viz.explorer.features.calibration import texts as text
 from paminsa_viz.explorer.features.calibration.charts import residual_figure, shown_residuals
 from paminsa_viz.explorer.kit.chart import chart
-from paminsa_viz.explorer.kit.downloads import export
+from paminsa_viz.explorer.kit.downloads import export, table_buttons
 from paminsa_viz.explorer.kit.entries import (
     Answer,
     Button,
@@ -103,14 +103,10 @@ FOUND: tuple[Entry, ...] = (
     chart("calibrate.residuals", shown_residuals, residual_figure, 1.0),
     Html("calibrate.errors", content=text.errors_html, idle=True),
     Html("calibrate.lengths", content=text.lengths_html, idle=True),
-    ButtonGroup(
-        "calibrate.export", "Export",
-        choices={
-            kind.capitalize(): export(f"the {kind}", partial(files.calibration_csv, kind=kind))
-            for kind in ("lengths", "residuals")
-        },
-        hint="CSV files",
-    ),
+    table_buttons("calibrate.export", {
+        kind.capitalize(): partial(files.calibration_csv, kind=kind)
+        for kind in ("lengths", "residuals")
+    }),
     Folder(
         "calibrate.sums", "Combinations", open=False,
         entries=(Html("calibrate.combinations", content=text.combinations_html, idle=True),),

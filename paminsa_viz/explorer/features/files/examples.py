@@ -61,7 +61,7 @@ def _in_cylinder(state: State) -> State:
     required = Requirements(bounds, (-turn, turn), CYLINDER)
     asked = actions.change_document(state, requirements=required)
     x, y, z = (float(place or 0.0) for place in CYLINDER.center)
-    return actions.move(asked, x=x, y=y, theta=0.0, z=z)
+    return actions.move_to(asked, (x, y, 0.0, z))
 
 
 EXAMPLES: tuple[Example, ...] = (

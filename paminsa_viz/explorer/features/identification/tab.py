@@ -12,7 +12,7 @@ from paminsa_viz.explorer.features.identification import actions
 from paminsa_viz.explorer.features.identification import texts as text
 from paminsa_viz.explorer.features.identification.files import excitation_csv, identification_table
 from paminsa_viz.explorer.kit.curves import LOWEST, MotionChart
-from paminsa_viz.explorer.kit.downloads import export
+from paminsa_viz.explorer.kit.downloads import export, table_buttons
 from paminsa_viz.explorer.kit.entries import (
     Answer,
     Button,
@@ -128,14 +128,10 @@ FOUND: tuple[Entry, ...] = (
     Html("identify.numbers", content=text.numbers_html, idle=True),
     Html("identify.checks", content=text.checks_html, idle=True),
     Html("identify.causes", content=text.causes_html, idle=True),
-    ButtonGroup(
-        "identify.export", "Export",
-        choices={
-            label: export(f"the {label.lower()}", partial(identification_table, kind=kind))
-            for label, kind in (("Numbers", "parameters"), ("Residuals", "residuals"))
-        },
-        hint="CSV files",
-    ),
+    table_buttons("identify.export", {
+        "Numbers": partial(identification_table, kind="parameters"),
+        "Residuals": partial(identification_table, kind="residuals"),
+    }),
     Folder(
         "identify.masses", "Nearest masses", open=False,
         entries=(Html("identify.masses.list", content=text.masses_html, idle=True),),

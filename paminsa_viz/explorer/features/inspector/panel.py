@@ -20,7 +20,7 @@ from paminsa_viz.explorer.features.inspector.shares import (
     tolerance_share,
 )
 from paminsa_viz.explorer.features.loads.solving import found, instant
-from paminsa_viz.explorer.features.stiffness.tab import SLIDERS
+from paminsa_viz.explorer.features.stiffness.tab import elastic_label
 from paminsa_viz.explorer.kit.bindings import Panel, perform
 from paminsa_viz.explorer.kit.design_numbers import GROUPS, label
 from paminsa_viz.explorer.kit.entries import Effect, Html, Message, Then
@@ -79,7 +79,7 @@ def section_of(path: str) -> str:
 def label_of(path: str) -> str:
     """Return how the label of a number of the design begins on the page."""
     group, _, name = path.partition(".")
-    return SLIDERS[name][0] if group == "elastic" and name in SLIDERS else label(PARAMETER[path])
+    return elastic_label(name) if group == "elastic" else label(PARAMETER[path])
 
 
 def quantity_of(part: Part) -> str:

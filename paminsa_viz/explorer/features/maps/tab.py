@@ -9,7 +9,8 @@ import numpy as np
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.maps import choose_quantity
 from paminsa_viz.explorer.features.maps.pictures import MapPicture
-from paminsa_viz.explorer.kit.entries import Button, Entry
+from paminsa_viz.explorer.features.pins.tab import pin
+from paminsa_viz.explorer.kit.entries import Button, ButtonGroup, Entry
 from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, Pair, attribute
 from paminsa_viz.explorer.kit.setting_inputs import quantity_inputs
 from paminsa_viz.explorer.state.maps import RangeMode
@@ -173,4 +174,9 @@ def single_entries(name: str, picture: MapPicture) -> tuple[Entry, ...]:
             name, picture, lambda state: QUANTITIES[state.map_view.quantity].unit, brief=False
         ),
         *switch_entries(name, brief=False),
+        ButtonGroup(
+            f"{name}.pin", "Strip",
+            choices={"Pin": lambda state: pin(state, state.map_view.quantity)},
+            hint="Its value at the pose, above all tabs; so does a click on a dotted number",
+        ),
     )  # fmt: skip

@@ -9,6 +9,7 @@ from paminsa_viz.explorer.core import actions as poses
 from paminsa_viz.explorer.core.requirements import default_workspace
 from paminsa_viz.explorer.core.saved_requirements import asked
 from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.pins.tab import pin
 from paminsa_viz.explorer.features.requirements import actions
 from paminsa_viz.explorer.features.requirements import texts as text
 from paminsa_viz.explorer.features.requirements.inputs import (
@@ -44,8 +45,9 @@ NOWHERE = Workspace(WorkspaceShape.CYLINDER, (0.1, 0.1, 0.1), (0.0, 0.0, 0.0))
 
 def _buttons(state: State) -> dict[str, Effect]:
     found: dict[str, Effect] = {"Add": actions.add, "Suggested set": actions.suggest}
-    if has_selected(state):
-        found["Remove"] = actions.remove
+    chosen = actions.selected(state)
+    if chosen is not None:
+        found |= {"Remove": actions.remove, "Pin": partial(pin, key=chosen.quantity)}
     return found
 
 
@@ -172,11 +174,7 @@ def _go(session: Session, data: Any) -> None:
 
 def go_to_worst(state: State, place: str) -> State:
     """Go to the pose where a requirement is nearest to its bound, or most beyond it."""
-    pose = text.worst_pose(state, place)
-    if pose is None:
-        return state
-    x, y, theta, z = pose
-    return poses.move(state, x=x, y=y, theta=theta, z=z)
+    return poses.move_to(state, text.worst_pose(state, place))
 
 
 def _asked(state: State) -> bool:

@@ -9,6 +9,7 @@ from paminsa_viz.explorer.core.causes import CauseGroup, cause_groups
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.requirements import current_check, current_volume
 from paminsa_viz.explorer.core.saved_requirements import asked
+from paminsa_viz.explorer.kit.robot_texts import margin_level, margin_share
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.requirements import VolumeResult
 from paminsa_viz.explorer.state.state import State
@@ -17,10 +18,7 @@ from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck
 from paminsa_viz.synthesis.volume.solve import Volume
 from paminsa_viz.synthesis.volume.workspace import RequirementCheck
-from paminsa_viz.units import NONE, format_value, number
-
-NEAR = 0.05
-"""Share of a bound below which a margin is amber."""
+from paminsa_viz.units import NONE, format_pose, format_value, number
 
 AMPLE = 0.1
 """Margin of reach, and distance from singularities, of a full bar [m]."""
@@ -42,42 +40,28 @@ def names(state: State) -> dict[str, int]:
 
 def share(item: RequirementCheck, requirements: Requirements) -> float:
     """Return a margin over the size of its bound, -1 to 1."""
-    size = AMPLE
-    if item.requirement is not None:
-        bound = requirements.bounds[item.requirement]
-        size = min((abs(limit) for limit in (bound.low, bound.high) if limit), default=1.0)
-    if math.isnan(item.margin):
-        return -1.0
-    return min(max(item.margin / size, -1.0), 1.0)
+    bound = None if item.requirement is None else requirements.bounds[item.requirement]
+    return margin_share(item.margin, AMPLE if bound is None else bound.size)
 
 
 def level(item: RequirementCheck, requirements: Requirements) -> tuple[str, str]:
     """Return the mark of a requirement and the class of its color."""
     if not item.holds:
         return "✗", "pv-bad"
-    return "✓", "pv-warn" if share(item, requirements) < NEAR else "pv-ok"
+    return "✓", margin_level(share(item, requirements))
 
 
 def _row(item: RequirementCheck, requirements: Requirements) -> dict[str, Any]:
     mark, name = level(item, requirements)
-    part = share(item, requirements)
-    width = 50 * abs(part)
-    shown = NO_POSE if item.pose is None else rounded_pose(item.pose)
-    x, y, z = (format_value(shown[i], "m") for i in (0, 1, 3))
     return {
         "index": -1 if item.requirement is None else item.requirement,
         "place": item.label if item.requirement is None else item.requirement,
         "mark": mark, "level": name, "text": item.label, "reason": item.reason,
         "worst": format_value(item.value, item.unit, 4),
         "margin": f"margin {format_value(item.margin, item.unit, 3)}",
-        "left": f"{50 - width if part < 0 else 50:.1f}", "width": f"{max(width, 1.5):.1f}",
-        "pose": "" if item.pose is None else (
-            f"x {x}, y {y}, θ {format_value(shown[2], 'rad')}, z {z}"
-        ),
+        "share": share(item, requirements),
+        "pose": "" if item.pose is None else format_pose(item.pose),
     }  # fmt: skip
-
-
-NO_POSE: Pose = (math.nan, math.nan, math.nan, math.nan)
 
 
 def list_html(frame: Frame) -> str:
@@ -100,18 +84,11 @@ def note_of(state: State, check: RequirementsCheck) -> str:
     return f"{OVER[check.over]} from θ {low} to {high}, {fine}"
 
 
-def rounded_pose(pose: Pose) -> Pose:
-    """Return a pose without rounding errors [m, m, rad, m]."""
-    x, y, theta, z = (round(value, 9) + 0.0 for value in pose)
-    return x, y, theta, z
-
-
 def worst_pose(state: State, place: str) -> Pose | None:
     """Return the worst pose of a requirement, by its index or the name of what comes before it."""
     check = current_check(state)
     items = () if check is None else check.items
-    found = next((i.pose for i in items if place in (i.label, str(i.requirement))), None)
-    return None if found is None else rounded_pose(found)
+    return next((i.pose for i in items if place in (i.label, str(i.requirement))), None)
 
 
 def strip_html(state: State) -> str:

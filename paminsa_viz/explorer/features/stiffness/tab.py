@@ -104,13 +104,26 @@ def _open_number(
     )
 
 
-def _joint(name: str, label: str) -> Number:
+JOINTS: dict[str, str] = {
+    "bearing_radial": "bearing across", "bearing_axial": "bearing along",
+    "bearing_tilt": "bearing tilt", "ball": "ball joint 5", "guide": "guide across",
+    "guide_tilt": "guide tilt",
+}  # fmt: skip
+"""Labels of the stiffness of the joints."""
+
+
+def elastic_label(name: str) -> str:
+    """Return how the label of a number of `Elastic` begins on the page."""
+    return JOINTS[name] if name in JOINTS else SLIDERS[name][0]
+
+
+def _joint(name: str) -> Number:
     """Return the input of the stiffness of a joint."""
     path = f"elastic.{name}"
     parameter = PARAMETER[path]
     text = f"{parameter.label[:1].upper()}{parameter.label[1:]}; 0: rigid"
     return _open_number(
-        f"stiffness.{name}", f"{label} [{parameter.display.text}]", text, lambda _: path,
+        f"stiffness.{name}", f"{JOINTS[name]} [{parameter.display.text}]", text, lambda _: path,
         1000.0, parameter.display,
     )  # fmt: skip
 
@@ -160,11 +173,11 @@ def result_html(frame: Frame) -> str:
         return note("stiffness-problem", f"No stiffness at this pose: {outcome.problem}.")
     found, twist = result.stiffness, result.twist
     stiffness = [
-        ("x", float(found.along(0)) * 1e-3, "N/mm"),
-        ("y", float(found.along(1)) * 1e-3, "N/mm"),
-        ("z", float(found.along(2)) * 1e-3, "N/mm"),
-        ("θ", float(found.along(5)), "N·m/rad"),
-        ("tilt", float(found.tilt), "N·m/rad"),
+        ("stiffness_x", "x", float(found.along(0)) * 1e-3, "N/mm"),
+        ("stiffness_y", "y", float(found.along(1)) * 1e-3, "N/mm"),
+        ("stiffness_z", "z", float(found.along(2)) * 1e-3, "N/mm"),
+        ("stiffness_theta", "θ", float(found.along(5)), "N·m/rad"),
+        ("stiffness_tilt", "tilt", float(found.tilt), "N·m/rad"),
     ]
     motors: list[tuple[str, float]] = []
     if result.compensation is not None:
@@ -244,14 +257,7 @@ STIFFNESS = (
     ),
     Folder(
         "stiffness.joints", "Joints and guides, 0: rigid", open=False,
-        entries=(
-            _joint("bearing_radial", "bearing across"),
-            _joint("bearing_axial", "bearing along"),
-            _joint("bearing_tilt", "bearing tilt"),
-            _joint("ball", "ball joint 5"),
-            _joint("guide", "guide across"),
-            _joint("guide_tilt", "guide tilt"),
-        ),
+        entries=tuple(map(_joint, JOINTS)),
     ),
     Folder(
         "stiffness.section", "Sections that are no tubes, 0: the tube's", open=False,

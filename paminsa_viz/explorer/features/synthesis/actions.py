@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from paminsa_viz.explorer.core.actions import load_design, move, stop_following, with_document
+from paminsa_viz.explorer.core.actions import load_design, move_to, stop_following, with_document
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.state.motion import Pose
@@ -170,8 +170,7 @@ def open_result(state: State) -> State:
     opened = load_design(
         with_document(shown, document), replace(result.design, name=found_name(result))
     )
-    x, y, theta, z = best_pose(result.workspace.center, searched)
-    return move(opened, x=x, y=y, theta=theta, z=z)
+    return move_to(opened, best_pose(result.workspace.center, searched))
 
 
 def previewed(state: State) -> State:

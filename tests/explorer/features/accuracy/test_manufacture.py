@@ -41,8 +41,8 @@ def deviation() -> Number:
 def test_errors_by_tolerances_are_listed_with_the_tilt(moved: State) -> None:
     text = panel.tolerances_html(compute(moved))
     found = tolerance_errors(APPENDIX_4, POSE)
-    assert f"<b>{1e6 * found.worst[3]:.0f}</b>" in text
-    assert f"<b>{np.degrees(found.tilt) * 3600:.0f}</b>" in text
+    assert f">{1e6 * found.worst[3]:.0f}</button></b>" in text
+    assert f">{np.degrees(found.tilt) * 3600:.0f}</button></b>" in text
     assert text.count("<tr>") == 9
 
 

@@ -40,7 +40,7 @@ def test_errors_of_the_pose_are_listed_in_their_units() -> None:
     state = actions.move(initial_state(), x=0.05, theta=0.4)
     frame = compute(state)
     found, text = shown_errors(frame), panel.pose_html(frame)
-    assert f"<b>{number(1e6 * float(found.worst[0]), 3)}</b>" in text
+    assert f">{number(1e6 * float(found.worst[0]), 3)}</button></b>" in text
     assert number(ARCSEC * float(found.linear[2]), 3) in text
     assert number(1e6 * float(found.rms_horizontal), 3) in text
     assert "0.005°" in text

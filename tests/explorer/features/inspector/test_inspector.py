@@ -15,21 +15,25 @@ from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame, compute
 from paminsa_viz.explorer.features.inspector import panel
 from paminsa_viz.explorer.features.inspector.numbers import numbers
+from paminsa_viz.explorer.features.inspector.panel import fields_of, label_of, section_of
 from paminsa_viz.explorer.features.inspector.shares import (
     imbalance_share,
     strain_share,
     tolerance_share,
 )
 from paminsa_viz.explorer.features.loads.solving import ALONG_MOTION, find_loads
+from paminsa_viz.explorer.kit.entries import given
 from paminsa_viz.explorer.scene.picking import picked
 from paminsa_viz.explorer.state.inspector import PARTS, Kind, Part
 from paminsa_viz.explorer.state.motion import Kind as MotionKind
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.model import APPENDIX_4, static_imbalance
+from paminsa_viz.explorer.tabs import sections
+from paminsa_viz.model import APPENDIX_4, PARAMETER, static_imbalance
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.quantities import QUANTITIES
+from tests.support.entries import inputs_in
 
 B4 = Part(Kind.BAR, "b4", 1)
 WEIGHT = Counterweight(mass=1.5, bar="b8", joint=8, beyond=0.1)
@@ -88,8 +92,17 @@ def test_every_part_has_a_text_a_map_fields_and_a_command() -> None:
         state = inspecting(part)
         assert part.title in panel.text(compute(state))
         assert panel.quantity_of(part) in QUANTITIES
-        assert 2 <= len(panel.fields_of(part)) <= 3
+        assert 2 <= len(fields_of(part)) <= 3
         assert f"Inspect: {part.title}" in labels
+
+
+@pytest.mark.parametrize("path", sorted({path for part in PARTS for path in fields_of(part)}))
+def test_link_of_a_number_names_an_input_of_the_section_it_opens(path: str) -> None:
+    (section,) = (one for one in sections().values() if one.name == section_of(path))
+    state = inspecting()
+    labels = [given(one.label, state) for one in inputs_in(tuple(section.entries()))]
+    (label,) = {label for label in labels if label.startswith(label_of(path))}
+    assert PARAMETER[path].display.text in label
 
 
 def test_out_of_reach_it_goes_on_with_the_last_reachable_pose() -> None:

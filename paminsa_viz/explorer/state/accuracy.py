@@ -1,11 +1,20 @@
-"""Encoders of the rotary drives as a person gives them: bits a turn, and the gear behind them."""
+"""Errors by the drives on the page: encoders as a person gives them, and the largest errors."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
+from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.settings import Settings, setting
+from paminsa_viz.model import DriveAccuracy, Geometry
+from paminsa_viz.quantities.requirements import Range, Workspace
+
+if TYPE_CHECKING:
+    from paminsa_viz.synthesis.volume.workspace import (
+        RequirementCheck,  # noqa: F401 - a type argument
+    )
 
 TURN = 2 * math.pi
 
@@ -38,3 +47,25 @@ def bits_of(count: float, gear: float) -> float:
 def count_of(bits: float, gear: float) -> float:
     """Return one count at the actuator [rad]: 2 pi / (2^bits gear)."""
     return TURN / (2.0**bits * gear)
+
+
+@dataclass(frozen=True)
+class WorstErrorsJob:
+    """Where errors are looked for, with all that they depend on.
+
+    Attributes:
+        geometry: Lengths of the robot.
+        accuracy: Accuracy of its drives.
+        theta: Headings [rad].
+        workspace: The required one, or that of a suggestion.
+    """
+
+    geometry: Geometry
+    accuracy: DriveAccuracy
+    theta: Range
+    workspace: Workspace
+
+
+@dataclass(frozen=True)
+class WorstErrorsState(TaskState[WorstErrorsJob, "tuple[RequirementCheck, ...]"]):
+    """The search for the largest errors of a session: the largest of each, with its pose."""

@@ -1,0 +1,1 @@
+"""Numbers that are pinned to the strip."""
