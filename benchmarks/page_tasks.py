@@ -90,10 +90,13 @@ class Person:
         self.press(self.tab.element(label))
         self.press(self.page.get_by_role("option", name=option))
 
-    def type(self, label: str, text: str, *, ready: bool = False) -> None:
-        """Type into a box, pressed before unless it has the focus already."""
-        if not ready:
-            self.press(self.tab.element(label), label)
+    def type(self, label: str, text: str) -> None:
+        """Press a box and type into it."""
+        self.press(self.tab.element(label), label)
+        self.enter(text)
+
+    def enter(self, text: str) -> None:
+        """Type into the box that has the focus."""
         self.page.keyboard.press("Control+a")
         self.page.keyboard.type(text)
         self.page.keyboard.press("Enter")
@@ -166,11 +169,9 @@ def ask(person: Person) -> None:
     """Require what the robot can do, with three numbers of one's own."""
     person.open("Optimize")
     person.button("Suggested set")
+    person.press(person.page.get_by_test_id("requirement-0").get_by_role("textbox"), "a bound")
     for index, value in enumerate(("8", "6", "300")):
-        row = person.page.get_by_test_id(f"requirement-{index}")
-        person.press(row.locator("[data-paminsa-send=requirement]"))
-        wait_focus(person)
-        person.type("Value", value, ready=True)
+        person.enter(value)  # Enter goes to the next row
         until(lambda i=index, v=value: bound(person.tab, i) == float(v), "the bound is set")
 
 
@@ -178,12 +179,6 @@ def bound(tab: Tab, index: int) -> float:
     """Return the upper bound of a requirement in the unit shown."""
     one = tab.state.document.requirements.bounds[index]
     return round(one.entry.display.from_si(one.high or np.nan), 9)
-
-
-def wait_focus(person: Person) -> None:
-    """Wait until the focus is in a number box."""
-    script = "() => document.activeElement?.matches('.mantine-NumberInput-input')"
-    person.page.wait_for_function(script)
 
 
 def largest(person: Person) -> None:

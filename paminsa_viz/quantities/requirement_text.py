@@ -98,7 +98,12 @@ def requirement_label(requirement: Requirement) -> str:
 
     text = _bounds_text(requirement, requirement.entry.symbol, shown, unit.format)
     text = text.replace("<=", "≤").replace(">=", "≥")
-    return text + _ranges_text(requirement, "θ", "°", ascii_only=False)
+    return text + ranges_label(requirement)
+
+
+def ranges_label(requirement: Requirement) -> str:
+    """Return the ranges of its own that a requirement has, for people: `` for θ 0..30°``."""
+    return _ranges_text(requirement, "θ", "°", ascii_only=False)
 
 
 def _bounds_text(

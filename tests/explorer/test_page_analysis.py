@@ -147,6 +147,42 @@ def test_a_mark_turns_when_a_length_breaks_its_requirement_and_a_click_leads_the
     tab.page.get_by_test_id("requirements-volume").get_by_text("dm³").first.wait_for()
 
 
+def test_bounds_are_typed_in_the_table(tab: Tab) -> None:
+    tab.open_tab("Requirements")
+    tab.click("Suggested set")
+    boxes = tab.page.get_by_test_id("requirements-list").get_by_role("textbox")
+    boxes.nth(3).wait_for()
+
+    def high(index: int) -> float | None:
+        one = tab.state.document.requirements.bounds[index]
+        return None if one.high is None else one.entry.display.from_si(one.high)
+
+    before = high(0)
+    boxes.first.click()
+    tab.page.keyboard.type("8.")
+    # The table is made anew meanwhile; what is typed goes on in its new box.
+    tab.dispatch(lambda state: requirements.edit(state, theta=(-0.2, 0.2)))
+    tab.page.get_by_test_id("requirement-0").get_by_text("for θ").wait_for()
+    assert high(0) == before
+    assert boxes.first.input_value() == "8."
+    tab.page.keyboard.type("25")
+    tab.page.keyboard.press("Enter")  # which goes to the next row
+    until(lambda: high(0) == 8.25, "a bound is set")
+    tab.page.wait_for_function(
+        "() => document.activeElement?.dataset.paminsaValue === '1 high'", timeout=10_000
+    )
+    tab.page.keyboard.type("3*4")
+    tab.page.keyboard.press("Tab")
+    until(lambda: high(1) == 12, "the next one is")
+    until(lambda: boxes.nth(1).input_value() == "12", "it is shown")
+    boxes.nth(2).fill("5 mm")
+    boxes.nth(2).press("Enter")
+    tab.page.get_by_text("the field is in N, “mm” is not").wait_for()
+    boxes.nth(0).press("Control+z")
+    until(lambda: high(1) != 12, "it is undone")
+    assert high(0) == 8.25
+
+
 def test_the_largest_workspace_is_proven_and_used(tab: Tab) -> None:
     ask(tab)
     tab.open_tab("Requirements")

@@ -116,6 +116,10 @@ class Desk:
         """Send what the page sends when a person sets an input or presses a button."""
         self.page.send(update(self.handle(name)._impl.uuid, value))
 
+    def say(self, kind: str, data: Any) -> None:
+        """Send a message as the page does."""
+        self.session.bridge._deliver(kind, data)
+
     def until(self, condition: Callable[[], Any]) -> Any:
         """Wait until something holds."""
         return eventually(condition)

@@ -10,10 +10,15 @@
  *
  * A number is given to the input and not to the box: viser may replace the box while it is edited,
  * or all of the page when it connects again. What is typed goes on in the new box, or waits for it.
+ *
+ * A box in a text, `input[data-paminsa-field]`, takes numbers in the same way and sends them as a
+ * message of that kind, with its `data-paminsa-value`; `data-paminsa-unit` is its unit.
  */
 (() => {
   "use strict";
-  const BOX = "input.mantine-NumberInput-input";
+  const OF_INPUT = "input.mantine-NumberInput-input";
+  const IN_TEXT = "input[data-paminsa-field]";
+  const BOX = `${OF_INPUT}, ${IN_TEXT}`;
   const ROOT = ".mantine-NumberInput-root";
   const CONTROL = ".mantine-NumberInput-control";
   const HINT_TIME = 6000;
@@ -97,11 +102,16 @@
     .map(([uuid]) => uuid);
   const boxesOf = (uuid) => {
     const element = document.getElementById(uuid);
-    const part = element?.matches(BOX) ? element.closest(ROOT) : element;
-    return [...(part?.parentElement.querySelectorAll(BOX) ?? [])];
+    const part = element?.matches(OF_INPUT) ? element.closest(ROOT) : element;
+    return [...(part?.parentElement.querySelectorAll(OF_INPUT) ?? [])];
   };
+  /** The place of a box in a text, by what it sends. */
+  const placeInText = ({ dataset, ariaLabel }) => ({
+    kind: dataset.paminsaField, which: dataset.paminsaValue, unit: dataset.paminsaUnit, label: ariaLabel,
+  });
   /** Which input a box belongs to, in words that hold when all inputs are made again. */
   const placeOf = (field) => {
+    if (field?.matches(IN_TEXT)) return placeInText(field);
     viewer ??= find(field, ({ value }) => value?.useGuiConfig && value) ?? null;
     const uuid = find(field, (props) => inputOf(props.uuid) && props.uuid);
     if (!uuid) return undefined;
@@ -116,10 +126,21 @@
     const fresh = alike(type, label).filter((each) => !known.includes(each));
     return fresh[Math.min(number, fresh.length - 1)];
   };
+  /** The box that is at a place now, if there is one. */
+  const boxAt = (place) => {
+    if (!place.kind) return boxesOf(current(place))[place.index];
+    return [...document.querySelectorAll(IN_TEXT)].find((box) => isSame(placeInText(box), place));
+  };
+  const isSame = (one, other) => one.kind || other.kind
+    ? one.kind === other.kind && one.which === other.which
+    : one.index === other.index && current(one) === current(other);
+  const unitOf = ({ unit, label }) => unit ?? window.paminsaUnits?.split(label).unit;
   const part = (value, { index }) => (Array.isArray(value) ? value[index] : value);
   const give = (place, number) => {
+    if (connected() === false) return false;
+    if (place.kind) return Boolean(boxAt(place) && window.paminsa?.send(place.kind, [place.which, number]));
     const uuid = current(place);
-    if (!uuid || viewer.useGui.get().websocketState !== "connected") return false;
+    if (!uuid) return false;
     const before = inputOf(uuid).value;
     const value = Array.isArray(before) ? before.with(place.index, number) : number;
     viewer.guiActions.updateGuiProps(uuid, { value });
@@ -138,7 +159,7 @@
   };
   const showHint = (place, text) => {
     hideHint();
-    const box = boxesOf(current(place))[place.index]?.getBoundingClientRect();
+    const box = boxAt(place)?.getBoundingClientRect();
     bubble = document.createElement("div");
     bubble.className = "pv-field-hint";
     bubble.setAttribute("role", "alert");
@@ -156,8 +177,7 @@
     retrying = 0;
     waiting = waiting.filter((one) => {
       if (give(one.place, one.number)) return false;
-      const connected = viewer.useGui.get().websocketState === "connected";
-      one.left = connected ? one.left - RETRY_TIME : MISSING_TIME;
+      one.left = connected() === false ? MISSING_TIME : one.left - RETRY_TIME;
       if (one.left <= 0)
         showHint(one.place, `${one.place.label}: ${one.number} was not taken, its box has gone`);
       return one.left > 0;
@@ -165,8 +185,7 @@
     if (waiting.length) retrying = setTimeout(retry, RETRY_TIME);
   };
   const take = (place, number) => {
-    const same = (one) => one.place.index === place.index && current(one.place) === current(place);
-    waiting = waiting.filter((one) => !same(one)); // only the last number counts
+    waiting = waiting.filter((one) => !isSame(one.place, place)); // only the last number counts
     if (give(place, number)) return;
     waiting.push({ place, number, left: MISSING_TIME });
     retrying ||= setTimeout(retry, RETRY_TIME);
@@ -205,17 +224,19 @@
     edit.shown.set.call(edit.field, edit.held);
     if (document.activeElement === edit.field) edit.field.select();
   };
+  /** Take a text; false if it is refused. */
   const takeText = (place, text) => {
-    const { number, problem } = parse(text, window.paminsaUnits?.split(place.label).unit);
+    const { number, problem } = parse(text, unitOf(place));
     if (number !== undefined) take(place, number);
     else if (text.trim() !== "") showHint(place, problem);
+    return number !== undefined;
   };
   const commit = () => {
     hideHint();
-    if (!edit.dirty) return;
+    if (!edit.dirty) return true;
     const text = edit.field.value;
     close();
-    takeText(edit.place, text);
+    return takeText(edit.place, text);
   };
   const release = () => {
     const { field, own } = edit;
@@ -235,7 +256,7 @@
     const { props, value } = inputOf(current(edit.place)) ?? {};
     if (!props) return;
     const [min, max] = [part(props.min, edit.place), part(props.max, edit.place)];
-    const typed = edit.dirty ? parse(edit.field.value, window.paminsaUnits?.split(edit.place.label).unit).number : undefined;
+    const typed = edit.dirty ? parse(edit.field.value, unitOf(edit.place)).number : undefined;
     const from = typed ?? part(value, edit.place);
     const to = Number((from + direction * (props.step ?? 1)).toFixed(9));
     close();
@@ -256,7 +277,7 @@
   };
   const adopt = () => {
     const { place, text, caret } = orphan;
-    const field = boxesOf(current(place))[place.index];
+    const field = boxAt(place);
     if (!field || field.readOnly || field.disabled) return;
     orphan = null;
     field.focus({ preventScroll: true }); // which begins to edit it, if the window has the focus
@@ -294,8 +315,16 @@
 
   const isUndo = ({ key, ctrlKey, metaKey, altKey }) =>
     (ctrlKey || metaKey) && !altKey && ["z", "y"].includes(key.toLowerCase());
+  /** The box below in a table, which Enter goes to as in a spreadsheet. */
+  const below = (field) => {
+    const boxes = [...(field.closest("table")?.querySelectorAll(IN_TEXT) ?? [])];
+    return boxes.find((box, index) => boxes.indexOf(field) === index - 1);
+  };
   const KEYS = {
-    Enter: () => { commit(); edit.field.select(); },
+    Enter: () => {
+      if (commit()) (below(edit.field) ?? edit.field).focus();
+      edit.field.select();
+    },
     Escape: () => { close(); edit.field.select(); },
     ArrowUp: () => step(1),
     ArrowDown: () => step(-1),
@@ -367,7 +396,7 @@
   for (const [kind, handle] of Object.entries(HANDLERS))
     document.addEventListener(kind, handle, { capture: true });
 
-  const works = () => Boolean(placeOf(document.querySelector(BOX)));
+  const works = () => Boolean(placeOf(document.querySelector(OF_INPUT)));
   /** Whether the server is there; undefined as long as there has been no box to know it from. */
   const connected = () => viewer ? viewer.useGui.get().websocketState === "connected" : undefined;
   window.paminsaNumberFields = { works, parse, connected };

@@ -165,24 +165,46 @@ def choose_side(state: State, side: Side) -> State:
             return edit(state, low=low, high=high if high != -low else high + max(abs(high), 1.0))
 
 
-def set_bound(state: State, value: float) -> State:
-    """Set the number of a one-sided bound or of a magnitude [SI].
+class End(Enum):
+    """What a number of a requirement is; values are its name in messages from the page."""
+
+    LOW = "low"
+    HIGH = "high"
+    SIZE = "size"
+
+
+def ends_of(requirement: Requirement) -> dict[End, float]:
+    """Return the numbers of a requirement in the order in which they are written [SI]."""
+    low, high = requirement.low, requirement.high
+    if side_of(requirement) is Side.SIZE and high is not None:
+        return {End.SIZE: high}
+    return {
+        end: value for end, value in ((End.LOW, low), (End.HIGH, high)) if value is not None
+    }  # fmt: skip
+
+
+def set_bound(state: State, index: int, end: End, shown: float) -> State:
+    """Set a number of a requirement.
+
+    Args:
+        state: The state.
+        index: Which requirement; nothing happens if there is none.
+        end: Which of its numbers; nothing happens if it has none such.
+        shown: The number, in the unit in which the quantity is shown.
 
     Raises:
-        InvalidInput: If a magnitude is negative.
+        InvalidInput: If the bound is not possible.
     """
-    one = selected(state)
-    if one is None:
+    bounds = list(state.document.requirements.bounds)
+    if not 0 <= index < len(bounds) or end not in ends_of(bounds[index]):
         return state
-    match side_of(one):
-        case Side.LEAST:
-            return edit(state, low=value)
-        case Side.SIZE:
-            if value < 0:
-                raise InvalidInput(one.entry.symbol, f"a magnitude is not negative ({value:g})")
-            return edit(state, low=-value, high=value)
-        case _:
-            return edit(state, high=value)
+    one = bounds[index]
+    value = one.entry.display.to_si(shown)
+    if end is End.SIZE and value < 0:
+        raise InvalidInput(one.entry.symbol, f"a magnitude is not negative ({shown:g})")
+    ends = {"low": -value, "high": value} if end is End.SIZE else {end.value: value}
+    bounds[index] = replace(one, **ends)
+    return change(state, bounds=tuple(bounds))
 
 
 def set_own_range(state: State, name: str, on: bool) -> State:

@@ -1,14 +1,13 @@
-"""Inputs of one requirement: quantity, bound, and its own headings and heights."""
+"""Inputs of one requirement: quantity, side, and its own headings and heights."""
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 from paminsa_viz.explorer.features.requirements import actions
 from paminsa_viz.explorer.features.requirements.actions import Side, selected, side_of
 from paminsa_viz.explorer.features.requirements.texts import names
-from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, Input, Number, Pair
+from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, Input, Pair
 from paminsa_viz.explorer.kit.setting_inputs import quantity_inputs
 from paminsa_viz.explorer.state.settings import MILLIMETERS
 from paminsa_viz.explorer.state.state import State
@@ -35,33 +34,6 @@ def _side(state: State) -> Side:
     return side_of(_edited(state))
 
 
-def _unit(state: State, name: str) -> str:
-    unit = _edited(state).entry.display.text
-    return f"{name} [{unit}]" if unit else name
-
-
-def _bound(state: State) -> float:
-    """Return the number of the selected requirement as it is shown."""
-    one = _edited(state)
-    value = one.low if side_of(one) is Side.LEAST else one.high
-    return one.entry.display.from_si(0.0 if value is None else value)
-
-
-def _set_bound(state: State, value: float) -> State:
-    return actions.set_bound(state, _edited(state).entry.display.to_si(value))
-
-
-def _ends(state: State) -> Range:
-    one = _edited(state)
-    unit = one.entry.display
-    return unit.from_si(one.low or 0.0), unit.from_si(one.high or 0.0)
-
-
-def _set_ends(state: State, ends: Range) -> State:
-    low, high = map(_edited(state).entry.display.to_si, ends)
-    return actions.edit(state, low=low, high=high)
-
-
 def _own(name: str, label: str, unit_label: str, unit: Any, step: float) -> tuple[Input, Input]:
     """Return the switch and the ends of a range that the selected requirement has of its own."""
 
@@ -85,9 +57,6 @@ def _own(name: str, label: str, unit_label: str, unit: Any, step: float) -> tupl
     )  # fmt: skip
 
 
-VALUE, ENDS = "Value", "From, to"
-"""What the labels of the boxes begin with that hold the bound."""
-
 EDIT = (
     Dropdown(
         "requirements.selected", "Requirement",
@@ -102,14 +71,6 @@ EDIT = (
     Dropdown(
         "requirements.side", "Bound", options={side.value: side for side in Side},
         read=_side, apply=actions.choose_side,
-    ),
-    Number(
-        "requirements.value", partial(_unit, name=VALUE), step=0.1,
-        visible=lambda state: _side(state) is not Side.BETWEEN, read=_bound, apply=_set_bound,
-    ),
-    Pair(
-        "requirements.ends", partial(_unit, name=ENDS), step=0.1, ordered=True,
-        visible=lambda state: _side(state) is Side.BETWEEN, read=_ends, apply=_set_ends,
     ),
     *_own("theta", "Own θ range", "θ [°]", DEGREES, 1.0),
     *_own("z", "Own z range", "z [mm]", MILLIMETERS, 1.0),

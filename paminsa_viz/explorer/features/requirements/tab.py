@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
+from paminsa_viz.explorer.browser.bridge import finite
 from paminsa_viz.explorer.core import actions as poses
 from paminsa_viz.explorer.core.requirements import default_workspace
 from paminsa_viz.explorer.core.saved_requirements import asked
@@ -12,13 +14,7 @@ from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.pins.tab import pin
 from paminsa_viz.explorer.features.requirements import actions
 from paminsa_viz.explorer.features.requirements import texts as text
-from paminsa_viz.explorer.features.requirements.inputs import (
-    DEGREES,
-    EDIT,
-    ENDS,
-    VALUE,
-    has_selected,
-)
+from paminsa_viz.explorer.features.requirements.inputs import DEGREES, EDIT, has_selected
 from paminsa_viz.explorer.features.requirements.largest import LARGEST_WORKSPACE
 from paminsa_viz.explorer.features.requirements.volumes import VOLUMES
 from paminsa_viz.explorer.kit.entries import (
@@ -155,15 +151,29 @@ WORKSPACE = (
 )  # fmt: skip
 
 
+def _index(data: Any) -> int | None:
+    """Return the index of a requirement that the page names, or None."""
+    plain = isinstance(data, str) and data.isascii() and data.isdecimal() and len(data) < 4
+    return int(data) if plain else None
+
+
 def _select(session: Session, data: Any) -> None:
     """Edit the requirement that was clicked; ``data`` comes from the page."""
-    if isinstance(data, str) and data.isascii() and data.isdecimal() and len(data) < 4:
-        action = partial(actions.select, index=int(data))
-        boxes = [VALUE, ENDS]
-        session.dispatch(
-            "requirements.selected", action, step=False,
-            then=lambda: session.bridge.call("focusInput", boxes),
-        )  # fmt: skip
+    index = _index(data)
+    if index is not None:
+        action = partial(actions.select, index=index)
+        session.dispatch("requirements.selected", action, step=False)
+
+
+def _set_bound(session: Session, data: Any) -> None:
+    """Set a number in the table; ``data`` comes from the page: which of which row, and to what."""
+    which, value = data if isinstance(data, list) and len(data) == 2 else ("", None)
+    row, _, name = which.partition(" ") if isinstance(which, str) else ("", "", "")
+    index, number = _index(row), finite(value)
+    if index is None or number is None or name not in set(map(attrgetter("value"), actions.End)):
+        return
+    action = partial(actions.set_bound, index=index, end=actions.End(name), shown=number)
+    session.dispatch(f"requirements.{which}", action)
 
 
 def _go(session: Session, data: Any) -> None:
@@ -183,6 +193,7 @@ def _asked(state: State) -> bool:
 
 REQUIREMENTS = (
     Message("requirement", receive=_select),
+    Message("bound", receive=_set_bound),
     Message("worst pose", receive=_go),
     Html("requirements.list", content=text.list_html),
     ButtonGroup("requirements.buttons", "", choices=_buttons),

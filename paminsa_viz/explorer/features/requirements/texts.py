@@ -9,12 +9,13 @@ from paminsa_viz.explorer.core.causes import CauseGroup, cause_groups
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.requirements import current_check, current_volume
 from paminsa_viz.explorer.core.saved_requirements import asked
+from paminsa_viz.explorer.features.requirements.actions import End, ends_of
 from paminsa_viz.explorer.kit.robot_texts import margin_level, margin_share
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.requirements import VolumeResult
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.quantities.requirement_text import requirement_label
-from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.quantities.requirement_text import ranges_label, requirement_label
+from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck
 from paminsa_viz.synthesis.volume.solve import Volume
 from paminsa_viz.synthesis.volume.workspace import RequirementCheck
@@ -51,9 +52,33 @@ def level(item: RequirementCheck, requirements: Requirements) -> tuple[str, str]
     return "✓", margin_level(share(item, requirements))
 
 
+def _fields(requirement: Requirement) -> dict[str, dict[str, str]]:
+    """Return the boxes of a requirement's numbers, by what they are."""
+    unit = requirement.entry.display
+    return {
+        end.value: {"text": f"{unit.from_si(value):.6g}".replace("-", "−"), "name": FIELDS[end]}
+        for end, value in ends_of(requirement).items()
+    }
+
+
+FIELDS = {End.LOW: "at least", End.HIGH: "at most", End.SIZE: "magnitude at most"}
+"""What the numbers of a requirement are, for screen readers."""
+
+
 def _row(item: RequirementCheck, requirements: Requirements) -> dict[str, Any]:
     mark, name = level(item, requirements)
-    return {
+    bound = None if item.requirement is None else requirements.bounds[item.requirement]
+    of_bound = (
+        {}
+        if bound is None
+        else {
+            "symbol": bound.entry.symbol,
+            "unit": bound.entry.display.text,
+            "fields": _fields(bound),
+            "ranges": ranges_label(bound),
+        }
+    )
+    return of_bound | {
         "index": -1 if item.requirement is None else item.requirement,
         "place": item.label if item.requirement is None else item.requirement,
         "mark": mark, "level": name, "text": item.label, "reason": item.reason,

@@ -5,11 +5,13 @@ from __future__ import annotations
 from functools import partial
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from paminsa_viz.explorer.core.requirements import default_workspace
 from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS
 from paminsa_viz.explorer.features.requirements import actions, suggestions
-from paminsa_viz.explorer.features.requirements.actions import Side, selected, side_of
+from paminsa_viz.explorer.features.requirements.actions import End, Side, selected, side_of
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.quantities import QUANTITIES, families
@@ -52,11 +54,32 @@ def test_numbers_are_set_on_the_side_that_is_bounded(one: State) -> None:
     for side, low, high in (
         (Side.MOST, None, 7.0), (Side.LEAST, 7.0, None), (Side.SIZE, -7.0, 7.0),
     ):  # fmt: skip
-        found = selected(actions.set_bound(actions.choose_side(one, side), 7.0))
-        assert found is not None
+        bounded = actions.choose_side(one, side)
+        (bound,) = bounded.document.requirements.bounds
+        (end,) = actions.ends_of(bound)
+        (found,) = actions.set_bound(bounded, 0, end, 7.0).document.requirements.bounds
         assert (found.low, found.high) == (low, high)
+        for other in set(actions.End) - {end}:
+            assert actions.set_bound(bounded, 0, other, 7.0) is bounded
+        assert actions.set_bound(bounded, 1, end, 7.0) is bounded
     with pytest.raises(InvalidInput, match="magnitude"):
-        actions.set_bound(actions.choose_side(one, Side.SIZE), -7.0)
+        actions.set_bound(actions.choose_side(one, Side.SIZE), 0, End.SIZE, -7.0)
+
+
+@given(st.sampled_from(sorted(QUANTITIES)), st.sampled_from([*Side]), st.floats(0.1, 50), st.data())
+def test_numbers_are_read_in_the_unit_in_which_they_are_shown(
+    quantity: str, side: Side, value: float, data: st.DataObject
+) -> None:
+    state = actions.choose_side(actions.add(initial_state(), quantity), side)
+    (bound,) = state.document.requirements.bounds
+    end = data.draw(st.sampled_from([*actions.ends_of(bound)]))
+    shown = value + bound.entry.display.from_si(max(actions.ends_of(bound).values()))
+    if end is End.LOW and side is Side.BETWEEN:
+        shown = bound.entry.display.from_si(actions.ends_of(bound)[end]) - value
+    (found,) = actions.set_bound(state, 0, end, shown).document.requirements.bounds
+    ends = actions.ends_of(found)
+    assert found.entry.display.from_si(ends[end]) == pytest.approx(shown)
+    assert {**ends, end: None} == {**actions.ends_of(bound), end: None}
 
 
 OF_EACH_FAMILY = {entries[-1].key for entries in families().values()}

@@ -147,7 +147,7 @@ def test_requirements_are_added_and_changed_on_the_page(desk: Desk) -> None:
     desk.set("requirements.buttons", "Suggested set")
     desk.until(lambda: len(desk.state.document.requirements.bounds) == 4)
     desk.until(lambda: desk.state.requirements.quick is not None)
-    desk.set("requirements.value", 1.01)
+    desk.say("bound", ["0 high", 1.01])
     desk.until(lambda: desk.state.document.requirements.bounds[0].high == 1.01)
     desk.until(lambda: "✗" in desk.handle("requirements.list").content)
     desk.until(lambda: "empty" in desk.handle("requirements.volume_text").content)
