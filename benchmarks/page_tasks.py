@@ -183,7 +183,7 @@ def bound(tab: Tab, index: int) -> float:
 
 def largest(person: Person) -> None:
     ask(person)
-    person.command("largest workspace", "largest workspace")
+    person.link("Find the largest workspace")
     until(lambda: person.tab.state.requirements.largest.result, "the largest", LONG)
 
 
@@ -221,7 +221,6 @@ def log(person: Person) -> None:
             person.button("Open a log…")
         chooser.value.set_files(path)
         until(lambda: person.tab.state.identification.log, "the log is read", LONG)
-    person.button("Identify")
     until(lambda: person.tab.state.identification.result, "the robot is identified", LONG)
     before = person.tab.state.document.design
     person.button("Use as design")
@@ -234,13 +233,18 @@ def crossing(person: Person) -> None:
     for x, y in ((0.03, 0.1), (0.07, 0.335)):
         person.press_map(x, y)
     person.switch("Pass singularities")
-    person.type("M1–M3 [N·m]", "100")
+    person.button("Change the limits")
+    until(lambda: person.page.evaluate(FOCUSED).startswith("M1–M3"), "the box has the focus")
+    person.enter("100")
     person.sees("Passes 1 singularity")
 
 
+FOCUSED = "() => document.activeElement?.labels?.[0]?.textContent ?? ''"
+"""Script that returns the label of the box that has the focus."""
+
+
 def share(person: Person) -> None:
-    person.link("File")
-    person.button("Copy link")
+    person.key("Control+Shift+l")
     person.sees("it opens this design where paminsa-viz runs")
 
 

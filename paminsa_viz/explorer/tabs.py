@@ -356,7 +356,7 @@ def exports_of(entries: Entries) -> list[Command]:
     return found
 
 
-FILE_KEYS = {"file.download": ("S", "cmd/ctrl")}
+FILE_KEYS = {"file.download": ("S", "cmd/ctrl"), "file.link": ("L", "cmd/ctrl+shift")}
 """Keys of buttons of the folder of files."""
 
 

@@ -194,7 +194,7 @@ def _check_path(
             worst = int(np.nanargmax(np.where(np.isnan(over), -np.inf, over)))
             problem = (
                 f"the {end} cannot be held: M{worst + 1} needs {abs(torque[worst]):.4g} of "
-                f"{limits.actuators[worst]:.4g} {'N' if worst == 3 else 'N m'}"
+                f"{limits.actuators[worst]:.4g} {'N' if worst == 3 else 'N·m'}"
             )
             raise CrossingRefused("hold", problem, float(s[at]))
 

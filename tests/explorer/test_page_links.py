@@ -44,6 +44,9 @@ def test_copied_link_opens_the_design_elsewhere(tab: Tab, open_tab: Callable[...
     tab.page.get_by_text("Link: it opens this design").wait_for()
     link = tab.page.evaluate("navigator.clipboard.readText()")
     assert link == f"{tab.app.url}/#{share_code(OTHER)}"
+    tab.page.evaluate("navigator.clipboard.writeText('')")
+    tab.page.keyboard.press("Control+Shift+l")
+    until(lambda: tab.page.evaluate("navigator.clipboard.readText()") == link, "it is copied again")
     # The tab's address has a query, with which viser drops what follows the #.
     other = open_tab(link=link.partition("#")[2])
     until(lambda: other.state.document == OTHER, "the link is opened")

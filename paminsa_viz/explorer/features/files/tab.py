@@ -113,7 +113,6 @@ FILE: tuple[Entry, ...] = (
         read=lambda state: state.document.design.name, apply=actions.rename,
     ),
     Message(EXAMPLE, receive=receive_example),
-    Folder("file.examples", "Examples", entries=(Html("file.gallery", content=gallery_html()),)),
     Folder(
         "file.design", "Design file",
         entries=(
@@ -125,7 +124,7 @@ FILE: tuple[Entry, ...] = (
                 ),
             ),
             Button(
-                "file.page", "Save as a page", icon=Icon.HTML, undo=False,
+                "file.page", "Save as a page", icon=Icon.HTML, color="gray", undo=False,
                 hint="One HTML file with the essential part of this page; it needs no server",
                 effect=Run(lambda session: session.guard(lambda: _save_page(session))),
             ),
@@ -141,7 +140,8 @@ FILE: tuple[Entry, ...] = (
         entries=(
             Button(
                 "file.link", "Copy link", icon=Icon.LINK, undo=False,
-                hint="The address of this page with the share code; the address follows your work",
+                hint="The address of this page with the share code; the address follows your work "
+                "(Ctrl+Shift+L)",
                 effect=Run(
                     lambda session: session.submit(partial(_copy_link, session)), at_once=True
                 ),
@@ -161,4 +161,5 @@ FILE: tuple[Entry, ...] = (
             ),
         ),
     ),
+    Folder("file.examples", "Examples", entries=(Html("file.gallery", content=gallery_html()),)),
 )  # fmt: skip

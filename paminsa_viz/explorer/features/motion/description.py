@@ -122,6 +122,14 @@ def timing_options(state: State) -> Mapping[str, Timing]:
     return {label: t for label, t in TIMINGS.items() if preset or t is not Timing.OWN}
 
 
+def has_limits(state: State) -> bool:
+    """Whether the motion keeps limits of speed, torque and force."""
+    motion = state.document.motion
+    return _planned(state) and (_crosses(state) or motion.timing.keeps_limits)
+
+
+TORQUE_LIMIT, FORCE_LIMIT = "M1–M3 [N·m]", "F₄ [N]"
+
 _setting = SettingInputs("motion", "document.motion", Motion, motions.change)
 
 DESCRIPTION: tuple[Entry, ...] = (
@@ -166,8 +174,7 @@ DESCRIPTION: tuple[Entry, ...] = (
     ),
     Folder(
         "motion.limits", "Limits",
-        visible=lambda state: _planned(state)
-        and (_crosses(state) or state.document.motion.timing.keeps_limits),
+        visible=has_limits,
         entries=(
             Html(
                 "motion.limits.note",
@@ -179,8 +186,8 @@ DESCRIPTION: tuple[Entry, ...] = (
             _limit("turn_acceleration", "Accel. [°/s²]", "rad/s^2", 100.0, _not_crossing),
             _limit("jerk", "Jerk [m/s³]", "m/s^3", 10.0, _not_crossing),
             _limit("turn_jerk", "Jerk [°/s³]", "rad/s^3", 1000.0, _not_crossing),
-            _limit("torque", "M1–M3 [N·m]", "N m", 0.5),
-            _limit("force", "F₄ [N]", "N", 10.0),
+            _limit("torque", TORQUE_LIMIT, "N m", 0.5),
+            _limit("force", FORCE_LIMIT, "N", 10.0),
         ),
     ),
     _setting("rate"),

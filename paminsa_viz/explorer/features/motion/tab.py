@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from operator import methodcaller
+from typing import Any
 
 import numpy as np
 from viser import Icon
@@ -11,9 +12,15 @@ from paminsa_viz.clearance import clearance_reason
 from paminsa_viz.explorer.core import clearance
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.motion import point_entries as motion_points
 from paminsa_viz.explorer.features.motion.crossing import chart_html, crossing_html
-from paminsa_viz.explorer.features.motion.description import DESCRIPTION
+from paminsa_viz.explorer.features.motion.description import (
+    DESCRIPTION,
+    FORCE_LIMIT,
+    TORQUE_LIMIT,
+    has_limits,
+)
 from paminsa_viz.explorer.features.motion.layers import path_scale
 from paminsa_viz.explorer.features.motion.simulated import SimulationCharts
 from paminsa_viz.explorer.features.motion.simulation import SIMULATION, show_simulation, simulate
@@ -73,7 +80,21 @@ def status_html(frame: Frame) -> str:
         if why:
             level, title = "bad" if near.distance < 0 else "warn", f"{title}, bodies too close"
             lines.insert(0, f"{why}, at {number(near.t, 3)} s")
-    return status("motion-status", level, title, *lines)
+    limited = not reachable and has_limits(state)
+    return render(
+        "motion/status.j2",
+        level=level,
+        title=title,
+        lines=list(filter(None, lines)),
+        limited=limited,
+    )
+
+
+def _to_limits(session: Session, data: Any) -> None:
+    """Put the focus into the limit that a motion breaks; nothing is looked at of ``data``."""
+    del data
+    label = FORCE_LIMIT if "M4" in motions.planned(session.state).problem else TORQUE_LIMIT
+    session.bridge.call("focusInput", [label])
 
 
 def playback_end(state: State) -> float:
@@ -197,6 +218,7 @@ SIMULATING: tuple[Entry, ...] = (
 MOTION: tuple[Entry, ...] = (
     Message(motion_points.SELECT, receive=motion_points.receive_row),
     Html("playback.mark", content=render("mark.j2", name="paminsa-playback")),
+    Message("motion limits", receive=_to_limits),
     Html("motion.status", content=status_html),
     *PLAYBACK,
     *DESCRIPTION,

@@ -182,6 +182,12 @@ def _go(session: Session, data: Any) -> None:
         session.dispatch("requirements.worst", partial(go_to_worst, place=data))
 
 
+def _find_largest(session: Session, data: Any) -> None:
+    """Search for the largest workspace; nothing is looked at of ``data``."""
+    del data
+    session.dispatch("largest.start", actions.LARGEST.start, step=False)
+
+
 def go_to_worst(state: State, place: str) -> State:
     """Go to the pose where a requirement is nearest to its bound, or most beyond it."""
     return poses.move_to(state, text.worst_pose(state, place))
@@ -195,6 +201,7 @@ REQUIREMENTS = (
     Message("requirement", receive=_select),
     Message("bound", receive=_set_bound),
     Message("worst pose", receive=_go),
+    Message("largest workspace", receive=_find_largest),
     Html("requirements.list", content=text.list_html),
     ButtonGroup("requirements.buttons", "", choices=_buttons),
     Folder("requirements.edit", "Edit", entries=EDIT, visible=has_selected),

@@ -146,7 +146,8 @@ def volume_html(frame: Frame) -> str:
         "requirements/volume.j2", problem="", waiting=False, fine=outcome.job.fine,
         volume=number(LITERS * volume.volume, 4), error=number(LITERS * volume.error, 2),
         utilization=percent(volume.utilization), reachable=number(LITERS * volume.reachable_volume),
-        conflict=found.conflict, groups=[_group(volume, each) for each in shown_groups(found)],
+        searchable=bool(state.document.requirements.bounds), conflict=found.conflict,
+        groups=[_group(volume, each) for each in shown_groups(found)],
     )  # fmt: skip
 
 

@@ -155,6 +155,11 @@ def test_requirements_are_added_and_changed_on_the_page(desk: Desk) -> None:
     desk.until(lambda: desk.state.document.requirements.bounds[0].quantity == "determinant")
     desk.set("requirements.buttons", "Remove")
     desk.until(lambda: len(desk.state.document.requirements.bounds) == 3)
+    desk.until(lambda: "Find the largest" in desk.handle("requirements.volume_text").content)
+    before = desk.state.document
+    desk.say("largest workspace", None)
+    desk.until(lambda: desk.state.requirements.largest.running is not None)
+    assert desk.state.document == before
     assert not desk.notices
 
 
