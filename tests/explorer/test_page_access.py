@@ -10,7 +10,7 @@ import pytest
 
 from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, dock_width
 from paminsa_viz.explorer.core.docks import EDGE
-from paminsa_viz.explorer.scene.cameras import LEGEND_HEIGHT, preset, raised
+from paminsa_viz.explorer.scene.cameras import in_window
 from paminsa_viz.explorer.state.view import Appearance
 from paminsa_viz.explorer.tabs import sections
 from paminsa_viz.model import APPENDIX_4
@@ -296,9 +296,7 @@ def test_reload_keeps_the_docks(open_tab: Callable[..., Tab]) -> None:
 
 def camera_of(width: float, height: float) -> tuple[float, float, float]:
     """Return where the first camera preset looks from in a view of this size [px]."""
-    cover = LEGEND_HEIGHT / height
-    view = preset("3D", APPENDIX_4.geometry, aspect=width / height / (1 - cover))
-    return raised(view, cover).position
+    return in_window("3D", APPENDIX_4.geometry, None, width, height).position
 
 
 def test_layout_is_the_same_however_many_pixels_the_view_has(

@@ -60,6 +60,11 @@ def choose_preset(state: State, key: str) -> State:
     return from_start(change(state, kind=Kind.PRESET, preset=key, timing=timing, back=False))
 
 
+def is_drawing(state: State) -> bool:
+    """Whether a click on a map adds a waypoint."""
+    return state.point_editing.drawing and state.document.motion.kind is Kind.WAYPOINTS
+
+
 def choose_kind(state: State, kind: Kind) -> State:
     """Choose to build a motion; the poses it is built from are shown."""
     timing = state.document.motion.timing

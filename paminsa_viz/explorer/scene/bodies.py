@@ -19,6 +19,7 @@ from paminsa_viz.dimensions import attached
 from paminsa_viz.dimensions.layout import polar
 from paminsa_viz.dimensions.placement import about_z, elevated
 from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.motion import is_drawing
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.picking import can_be_picked, picked
 from paminsa_viz.meshes import bodies as shapes
@@ -230,13 +231,17 @@ class Bodies(Robot):
         self._dispatch = context.dispatch
 
     def _inspect(self, body: str, event: Any) -> None:
-        """Inspect what was clicked."""
+        """Inspect what was clicked, unless clicks add waypoints."""
         where = self._configuration
         if where is None:
             return
         part = picked(where, body, event.ray_origin, event.ray_direction)
         if part is not None:
-            self._dispatch("inspect", lambda state: replace(state, inspected=part), step=False)
+            self._dispatch(
+                "inspect",
+                lambda state: state if is_drawing(state) else replace(state, inspected=part),
+                step=False,
+            )
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the design and the pose."""

@@ -25,6 +25,9 @@ FILL: Final = 0.94
 LEGEND_HEIGHT: Final = 56.0
 """Height of the picture that is left to the legend [px]."""
 
+VIEW_BAR_HEIGHT: Final = 44.0
+"""Height of the picture that is left to the panel *View*, folded [px]."""
+
 CAMERAS: Final = ("3D", "Top", "Front", "Leg 1", "Leg 2", "Leg 3")
 """Names of the presets."""
 
@@ -110,23 +113,39 @@ def _triple(point: Array) -> tuple[float, float, float]:
     return (x, y, z)
 
 
-def raised(view: CameraView, covered: float) -> CameraView:
-    """Return a view that shows the same in the upper part of the picture.
+def raised(view: CameraView, below: float, above: float = 0.0) -> CameraView:
+    """Return a view that shows the same in the free part of the picture.
 
     Args:
         view: A camera for the whole picture.
-        covered: Share of the picture's height that is covered from below.
+        below, above: Share of the picture's height that is covered from below, and from above.
     """
     position, target = np.array(view.position), np.array(view.look_at)
     back = position - target
-    distance = float(np.linalg.norm(back)) / (1 - covered)
+    distance = float(np.linalg.norm(back)) / (1 - below - above)
     back /= np.linalg.norm(back)
     right = np.cross(view.up, back)
     upward = np.cross(back, right / np.linalg.norm(right))
-    shift = covered * distance * np.tan(view.fov / 2) * upward
+    shift = (below - above) * distance * np.tan(view.fov / 2) * upward
     look_at = target - shift
     moved = look_at + distance * back
     return replace(view, position=_triple(moved), look_at=_triple(look_at))
+
+
+def in_window(
+    name: str, geometry: Geometry, configuration: Configuration | None, width: float, height: float
+) -> CameraView:
+    """Return a preset that fits between the panel *View* and the legend.
+
+    Args:
+        name, geometry, configuration: As `preset` takes them.
+        width, height: Size of the picture [px]; 0 is not known.
+    """
+    if not height:
+        return preset(name, geometry, configuration, 1.0)
+    below, above = (min(part / height, 0.25) for part in (LEGEND_HEIGHT, VIEW_BAR_HEIGHT))
+    aspect = width / height / (1 - below - above)
+    return raised(preset(name, geometry, configuration, aspect), below, above)
 
 
 def look(session: Session, name: str) -> None:
@@ -142,9 +161,7 @@ def look(session: Session, name: str) -> None:
     height = client.camera.image_height / session.pixel_ratio
     if np.allclose((width, height), session.window, atol=1):  # the panels take theirs in a moment
         width = view_width(width, height)
-    covered = min(LEGEND_HEIGHT / height, 0.25) if height else 0.0
-    aspect = width / height / (1 - covered) if height else 1.0
-    view = raised(preset(name, last_reachable.geometry, configuration, aspect), covered)
+    view = in_window(name, last_reachable.geometry, configuration, width, height)
     camera = client.camera
     with client.atomic():
         camera.up_direction = view.up

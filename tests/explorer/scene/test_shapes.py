@@ -10,10 +10,17 @@ import numpy as np
 import pytest
 import viser
 
+from paminsa_viz.dimensions.layout import lift_motor_height
 from paminsa_viz.explorer.browser.style import over_backdrop, style_html
 from paminsa_viz.explorer.scene import cameras
 from paminsa_viz.explorer.scene.actuators import FACES, arc_arrow, force_arrow, torque_arrows
-from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
+from paminsa_viz.explorer.scene.cameras import (
+    CAMERAS,
+    LEGEND_HEIGHT,
+    VIEW_BAR_HEIGHT,
+    in_window,
+    preset,
+)
 from paminsa_viz.explorer.scene.curves import MOST_DASHES, dashes, segments
 from paminsa_viz.explorer.scene.nodes import Nodes, curves, lines
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
@@ -101,22 +108,28 @@ def test_torques_that_are_not_finite_are_not_drawn() -> None:
 
 @pytest.mark.parametrize("knee", KneeBranch)
 @pytest.mark.parametrize("name", CAMERAS)
-@pytest.mark.parametrize("aspect", [0.6, 1.0, 1.6])
-def test_every_camera_shows_all_of_the_robot(name: str, knee: KneeBranch, aspect: float) -> None:
+@pytest.mark.parametrize("window", [(432.0, 720.0), (512.0, 512.0), (768.0, 480.0)])
+def test_every_camera_shows_all_of_the_robot_between_panel_and_legend(
+    name: str, knee: KneeBranch, window: tuple[float, float]
+) -> None:
     design = with_knee(APPENDIX_4, knee)
     configuration = solved((0.0, 0.0, 0.1, -0.45 * knee.sign), design)
-    view = preset(name, design.geometry, configuration, aspect)
+    width, height = window
+    view = in_window(name, design.geometry, configuration, width, height)
     position, look = np.array(view.position), np.array(view.look_at)
     back = (position - look) / np.linalg.norm(position - look)
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
     joints = [configuration.points[j] for j in (2, 3, 4, 5, 7, 8, 9)]
-    points = np.concatenate(joints) - position
+    motor = [[0.0, 0.0, lift_motor_height(design.geometry) + 0.05]]
+    points = np.concatenate([*joints, motor]) - position
     depth = -points @ back
-    limit = np.tan(view.fov / 2)
+    scale = height / 2 / np.tan(view.fov / 2)
     assert (depth > 0.05).all()
-    assert (np.abs(points @ np.cross(back, right)) < limit * depth).all()
-    assert (np.abs(points @ right) < aspect * limit * depth).all()
+    row = height / 2 - scale * (points @ np.cross(back, right)) / depth
+    assert (row > VIEW_BAR_HEIGHT).all()
+    assert (row < height - LEGEND_HEIGHT).all()
+    assert (np.abs(points @ right) * scale / depth < width / 2).all()
 
 
 @pytest.mark.parametrize("leg", range(3))

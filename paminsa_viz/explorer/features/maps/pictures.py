@@ -11,6 +11,7 @@ import numpy as np
 from paminsa_viz.explorer.browser.bridge import Slots, marker
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore, shows_difference
+from paminsa_viz.explorer.core.motion import is_drawing
 from paminsa_viz.explorer.core.motion_results import split_path
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.motion import point_entries as motion_points
@@ -196,7 +197,7 @@ def caption(state: State, data: MapData) -> str:
         zero=is_zero(data.values),
         missing=data.missing_word,
         outside=() if data.outside is None else data.outside.present(),
-        drawing=points.is_drawing(state),
+        drawing=is_drawing(state),
         message=motion_points.DRAW,
         number=len(state.document.motion.waypoints) + 1,
     )

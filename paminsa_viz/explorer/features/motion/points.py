@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.maps import go_to, on_map
-from paminsa_viz.explorer.core.motion import change, choose_kind, current_pose
+from paminsa_viz.explorer.core.motion import change, choose_kind, current_pose, is_drawing
 from paminsa_viz.explorer.core.planning import THETA, Point, points, with_point
 from paminsa_viz.explorer.state.motion import Kind, Pose
 from paminsa_viz.explorer.state.state import State
@@ -133,11 +133,6 @@ def set_drawing(state: State, drawing: bool) -> State:
             state = choose_kind(state, Kind.WAYPOINTS)
         state = state.updated("point_editing", selected=len(state.document.motion.waypoints) - 1)
     return state.updated("point_editing", drawing=drawing)
-
-
-def is_drawing(state: State) -> bool:
-    """Whether a click on a map adds a waypoint."""
-    return state.point_editing.drawing and state.document.motion.kind is Kind.WAYPOINTS
 
 
 def click_map(state: State, x: float, y: float) -> State:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
+import viser
 
 from paminsa_viz.elastostatics.bar_loads import bar_loads, utilization
 from paminsa_viz.elastostatics.joint_forces import joint_forces
@@ -22,7 +26,10 @@ from paminsa_viz.explorer.features.inspector.shares import (
     tolerance_share,
 )
 from paminsa_viz.explorer.features.loads.solving import ALONG_MOTION, find_loads
+from paminsa_viz.explorer.features.motion import points
 from paminsa_viz.explorer.kit.entries import given
+from paminsa_viz.explorer.scene.bodies import Bodies
+from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.picking import picked
 from paminsa_viz.explorer.state.inspector import PARTS, Kind, Part
 from paminsa_viz.explorer.state.motion import Kind as MotionKind
@@ -123,3 +130,19 @@ def test_click_on_a_bar_means_it_and_near_a_joint_the_joint() -> None:
     assert picked(where, "m2", eye, five - eye) == Part(Kind.MOTOR, "M2", 1)
     assert picked(where, "platform", eye, five - eye) is None
     assert picked(where, "leg2/b4", eye, np.full(3, np.nan)) is None
+
+
+@pytest.mark.parametrize("drawing", [False, True])
+def test_a_click_on_a_body_inspects_it_unless_clicks_add_waypoints(
+    server: viser.ViserServer, drawing: bool
+) -> None:
+    state = points.set_drawing(initial_state(), drawing)
+    clicks: list[Any] = []
+    bodies = Bodies(SceneContext(server.scene, lambda _, action, **__: clicks.append(action)))
+    bodies.draw(compute(state), dragging=False)
+    where = compute(state).configuration
+    between = (where.points[9][1] + where.points[5][1]) / 2
+    eye = between + np.array([0.0, 0.0, 0.1])
+    event = SimpleNamespace(ray_origin=eye, ray_direction=between - eye)
+    asyncio.run(bodies._clicked("leg2/b4", event))
+    assert clicks[0](state).inspected == (None if drawing else B4)

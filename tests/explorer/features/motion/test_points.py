@@ -114,7 +114,7 @@ def test_drawing_starts_from_any_motion_and_takes_the_robot_off_it() -> None:
     assert not drawing.playback.following
     assert drawing.document.pose == state.document.pose
     other = motions.choose_preset(drawing, "circle")
-    assert not points.is_drawing(other)
+    assert not motions.is_drawing(other)
 
 
 def test_robot_goes_to_a_point_and_a_point_to_the_robot(three: State) -> None:
