@@ -16,6 +16,7 @@ from paminsa_viz.explorer.browser.tour import offer_tour
 from paminsa_viz.explorer.core import actions, tab_store
 from paminsa_viz.explorer.core.docks import fit_right, keep_docks
 from paminsa_viz.explorer.core.frame import Health, compute
+from paminsa_viz.explorer.core.links import open_link
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.synthesis.actions import previewed
 from paminsa_viz.explorer.features.view.theme import ThemeView, TitleView
@@ -27,6 +28,7 @@ from paminsa_viz.explorer.state.stiffness import MODE_NODE
 from paminsa_viz.explorer.strip import STRIP, restartable
 from paminsa_viz.explorer.tabs import (
     EARLIER,
+    WORKSPACES,
     add_tabs,
     build_rest,
     enter_workspace,
@@ -156,13 +158,14 @@ def build(
         if session.built.is_set():
             enter_workspace(session)
 
+    layers = {one.name: frozenset(one.layers) for one in WORKSPACES}
     keep_docks(session)
     bridge.on("window", take_window)
     bridge.on("window", lambda _: session.submit(lambda: fit_right(session)))
     bridge.on("tabs", take_tabs)
     bridge.on("undo", lambda _: session.undo())
     bridge.on("redo", lambda _: session.redo())
-    bridge.on("link", lambda code: tab_store.open_link(session, code))
+    bridge.on("link", lambda link: open_link(session, link, layers))
     bridge.on("hello", restore)
     bridge.on("hello", lambda _: session.submit(lambda: fit_right(session)))
     bridge.on("hello", lambda _: session.submit(build_robot))

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+from urllib.parse import unquote
 
 import pytest
 
 from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.maps import choose_quantity
 from paminsa_viz.explorer.core.persistence import LONGEST_CODE, open_share_code, share_code
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.model import APPENDIX_4, PaminsaError
@@ -43,7 +46,7 @@ def test_copied_link_opens_the_design_elsewhere(tab: Tab, open_tab: Callable[...
     tab.click("Copy link")
     tab.page.get_by_text("Link: it opens this design").wait_for()
     link = tab.page.evaluate("navigator.clipboard.readText()")
-    assert link == f"{tab.app.url}/#{share_code(OTHER)}"
+    assert link.startswith(f"{tab.app.url}/#{share_code(OTHER)}&")
     tab.page.evaluate("navigator.clipboard.writeText('')")
     tab.page.keyboard.press("Control+Shift+l")
     until(lambda: tab.page.evaluate("navigator.clipboard.readText()") == link, "it is copied again")
@@ -72,6 +75,31 @@ def test_address_follows_the_work_and_a_reload_keeps_more_than_it_says(
     wait_followed(tab)
     bookmark = open_tab(link=tab.page.url.partition("#")[2])
     until(lambda: bookmark.state.document == before, "the bookmark opens")
+
+
+def test_link_opens_the_section_and_the_map_that_its_page_shows(
+    tab: Tab, open_tab: Callable[..., Tab]
+) -> None:
+    tab.open_tab("Stiffness")
+    tab.open_tab("Single map")
+    tab.dispatch(partial(choose_quantity, quantity="stiffness_z"))
+    shown = ["section=Strength/Stiffness", "beside=Single map", "map=stiffness_z"]
+
+    def parts(page: Tab) -> list[str]:
+        return unquote(page.page.evaluate("location.hash")).split("&")[1:]
+
+    until(lambda: parts(tab) == shown, "the address says what is shown")
+    link = tab.page.evaluate("location.hash.slice(1)")
+    other = open_tab(link=link)
+    section = other.page.get_by_role("tab", name="Stiffness", exact=True)
+    until(lambda: section.get_attribute("aria-selected") == "true", "the section is open")
+    until(lambda: other.state.map_view.quantity == "stiffness_z", "the map")
+    until(lambda: parts(other) == shown, "its address says the same")
+    other.open_tab("Path")
+    until(lambda: parts(other)[0] == "section=Motion/Path", "the address follows")
+    other.page.evaluate("link => { location.hash = link }", link)
+    until(lambda: parts(other) == shown, "a link opens in an open page too")
+    assert other.state.workspace == "Strength"
 
 
 def test_link_in_a_tab_with_other_work_offers_that(open_tab: Callable[..., Tab]) -> None:

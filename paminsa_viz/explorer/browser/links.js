@@ -1,5 +1,6 @@
 /**
- * Links: what follows the # of the address is a share code, which the page opens and keeps up to date.
+ * Links: what follows the # of the address is a share code and what is shown, which the page opens and
+ * keeps up to date.
  *
  * Runs in the head of the page: viser takes the address of the server from that of the page, where
  * no # may be, and writes it anew. So the code is taken out first, and put back once viser has begun.
@@ -53,7 +54,7 @@
     timer = setTimeout(() => {
       written = code;
       try {
-        write(`#${code}`);
+        write(`#${encodeURI(code)}`);
         wrote = true;
         sessionStorage.setItem(KEY, code);
       } catch (error) {
@@ -62,7 +63,7 @@
     }, DELAY);
   };
   // Without what follows a ?: it says how this page is shown, and may be an access token.
-  const to = (code) => `${window.location.href.split(/[?#]/)[0]}#${code}`;
+  const to = (code) => `${window.location.href.split(/[?#]/)[0]}#${encodeURI(code)}`;
   /** Return whether viser leaves the address as it was written, null where nothing was yet. */
   const keeps = () => (wrote ? Boolean(window.location.hash) : null);
   window.paminsaLinks = { take, follow, to, keeps };

@@ -47,17 +47,6 @@
   }
   // The camera counts the view's own pixels, of which a sharp screen has several for each of these.
   const sendSize = () => send("window", [window.innerWidth, window.innerHeight]);
-  // A link goes before what was kept, which is then offered and not written over it.
-  let link = "";
-  const sendLink = () => {
-    link = window.paminsaLinks?.take() || link;
-    if (!link) return true;
-    if (!send("link", link)) return false;
-    link = "";
-    return true;
-  };
-  retry(() => sendSize() && sendLink() && send("hello", saved), 50);
-  const openLink = () => retry(sendLink, 50);
   let resized = 0;
   window.addEventListener("resize", () => {
     isWhole = false; // till the server has fitted the docks: their widths are no person's
@@ -160,6 +149,21 @@
     wanted = [...wanted.filter((each) => !all.includes(each)), ...all];
     followTabs();
   };
+
+  // A link goes before what was kept, which is then offered and not written over it.
+  let link = "";
+  const sendLink = () => {
+    link = window.paminsaLinks?.take() || link;
+    if (!link) return true;
+    if (!send("link", link)) return false;
+    const shown = new URLSearchParams(link.split("&").slice(1).join("&"));
+    const linked = ["section", "beside"].map((key) => shown.get(key)).filter(Boolean);
+    if (linked.length) wanted = linked.flatMap(withOuter); // and not what the tab has kept
+    link = "";
+    return true;
+  };
+  retry(() => sendSize() && sendLink() && send("hello", saved), 50);
+  const openLink = () => retry(sendLink, 50);
 
   // --- docks: how wide they are, kept for a reload ------------------------------------------
   let docks = "";

@@ -161,14 +161,15 @@ def share_code(document: Document) -> str:
 
 
 def open_share_code(code: str) -> Document:
-    """Return the document of a share code; blanks and line ends that a mail put in do not matter.
+    """Return the document of a share code; blanks and line ends that a mail put in do not matter,
+    nor what a link says after it of what is shown.
 
     Raises:
         PaminsaError: If the code is none, is damaged, or describes what is not possible.
     """
     if len(code) > LONGEST_CODE:
         raise InvalidInput("share code", f"it is too long (at most {LONGEST_CODE} characters)")
-    code = re.sub(r"\s+", "", code)
+    code = re.sub(r"\s+", "", code.partition("&")[0])
     if not code.startswith(PREFIX):
         version = re.match(r"PMZ(\d+)-", code)
         raise InvalidInput(

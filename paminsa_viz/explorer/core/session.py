@@ -94,7 +94,7 @@ class Session:
         user: The tab as one who works with results that are kept.
         open_tabs: Paths of the tabs that are open, None until the page has said so.
         paths: Paths of the tabs of sections by their names.
-        linked: The document that the page's address was told last.
+        linked: The document, and what else of the page the address was told last.
         unfold: What unfolds the dock of a tab, by the tab's name.
         fit_docks: Gives the docks the widths and folds that the state has.
     """
@@ -130,7 +130,7 @@ class Session:
         self.user = User()
         self.open_tabs: frozenset[str] | None = None
         self.paths: Mapping[str, str] = {}
-        self.linked: Document | None = None
+        self.linked: tuple[Document, dict[str, str]] | None = None
         self.unfold: Mapping[str, Callable[[], None]] = {}
         self.fit_docks: Callable[[], None] = lambda: None
         self._turn = 0

@@ -1,4 +1,4 @@
-"""What a tab keeps across a reload: its document, and how it is shown; and what its address says.
+"""What a tab keeps across a reload: its document, and how it is shown.
 
 The document is written as for a share code; how it is shown, part by part, as plain data. A part
 that cannot be read, or is not possible any more, keeps its default.
@@ -20,6 +20,7 @@ import msgspec
 
 from paminsa_viz.explorer.core import actions, persistence
 from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.links import follow_link
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.explorer.state.outcome import TaskState
@@ -183,28 +184,9 @@ def drop_offered(state: State) -> State:
     return replace(state, offered="")
 
 
-def open_link(session: Session, data: object) -> None:
-    """Open the share code of an address, or say in a line why not; ``data`` comes from the page."""
-    if not isinstance(data, str):
-        return
-    session.dispatch(
-        "link",
-        lambda state: actions.restore(state, persistence.open_share_code(data)),
-        then=lambda: session.notify("Link opened", session.state.document.design.name),
-    )
-    session.submit(lambda: follow_link(session))  # one that was refused does not stay
-
-
-def follow_link(session: Session) -> None:
-    """Write the document to the address of the page; one too long for a code leaves it empty."""
-    session.linked = session.state.document
-    code = persistence.share_code(session.linked)
-    session.bridge.call("followLink", code if len(code) <= persistence.LONGEST_CODE else "")
-
-
 class TabStore:
-    """Keeps a tab's state in its own store, and its document in the address: when the page is idle,
-    and every `SAVE_PERIOD` when it is not, as long as a search runs, a motion is played, or
+    """Keeps a tab's state in its own store, and what it shows in the address: when the page is
+    idle, and every `SAVE_PERIOD` when it is not, as long as a search runs, a motion is played, or
     something is dragged."""
 
     def __init__(self, session: Session) -> None:
@@ -222,5 +204,4 @@ class TabStore:
         if text != self._kept:
             self._kept = text
             self._session.bridge.save(text)
-        if self._session.linked is not self._session.state.document:
-            follow_link(self._session)
+        follow_link(self._session)

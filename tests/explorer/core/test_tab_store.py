@@ -15,10 +15,9 @@ import pytest
 from paminsa_viz.actuation.catalog import generic_catalog
 from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.errors import PaminsaError
-from paminsa_viz.explorer.core import actions, tab_store
+from paminsa_viz.explorer.core import actions, links, tab_store
 from paminsa_viz.explorer.core.persistence import share_code
 from paminsa_viz.explorer.state.balance import CounterweightSlot, Goal
-from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.drives import DriveSettings
 from paminsa_viz.explorer.state.maps import MapView, RangeMode
 from paminsa_viz.explorer.state.settings import Settings
@@ -173,7 +172,9 @@ class Saver:
         self.state = state
         self.saved: list[str] = []
         self.called: list[tuple[str, str]] = []
-        self.linked: Document | None = None
+        self.linked: object = None
+        self.paths: dict[str, str] = {"Masses": "Robot/Masses"}
+        self.open_tabs: frozenset[str] | None = None
         self.bridge = SimpleNamespace(
             save=self.saved.append, call=lambda *call: self.called.append(call)
         )
@@ -194,7 +195,7 @@ def test_changes_are_saved_while_the_page_is_not_idle_but_not_with_every_frame(
     store.draw(cast(Any, None), dragging=False)
     assert session.saved[-1] == tab_store.dump(session.state)
     assert len(session.called) == len(session.saved)
-    assert session.called[-1] == ("followLink", share_code(session.state.document))
+    assert session.called[-1] == ("followLink", links.link_of(cast(Any, session)))
 
 
 def test_address_follows_back_to_what_is_saved_already() -> None:
@@ -204,10 +205,11 @@ def test_address_follows_back_to_what_is_saved_already() -> None:
     store.draw(cast(Any, None), dragging=False)
     first = session.state
     session.state = first.updated("document", pose=(0.01, 0.0, 0.0, -0.5))
-    tab_store.follow_link(cast(Any, session))
+    links.follow_link(cast(Any, session))
     session.state = first
     store.draw(cast(Any, None), dragging=False)
-    assert session.called[-1] == ("followLink", share_code(first.document))
+    code = share_code(first.document)
+    assert session.called[-1] == ("followLink", f"{code}&map={first.map_view.quantity}")
     assert len(session.saved) == 1
 
 
@@ -215,6 +217,34 @@ def test_address_of_a_document_too_long_for_a_code_is_empty(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     session = Saver(initial_state())
-    monkeypatch.setattr(tab_store.persistence, "LONGEST_CODE", 10)
-    tab_store.follow_link(cast(Any, session))
+    monkeypatch.setattr(links.persistence, "LONGEST_CODE", 10)
+    links.follow_link(cast(Any, session))
     assert session.called == [("followLink", "")]
+
+
+def test_link_says_what_is_shown_and_is_written_once() -> None:
+    session = Saver(initial_state())
+    for _ in range(2):
+        links.follow_link(cast(Any, session))
+    assert len(session.called) == 1
+    session.open_tabs = frozenset({"Robot", "Robot/Masses", "Motion plots"})
+    links.follow_link(cast(Any, session))
+    shown = session.called[-1][1].split("&")[1:]
+    assert shown[:2] == ["section=Robot/Masses", "beside=Motion plots"]
+
+
+LAYERS_FIRST = {"Robot": frozenset[str](), "Optimize": frozenset({"volume"})}
+
+
+@pytest.mark.parametrize("workspace", ["", "Robot", "Optimize"])
+def test_link_shows_its_workspace_and_map_on_any_page(workspace: str) -> None:
+    state = replace(initial_state(), workspace=workspace, layers=frozenset())
+    state = state.updated("map_view", quantity="tau_1")
+    code = share_code(replace(state.document, pose=(0.01, 0.0, 0.0, -0.5)))
+    found = links.opened(state, f"{code}&section=Optimize/Balance&map=stiffness_z", LAYERS_FIRST)
+    assert found.document.pose == (0.01, 0.0, 0.0, -0.5)
+    assert found.workspace == "Optimize"
+    assert ("volume" in found.layers) == (workspace != "Optimize")  # shown when first opened
+    assert found.map_view.quantity == "stiffness_z"
+    odd = links.opened(state, f"{code}&section=None/None&map=none&more=%ff&&=", LAYERS_FIRST)
+    assert (odd.workspace, odd.map_view.quantity) == (workspace, "tau_1")

@@ -11,6 +11,7 @@ from viser import Icon
 
 from paminsa_viz.explorer.browser.tour import START
 from paminsa_viz.explorer.core import actions, persistence
+from paminsa_viz.explorer.core.links import link_of
 from paminsa_viz.explorer.core.saved_requirements import asked, require_possible
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.files.examples import EXAMPLES, example_named, open_example
@@ -25,7 +26,7 @@ from paminsa_viz.files.design_file import (
     write_design,
 )
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.model import Design
+from paminsa_viz.model import Design, InvalidInput
 from paminsa_viz.version import MADE_BY
 
 
@@ -83,7 +84,10 @@ def _save_page(session: Session) -> None:
 
 
 def _copy_link(session: Session) -> None:
-    session.bridge.call("copyLink", persistence.share_code(session.state.document))
+    link = link_of(session)
+    if not link:
+        raise InvalidInput("link", "the design is too large for one; save it as a file")
+    session.bridge.call("copyLink", link)
 
 
 EXAMPLE = "open-example"

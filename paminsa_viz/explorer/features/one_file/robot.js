@@ -179,7 +179,7 @@ const shareCode = async (doc) => {
 const openShareCode = async (given) => {
   if (given.length > PAGE.longestCode)
     refuse(`it is too long (at most ${PAGE.longestCode} characters)`);
-  const code = given.replace(/\s+/g, "");
+  const code = given.split("&")[0].replace(/\s+/g, "");
   if (!code.startsWith(PAGE.prefix)) {
     const version = /^PMZ(\d+)-/.exec(code);
     refuse(version
