@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -144,5 +145,6 @@ def test_a_click_on_a_body_inspects_it_unless_clicks_add_waypoints(
     between = (where.points[9][1] + where.points[5][1]) / 2
     eye = between + np.array([0.0, 0.0, 0.1])
     event = SimpleNamespace(ray_origin=eye, ray_direction=between - eye)
-    asyncio.run(bodies._clicked("leg2/b4", event))
+    with ThreadPoolExecutor(1) as thread:  # a browser of other tests keeps a loop in this one
+        thread.submit(asyncio.run, bodies._clicked("leg2/b4", event)).result()
     assert clicks[0](state).inspected == (None if drawing else B4)
