@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import t as t_distribution
 
 from paminsa_viz.identification import (
     IdentificationSettings,
@@ -156,3 +157,35 @@ def test_columns_are_what_the_causes_do() -> None:
         seen.append(identify(moved, APPENDIX_4, QUICK).model.columns @ found.solution.x)
     expected = -2e-3 * columns["encoder zero of M2"]  # measured torques stay what they are
     np.testing.assert_allclose(seen[1] - seen[0], expected, atol=2e-3 * np.abs(expected).max())
+
+
+def test_sizes_are_the_least_squares_fit_with_rows_over_their_noise() -> None:
+    found = identify(simulated(1, DESIGN, rate=RATE), APPENDIX_4, QUICK)
+    noise, model = found.solution.noise[:, None], found.model
+    assert noise.max() > 2 * noise.min()
+    ranked = {cause.label: cause for cause in find_causes(found).ranked}
+    torque = (model.torque[..., None] / noise).ravel()
+    for item in possible_causes(found):
+        if item.label in ("gain of M1", "gain of M2", "encoder zero of M3"):
+            rows = np.concatenate([model.columns, item.column[..., None]], axis=-1) / noise
+            fit = np.linalg.lstsq(rows.reshape(len(torque), -1), torque)[0]
+            assert ranked[item.label].value == pytest.approx(fit[-1], rel=1e-6)
+
+
+def test_p_values_are_two_sided_and_for_all_causes_at_once() -> None:
+    t, position, torque = signals()
+    shifted = position + np.radians(0.1) * np.eye(4)[0]
+    log = make_log(t, *noisy(t, shifted, torque, np.random.default_rng(0)))
+    found = identify(log, APPENDIX_4, QUICK)
+    ranked = find_causes(found).ranked
+    compared = 0
+    for cause in ranked:
+        error = cause.half_width / found.solution.quantile
+        spread = t_distribution(found.solution.blocks - 1, scale=error) if error > 0 else None
+        if spread is not None and np.isfinite(error):
+            inside = spread.cdf(abs(cause.value)) - spread.cdf(-abs(cause.value))
+            assert cause.p_value == pytest.approx(
+                min(1.0, len(ranked) * (1 - inside)), rel=1e-6, abs=1e-12
+            )
+            compared += cause.p_value < 1.0
+    assert compared > 2

@@ -213,3 +213,21 @@ def test_impossible_searches_are_refused() -> None:
     weak = limits_of(ROBOT)._replace(torque=np.array([20.0, 20.0, 20.0, 50.0]))
     with pytest.raises(NoExcitation, match="force of M4 is beyond its limit"):
         optimize_excitation(ROBOT, weak, ExcitationSettings(random=12))
+
+
+def test_torque_rms_of_motions_is_over_their_own_samples() -> None:
+    info = information()
+    info.sharp = True
+    motions = np.stack([some_motion(info, seed) for seed in (1, 2, 3)])
+    found = info.torque_rms(motions)
+    for motion, rms in zip(motions, found, strict=True):
+        states = np.split(info.states(motion), 3, axis=-1)
+        torque = inverse_dynamics(replace(ROBOT, friction=Friction(), load=LoadCase()), *states)
+        np.testing.assert_allclose(rms, np.sqrt((torque.torque**2).mean(axis=0)), rtol=1e-9)
+
+
+def test_periods_are_the_pieces_of_a_multi_sine() -> None:
+    info = information()
+    for periods in (1, 2, 5):
+        breaks = info.family.curve(some_motion(info), periods=periods).breaks
+        np.testing.assert_allclose(breaks * periods, np.arange(periods + 1), atol=1e-12)

@@ -117,3 +117,17 @@ def test_rotors_keep_their_mean_and_differ_as_the_log_says() -> None:
     after = np.array(nearest_masses(found).design.drive_inertia[:3])
     assert after.mean() == pytest.approx(before.mean(), rel=1e-9)
     np.testing.assert_allclose(after[:2] - after.mean(), told, atol=1e-12)
+
+
+def test_one_difference_of_two_rotors_says_nothing_of_the_third() -> None:
+    """M1 minus the mean alone could come with any M2 and M3: the design's rotors stay."""
+    drives = tuple(
+        Drive(name="d", rotor_inertia=inertia, gear_ratio=20.0) for inertia in (1e-4, 2e-4, 4.5e-4)
+    )
+    design = replace(BUILT, drives=(*drives, None))
+    log = simulated(1, design, noise_seed=None, rate=250.0)
+    found = identify(log, design, replace(QUICK, rotors=True))
+    for hidden in ("ΔJ_1", "ΔJ_2"):
+        less = replace(found, estimates=tuple(e for e in found.estimates if e.symbol != hidden))
+        after = nearest_masses(less).design.drive_inertia
+        assert after == pytest.approx(design.drive_inertia, rel=1e-12)

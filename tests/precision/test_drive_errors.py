@@ -11,6 +11,7 @@ import pytest
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import (
     APPENDIX_4,
+    PARAMETER,
     Design,
     check_reach,
     forward_kinematics,
@@ -31,6 +32,7 @@ from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors,
 from tests.support.samples import each_robot, random_design, random_poses
 
 GEOMETRY = APPENDIX_4.geometry
+LENGTHS = [path for path, p in PARAMETER.items() if path.startswith("geometry.") and p.unit == "m"]
 DEFAULT = DriveAccuracy()
 HOME = (0.02, -0.01, 0.1, -0.5)
 
@@ -341,3 +343,23 @@ def test_modes_that_are_proven_apart_stay_apart_in_the_box(geometry: Any) -> Non
         free &= (np.sign(side) == np.sign(center)[:, None]).all(axis=1)
     assert not (proven & ~free).any()
     assert proven.sum() > 0.5 * free.sum()
+
+
+def test_a_robot_of_other_size_has_the_same_limits_and_errors_as_large() -> None:
+    """Lengths times a factor and angles kept: a test of reach for one size only would miss some."""
+    factor, rng = 100.0, np.random.default_rng(5)
+    design = APPENDIX_4.vary({"geometry.platform_radius": 0.25, "geometry.base_radius": 0.5})
+    large = design.vary({path: factor * design.value(path) for path in LENGTHS}).geometry
+    pose = rng.uniform((-0.3, -0.3, -0.3, -0.95), (0.3, 0.3, 0.3, -0.4), (4000, 4))
+    scale = np.array([factor, factor, 1.0, factor])
+    drives = DriveAccuracy(DEFAULT.resolution_rotary * 200, DEFAULT.resolution_linear)
+    other = replace(drives, resolution_linear=factor * drives.resolution_linear)
+    found, wanted = (
+        drive_errors(geometry, accuracy, poses)
+        for geometry, accuracy, poses in (
+            (large, other, pose * scale), (design.geometry, drives, pose)
+        )
+    )  # fmt: skip
+    assert np.sum(wanted.status == Bound.LIMIT) > 20
+    np.testing.assert_array_equal(found.status, wanted.status)
+    np.testing.assert_allclose(found.worst, wanted.worst * scale, rtol=1e-6)

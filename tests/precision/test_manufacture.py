@@ -34,9 +34,9 @@ from tests.support.measured import pointwise
 SMALL = Tolerances(**dict.fromkeys(vars(Tolerances()), 1e-07))
 
 
-@given(seed=st.integers(0, 999), n=st.integers(1, 7))
-def test_the_longest_sum_is_that_of_all_signs(seed: int, n: int) -> None:
-    x, y = np.random.default_rng(seed).normal(size=(2, 3, n)).round(1)
+@given(seed=st.integers(0, 999), n=st.integers(1, 7), batch=st.sampled_from([(), (3,), (2, 3)]))
+def test_the_longest_sum_is_that_of_all_signs(seed: int, n: int, batch: tuple[int, ...]) -> None:
+    x, y = np.random.default_rng(seed).normal(size=(2, *batch, n)).round(1)
     signs = np.array(list(product((-1, 1), repeat=n)))
     wanted = np.hypot(x @ signs.T, y @ signs.T).max(axis=-1)
     assert np.allclose(longest_sum(x, y), wanted)

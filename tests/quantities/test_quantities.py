@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.model import APPENDIX_4, inverse_jacobian, solve_field, static_torques
+from paminsa_viz.model import APPENDIX_4, Payload, inverse_jacobian, solve_field, static_torques
 from paminsa_viz.model.grids import Field, Grid
 from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.load import LoadCase
@@ -152,3 +152,33 @@ def test_cells_are_as_many_as_the_time_allows(keys: list[str], most: int, budget
 def test_cells_of_results_that_share_their_work_are_as_many_as_of_one() -> None:
     together = affordable_cells(["pressure_1", "pressure_2", "pressure_3"], 10**6)
     assert together == affordable_cells(["pressure_1"], 10**6)
+
+
+def test_clearances_of_bodies_that_a_robot_has_not_say_so_where_it_can_be() -> None:
+    bare = replace(APPENDIX_4, payload=Payload(), counterweights=())
+    wide = np.linspace(-0.6, 0.6, 7)
+    field = solve_field(bare.geometry, Grid.over((0.0, 0.0, 0.2, -0.5), x=wide, y=wide))
+    reached = field.status == Limit.OK
+    assert reached.any()
+    assert not reached.all()
+    words = {}
+    for item in QUANTITIES.values():
+        if item.family == "clearance" and item.missing is not None:
+            code = item.missing(field, bare).code
+            words[item.key] = code[reached].all()
+            assert not code[~reached].any()  # those are out of reach, which is said instead
+            without = np.isnan(item.over(field, bare))[reached]
+            np.testing.assert_array_equal(code[reached] > 0, without, err_msg=item.key)
+    assert words["clearance_payload"]
+    assert not words["clearance_same_leg"]
+
+
+def test_stiffness_above_the_center_is_the_same_in_all_horizontal_directions() -> None:
+    """Three legs make no direction stiffer there, where the robot is its own image by 120 deg."""
+    field = solve_field(APPENDIX_4.geometry, Grid.over((0.0, 0.0, 0.3, -0.5), x=[0.0], y=[0.0]))
+    x, y, least = (
+        float(QUANTITIES[f"stiffness_{key}"].over(field, APPENDIX_4).squeeze())
+        for key in ("x", "y", "horizontal")
+    )
+    assert y == pytest.approx(x, rel=1e-9)
+    assert least == pytest.approx(x, rel=1e-6)

@@ -10,10 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.model import APPENDIX_4, Design, LoadCase
+from paminsa_viz.model import APPENDIX_4, Design, LoadCase, solve_field
+from paminsa_viz.model.grids import Grid
+from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirements import Requirement, Requirements, WorkspaceShape
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge, nearest_violation
-from paminsa_viz.synthesis.proof.families import NONE, Symmetry, groups, symmetry
+from paminsa_viz.synthesis.proof.families import FAMILIES, NONE, Family, Symmetry, groups, symmetry
 from paminsa_viz.synthesis.proof.regions import PoseRegion
 from tests.synthesis.certificate_robots import boxes, robots
 
@@ -99,3 +101,15 @@ def test_bounds_are_those_of_all_poses(monkeypatch: pytest.MonkeyPatch) -> None:
     assert part.lower <= whole.upper
     assert whole.lower <= part.upper
     assert part.boxes < 0.4 * whole.boxes
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda family: next(iter(family.keys)))
+def test_values_that_decide_a_proof_are_those_of_the_maps(family: Family) -> None:
+    geometry = replace(APPENDIX_4.geometry, base_radius=0.33)
+    design = replace(APPENDIX_4, geometry=geometry, load=LoadCase(force_x=6.0, force_z=-15.0))
+    grid = Grid.over((0.0, 0.0, 0.2, -0.5), x=np.linspace(-0.1, 0.12, 5), y=np.linspace(0, 0.1, 4))
+    field, found = solve_field(geometry, grid), family.values(design, grid.poses().reshape(-1, 4))
+    assert found.keys() >= family.keys.keys()
+    for key in family.keys:
+        wanted = QUANTITIES[key].over(field, design).ravel()
+        np.testing.assert_allclose(found[key], wanted, rtol=1e-9, err_msg=key)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given
+from hypothesis import strategies as st
 
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -27,7 +28,7 @@ from paminsa_viz.trajectory import (
     round_trip,
     via_points,
 )
-from paminsa_viz.trajectory.integrals import rms, running_integral
+from paminsa_viz.trajectory.integrals import rms, running_integral, time_weights
 from tests.support.cases import Case, assert_close, cases
 from tests.support.samples import with_knee
 from tests.trajectory.plans import ALL_PRESETS, FRICTION, A, B, C, preset_plan
@@ -223,3 +224,16 @@ def test_running_integral() -> None:
     np.testing.assert_array_equal(running_integral(t[:1], t[:1]), [0])
     assert rms(even, np.sin(2 * np.pi * even)) == pytest.approx(np.sqrt(0.5), rel=1e-6)
     assert rms(t[:1], np.array([-3.0])) == 3.0
+
+
+@given(seed=st.integers(0, 999), n=st.integers(2, 9), ratio=st.floats(1.0, 300.0))
+def test_time_weights_integrate_lines_exactly_and_are_never_negative(
+    seed: int, n: int, ratio: float
+) -> None:
+    """Also with steps so uneven that parabolas would make one negative."""
+    steps = ratio ** np.random.default_rng(seed).uniform(-1.0, 1.0, n - 1)
+    t = 0.3 + np.concatenate([[0.0], np.cumsum(steps)])
+    weights = time_weights(t)
+    assert (weights >= 0).all()
+    assert weights.sum() == pytest.approx(t[-1] - t[0])
+    assert weights @ t == pytest.approx((t[-1] ** 2 - t[0] ** 2) / 2)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import inspect
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given
+from hypothesis import strategies as st
 
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -256,3 +258,12 @@ def test_payload_mismatch_agrees_with_mujoco(knee: KneeBranch) -> None:
     drift = np.abs(ours.error[part]).max()
     assert drift > 0.01
     np.testing.assert_allclose(played.poses, ours.pose[part], atol=0.005 * drift)
+
+
+@given(angles=st.tuples(*[st.floats(-3.1, 3.1)] * 2))
+def test_turn_error_is_the_angle_from_one_arm_to_the_other(angles: tuple[float, float]) -> None:
+    wanted, actual = (SimpleNamespace(ux=np.cos(a), uy=np.sin(a)) for a in angles)
+    found = formulas.turn_error(wanted, actual)  # type: ignore[arg-type]
+    turn = np.exp(1j * (angles[0] - angles[1]))
+    assert abs(np.exp(1j * found) - turn) < 1e-12
+    assert abs(found) <= np.pi
