@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
+from paminsa_viz.blocks.accuracy import drive_blocks, manufacture_blocks
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, RegionFlags
 from paminsa_viz.cli.output import print_blocks, print_json
@@ -24,7 +25,6 @@ from paminsa_viz.precision.manufacture import (
     tolerance_errors,
 )
 from paminsa_viz.precision.unequal_legs import COORDINATES
-from paminsa_viz.report.accuracy_section import drive_blocks, manufacture_blocks
 from paminsa_viz.studies.drive_accuracy import (
     STATISTICS_OF,
     RegionErrors,

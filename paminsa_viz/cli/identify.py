@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 import tyro
 
+from paminsa_viz.blocks.identification import identification_blocks
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Pose, pose_si
 from paminsa_viz.cli.output import print_blocks, print_json, print_written
@@ -25,7 +26,6 @@ from paminsa_viz.identification.findings import Findings, investigate
 from paminsa_viz.identification.log import Log
 from paminsa_viz.identification.results import Estimate
 from paminsa_viz.identification.validation import PayloadEstimate
-from paminsa_viz.report.identification_section import identification_section
 
 DESCRIPTION = """\
 Find masses, balance and friction of the built robot from a log of positions and torques.
@@ -109,7 +109,7 @@ class Identify(JsonFlags, DesignFlags):
             print_json(_data(found, written))
         else:
             print(f'design "{design.name}"')
-            print_blocks(identification_section(found).blocks)
+            print_blocks(identification_blocks(found))
             print_written(written)
         wrong = bool(found.causes.named) or found.identification.identity.holds is False
         return 1 if wrong else 0

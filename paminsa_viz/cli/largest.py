@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
+from paminsa_viz.blocks.requirements import evidence_table, verdict_text, workspace_text
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import JsonFlags
 from paminsa_viz.cli.output import ascii_numbers, print_blocks, print_json
@@ -15,7 +16,6 @@ from paminsa_viz.cli.requirement_flags import RequirementFlags
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirement_text import requirement_text
 from paminsa_viz.quantities.requirements import Requirements
-from paminsa_viz.report.requirements_section import evidence_table, verdict_text, workspace_text
 from paminsa_viz.synthesis.proof.certificate import prove
 from paminsa_viz.synthesis.proof.evidence import Evidence, Proof, Verdict
 from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace

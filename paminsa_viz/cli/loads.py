@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import tyro
 
+from paminsa_viz.blocks.loads import motion_blocks, pose_blocks
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PoseFlags, check_output
 from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
@@ -28,7 +29,6 @@ from paminsa_viz.files.tables import DataTable, save_table, table_endings
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.reach import home_pose, require_reachable, status_words
-from paminsa_viz.report.loads_section import motion_blocks, pose_blocks
 from paminsa_viz.trajectory import ImpossibleTrajectory, analyze
 from paminsa_viz.units import format_pose
 

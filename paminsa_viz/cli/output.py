@@ -9,9 +9,10 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from paminsa_viz.blocks.kinds import Block, Note, Table
 from paminsa_viz.errors import one_line
 from paminsa_viz.files.atomic import open_atomically
-from paminsa_viz.report.blocks import Block, Note, ReportRequest, Table
+from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.units import NONE
 from paminsa_viz.version import COMMAND, MADE_BY
 

@@ -64,7 +64,7 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
             path = spline_path(trajectory.pose)
             trajectory = time_optimal(design, path, limits, name=trajectory.name).plan.sample()
 
-        from paminsa_viz.report.blocks import ReportRequest
+        from paminsa_viz.report.request import ReportRequest
 
         request = ReportRequest(
             design=design,

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import tyro
 
+from paminsa_viz.blocks.requirements import check_blocks
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import JsonFlags, check_output
 from paminsa_viz.cli.largest import Largest, Prove
@@ -22,7 +23,6 @@ from paminsa_viz.quantities.requirement_text import (
     requirement_text,
 )
 from paminsa_viz.quantities.requirements import Requirements
-from paminsa_viz.report.requirements_section import check_blocks
 from paminsa_viz.synthesis.volume.check import RequirementsCheck, check_requirements
 from paminsa_viz.synthesis.volume.conflict import Conflict, smallest_conflict
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE

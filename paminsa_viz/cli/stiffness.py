@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
+from paminsa_viz.blocks.stiffness import stiffness_blocks, strain_cases
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
 from paminsa_viz.cli.output import print_blocks, print_json, print_table
@@ -26,7 +27,6 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.reach import home_pose, require_reachable
-from paminsa_viz.report.stiffness_section import stiffness_blocks, strain_cases
 from paminsa_viz.units import MM, format_pose
 
 DESCRIPTION = """\

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import tyro
 
+from paminsa_viz.blocks.synthesis import synthesis_blocks
 from paminsa_viz.cli.arguments import UsageError, command_line
 from paminsa_viz.cli.flags import JsonFlags, MotionFlags, check_output
 from paminsa_viz.cli.output import print_blocks, print_json, print_written, write_report
@@ -31,8 +32,7 @@ from paminsa_viz.model.design import Design, stated_parameters
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import Requirements
-from paminsa_viz.report.blocks import ReportRequest
-from paminsa_viz.report.synthesis_section import synthesis_blocks
+from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.studies import Workers, cluster, processes
 from paminsa_viz.synthesis import (
     RegimeState,

@@ -8,13 +8,13 @@ from typing import Annotated, Any
 
 import tyro
 
+from paminsa_viz.blocks.synthesis import buildability_blocks
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.output import print_blocks, print_table
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.quantities.requirement_text import requirement_text
 from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.report.synthesis_section import buildability_blocks
 from paminsa_viz.studies import Workers
 from paminsa_viz.synthesis import ObjectiveLimit, SynthesisCase, SynthesisResult, find_objective
 from paminsa_viz.synthesis.answer.checks import AnswerMargins, BuildYield, build_yield

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from paminsa_viz.blocks.trajectory import LOADS, trajectory_blocks
 from paminsa_viz.cli import command_module
 from paminsa_viz.cli.output import print_blocks, print_error, print_written
 from paminsa_viz.errors import PaminsaError
@@ -21,7 +22,6 @@ from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.series import EngineTorques, FigureKind
-from paminsa_viz.report.trajectory_section import LOADS, trajectory_blocks
 from paminsa_viz.trajectory import (
     ImpossibleTrajectory,
     PathEvent,

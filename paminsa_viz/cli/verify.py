@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 import tyro
 
+from paminsa_viz.blocks.verification import verification_blocks
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
 from paminsa_viz.cli.output import print_blocks, print_json, print_written
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, verify
@@ -17,7 +18,6 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.atomic import as_file_error, make_folder, write_bytes
 from paminsa_viz.files.errors import FileError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
-from paminsa_viz.report.verification_section import verification_blocks
 from paminsa_viz.version import __version__
 
 DESCRIPTION = """\

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from datetime import datetime
 
+from paminsa_viz.blocks.kinds import Fact, Note, Row, Table
 from paminsa_viz.engines.verification import Verification
-from paminsa_viz.report.blocks import Fact, Note, Row, Section, Table
 from paminsa_viz.report.claims import MeasuredClaim
 from paminsa_viz.report.page import COLORS, template
-from paminsa_viz.report.verification_section import verification_section
+from paminsa_viz.report.request import Section
+from paminsa_viz.report.sections import verification_section
 from paminsa_viz.units import number
 from paminsa_viz.version import __version__
 

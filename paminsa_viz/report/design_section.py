@@ -6,12 +6,13 @@ import math
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
+from paminsa_viz.blocks.kinds import Block, Listing, Note, Row, Table, rows
 from paminsa_viz.engines.verification import Verification
 from paminsa_viz.files.design_schema import KEY_OF, DesignKey
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.model.design import APPENDIX_4, Design, stated_parameters
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.report.blocks import Block, Listing, Note, ReportRequest, Row, Section, Table, rows
+from paminsa_viz.report.request import ReportRequest, Section
 from paminsa_viz.units import format_value, percent_change
 from paminsa_viz.version import MADE_BY
 

@@ -8,6 +8,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 from markupsafe import Markup
 
 from paminsa_viz.balancing import whole_mass
+from paminsa_viz.blocks.kinds import Fact
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.engines.verification import Verification
 from paminsa_viz.identification.findings import investigate
@@ -15,18 +16,22 @@ from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.palette import BAD, INK, MUTED, OK, WARN
 from paminsa_viz.progress import Progress, go_on, keep_on
-from paminsa_viz.report.accuracy_section import accuracy_section
-from paminsa_viz.report.balance_section import balance_section
-from paminsa_viz.report.blocks import Fact, ReportRequest
 from paminsa_viz.report.design_section import design_section, provenance_section
-from paminsa_viz.report.forces_section import drives_section, forces_section
-from paminsa_viz.report.identification_section import identification_section
-from paminsa_viz.report.loads_section import loads_section
-from paminsa_viz.report.requirements_section import requirements_section
-from paminsa_viz.report.stiffness_section import stiffness_section
-from paminsa_viz.report.synthesis_section import synthesis_section
-from paminsa_viz.report.trajectory_section import trajectory_section
-from paminsa_viz.report.verification_section import checked, verification_section
+from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.report.sections import (
+    accuracy_section,
+    balance_section,
+    checked,
+    drives_section,
+    forces_section,
+    identification_section,
+    loads_section,
+    requirements_section,
+    stiffness_section,
+    synthesis_section,
+    trajectory_section,
+    verification_section,
+)
 from paminsa_viz.report.workspace_section import maps_section, workspace_section
 from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
 from paminsa_viz.units import NONE, format_pose, format_value, number, symbols_html
@@ -79,8 +84,7 @@ def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
     sections.append(accuracy_section(request))
     began("trajectory")
     sections.append(trajectory_section(analysis))
-    if (drives := drives_section(request.design, analysis)) is not None:
-        sections.append(drives)
+    sections.append(drives_section(analysis))
     began("joint forces")
     sections.append(loads_section(analysis, request.pose))
     if request.log is not None:
@@ -97,7 +101,7 @@ def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
         design=request.design.name,
         lines=_head(request),
         opening=_facts(request, analysis, found),
-        sections=list(enumerate(sections, 1)),
+        sections=list(enumerate((section for section in sections if section.blocks), 1)),
         colors=COLORS,
         version=__version__,
         made=request.made.strftime("%Y-%m-%d %H:%M %Z"),

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from paminsa_viz.blocks.kinds import Block, Figure, Note, Row, Table, actuator_rows, rows
 from paminsa_viz.engines.poses import WORST_CONDITION, workspace_poses
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
@@ -26,17 +27,7 @@ from paminsa_viz.plots.map_values import FULL, MapData, map_data, workspace_fiel
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
 from paminsa_viz.plots.series_builders import SYMBOLS
 from paminsa_viz.quantities import TORQUES
-from paminsa_viz.report.blocks import (
-    Block,
-    Figure,
-    Note,
-    ReportRequest,
-    Row,
-    Section,
-    Table,
-    actuator_rows,
-    rows,
-)
+from paminsa_viz.report.request import ReportRequest, Section
 from paminsa_viz.studies.sweeps import sweep
 from paminsa_viz.units import format_value
 

@@ -8,13 +8,15 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
+from paminsa_viz.blocks.accuracy import manufacture_blocks
+from paminsa_viz.blocks.kinds import Note, Table
 from paminsa_viz.model import APPENDIX_4, Design, DriveAccuracy, singular_rotation
 from paminsa_viz.precision.drive_errors import drive_errors
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import monte_carlo, tolerance_errors
 from paminsa_viz.precision.unequal_legs import Closure
-from paminsa_viz.report.accuracy_section import accuracy_section, manufacture_blocks
-from paminsa_viz.report.blocks import Note, ReportRequest, Section, Table
+from paminsa_viz.report.request import ReportRequest, Section
+from paminsa_viz.report.sections import accuracy_section
 from paminsa_viz.trajectory import PRESET
 from paminsa_viz.units import format_value
 

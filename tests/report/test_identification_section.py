@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from paminsa_viz.blocks.kinds import Figure, Note, Table
 from paminsa_viz.files.example_logs import ExampleLog, example_log
 from paminsa_viz.identification import make_log
 from paminsa_viz.identification.findings import investigate
 from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.report.blocks import Figure, Note, Table
-from paminsa_viz.report.identification_section import identification_section
+from paminsa_viz.report.sections import identification_section
 
 
 @pytest.fixture(scope="module")

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from paminsa_viz.blocks.kinds import Figure, Note, Table
 from paminsa_viz.elastostatics.bar_loads import all_bar_loads
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
 from paminsa_viz.elastostatics.motion_loads import motion_loads
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.singularity import singular_rotation
-from paminsa_viz.report.blocks import Figure, Note, Table
-from paminsa_viz.report.loads_section import loads_section
+from paminsa_viz.report.sections import loads_section
 from paminsa_viz.trajectory import PRESET, analyze
 from paminsa_viz.units import number
 

@@ -16,16 +16,21 @@ import pytest
 
 from paminsa_viz.actuation.wrench_capability import capability
 from paminsa_viz.balancing import balance
+from paminsa_viz.blocks.balance import contributions
+from paminsa_viz.blocks.kinds import Note, Row, Table
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, PARAMETER, Design, UnreachablePose, static_imbalance
 from paminsa_viz.model.parameters import Counterweight
-from paminsa_viz.report.balance_section import balance_section, contributions
-from paminsa_viz.report.blocks import Note, ReportRequest, Row, Section, Table
 from paminsa_viz.report.design_section import design_section
-from paminsa_viz.report.forces_section import forces_section
 from paminsa_viz.report.page import report_html
-from paminsa_viz.report.trajectory_section import trajectory_section
-from paminsa_viz.report.verification_section import checked, verification_section
+from paminsa_viz.report.request import ReportRequest, Section
+from paminsa_viz.report.sections import (
+    balance_section,
+    checked,
+    forces_section,
+    trajectory_section,
+    verification_section,
+)
 from paminsa_viz.trajectory import (
     MotionLimits,
     Trajectory,

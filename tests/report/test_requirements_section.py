@@ -10,6 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from paminsa_viz.blocks import requirements as section
+from paminsa_viz.blocks.kinds import Note, Table
 from paminsa_viz.cli.output import ascii_numbers
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import (
@@ -18,9 +20,7 @@ from paminsa_viz.quantities.requirements import (
     Workspace,
     WorkspaceShape,
 )
-from paminsa_viz.report import requirements_section as section
-from paminsa_viz.report.blocks import Note, Table
-from paminsa_viz.report.synthesis_section import synthesis_section
+from paminsa_viz.report.sections import synthesis_section
 from paminsa_viz.synthesis import Effort, SearchRange, SynthesisCase, synthesize
 from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck, check_requirements
 from paminsa_viz.synthesis.volume.conflict import Conflict, VolumeRelaxation
@@ -41,9 +41,9 @@ def test_broken_requirements_are_marked_and_the_volume_says_what_they_take(
 ) -> None:
     monkeypatch.setattr(section, "TIME_LIMIT", 0.5)
     monkeypatch.setattr(section, "solve_volume", partial(solve_volume, resolution=COARSE))
-    found = section.requirements_section(APPENDIX_4, NEEDS)
-    tables = [block for block in found.blocks if isinstance(block, Table)]
-    notes = [block.text for block in found.blocks if isinstance(block, Note)]
+    found = section.requirements_blocks(APPENDIX_4, NEEDS)
+    tables = [block for block in found if isinstance(block, Table)]
+    notes = [block.text for block in found if isinstance(block, Note)]
     checked = check_requirements(APPENDIX_4, NEEDS, fine=True)
     marked = [row.cells[0] for row in tables[0].rows if row.kind == "marked"]
     assert marked == [item.label for item in checked.items if not item.holds] == ["F₄ ≤ 200 N"]

@@ -8,13 +8,15 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
+from paminsa_viz.blocks.kinds import Block, Note, Table
+from paminsa_viz.blocks.stiffness import stiffness_blocks
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
 from paminsa_viz.elastostatics.stiffness import platform_stiffness, strain_shares
 from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.singularity import singular_radius
-from paminsa_viz.report.blocks import Block, Note, ReportRequest, Table
-from paminsa_viz.report.stiffness_section import stiffness_blocks, stiffness_section
+from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.report.sections import stiffness_section
 from paminsa_viz.trajectory import PRESET
 from paminsa_viz.units import NONE, format_value
 

@@ -47,10 +47,11 @@ def mujoco() -> Any:
 @pytest.fixture
 def report_of_the_motion(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out of reports what takes long and does not depend on the motion."""
-    from paminsa_viz.report import page, requirements_section
-    from paminsa_viz.report.blocks import Section
+    from paminsa_viz.blocks import requirements
+    from paminsa_viz.report import page
+    from paminsa_viz.report.request import Section
 
-    monkeypatch.setattr(requirements_section, "TIME_LIMIT", 0.2)
+    monkeypatch.setattr(requirements, "TIME_LIMIT", 0.2)
 
     for key in ("workspace", "maps", "forces", "stiffness", "accuracy"):
         monkeypatch.setattr(page, f"{key}_section", lambda _, key=key: Section(key, key, ()))
@@ -59,7 +60,7 @@ def report_of_the_motion(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make reports with empty pictures, where what is drawn is not the point."""
-    from paminsa_viz.report.blocks import Figure
+    from paminsa_viz.blocks.kinds import Figure
 
     monkeypatch.setattr(Figure, "svg", b"")
 

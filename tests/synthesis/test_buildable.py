@@ -13,14 +13,14 @@ from hypothesis import strategies as st
 from scipy.optimize import nnls
 from scipy.spatial import ConvexHull
 
+from paminsa_viz.blocks.kinds import Note, Table
+from paminsa_viz.blocks.synthesis import synthesis_blocks
 from paminsa_viz.clearance import clearance, pair_clearance, shapes_of
 from paminsa_viz.dimensions import needs
 from paminsa_viz.elastostatics import platform_stiffness
 from paminsa_viz.model import APPENDIX_4, BarLaw, Geometry, KneeBranch, inverse_kinematics, resized
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirement, Workspace, WorkspaceShape
-from paminsa_viz.report.blocks import Note, Table
-from paminsa_viz.report.synthesis_section import synthesis_blocks
 from paminsa_viz.synthesis import (
     Buildability,
     Effort,

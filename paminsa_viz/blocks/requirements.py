@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+from paminsa_viz.blocks.kinds import Block, Note, Row, Table
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
-from paminsa_viz.report.blocks import Block, Note, Row, Section, Table
 from paminsa_viz.synthesis.proof.evidence import Evidence, Proof, Verdict
 from paminsa_viz.synthesis.proof.families import Method
 from paminsa_viz.synthesis.proof.largest import largest_workspace
@@ -46,12 +46,11 @@ _PROPERTIES = {
 """What is proven besides the requirements."""
 
 
-def requirements_section(design: Design, requirements: Requirements) -> Section:
-    """Return the section."""
+def requirements_blocks(design: Design, requirements: Requirements) -> list[Block]:
+    """Return the verdicts, the volume, and the largest workspace that is proven."""
     volume = solve_volume(design, requirements)
     check = check_requirements(design, requirements, fine=True, volume=volume)
-    blocks = [*check_blocks(requirements, check), *_largest(design, requirements)]
-    return Section("requirements", "Requirements", tuple(blocks))
+    return [*check_blocks(requirements, check), *_largest(design, requirements)]
 
 
 def check_blocks(

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from functools import partial
 
+from paminsa_viz.blocks.kinds import Block, Figure, Note, Row, Table, rows
 from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.findings import Findings
 from paminsa_viz.model.drive import ACTUATORS, TORQUE_UNITS
-from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, rows
 from paminsa_viz.units import NONE, format_value, interval_text, number, unit_text
 
 TRIED = 5
 """Causes that are listed with those that are named."""
 
 
-def identification_section(findings: Findings) -> Section:
-    """Return the section."""
+def identification_blocks(findings: Findings) -> list[Block]:
+    """Return the verdict, the torques, parameters, causes, checks and masses of a log."""
     one = findings.identification
     log = one.log
     blocks: list[Block] = [
@@ -54,8 +54,7 @@ def identification_section(findings: Findings) -> Section:
     unseen = rows(*((text,) for text in findings.causes.unseen))
     blocks.append(Table(("",), unseen, "What cannot be seen in this log."))
     blocks += _checks(findings)
-    blocks.append(_masses(findings))
-    return Section("identification", "Identification", tuple(blocks))
+    return [*blocks, _masses(findings)]
 
 
 def _torques(findings: Findings) -> bytes:

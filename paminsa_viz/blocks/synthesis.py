@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from paminsa_viz.model.design import Design, stated_parameters
-from paminsa_viz.quantities.requirement_text import requirement_label
-from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.report.blocks import Block, Note, Row, Section, Table, rows
-from paminsa_viz.report.requirements_section import (
+from paminsa_viz.blocks.kinds import Block, Note, Row, Table, rows
+from paminsa_viz.blocks.requirements import (
     evidence_table,
     verdict_text,
     workspace_text,
 )
+from paminsa_viz.model.design import Design, stated_parameters
+from paminsa_viz.quantities.requirement_text import requirement_label
+from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis import (
     ObjectiveLimit,
     SynthesisResult,
@@ -25,11 +25,6 @@ from paminsa_viz.units import NONE, format_value, percent_change
 
 BoundText = Callable[[Requirement | ObjectiveLimit], str]
 """A requirement or a limit as text."""
-
-
-def synthesis_section(result: SynthesisResult) -> Section:
-    """Return the section."""
-    return Section("synthesis", "Synthesis", tuple(synthesis_blocks(result)))
 
 
 def bound_label(bound: Requirement | ObjectiveLimit) -> str:

@@ -1,26 +1,18 @@
-"""What a report is made of: the request, and blocks of tables, figures and notes before they become
-HTML.
-"""
+"""The kinds of blocks: tables, notes and figures before they become HTML or lines of a terminal."""
 
 from __future__ import annotations
 
 import base64
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from datetime import datetime
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from paminsa_viz.errors import InvalidInput
 from paminsa_viz.palette import ACTUATOR_COLORS
 
 if TYPE_CHECKING:
-    from paminsa_viz.identification.log import Log
-    from paminsa_viz.model.design import Design
     from paminsa_viz.plots.series import FigureKind
-    from paminsa_viz.quantities.requirements import Requirements
-    from paminsa_viz.synthesis.search.result import SynthesisResult
-    from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis
+    from paminsa_viz.trajectory import TrajectoryAnalysis
 
 
 @dataclass(frozen=True)
@@ -129,21 +121,6 @@ class Listing:
 Block: TypeAlias = Table | Figure | Note | Listing
 
 
-@dataclass(frozen=True)
-class Section:
-    """A section of the report.
-
-    Attributes:
-        key: Its anchor.
-        title: Its heading.
-        blocks: What it holds.
-    """
-
-    key: str
-    title: str
-    blocks: tuple[Block, ...]
-
-
 def series_figure(
     kind: FigureKind,
     analysis: TrajectoryAnalysis,
@@ -174,39 +151,3 @@ def actuator_rows(*cells: Sequence[str]) -> tuple[Row, ...]:
     return tuple(
         Row(tuple(each), color=color) for each, color in zip(cells, ACTUATOR_COLORS, strict=True)
     )
-
-
-@dataclass(frozen=True, eq=False)
-class ReportRequest:
-    """A robot, a pose and a motion to report on.
-
-    Attributes:
-        design: The robot.
-        pose: (x, y, theta, z) [m, m, rad, m]; maps are at its theta and z.
-        trajectory: The motion.
-        made: When, with a time zone.
-        command: The command that makes the report again.
-        verified: Whether to compare with physics engines, if they are installed.
-        seed: Of random poses.
-        log: A log of the built robot, to identify it from; None for none.
-        requirements: What the robot is needed for; None for no section on it.
-        synthesis: The search that the robot comes from; None for none.
-
-    Raises:
-        InvalidInput: If the pose is not four numbers.
-    """
-
-    design: Design
-    pose: tuple[float, float, float, float]
-    trajectory: Trajectory
-    made: datetime
-    command: str
-    verified: bool = True
-    seed: int = 0
-    log: Log | None = None
-    requirements: Requirements | None = None
-    synthesis: SynthesisResult | None = None
-
-    def __post_init__(self) -> None:
-        if len(self.pose) != 4:
-            raise InvalidInput("pose", f"four numbers are needed, not {len(self.pose)}")

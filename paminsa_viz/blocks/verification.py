@@ -4,40 +4,21 @@ from __future__ import annotations
 
 from functools import partial
 
-from paminsa_viz.engines import EngineMissing
-from paminsa_viz.engines.comparison import Comparison
-from paminsa_viz.engines.verification import Verification, verify
-from paminsa_viz.errors import PaminsaError
-from paminsa_viz.model.lumped import Misprint
-from paminsa_viz.plots.series_builders import SYMBOLS
-from paminsa_viz.plots.verified import VerificationFigure, verification_figures
-from paminsa_viz.report.blocks import (
+from paminsa_viz.blocks.kinds import (
     Block,
     Figure,
     Note,
-    ReportRequest,
     Row,
-    Section,
     Table,
     actuator_rows,
 )
+from paminsa_viz.engines import EngineMissing
+from paminsa_viz.engines.comparison import Comparison
+from paminsa_viz.engines.verification import Verification
+from paminsa_viz.model.lumped import Misprint
+from paminsa_viz.plots.series_builders import SYMBOLS
+from paminsa_viz.plots.verified import VerificationFigure, verification_figures
 from paminsa_viz.units import format_value, number
-
-
-def checked(request: ReportRequest) -> Verification | str:
-    """Return the verification of the request's robot and motion, or why there is none."""
-    if not request.verified:
-        return "Not requested."
-    try:
-        return verify(request.design, request.trajectory, seed=request.seed)
-    except PaminsaError as error:  # an engine is missing, or the motion cannot be run
-        return f"Not verified: {error}."
-
-
-def verification_section(found: Verification | str) -> Section:
-    """Return the section."""
-    blocks = [Note(found, "warn")] if isinstance(found, str) else verification_blocks(found)
-    return Section("verification", "Verification", tuple(blocks))
 
 
 def verification_blocks(found: Verification) -> list[Block]:

@@ -1,16 +1,13 @@
-"""The load on the platform, what the actuators' limits let it hold and reach, and the drives."""
+"""The load on the platform, and what the actuators' limits let it hold and reach."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
-from paminsa_viz.actuation.duty import Duty, duty_cycle
 from paminsa_viz.actuation.polytope import wrench_polytope
-from paminsa_viz.actuation.selection import DriveFigures, size_design
 from paminsa_viz.actuation.wrench_capability import actuator_limits, capability
+from paminsa_viz.blocks.kinds import Block, Note, Row, Table
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -18,12 +15,9 @@ from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.model.grids import Grid, solve_field
 from paminsa_viz.model.load import center_wrench
 from paminsa_viz.model.statics import load_torques
-from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.quantities import find
-from paminsa_viz.report.blocks import Block, Note, ReportRequest, Row, Section, Table
 from paminsa_viz.studies.metrics import RegionResults, default_region, global_indices
-from paminsa_viz.trajectory import TrajectoryAnalysis
-from paminsa_viz.units import NONE, format_value, number
+from paminsa_viz.units import format_value
 
 KEYS = (
     "payload", "horizontal_force", "vertical_force", "moment", "speed", "turn_speed",
@@ -33,14 +27,12 @@ KEYS = (
 """Quantities of the table, with their global indices."""
 
 
-def forces_section(request: ReportRequest) -> Section:
-    """Return the section."""
-    blocks = [*_load(request), _limits(request), *_capability(request)]
-    return Section("forces", "Forces and capability", tuple(blocks))
+def forces_blocks(design: Design, pose: Array) -> list[Block]:
+    """Return the load, the actuators' limits and the capability at a pose (4,)."""
+    return [*_load(design, pose), _limits(design), *_capability(design, pose)]
 
 
-def _load(request: ReportRequest) -> list[Block]:
-    design, pose = request.design, np.array(request.pose)
+def _load(design: Design, pose: Array) -> list[Block]:
     if not design.load.acts:
         return [Note("No external force or moment acts on the platform.")]
     wrench = center_wrench(design.load, pose[2])
@@ -62,11 +54,11 @@ def _load(request: ReportRequest) -> list[Block]:
     return [Table(("Symbol", "Carried by", "Value"), tuple(rows), caption, words=2)]
 
 
-def _limits(request: ReportRequest) -> Table:
-    limits = actuator_limits(request.design)
+def _limits(design: Design) -> Table:
+    limits = actuator_limits(design)
     rows = []
     for j, name in enumerate(ACTUATORS):
-        own = "default" if request.design.drives[j] is None else "drive"
+        own = "default" if design.drives[j] is None else "drive"
         speed = format_value(limits.speed[j], SPEED_UNITS[j])
         torques = (format_value(value[j], TORQUE_UNITS[j]) for value in (limits.rated, limits.peak))
         rows.append(Row((name, own, *torques, speed)))
@@ -74,8 +66,7 @@ def _limits(request: ReportRequest) -> Table:
     return Table(head, tuple(rows), "Limits that the capability is worked out with.", words=2)
 
 
-def _capability(request: ReportRequest) -> list[Block]:
-    design, pose = request.design, np.array(request.pose)
+def _capability(design: Design, pose: Array) -> list[Block]:
     try:
         polytope = wrench_polytope(design, pose)
     except PaminsaError as error:
@@ -116,76 +107,3 @@ def index_table(design: Design, pose: Array, keys: Sequence[str], about: str = "
         caption += f" {', '.join(symbols)}: no value, {reason}."
     head = ("Symbol", "Quantity", "Here", "Mean", "Least", "Spread")
     return Table(head, tuple(rows), caption, words=2)
-
-
-RPM = 30 / math.pi
-
-
-def drives_section(design: Design, analysis: TrajectoryAnalysis) -> Section | None:
-    """Return the section, or None for a design without drives."""
-    if not any(design.drives):
-        return None
-    held = [
-        (name, drive, color)
-        for name, drive, color in zip(ACTUATORS, design.drives, ACTUATOR_COLORS, strict=True)
-        if drive is not None
-    ]
-    rows = tuple(
-        Row(
-            (
-                name, drive.summary, number(drive.ratio, 4),
-                format_value(drive.reflected_inertia, "kg" if name == "M4" else "kg m^2", 3),
-                NONE if drive.rated_torque is None else format_value(drive.rated_torque, "N m", 3),
-                NONE if drive.peak_torque is None else format_value(drive.peak_torque, "N m", 3),
-            ),
-            color=color,
-        )
-        for name, drive, color in held
-    )  # fmt: skip
-    head = ("", "Drive", "Motor turn per unit", "Inertia at the actuator", "Rated", "Peak")
-    blocks: list[Block] = [
-        Note(
-            "The drives' inertia and friction are part of all torques on the trajectory. The table "
-            "below measures each drive on the load without its own inertia; its efficiency acts by "
-            "the direction of the power."
-        ),
-        Table(head, rows, "Drives of the design.", words=2, literal=True),
-    ]
-    if analysis.check.first is not None:
-        blocks.append(Note("The robot cannot run the trajectory, so they are not measured.", "bad"))
-        return Section("drives", "Drives", tuple(blocks))
-    found = size_design(duty_cycle(design, [Duty(analysis.trajectory)]), design)
-    measured = [
-        (name, one, color)
-        for name, one, color in zip(ACTUATORS, found, ACTUATOR_COLORS, strict=True)
-        if one is not None
-    ]
-    short = [name for name, one, _ in measured if not one.feasible]
-    if short:
-        blocks.append(Note(f"Too weak for this motion, repeated: {', '.join(short)}.", "bad"))
-    else:
-        blocks.append(Note("Every drive keeps its limits on this motion, repeated.", "ok"))
-    head = (
-        "", "Share of its limits", "by", "RMS torque", "Peak", "Top speed", "Peak power",
-        "Inertia ratio", "Winding",
-    )  # fmt: skip
-    rows = tuple(
-        Row(_cells(name, one), "plain" if one.feasible else "marked", color)
-        for name, one, color in measured
-    )
-    blocks.append(Table(head, rows, "Drives on the trajectory, at the motor's shaft.", words=1))
-    return Section("drives", "Drives", tuple(blocks))
-
-
-def _cells(name: str, one: DriveFigures) -> tuple[str, ...]:
-    return (
-        name,
-        f"{100 * one.use:.0f} %",
-        one.limit,
-        format_value(one.rms, "N m", 3),
-        format_value(one.peak, "N m", 3),
-        f"{one.top_speed * RPM:.0f} rpm",
-        format_value(one.top_power, "W", 3),
-        number(one.inertia_ratio, 3),
-        f"{100 * one.thermal:.0f} %" if math.isfinite(one.thermal) else NONE,
-    )

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from paminsa_viz.balancing import balance, whole_mass
+from paminsa_viz.blocks.kinds import (
+    Block,
+    Note,
+    Row,
+    Table,
+    actuator_rows,
+    series_figure,
+)
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_writer import differences
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.drive import ACTUATORS, TORQUE_UNITS
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.statics import imbalance_parts, static_imbalance
-from paminsa_viz.report.blocks import (
-    Block,
-    Note,
-    Row,
-    Section,
-    Table,
-    actuator_rows,
-    series_figure,
-)
 from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
 from paminsa_viz.units import format_value, percent_change
 
@@ -28,8 +27,8 @@ BALANCED = 1e-9
 """|M_p2| below which a design counts as balanced [N]."""
 
 
-def balance_section(analysis: TrajectoryAnalysis) -> Section:
-    """Return the section; the balanced robot is compared on the motion."""
+def balance_blocks(analysis: TrajectoryAnalysis) -> list[Block]:
+    """Return M_p2 body by body, and the paper's balance, compared on the motion."""
     design = analysis.design
     blocks: list[Block] = [
         Note(
@@ -42,7 +41,7 @@ def balance_section(analysis: TrajectoryAnalysis) -> Section:
         blocks.append(Note("The design is balanced: M1 to M3 carry no weight.", "ok"))
     else:
         blocks += _balanced(analysis)
-    return Section("balance", "Static balance", tuple(blocks))
+    return blocks
 
 
 def contributions(design: Design) -> list[tuple[str, str, float]]:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.blocks.kinds import Block, Note, Table, rows, series_figure
 from paminsa_viz.elastostatics.bar_diagram import COMPONENTS
 from paminsa_viz.elastostatics.bar_loads import all_bar_loads, arm_tip, utilization
 from paminsa_viz.elastostatics.joint_forces import JOINTS, JointForces, joint_forces
@@ -15,7 +16,6 @@ from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
 from paminsa_viz.elastostatics.sideways import SidewaysForces, sideways_forces
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.report.blocks import Block, Note, Section, Table, rows, series_figure
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import NONE, number
 
@@ -23,9 +23,9 @@ ROUNDING = 1e-9
 """Force [N] or moment [N m] that is written as zero."""
 
 
-def loads_section(analysis: TrajectoryAnalysis, pose: Sequence[float]) -> Section:
-    """Return the section."""
-    title, design = "Joint forces and bar loads", analysis.design
+def loads_blocks(analysis: TrajectoryAnalysis, pose: Sequence[float]) -> list[Block]:
+    """Return the loads at rest in a pose (4,) and on a motion."""
+    design = analysis.design
     forces = joint_forces(design, pose)
     if forces.status == Limit.OK:
         blocks = pose_blocks(forces, sideways_forces(design, pose))
@@ -34,13 +34,11 @@ def loads_section(analysis: TrajectoryAnalysis, pose: Sequence[float]) -> Sectio
         blocks = [Note(f"There are no joint forces at the pose: {explanation}.", "bad")]
     loads = motion_loads(analysis)
     if loads is None:
-        blocks.append(Note("The robot cannot run the trajectory from its start.", "bad"))
-        return Section("loads", title, tuple(blocks))
+        return [*blocks, Note("The robot cannot run the trajectory from its start.", "bad")]
     if analysis.check.first is not None:
         blocks.append(Note("Up to where the trajectory first fails:", "warn"))
     alt = "Forces at the joints and in the bars over time, six panels."
-    figure = series_figure("loads", analysis, alt)
-    return Section("loads", title, (*blocks, *motion_blocks(loads), figure))
+    return [*blocks, *motion_blocks(loads), series_figure("loads", analysis, alt)]
 
 
 def pose_blocks(forces: JointForces, sideways: SidewaysForces) -> list[Block]:

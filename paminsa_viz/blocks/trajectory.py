@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
-from paminsa_viz.report.blocks import (
+from paminsa_viz.blocks.kinds import (
     Block,
+    Figure,
     Note,
     Row,
-    Section,
     Table,
     actuator_rows,
     rows,
     series_figure,
 )
+from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.trajectory import TrajectoryAnalysis, escape_inertia
 from paminsa_viz.units import format_value
 
@@ -43,13 +43,13 @@ FIGURES: dict[FigureKind, str] = {
 """Figures and what they show."""
 
 
-def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
-    """Return the section."""
-    blocks = trajectory_blocks(analysis)
+def motion_figures(analysis: TrajectoryAnalysis) -> list[Figure]:
+    """Return the figures over time of a motion that the robot can begin."""
+    figures = []
     for kind, what in FIGURES.items() if analysis.summary else ():
         alt = f"{what} over time, four panels."
-        blocks.append(series_figure(kind, analysis, alt, caption=kind == "torques"))
-    return Section("trajectory", "Trajectory", tuple(blocks))
+        figures.append(series_figure(kind, analysis, alt, caption=kind == "torques"))
+    return figures
 
 
 def trajectory_blocks(

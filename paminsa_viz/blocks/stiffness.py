@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from paminsa_viz.blocks.kinds import Block, Note, Row, Table
 from paminsa_viz.elastostatics.contacts import contacts
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
 from paminsa_viz.elastostatics.stiffness import (
@@ -20,7 +21,6 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS
-from paminsa_viz.report.blocks import Block, Note, ReportRequest, Row, Section, Table
 from paminsa_viz.units import MM, NONE, format_value, number
 
 MODES = 6
@@ -35,21 +35,17 @@ KEYS = ("stiffness_x", "stiffness_y", "stiffness_z", "stiffness_theta", "stiffne
 """Quantities of the table, with their global indices."""
 
 
-def stiffness_section(request: ReportRequest) -> Section:
-    """Return the section."""
-    design, pose = request.design, np.array(request.pose)
+def robot_blocks(design: Design, pose: Array) -> list[Block]:
+    """Return the elastic data, and the stiffness at a pose (4,) and over the workspace."""
     blocks: list[Block] = [_data(design)]
     found = platform_stiffness(design, pose)
     if reason := found.reason():
-        blocks.append(Note(f"The stiffness has no value at this pose: {reason}.", "warn"))
-    else:
-        # Late: a command does without, and the registry of quantities takes half a second to load.
-        from paminsa_viz.report.forces_section import index_table
+        return [*blocks, Note(f"The stiffness has no value at this pose: {reason}.", "warn")]
+    # Late: a command does without, and the registry of quantities takes half a second to load.
+    from paminsa_viz.blocks.forces import index_table
 
-        about = "Stiffness of the whole robot, motors locked, everything else free. "
-        table = index_table(design, pose, KEYS, about)
-        blocks += [table, *stiffness_blocks(design, found)]
-    return Section("stiffness", "Stiffness", tuple(blocks))
+    about = "Stiffness of the whole robot, motors locked, everything else free. "
+    return [*blocks, index_table(design, pose, KEYS, about), *stiffness_blocks(design, found)]
 
 
 def stiffness_blocks(

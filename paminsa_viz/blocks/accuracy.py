@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.blocks.kinds import Block, Note, Row, Table
 from paminsa_viz.model.accuracy import NO_DEVIATIONS, DriveAccuracy
 from paminsa_viz.model.design import Design
-from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors
+from paminsa_viz.precision.drive_errors import Bound, DriveErrors
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import (
     MonteCarlo,
@@ -15,9 +16,8 @@ from paminsa_viz.precision.manufacture import (
     manufactured_pose,
     tolerance_errors,
 )
-from paminsa_viz.report.blocks import Block, Note, ReportRequest, Row, Section, Table
 from paminsa_viz.studies.drive_accuracy import error_rows, region_errors, statistics
-from paminsa_viz.studies.metrics import RegionResults, default_region
+from paminsa_viz.studies.metrics import RegionResults
 from paminsa_viz.units import format_value
 
 ERROR_UNITS = (
@@ -28,15 +28,6 @@ ERROR_UNITS = (
 
 MOST_LENGTHS = 4
 """Lengths that are named for a coordinate."""
-
-
-def accuracy_section(request: ReportRequest) -> Section:
-    """Return the section."""
-    design, pose = request.design, request.pose
-    here = drive_errors(design.geometry, design.accuracy, pose)
-    over = RegionResults(design, default_region(design))
-    blocks = [*drive_blocks(here, over), *manufacture_blocks(design, pose)]
-    return Section("accuracy", "Accuracy", tuple(blocks))
 
 
 def drive_blocks(here: DriveErrors, over: RegionResults) -> list[Block]:
