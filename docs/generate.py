@@ -62,6 +62,7 @@ API = {
     "paminsa_viz.engines": "The same robot in physics engines written by others.",
     "paminsa_viz.plots": "Maps and curves as figures.",
     "paminsa_viz.notebook": "Robot, maps and motions inline in a notebook.",
+    "paminsa_viz.blocks": "The words of results: tables and sentences of report and commands.",
     "paminsa_viz.report": "The design report, one HTML file.",
     "paminsa_viz.dimensions": "What the bodies measure and where they are.",
     "paminsa_viz.meshes": "The robot's shape, for 3D models.",

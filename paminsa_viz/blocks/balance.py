@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from paminsa_viz.balancing import balance, whole_mass
+from paminsa_viz.balancing import Optimum, balance, whole_mass
 from paminsa_viz.blocks.kinds import (
     Block,
     Note,
@@ -13,12 +13,13 @@ from paminsa_viz.blocks.kinds import (
 )
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_writer import differences
+from paminsa_viz.meshes.loads import clearance_text
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.drive import ACTUATORS, TORQUE_UNITS
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.statics import imbalance_parts, static_imbalance
 from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
-from paminsa_viz.units import format_value, percent_change
+from paminsa_viz.units import format_value, number, percent_change, unit_text
 
 MP2 = 1
 """Place of M_p2 among the lumped coefficients."""
@@ -52,8 +53,8 @@ def contributions(design: Design) -> list[tuple[str, str, float]]:
         for path in MASS_PATHS
         if parts[path] != 0
     ]
-    for number, weight in enumerate(design.counterweights):
-        part = parts[f"counterweights.{number}.mass"]
+    for place, weight in enumerate(design.counterweights):
+        part = parts[f"counterweights.{place}.mass"]
         found.append(("m_c", f"counterweight on {weight.place}", part))
     return found
 
@@ -128,3 +129,62 @@ def _on_the_motion(before: TrajectoryAnalysis, after: TrajectoryAnalysis) -> Tab
     if worse:
         caption += " Balance adds inertia, so that a fast motion may need more torque."
     return Table(head, actuator_rows(*rows), caption)
+
+
+def optimum_blocks(found: Optimum) -> list[Block]:
+    """Return goals and limits, the masses that change, active bounds, and the certificate."""
+    goals = tuple(
+        Row(
+            (
+                value.label
+                + ("" if value.limit is None else f", at most {number(value.limit, 6)}"),
+                *(_tidy(each) for each in (value.before, value.after)), unit_text(value.unit),
+            )
+        )
+        for value in found.values
+    )  # fmt: skip
+    head = ("", "Before", "After", "Unit")
+    blocks: list[Block] = [Table(head, goals, literal=True)]
+    if changes := _changes(found):
+        head = ("Of each leg", "Before", "After", "Change", "Unit")
+        blocks.append(Table(head, changes, literal=True))
+    else:
+        blocks.append(Note("No mass changes."))
+    if costly := [item for item in found.active if item.price > 0]:
+        bounds = tuple(
+            Row((item.name, item.side, f"{number(item.bound, 6)} {item.unit}", number(item.price)))
+            for item in costly
+        )
+        caption = "Bounds that are reached, and what one unit more of room would save."
+        blocks.append(Table(("Bound", "Side", "At", "Saves"), bounds, caption, 2, literal=True))
+    blocks += [
+        Note(f"{weight.place}: {clearance_text(found.after.geometry, weight)}")
+        for weight in found.after.counterweights
+    ]
+    bound, reached = (number(value, 10) for value in (found.lower_bound, found.objective))
+    certificate = f"No masses within the bounds do better than {bound}; these reach {reached}."
+    return [*blocks, Note(certificate, "ok")]
+
+
+def changed_masses(found: Optimum) -> list[tuple[str, float, float]]:
+    """Return paths of masses and inertias that differ, with their values before and after."""
+    held = range(len(found.before.counterweights))
+    paths = [*MASS_PATHS, *(f"counterweights.{place}.mass" for place in held)]
+    pairs = [(path, found.before.value(path), found.after.value(path)) for path in paths]
+    return [item for item in pairs if item[1] != item[2]]
+
+
+def _changes(found: Optimum) -> tuple[Row, ...]:
+    rows = []
+    for path, before, after in changed_masses(found):
+        unit = PARAMETER[path].unit if path in PARAMETER else "kg"
+        change = number(after - before, 6, sign=True)
+        rows.append(Row((path, _tidy(before), _tidy(after), change, unit_text(unit))))
+    for weight in found.after.counterweights[len(found.before.counterweights) :]:
+        mass = number(weight.mass, 6)
+        rows.append(Row((weight.place, "", mass, f"+{mass}", "kg")))
+    return tuple(rows)
+
+
+def _tidy(value: float) -> str:
+    return number(0.0 if abs(value) <= 1e-12 else value, 6)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 
-from paminsa_viz.actuation.duty import Duty, duty_cycle
-from paminsa_viz.actuation.selection import DriveFigures, size_design
+from paminsa_viz.actuation.duty import ActuatorLoad, Duty, DutyCycle, duty_cycle
+from paminsa_viz.actuation.selection import DriveFigures, Selection, size_design
 from paminsa_viz.blocks.kinds import Block, Note, Row, Table
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import NONE, format_value, number
 
 RPM = 30 / math.pi
+"""Revolutions per minute in a radian per second."""
 
 
 def drives_blocks(analysis: TrajectoryAnalysis) -> list[Block]:
@@ -81,5 +83,92 @@ def _cells(name: str, one: DriveFigures) -> tuple[str, ...]:
         f"{one.top_speed * RPM:.0f} rpm",
         format_value(one.top_power, "W", 3),
         number(one.inertia_ratio, 3),
-        f"{100 * one.thermal:.0f} %" if math.isfinite(one.thermal) else NONE,
+        winding_text(one),
     )
+
+
+LOAD_HEAD = ("Load", "Peak", "RMS", "Top speed", "Peak power", "Inertia")
+
+FIGURES_HEAD = (
+    "", "Drive", "Ratio", "Margin", "by", "RMS [N·m]", "Peak [N·m]", "rpm", "W", "Inertia ratio",
+    "Winding", "kg", "Cost",
+)  # fmt: skip
+
+
+def cycle_text(cycle: DutyCycle) -> str:
+    """Return the motions of a duty cycle, how often each is made, and the waiting after it."""
+    return ", ".join(
+        f"{duty.trajectory.name} ({number(duty.trajectory.duration, 3)} s, "
+        f"{number(duty.repeats, 6)} times, dwell {number(duty.dwell, 3)} s)"
+        for duty in cycle.duties
+    )
+
+
+def selection_blocks(
+    design: Design, found: Selection, listed: int, advice: tuple[str, ...]
+) -> list[Block]:
+    """Return the loads, the design's own drives on them, and the first of each actuator's list.
+
+    Args:
+        design: The robot, whose own drives are measured too.
+        found: The feasible drives.
+        listed: How many of each list.
+        advice: Of each actuator, what would make a drive feasible; empty where one is.
+    """
+    loads = tuple(Row(_load(load)) for load in found.cycle.loads)
+    blocks: list[Block] = [Table(LOAD_HEAD, loads, "Loads of the actuators, without drives.")]
+    own = size_design(found.cycle, design)
+    if any(own):
+        measured = [(f"M{j + 1}", one) for j, one in enumerate(own) if one is not None]
+        blocks.append(figures_table("The design's own drives.", measured))
+    for j, sizing in enumerate(found.sizings):
+        if found.same and j in (1, 2):
+            continue
+        name = "M1 to M3" if found.same and j == 0 else ACTUATORS[j]
+        text = f"{name}: {len(found.rows[j])} of {len(sizing.table)} drives are feasible"
+        if advice[j]:
+            blocks += [Note(f"{text}.", "bad"), Note(f"{advice[j]}.")]
+            continue
+        first = [(str(i), one) for i, one in enumerate(found.figures(j, listed), 1)]
+        blocks.append(figures_table(f"{text}.", first))
+    return blocks
+
+
+def figures_table(caption: str, figures: list[tuple[str, DriveFigures]]) -> Table:
+    """Return drives with their figures on a load; those that break a limit are marked."""
+    rows = tuple(
+        Row((name, *figure_cells(one)), "plain" if one.feasible else "marked")
+        for name, one in figures
+    )
+    return Table(FIGURES_HEAD, rows, caption, words=2, literal=True)
+
+
+def figure_cells(one: DriveFigures) -> tuple[str, ...]:
+    """Return the cells of `FIGURES_HEAD` after the first."""
+    drive = one.drive
+    return (
+        drive.name or drive.summary, f"{drive.gear_ratio:g}", margin_text(one), one.limit,
+        number(one.rms, 3), number(one.peak, 3), f"{one.top_speed * RPM:.0f}",
+        number(one.top_power, 3), number(one.inertia_ratio, 3), winding_text(one),
+        *(NONE if value is None else f"{value:g}" for value in (drive.mass, drive.cost)),
+    )  # fmt: skip
+
+
+def margin_text(one: DriveFigures) -> str:
+    """Return what is left of the limit that is used most, as a percentage of it."""
+    return f"{100 * (1 - one.use):.0f} %".replace("-", "−")
+
+
+def winding_text(one: DriveFigures) -> str:
+    """Return the winding's temperature rise over that at the rated torque, as a percentage."""
+    return f"{100 * one.thermal:.0f} %" if math.isfinite(one.thermal) else NONE
+
+
+def _load(load: ActuatorLoad) -> tuple[str, ...]:
+    linear = load.name == "M4"
+    force, speed, inertia = ("N", "m/s", "kg") if linear else ("N m", "rad/s", "kg m^2")
+    return (
+        load.name, format_value(load.peak, force, 3), format_value(load.rms, force, 3),
+        f"{number(load.top_speed, 3)} {speed}", format_value(load.top_power, "W", 3),
+        format_value(load.inertia, inertia, 3),
+    )  # fmt: skip

@@ -57,6 +57,7 @@ class Table:
         caption: What it shows.
         words: How many columns from the left hold words; the others hold numbers.
         literal: Whether texts are set as they are, and not with symbols as in the paper.
+        block: What a template tells the kind by, as of the others.
     """
 
     head: tuple[str, ...]
@@ -76,6 +77,7 @@ class Figure:
         alt: Alternative text.
         caption: Text below it; most figures contain their own caption.
         half: Whether it takes half the width.
+        block: ``"figure"``.
     """
 
     draw: Callable[[], bytes]
@@ -102,6 +104,7 @@ class Note:
     Attributes:
         text: The text.
         kind: ``"plain"`` is ordinary text, the others stand out.
+        block: ``"note"``.
     """
 
     text: str
@@ -111,7 +114,13 @@ class Note:
 
 @dataclass(frozen=True)
 class Listing:
-    """A text kept as it is, such as a file."""
+    """A text kept as it is, such as a file.
+
+    Attributes:
+        title: What it is.
+        text: The text.
+        block: ``"listing"``.
+    """
 
     title: str
     text: str
@@ -119,6 +128,7 @@ class Listing:
 
 
 Block: TypeAlias = Table | Figure | Note | Listing
+"""What a subject is set as, from top to bottom."""
 
 
 def series_figure(

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from paminsa_viz.blocks.kinds import Block, Note, Row, Table
 from paminsa_viz.elastostatics.contacts import contacts
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
+from paminsa_viz.elastostatics.sections import TubeFit
 from paminsa_viz.elastostatics.stiffness import (
     SHARE_LABELS,
     PlatformStiffness,
@@ -57,6 +60,20 @@ def stiffness_blocks(
         *_loaded(design, found.pose, shear=shear),
         *_vibration(design, found.pose, shear=shear),
     ]
+
+
+def sections_table(design: Design, fits: Sequence[TubeFit]) -> Table:
+    """Return the bars' tubes beside the design's masses and inertias."""
+    rows = []
+    for fit in fits:
+        ends = (design.value(f"elastic.{fit.bar.lower()}_{side}") for side in ("outer", "inner"))
+        outer, inner = (number(MM * end) for end in ends)
+        ratios = (fit.mass_ratio, fit.slender_ratio, fit.transverse_ratio, fit.axial_ratio)
+        texts = (number(ratio, 3) for ratio in ratios)
+        rows.append(Row((fit.bar, f"{outer}/{inner} mm", f"{fit.mass:.3f} kg", *texts)))
+    head = ("", "Tube", "Mass", "Link/tube", "I_YY/(m l²/12)", "I_YY/tube", "I_XX/tube")
+    caption = "Tubes of [elastic], and the links' masses and inertias over theirs."
+    return Table(head, tuple(rows), caption)
 
 
 def strain_cases(design: Design, pose: Array, *, shear: bool) -> dict[str, Array]:

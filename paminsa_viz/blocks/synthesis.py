@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from paminsa_viz.blocks.kinds import Block, Note, Row, Table, rows
 from paminsa_viz.blocks.requirements import (
@@ -16,12 +16,18 @@ from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis import (
     ObjectiveLimit,
+    SynthesisCase,
     SynthesisResult,
     buildability_rows,
     find_objective,
 )
+from paminsa_viz.synthesis.answer.checks import BuildYield
+from paminsa_viz.synthesis.answer.engine_check import MujocoCheck
+from paminsa_viz.synthesis.answer.prices import RequirementPrice
 from paminsa_viz.synthesis.search.buildability import OVERLAP_ALLOWED
-from paminsa_viz.units import NONE, format_value, percent_change
+from paminsa_viz.synthesis.search.case_conflict import CaseConflict
+from paminsa_viz.synthesis.search.front import DesignFront
+from paminsa_viz.units import NONE, format_value, number, percent_change
 
 BoundText = Callable[[Requirement | ObjectiveLimit], str]
 """A requirement or a limit as text."""
@@ -71,6 +77,124 @@ def synthesis_blocks(result: SynthesisResult, text: BoundText = bound_label) -> 
     if result.proof is not None:
         verdict = f"Proof over the whole workspace: {verdict_text(result.proof)}."
         blocks += [Note(verdict), evidence_table(result.proof, text)]
+    return blocks
+
+
+def inner_blocks(result: SynthesisResult, text: BoundText = bound_label) -> list[Block]:
+    """Return the masses and springs that were chosen for the lengths; nothing where none were."""
+    if result.inner is None:
+        return []
+    inner = result.inner
+    chosen = [
+        (f"counterweight on {weight.place}", format_value(weight.mass, "kg"))
+        for weight in inner.design.counterweights
+    ]
+    chosen += [
+        (
+            f"spring from {spring.first.name} to {spring.second.name}",
+            f"{format_value(spring.stiffness, 'N/m')}, free length "
+            f"{format_value(spring.free_length, 'm')}",
+        )
+        for spring in inner.springs
+    ]
+    costly = [item for item in inner.active if item.price > 0]
+    chosen += [
+        (
+            f"{item.name}, {item.side} {number(item.bound, 6)} {item.unit}",
+            f"price {number(item.price)} per {item.unit}",
+        )
+        for item in costly
+    ]
+    caption = (
+        "Masses and springs for these lengths are the best; others are better by "
+        f"{number(inner.gap, 2)} at most."
+    )
+    return [Table(("What", "Value"), rows(*chosen), caption, words=2)]
+
+
+def price_blocks(result: SynthesisResult, prices: Sequence[RequirementPrice]) -> list[Block]:
+    """Return what each active requirement costs the objective."""
+    objective = find_objective(result.case.objective)
+    if not prices:
+        return [Note("No requirement is active, and no length at an end of its range.")]
+    cells = (
+        (
+            one.label, format_value(one.bound, one.unit or "1"),
+            format_value(one.step, one.unit or "1"),
+            *(format_value(end, objective.unit) for end in (one.tightened, one.relaxed)),
+            f"{number(one.price)} {objective.unit or '1'} per {one.unit or '1'}",
+        )
+        for one in prices
+    )  # fmt: skip
+    head = ("Requirement", "Is", "Moved by", "Tightened", "Relaxed", "Price")
+    caption = f"What requirements cost, by the search again near the answer ({objective.label})."
+    return [Table(head, rows(*cells), caption)]
+
+
+def yield_blocks(built: BuildYield) -> list[Block]:
+    """Return how many robots built within tolerances meet everything, and what others miss."""
+    part = built.fraction
+    low, high, confidence = (100 * share for share in (part.low, part.high, part.confidence))
+    text = (
+        f"Built within tolerances: {part.passed} of {part.samples} robots meet all requirements, "
+        f"{low:.1f} to {high:.1f} % of all with {confidence:.0f} % confidence."
+    )
+    missed = rows(*((name, str(count)) for name, count in built.missed.items()))
+    return [Note(text), *([Table(("Missed", "By"), missed)] if missed else [])]
+
+
+def mujoco_blocks(check: MujocoCheck | str) -> list[Block]:
+    """Return what MuJoCo says of the answer, or why it has not checked it."""
+    if isinstance(check, str):
+        return [Note(f"MuJoCo has not checked it: {check}", "warn")]
+    verdict = "confirms" if check.passed else "does NOT confirm"
+    text = f"MuJoCo {check.version} {verdict} it; torques differ by {number(check.difference, 2)} "
+    cells = tuple(
+        Row(
+            ("yes" if row.met else "no", row.label, format_value(row.engine, row.unit)),
+            "plain" if row.met else "marked",
+        )
+        for row in check.rows
+    )
+    blocks: list[Block] = [
+        Note(f"{text}of the largest.", "ok" if check.passed else "bad"),
+        Table(("Met", "Requirement", "Margin"), cells, words=2),
+    ]
+    if check.left_out:
+        blocks.append(Note(f"Without a meaning in MuJoCo: {', '.join(check.left_out)}."))
+    return blocks
+
+
+def conflict_blocks(found: CaseConflict, text: BoundText = bound_label) -> list[Block]:
+    """Return the fewest requirements of a case that contradict."""
+    if not found.items:
+        problem = "The workspace is out of reach within the ranges, whatever else is required."
+        return [Note(problem, "bad")]
+    how = "proven in closed form" if found.proven else "by searches that found no robot"
+    items = rows(*((text(item),) for item in found.items))
+    return [Table(("",), items, f"Within the ranges these contradict, {how}:")]
+
+
+def front_blocks(case: SynthesisCase, front: DesignFront) -> list[Block]:
+    """Return the robots of a front, with the lengths that the case may change."""
+    entries = [find_objective(name) for name in front.objectives]
+    paths = [path for path in case.paths if path.startswith("geometry.")]
+    cells = (
+        (
+            str(place),
+            *(format_value(v, e.unit) for v, e in zip(point.values, entries, strict=True)),
+            *(number(point.result.design.value(path)) for path in paths),
+        )
+        for place, point in enumerate(front.points, 1)
+    )
+    text = (
+        f"{len(front.points)} robots of which none is better in all, by {front.searches} searches; "
+        f"{front.dominated} dominated, {front.failed} without a robot."
+    )
+    head = ("", *(entry.label for entry in entries), *(path.partition(".")[2] for path in paths))
+    blocks: list[Block] = [Table(head, rows(*cells), text)]
+    for place, point in enumerate(front.points, 1):
+        blocks += [Note(f"Robot {place}"), *buildability_blocks(point.result)]
     return blocks
 
 

@@ -11,7 +11,7 @@ import tyro
 from paminsa_viz.blocks.accuracy import drive_blocks, manufacture_blocks
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, RegionFlags
-from paminsa_viz.cli.output import print_blocks, print_json
+from paminsa_viz.cli.output import print_blocks, print_json, record
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
@@ -133,15 +133,15 @@ def _data(design: Design, here: DriveErrors, region: Region, over: RegionErrors)
         "design": design.name,
         "half_widths": dict(zip(ACTUATORS, design.accuracy.half_widths, strict=True)),
         "deviations": dict(zip(ACTUATORS, design.accuracy.deviations, strict=True)),
-        "pose": here.pose.tolist(),
-        "bounded": bool(here.ok),
+        "pose": here.pose,
+        "bounded": here.ok,
         "reason": here.reason(),
         "errors": {
-            _key(row.name): {kind: float(getattr(row, kind)[0]) for kind in STATISTICS_OF}
+            _key(row.name): {kind: getattr(row, kind)[0] for kind in STATISTICS_OF}
             for row in error_rows(here)
         },
         "region": {
-            "radius_m": region.radius, "theta_rad": region.theta, "z_m": region.z,
+            **record(region, "radius_m", "theta_rad", "z_m"),
             "poses": over.poses,
             "unbounded": {bound.word: count for bound, count in over.unbounded.items()},
             "errors": {
@@ -167,16 +167,16 @@ def _manufacture_data(
     keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in COORDINATES]
 
     def named(values: Array) -> dict[str, float]:
-        return dict(zip(keys, values.tolist(), strict=True))
+        return dict(zip(keys, values, strict=True))
 
     data: dict[str, Any] = {
         "worst": named(errors.worst),
         "clearance": named(errors.clearance),
         "rms": named(errors.rms),
-        "worst_horizontal_m": float(errors.horizontal),
-        "worst_tilt_rad": float(errors.tilt),
+        "worst_horizontal_m": errors.horizontal,
+        "worst_tilt_rad": errors.tilt,
         "shares": {
-            key: {length.name: float(share) for length, share in zip(LENGTHS, row, strict=True)}
+            key: {length.name: share for length, share in zip(LENGTHS, row, strict=True)}
             for key, row in zip(keys, errors.shares, strict=True)
         },
         "actual": named(actual.coordinates),
@@ -184,7 +184,7 @@ def _manufacture_data(
     }
     if robots:
         data["robots"] = {
-            "count": len(robots.errors), "seed": robots.seed, "solved": float(robots.solved),
+            "count": len(robots.errors), "seed": robots.seed, "solved": robots.solved,
             "rms": named(robots.rms), "p95": named(robots.quantile(0.95)),
         }  # fmt: skip
     return data

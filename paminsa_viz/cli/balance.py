@@ -23,13 +23,13 @@ from paminsa_viz.balancing import (
     optimize,
     paper_changes,
 )
+from paminsa_viz.blocks.balance import changed_masses, optimum_blocks
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
-from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
+from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written, record
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.meshes.loads import clearance_text
-from paminsa_viz.model.design import PARAMETER, Design
-from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.ranges import LARGEST
 from paminsa_viz.trajectory import ImpossibleTrajectory, solve_trajectory
 from paminsa_viz.units import MM
@@ -128,7 +128,7 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
         if self.json:
             print_json(_report(found))
         else:
-            _print(found)
+            print_blocks(optimum_blocks(found))
             print_written([] if self.out is None else [self.out])
         return 0
 
@@ -171,62 +171,15 @@ def _on_motion(flags: BalanceFlags, design: Design, changes: Changes) -> Optimum
     return optimize(design, changes, MOTION_GOALS[flags.goal](solved), limits=limits)
 
 
-def _changed(found: Optimum) -> list[tuple[str, float, float]]:
-    """Return the masses and inertias that differ, with their values before and after."""
-    held = range(len(found.before.counterweights))
-    paths = [*MASS_PATHS, *(f"counterweights.{number}.mass" for number in held)]
-    pairs = [(path, found.before.value(path), found.after.value(path)) for path in paths]
-    return [item for item in pairs if item[1] != item[2]]
-
-
 def _report(found: Optimum) -> dict[str, Any]:
     after = found.after
     return {
-        "values": [vars(value) for value in found.values],
-        "changes": {path: {"before": a, "after": b} for path, a, b in _changed(found)},
+        "values": found.values,
+        "changes": {path: {"before": a, "after": b} for path, a, b in changed_masses(found)},
         "counterweights": [
             vars(weight) | {"room": clearance_text(after.geometry, weight)}
             for weight in after.counterweights
         ],
-        "active_bounds": [vars(item) for item in found.active],
-        "objective": found.objective,
-        "lower_bound": found.lower_bound,
-        "gap": found.gap,
-        "seconds": found.seconds,
+        "active_bounds": found.active,
+        **record(found, "objective", "lower_bound", "gap", "seconds"),
     }
-
-
-def _print(found: Optimum) -> None:
-    rows = [("", "before", "after", "unit")]
-    for value in found.values:
-        limit = "" if value.limit is None else f", at most {value.limit:.6g}"
-        rows.append((value.label + limit, _number(value.before), _number(value.after), value.unit))
-    print_table(rows, words=1)
-    print()
-    rows = [("of each leg", "before", "after", "change", "unit")]
-    for path, before, after in _changed(found):
-        unit = PARAMETER[path].unit if path in PARAMETER else "kg"
-        rows.append((path, _number(before), _number(after), f"{after - before:+.6g}", unit))
-    for weight in found.after.counterweights[len(found.before.counterweights) :]:
-        rows.append((weight.place, "", _number(weight.mass), f"{weight.mass:+.6g}", "kg"))
-    print_table(rows, words=1) if len(rows) > 1 else print("no mass changes")
-    costly = [item for item in found.active if item.price > 0]
-    if costly:
-        print("\nBounds that are reached, and what one unit more of room would save:")
-        print_table(
-            [
-                (item.name, item.side, f"{item.bound:.6g} {item.unit}", f"{item.price:.4g}")
-                for item in costly
-            ],
-            indent=2,
-        )
-    for weight in found.after.counterweights:
-        print(f"\n{weight.place}: {clearance_text(found.after.geometry, weight)}")
-    print(
-        f"\nNo masses within the bounds do better than {found.lower_bound:.10g}; "
-        f"these reach {found.objective:.10g}."
-    )
-
-
-def _number(value: float) -> str:
-    return f"{value:.6g}" if abs(value) > 1e-12 else "0"

@@ -9,9 +9,10 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
+from paminsa_viz.blocks.calibration import MOST_COMBINATIONS, calibration_blocks
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
-from paminsa_viz.cli.output import print_json, print_table, print_written
+from paminsa_viz.cli.output import print_blocks, print_json, print_written, record
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.measurements import measurement_table, read_measurements
@@ -23,7 +24,6 @@ from paminsa_viz.precision.calibration_problem import measuring_poses
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
 from paminsa_viz.precision.measurements import InvalidMeasurement, Measurements, PredictionErrors
 from paminsa_viz.precision.unequal_legs import COORDINATES
-from paminsa_viz.units import MM, format_ascii
 from paminsa_viz.version import MADE_BY
 
 DESCRIPTION = """\
@@ -41,8 +41,6 @@ the rest keeps its value; see docs/calibration.md. The design file gets them as 
 
 Exit code: 0 done; 1 held-back poses are not predicted better than before; 2 a wrong argument or
 file."""
-
-MOST_COMBINATIONS = 10
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,7 +84,8 @@ class Calibrate(JsonFlags, DesignFlags):
         if self.json:
             print_json(_data(found, str(self.log)))
         else:
-            self._print(found)
+            print(f'design "{found.start.name}"')
+            print_blocks(calibration_blocks(found, None if self.all else MOST_COMBINATIONS))
         if self.out is not None and found.improved:
             comment = f"Calibrated by {MADE_BY} with {self.log.name}."
             path = save_design(found.design, self.out, comment=comment)
@@ -111,102 +110,37 @@ class Calibrate(JsonFlags, DesignFlags):
             print_written([self.out])
         return 0
 
-    def _print(self, found: Calibration) -> None:
-        width = len(found.after.rms)
-        fitted, held = found.after.poses, found.after_held.poses
-        back = f", {held} held back" if held else ""
-        print(f'design "{found.start.name}": {fitted} poses of {width} coordinates fitted{back}\n')
-        print_table(_error_rows(found), words=1)
-        count, rank = len(found.combinations), found.rank
-        values = found.singular_values
-        after = f", then {values[rank]:.2g}" if rank < len(values) else ""
-        print(
-            f"\n{rank} of 42 combinations show with equal legs: singular values {values[0]:.2g} to "
-            f"{values[rank - 1]:.2g}{after}\n{count} are known to 1 mm and fitted, "
-            f"{42 - count} keep their value; noise {format_ascii(found.noise, 'm:um', 3)}\n"
-        )
-        chosen = list(enumerate(found.combinations, 1))
-        if not self.all and count > MOST_COMBINATIONS:
-            half = MOST_COMBINATIONS // 2
-            chosen = chosen[:half] + chosen[-half:]
-        head = ("", "combination", "value [mm]", "95 % [mm]")
-        print_table([head, *(
-            (str(number), describe(item), f"{item.value * MM:.4f}", f"+-{item.half_width * MM:.4f}")
-            for number, item in chosen
-        )])  # fmt: skip
-        print("\ndeviations" + ("" if found.determined.all() else ", of which only sums are known"))
-        print_table(_deviation_rows(found))
-
 
 FLAGS = Calibrate
 
 
-def _error_rows(found: Calibration) -> list[tuple[str, ...]]:
-    sets = [("fitted", found.before, found.after)]
-    if found.after_held.poses:
-        sets.append(("held back", found.before_held, found.after_held))
-    rows = [
-        ("", *(f"{name}: {kind}" for name, *_ in sets for kind in ("RMS before", "RMS", "largest")))
-    ]
-    for place in range(len(found.after.rms)):
-        unit = "m:um" if COORDINATES[place] in "xyz" else "rad:arcsec"
-        cells = [
-            format_ascii(float(values[place]), unit, 4)
-            for _, before, after in sets
-            for values in (before.rms, after.rms, after.largest)
-        ]
-        rows.append((COORDINATES[place], *cells))
-    return rows
-
-
-def _deviation_rows(found: Calibration) -> list[tuple[str, ...]]:
-    values = deviation_array(found.design)
-    rows = [("", "leg 1", "leg 2", "leg 3", "")]
-    rows += [
-        (
-            length.symbol,
-            *(f"{format_ascii(float(values[leg, place]), length.unit, 4)}" for leg in range(3)),
-            length.label,
-        )
-        for place, length in enumerate(LENGTHS)
-    ]
-    return rows
-
-
 def _data(found: Calibration, source: str) -> dict[str, Any]:
     names = [f"{leg}.{length.name}_{length.unit}" for leg in LEG_NAMES for length in LENGTHS]
+    keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in COORDINATES]
 
     def errors(values: PredictionErrors) -> dict[str, Any]:
-        keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in COORDINATES]
-        return {
-            "poses": values.poses,
-            "rms": dict(zip(keys, values.rms.tolist(), strict=False)),
-            "largest": dict(zip(keys, values.largest.tolist(), strict=False)),
+        sizes = {kind: getattr(values, kind) for kind in ("rms", "largest")}
+        return {"poses": values.poses} | {
+            kind: dict(zip(keys, each, strict=False)) for kind, each in sizes.items()
         }
 
-    deviations = deviation_array(found.design).ravel()
     return {
         "design": found.start.name,
         "log": source,
-        "improved": found.improved,
-        "rank": found.rank,
-        "singular_values": found.singular_values.tolist(),
-        "noise_m": found.noise,
+        **record(found, "improved", "rank", "singular_values", "noise_m"),
         "fitted": {"before": errors(found.before), "after": errors(found.after)},
         "held_back": {"before": errors(found.before_held), "after": errors(found.after_held)},
         "combinations": [
-            {
-                "leading": describe(item),
-                "singular_value": item.singular_value,
-                "value_m": item.value,
-                "half_width_m": item.half_width,
+            {"leading": describe(item)}
+            | record(item, "singular_value", "value_m", "half_width_m")
+            | {
                 "weights": {
-                    name: float(weight)
+                    name: weight
                     for name, weight in zip(names, item.weights.ravel(), strict=True)
                     if np.abs(weight) > 1e-6
-                },
+                }
             }
             for item in found.combinations
         ],
-        "deviations": dict(zip(names, deviations.tolist(), strict=True)),
+        "deviations": dict(zip(names, deviation_array(found.design).ravel(), strict=True)),
     }

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import re
-from collections import Counter
 from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
 import tyro
 
+from paminsa_viz.blocks.clearance import by_group, nearest_kinds, pose_blocks, region_blocks
 from paminsa_viz.clearance import Clearance, PairGroup, clearance
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
-from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.cli.output import print_blocks, print_json
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import home_pose, require_reachable
-from paminsa_viz.units import MM, format_ascii
+from paminsa_viz.units import MM
 
 DESCRIPTION = """\
 Least distance of the robot's bodies as they are drawn, and which two are nearest: at a pose, and
@@ -34,9 +33,6 @@ lies side by side across a leg's plane in every pose is not checked. See docs/cl
 
 Exit code: 0 done; 1 two bodies overlap at the pose, or are nearer than --least; 2 a wrong argument
 or file, or a pose out of reach."""
-
-MOST = 12
-"""Lines of the list of nearest bodies."""
 
 MOST_POSES = 1_000_000
 """Random poses that can be asked for: some minutes."""
@@ -69,13 +65,16 @@ class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
         pose = self.given_pose or home_pose(design.geometry)
         require_reachable(design.geometry, pose)
         required = self.least / MM
-        groups = {group: clearance(design, pose, [group]) for group in PairGroup}
+        groups = by_group(design, np.array(pose))
         here = clearance(design, pose)
         over = clearance(design, self._drawn(design)) if self.poses else None
         if self.json:
             print_json(_data(design, pose, groups, here, over, required))
         else:
-            _print(groups, here, over, required)
+            print_blocks(pose_blocks(groups, here, required))
+            if over is not None:
+                print()
+                print_blocks(region_blocks(over, required))
         return 1 if here.reason((), required) else 0
 
     def _check(self) -> None:
@@ -117,42 +116,6 @@ class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
 FLAGS = ClearanceFlags
 
 
-def nearest_kinds(found: Clearance) -> list[tuple[tuple[str, str], int, float]]:
-    """Return the pairs that are nearest in some pose: kinds of bodies, in how many, least [m]."""
-    taken = found.pair >= 0
-    counts: Counter[tuple[str, str]] = Counter()
-    least: dict[tuple[str, str], float] = {}
-    for pair, distance in zip(found.pair[taken], found.least[taken], strict=True):
-        one, other = (re.sub(r"( of leg)? ?\d$", "", name) for name in found.pairs[pair])
-        counts[one, other] += 1
-        least[one, other] = min(float(distance), least.get((one, other), np.inf))
-    return [(kinds, count, least[kinds]) for kinds, count in counts.most_common()]
-
-
-def _print(
-    groups: dict[PairGroup, Clearance], here: Clearance, over: Clearance | None, required: float
-) -> None:
-    rows = [("pairs", "nearest", "to", "distance")]
-    for group, found in groups.items():
-        if found.pair >= 0:
-            names = found.pairs[int(found.pair)]
-            rows.append((group.value, *names, format_ascii(float(found.least), "m")))
-    print_table(rows)
-    reason = here.reason((), required)
-    print(reason or f"least clearance: {format_ascii(float(here.least), 'm')}")
-    if over is None:
-        return
-    reached = over.least[np.isfinite(over.least)]
-    print(f"\n{len(reached)} of {over.least.size} poses can be taken")
-    if len(reached) == 0:
-        return
-    share = 100 * np.mean(reached < required)
-    print(f"{share:.1f} % of them have less than {format_ascii(required, 'm')}")
-    kinds = nearest_kinds(over)[:MOST]
-    lines = [(*names, str(count), format_ascii(least, "m")) for names, count, least in kinds]
-    print_table([("nearest", "to", "poses", "least"), *lines])
-
-
 def _data(
     design: Design, pose: Any, groups: dict[PairGroup, Clearance], here: Clearance,
     over: Clearance | None, required: float,
@@ -161,14 +124,14 @@ def _data(
         if found.pair < 0:
             return None
         return {
-            "bodies": list(found.pairs[int(found.pair)]),
-            "distance_m": float(found.least),
-            "points_m": found.points.tolist(),
+            "bodies": found.pairs[int(found.pair)],
+            "distance_m": found.least,
+            "points_m": found.points,
         }
 
     data = {
         "design": design.name,
-        "pose": list(pose),
+        "pose": pose,
         "required_m": required,
         "least": entry(here),
         "groups": {group.value: entry(found) for group, found in groups.items()},
@@ -178,11 +141,11 @@ def _data(
     reached = over.least[np.isfinite(over.least)]
     return data | {
         "poses": {
-            "drawn": int(over.least.size),
+            "drawn": over.least.size,
             "reached": len(reached),
-            "below": int(np.sum(reached < required)),
+            "below": np.sum(reached < required),
             "nearest": [
-                {"bodies": list(kinds), "poses": count, "least_m": least}
+                {"bodies": kinds, "poses": count, "least_m": least}
                 for kinds, count, least in nearest_kinds(over)
             ],
         }

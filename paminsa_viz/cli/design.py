@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
 import tyro
 
+from paminsa_viz.blocks.kinds import Table
+from paminsa_viz.blocks.kinds import rows as plain_rows
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import JsonFlags, check_output
-from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
+from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_file import load_design, save_design
 from paminsa_viz.files.design_schema import CHOICE_MEANINGS, CHOICES, KEYS, choice
@@ -91,7 +93,7 @@ class Show(JsonFlags):
             for actuator, drive in zip(ACTUATORS, design.drives, strict=True)
             if drive is not None
         ]
-        print_table(rows)
+        print_blocks([Table(("",) * 4, plain_rows(*rows), words=4)])
         return 0
 
 
@@ -145,7 +147,8 @@ class Diff(JsonFlags):
         if not changed and not weighted and not driven:
             print("the designs have the same values")
             return 0
-        rows = [("", "", *(str(file or APPENDIX_4.name) for file in files), "change", "")]
+        head = ("", "", *(str(file or APPENDIX_4.name) for file in files), "Change", "")
+        rows = []
         for table, name, a, b, what in changed:
             change = ""
             if isinstance(a, float) and isinstance(b, float) and a != 0 and abs(a + b) < math.inf:
@@ -161,7 +164,7 @@ class Diff(JsonFlags):
             if pair[0] != pair[1]:
                 texts = ["-" if drive is None else drive.summary for drive in pair]
                 rows.append(("drives", actuator, *texts, "", ""))
-        print_table(rows)
+        print_blocks([Table(head, plain_rows(*rows), words=6)])
         return 0
 
 
@@ -199,11 +202,11 @@ def _load(file: Path | None) -> Design:
     return APPENDIX_4 if file is None else load_design(file)
 
 
-def _weights(design: Design) -> list[dict[str, Any]]:
-    return [vars(weight) for weight in design.counterweights]
+def _weights(design: Design) -> list[Any]:
+    return list(design.counterweights)
 
 
 def _drives(design: Design) -> dict[str, Any]:
     """Return the drives by actuator, for JSON."""
     pairs = zip(ACTUATORS, design.drives, strict=True)
-    return {name: asdict(drive) for name, drive in pairs if drive is not None}
+    return {name: drive for name, drive in pairs if drive is not None}

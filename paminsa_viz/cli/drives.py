@@ -11,18 +11,19 @@ import tyro
 
 from paminsa_viz.actuation.catalog import Catalog, generic_catalog, load_catalog
 from paminsa_viz.actuation.drive_table import drive_table
-from paminsa_viz.actuation.duty import ActuatorLoad, Duty, DutyCycle, duty_cycle
+from paminsa_viz.actuation.duty import Duty, DutyCycle, duty_cycle
 from paminsa_viz.actuation.ratios import ratio_intervals
 from paminsa_viz.actuation.selection import DriveFigures, Selection, select_drives, size_design
 from paminsa_viz.actuation.sizing import Order
+from paminsa_viz.blocks.drives import cycle_text, selection_blocks
+from paminsa_viz.blocks.kinds import Table, rows
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
-from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
+from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written, record
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.trajectory import PRESET, ImpossibleTrajectory, Trajectory
-from paminsa_viz.units import format_ascii
 from paminsa_viz.version import MADE_BY
 
 DESCRIPTION = """\
@@ -40,8 +41,6 @@ holds generic sizes and no products; --catalog reads a CSV file of your own.
 
 Exit code: 0 every actuator has a feasible drive; 1 one has none, with what would make it feasible,
 or the robot cannot run a motion; 2 a wrong argument or file."""
-
-PERCENT = 100.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,11 +85,12 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
             return self._print_ratios(cycle, catalog)
         most = np.inf if self.inertia_ratio is None else self.inertia_ratio
         found = select_drives(cycle, catalog, order=self.order, inertia_ratio=most, same=self.same)
-        advice = [found.advice(j) for j in range(4)]
+        advice = tuple(found.advice(j) for j in range(4))
         if self.json:
             print_json(self._data(design, catalog, found, advice))
         else:
-            self._print(design, catalog, found, advice)
+            print(f'design "{design.name}", catalog {catalog.name}: {cycle_text(cycle)}\n')
+            print_blocks(selection_blocks(design, found, self.rows, advice))
         if self.save is not None and found.feasible:
             comment = f"Drives by {MADE_BY} from {catalog.name}."
             path = save_design(found.design(design), self.save, comment=comment)
@@ -114,52 +114,21 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
             return [Duty(self.given_motion(geometry), 1.0, self.dwell)]
         return [Duty(_motion(name, geometry), count, dwell) for name, count, dwell in self.cycle]
 
-    def _print(self, design: Design, catalog: Catalog, found: Selection, advice: list[str]) -> None:
-        motions = ", ".join(
-            f"{duty.trajectory.name} ({duty.trajectory.duration:.3g} s, {duty.repeats:g} times, "
-            f"dwell {duty.dwell:g} s)"
-            for duty in found.cycle.duties
-        )
-        print(f'design "{design.name}", catalog {catalog.name}: {motions}\n')
-        rows: list[tuple[str, ...]] = [_LOAD_HEAD]
-        rows += [_load_row(load) for load in found.cycle.loads]
-        print_table(rows, words=1)
-        own = size_design(found.cycle, design)
-        if any(own):
-            print("\nthe design's own drives")
-            listed = [(f"M{j + 1}", one) for j, one in enumerate(own) if one is not None]
-            print_table([_HEAD, *(_row(name, one) for name, one in listed)])
-        for j, sizing in enumerate(found.sizings):
-            if self.same and j in (1, 2):
-                continue
-            name = "M1 to M3" if self.same and j == 0 else f"M{j + 1}"
-            print(f"\n{name}: {len(found.rows[j])} of {len(sizing.table)} drives are feasible")
-            if advice[j]:
-                print(advice[j])
-                continue
-            listed = found.figures(j, self.rows)
-            print_table([_HEAD, *(_row(f"{i}", one) for i, one in enumerate(listed, 1))])
-
     def _data(
-        self, design: Design, catalog: Catalog, found: Selection, advice: list[str]
+        self, design: Design, catalog: Catalog, found: Selection, advice: tuple[str, ...]
     ) -> dict[str, Any]:
         return {
             "design": design.name,
             "catalog": catalog.name,
             "motions": [
-                {
-                    "name": duty.trajectory.name, "duration_s": duty.trajectory.duration,
-                    "repeats": duty.repeats, "dwell_s": duty.dwell,
-                }
+                record(duty.trajectory, "name", "duration_s") | record(duty, "repeats", "dwell_s")
                 for duty in found.cycle.duties
             ],
             "order": self.order,
             "feasible": found.feasible,
             "actuators": [
-                {
-                    "name": load.name,
-                    "peak": load.peak, "rms": load.rms, "top_speed": load.top_speed,
-                    "top_power_W": load.top_power, "inertia": load.inertia,
+                record(load, "name", "peak", "rms", "top_speed", "top_power_W", "inertia")
+                | {
                     "pairs": len(found.sizings[j].table),
                     "feasible": len(found.rows[j]),
                     "advice": advice[j],
@@ -192,23 +161,22 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
                     "actuator": load.name, "motor": names[i],
                     "low": found.low[i] / leads[i] if found.feasible[i] else None,
                     "high": found.high[i] / leads[i] if found.feasible[i] else None,
-                    "scanned": bool(found.scanned[i]), "gaps": bool(found.gaps[i]),
+                    "scanned": found.scanned[i], "gaps": found.gaps[i],
                 }
                 for i in range(len(bare))
             ]  # fmt: skip
         if self.json:
             print_json({"ratios": data})
         else:
-            rows = [("", "motor", "gear ratio", "")]
-            rows += [
+            cells = (
                 (
                     row["actuator"], row["motor"],
                     "none" if row["low"] is None else f"{row['low']:.4g} to {row['high']:.4g}",
                     "by scan, with gaps" if row["gaps"] else "by scan" if row["scanned"] else "",
                 )
                 for row in data
-            ]  # fmt: skip
-            print_table(rows)
+            )  # fmt: skip
+            print_blocks([Table(("", "Motor", "Gear ratio", ""), rows(*cells), words=4)])
         fits = {row["actuator"] for row in data if row["low"] is not None}
         return 0 if len(fits) == 4 else 1
 
@@ -224,54 +192,13 @@ def _motion(name: str, geometry: Geometry) -> Trajectory:
     return read_trajectory(Path(name))
 
 
-_LOAD_HEAD = ("load", "peak", "RMS", "top speed", "peak power", "inertia")
-
-
-def _load_row(load: ActuatorLoad) -> tuple[str, ...]:
-    linear = load.name == "M4"
-    force, speed, inertia = ("N", "m/s", "kg") if linear else ("N m", "rad/s", "kg m^2")
-    return (
-        load.name,
-        format_ascii(load.peak, force, 3),
-        format_ascii(load.rms, force, 3),
-        f"{load.top_speed:.3g} {speed}",
-        format_ascii(load.top_power, "W", 3),
-        format_ascii(load.inertia, inertia, 3),
-    )
-
-
-_HEAD = (
-    "", "drive", "ratio", "margin", "by", "RMS [N m]", "peak [N m]", "rpm", "W", "inertia ratio",
-    "winding", "kg", "cost",
-)  # fmt: skip
-
-
-def _row(name: str, one: DriveFigures) -> tuple[str, ...]:
-    drive = one.drive
-    return (
-        name,
-        drive.name,
-        f"{drive.gear_ratio:g}",
-        f"{PERCENT * (1 - one.use):.0f} %",
-        one.limit,
-        f"{one.rms:.3g}",
-        f"{one.peak:.3g}",
-        f"{one.top_speed * 30 / np.pi:.0f}",
-        f"{one.top_power:.3g}",
-        f"{one.inertia_ratio:.3g}",
-        "-" if np.isnan(one.thermal) else f"{PERCENT * one.thermal:.0f} %",
-        "-" if drive.mass is None else f"{drive.mass:g}",
-        "-" if drive.cost is None else f"{drive.cost:g}",
-    )
-
-
 def _facts(one: DriveFigures) -> dict[str, Any]:
     drive = one.drive
     return {
-        "name": drive.name, "gear_ratio": drive.gear_ratio, "lead_m": drive.lead,
-        "feasible": one.feasible, "margin": 1 - one.use, "limit": one.limit,
-        "rms_Nm": one.rms, "peak_Nm": one.peak, "top_speed_rad_s": one.top_speed,
-        "top_power_W": one.top_power, "envelope": one.envelope,
-        "inertia_ratio": one.inertia_ratio, "thermal": one.thermal,
-        "mass_kg": drive.mass, "cost": drive.cost, "feasible_gear_ratios": list(one.ratios),
+        **record(drive, "name", "gear_ratio", "lead_m", "mass_kg", "cost"),
+        "margin": 1 - one.use, "feasible_gear_ratios": one.ratios,
+        **record(
+            one, "feasible", "limit", "rms_Nm", "peak_Nm", "top_speed_rad_s", "top_power_W",
+            "envelope", "inertia_ratio", "thermal",
+        ),
     }  # fmt: skip

@@ -11,9 +11,10 @@ import numpy as np
 import tyro
 
 from paminsa_viz.actuation import actuator_limits
+from paminsa_viz.blocks.excitation import excitation_blocks
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
-from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
+from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written, record
 from paminsa_viz.files.identification_table import excitation_table
 from paminsa_viz.files.tables import save_table, table_endings
 from paminsa_viz.identification import (
@@ -25,7 +26,6 @@ from paminsa_viz.identification import (
 )
 from paminsa_viz.model.design import Design
 from paminsa_viz.trajectory.sampled import sample_times
-from paminsa_viz.units import format_ascii
 
 DESCRIPTION = """\
 Find the motion that shows the robot's masses and friction best, to record a log for identify.
@@ -98,9 +98,10 @@ class Excite(JsonFlags, DesignFlags):
         if self.out is not None:
             save_table(excitation_table(design, found, self.rate), self.out)
         if self.json:
-            print_json(self._data(design, found))
+            print_json(_data(design, found) | {"file": self.out})
         else:
-            self._print(found)
+            print_blocks(excitation_blocks(found))
+            print_written([] if self.out is None else [self.out])
         return 0
 
     def _limits(self, design: Design) -> ExcitationLimits:
@@ -126,46 +127,16 @@ class Excite(JsonFlags, DesignFlags):
             raise UsageError(f"--clearance: 0 to 1e6 mm are possible, not {self.clearance!r}")
         return ExcitationLimits(speed, torque, self.max_condition, self.clearance / 1e3)
 
-    def _data(self, design: Design, found: Excitation) -> dict[str, Any]:
-        return {
-            "design": design.name,
-            "period_s": found.settings.period,
-            "harmonics": found.settings.harmonics,
-            "duration_s": found.plan.duration,
-            "parameters": found.parameters,
-            "log_det": found.log_det,
-            "log_det_random": found.random_log_det,
-            "random": found.random,
-            "evaluations": found.evaluations,
-            "seconds": found.seconds,
-            "limits": [row._asdict() | {"kept": row.kept} for row in found.limits],
-            "file": None if self.out is None else str(self.out),
-        }
-
-    def _print(self, found: Excitation) -> None:
-        print(
-            f"{found.settings.periods} periods of {found.settings.period:g} s, "
-            f"{found.settings.harmonics} harmonics; {found.evaluations} evaluations in "
-            f"{found.seconds:.3g} s"
-        )
-        print(
-            f"log det of the information of {found.parameters} parameters {found.log_det:.1f}, of "
-            f"the best of {found.random} random motions {found.random_log_det:.1f}: intervals "
-            f"narrower by {found.narrowing:.3g} on average"
-        )
-        print()
-        rows = [("", "largest", "limit", "at")]
-        rows += [
-            (
-                row.name, format_ascii(row.value, row.unit, 3),
-                f"{'>=' if row.least else '<='} {format_ascii(row.limit, row.unit, 3)}",
-                f"{row.t:.3g} s",
-            )
-            for row in found.limits
-        ]  # fmt: skip
-        print_table(rows, words=1)
-        if self.out is not None:
-            print_written([self.out])
-
 
 FLAGS = Excite
+
+
+def _data(design: Design, found: Excitation) -> dict[str, Any]:
+    return {
+        "design": design.name,
+        **record(found.settings, "period_s", "harmonics"),
+        "duration_s": found.plan.duration,
+        "log_det_random": found.random_log_det,
+        **record(found, "parameters", "log_det", "random", "evaluations", "seconds"),
+        "limits": [row._asdict() | {"kept": row.kept} for row in found.limits],
+    }

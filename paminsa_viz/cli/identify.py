@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +13,7 @@ import tyro
 from paminsa_viz.blocks.identification import identification_blocks
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Pose, pose_si
-from paminsa_viz.cli.output import print_blocks, print_json, print_written
+from paminsa_viz.cli.output import print_blocks, print_json, print_written, record
 from paminsa_viz.files.atomic import make_folder, write_bytes
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.example_logs import given_log
@@ -24,7 +23,6 @@ from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.columns import IdentificationSettings
 from paminsa_viz.identification.findings import Findings, investigate
 from paminsa_viz.identification.log import Log
-from paminsa_viz.identification.results import Estimate
 from paminsa_viz.identification.validation import PayloadEstimate
 
 DESCRIPTION = """\
@@ -135,65 +133,50 @@ FLAGS = Identify
 def _data(found: Findings, written: Sequence[Path]) -> dict[str, Any]:
     """Return everything as data for JSON, in SI units."""
     one, check = found.identification, found.validation
+    log = one.log
     return {
         "design": one.design.name,
-        "log": {
-            "name": one.log.name, "rows": len(one.log.t), "rate_Hz": one.log.rate,
-            "duration_s": one.log.duration,
-        },
-        "notes": list(one.notes),
-        "parameters": [_estimate_data(item) for item in one.estimates],
-        "identity": {
-            "value_N": one.identity.value, "half_width_N": one.identity.half_width,
-            "z": one.identity.z, "holds": one.identity.holds,
-        },
-        "residual_rms": one.noise.tolist(),
+        "log": {"rows": len(log.t)} | record(log, "name", "rate_Hz", "duration_s"),
+        "notes": one.notes,
+        "parameters": [
+            record(item, "symbol", "value", "half_width_95", "known", "reason")
+            | record(item.parameter, "label", "unit", "design")
+            for item in one.estimates
+        ],
+        "identity": record(one.identity, "value_N", "half_width_N", "z", "holds"),
+        "residual_rms": one.noise,
         "masses": [
-            {
-                "path": item.parameter.path, "unit": item.parameter.unit, "design": item.prior,
-                "nearest": item.value, "deviation_given_the_design": item.deviation,
-                "known": item.told,
+            record(item.parameter, "path", "unit") | {
+                "design": item.prior, "nearest": item.value,
+                "deviation_given_the_design": item.deviation, "known": item.told,
             }
             for item in found.nearest.masses
         ],
         "misfit": found.nearest.misfit,
         "causes": [_cause_data(item) for item in found.causes.ranked],
         "named": [_cause_data(item) for item in found.causes.named],
-        "unseen": list(found.causes.unseen),
+        "unseen": found.causes.unseen,
         "validation": check and {
-            "log": check.log.name, "residual_rms": check.residual.tolist(),
-            "own_rms": check.own.tolist(), "ratio": check.ratio.tolist(),
+            "log": check.log.name, "residual_rms": check.residual, "own_rms": check.own,
+            "ratio": check.ratio,
         },
         "payload": found.payload and _payload_data(found.payload),
-        "files": [os.fspath(path) for path in written],
-    }  # fmt: skip
-
-
-def _estimate_data(item: Estimate) -> dict[str, Any]:
-    p = item.parameter
-    return {
-        "symbol": item.symbol, "label": p.label, "unit": p.unit, "value": item.value,
-        "half_width_95": item.half_width, "design": p.design, "known": item.known,
-        "reason": item.reason,
+        "files": written,
     }  # fmt: skip
 
 
 def _cause_data(item: Cause) -> dict[str, Any]:
-    return {
-        "cause": item.label, "unit": item.unit, "value": item.value,
-        "half_width_95": item.half_width, "p_value": item.p_value, "explains": item.explains,
-        "detectable": item.detectable, "nearly_as_much": list(item.alike),
-    }  # fmt: skip
+    keys = ("unit", "value", "half_width_95", "p_value", "explains", "detectable")
+    return {"cause": item.label, "nearly_as_much": item.alike} | record(item, *keys)
 
 
 def _payload_data(item: PayloadEstimate) -> dict[str, Any]:
     gain = item.gain
     return {
-        "mass_kg": item.mass, "half_width_kg": item.half_width,
+        **record(item, "mass_kg", "half_width_kg", "known_kg"),
         "with_drift_of_F4": {
             "mass_kg": item.free_mass, "half_width_kg": item.free_half_width,
-            "drift_N": item.drift, "drift_half_width_N": item.drift_half_width,
+            **record(item, "drift_N", "drift_half_width_N"),
         },
-        "known_kg": item.known,
         "gain": None if gain is None else {"value": gain[0], "half_width": gain[1]},
     }  # fmt: skip

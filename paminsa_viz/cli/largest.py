@@ -11,7 +11,7 @@ import tyro
 from paminsa_viz.blocks.requirements import evidence_table, verdict_text, workspace_text
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import JsonFlags
-from paminsa_viz.cli.output import ascii_numbers, print_blocks, print_json
+from paminsa_viz.cli.output import ascii_numbers, print_blocks, print_json, record
 from paminsa_viz.cli.requirement_flags import RequirementFlags
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirement_text import requirement_text
@@ -138,25 +138,20 @@ def _proof_data(proof: Proof) -> dict[str, Any]:
     region = proof.region
     return {
         "verdict": proof.verdict.name.lower(),
-        "shape": region.shape.value,
-        "center_m": list(region.center),
+        **record(region, "shape", "center_m", "theta_rad"),
         "size_m": [2 * half for half in region.half],
-        "theta_rad": list(region.theta),
         "evidence": [
             {
                 "requirement": _text(item),
                 "method": item.method.name.lower(),
                 "verdict": item.verdict.name.lower(),
-                "margin": item.margin,
-                "pose": None if item.pose is None else list(item.pose),
-                "boxes": item.boxes,
+                **record(item, "margin", "pose", "boxes"),
             }
             for item in proof.evidence
         ],
-        "path_from_home": proof.path.tolist(),
+        "path_from_home": proof.path,
         "open_boxes": len(proof.remaining),
-        "boxes": proof.boxes,
-        "seconds": proof.seconds,
+        **record(proof, "boxes", "seconds"),
     }
 
 
@@ -168,10 +163,8 @@ def _largest_data(design: Design, found: LargestWorkspace) -> dict[str, Any]:
     return {
         "design": design.name,
         "found": found.workspace is not None,
-        "gap_m": found.gap,
-        "limit_m": list(found.limit),
-        "cause": found.cause,
+        **record(found, "gap_m", "limit_m", "cause"),
         "broken": None if found.requirement is None else requirement_text(found.requirement),
-        "pose_outside": None if found.pose is None else list(found.pose),
+        "pose_outside": found.pose,
         **_proof_data(replace(found.proof, boxes=found.boxes, seconds=found.seconds)),
     }

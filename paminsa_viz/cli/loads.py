@@ -137,26 +137,26 @@ def _pose_data(
     use = utilization(forces)
     return {
         "design": design.name,
-        "pose": pose.tolist(),
-        "torque": forces.torque.tolist(),
-        "axial_N": float(forces.axial),
+        "pose": pose,
+        "torque": forces.torque,
+        "axial_N": forces.axial,
         "sideways": NEEDS_STIFFNESS,
         "legs": [
             {
                 "joints": {
                     joint.key: {
                         "on": joint.on, "by": joint.by,
-                        "force_N": forces.force[leg, index].tolist(),
-                        "moment_Nm": float(forces.moment[leg, index]),
-                        "sideways_N": float(sideways.force[leg, index]),
-                        "sideways_moments_Nm": sideways.moment[leg, index].tolist(),
+                        "force_N": forces.force[leg, index],
+                        "moment_Nm": forces.moment[leg, index],
+                        "sideways_N": sideways.force[leg, index],
+                        "sideways_moments_Nm": sideways.moment[leg, index],
                     }
                     for index, joint in enumerate(JOINTS)
                 },
                 "bars": {
                     bar: dict(
-                        zip(COMPONENTS, loads.extremes()[leg].tolist(), strict=True),
-                        utilization=float(use[leg, number]),
+                        zip(COMPONENTS, loads.extremes()[leg], strict=True),
+                        utilization=use[leg, number],
                     )
                     for number, (bar, loads) in enumerate(all_bar_loads(forces).items())
                 },
@@ -175,18 +175,18 @@ def _motion_data(found: MotionLoads) -> dict[str, Any]:
             {
                 "joints": {
                     joint.key: {
-                        "peak_N": float(found.peak[leg, index]),
-                        "peak_t_s": float(found.peak_time[leg, index]),
-                        "rms_N": float(found.rms[leg, index]),
-                        "equivalent_N": float(found.equivalent[leg, index]),
-                        "travel": float(found.travel[leg, index]),
+                        "peak_N": found.peak[leg, index],
+                        "peak_t_s": found.peak_time[leg, index],
+                        "rms_N": found.rms[leg, index],
+                        "equivalent_N": found.equivalent[leg, index],
+                        "travel": found.travel[leg, index],
                     }
                     for index, joint in enumerate(JOINTS)
                 },
                 "bars": {
                     bar: dict(
-                        zip(COMPONENTS, found.bar_peak[leg, number].tolist(), strict=True),
-                        utilization=float(use[leg, number]),
+                        zip(COMPONENTS, found.bar_peak[leg, number], strict=True),
+                        utilization=use[leg, number],
                     )
                     for number, bar in enumerate(BARS)
                 },

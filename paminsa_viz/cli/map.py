@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
@@ -11,9 +10,10 @@ import numpy as np
 import tyro
 from numpy.typing import NDArray
 
+from paminsa_viz.blocks.kinds import Table, rows
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import ComparedDesignFlags, FilesFlags
-from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
+from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.tables import table_bytes, table_endings
@@ -33,7 +33,7 @@ from paminsa_viz.plots.map_values import (
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import QUANTITIES, TORQUES, affordable_cells, selections
-from paminsa_viz.units import MM, format_ascii, si_unit
+from paminsa_viz.units import MM, NONE, format_ascii, number, si_unit
 
 DESCRIPTION = """\
 Map what the actuators have to hold at rest, over all positions x, y at one angle and one height:
@@ -207,7 +207,7 @@ def _report(flags: Map, data: MapData) -> dict[str, Any]:
         "maps": {
             name: _numbers(values, counts) for name, values in zip(names, data.values, strict=True)
         },
-        "files": [os.fspath(path) for path in flags.out],
+        "files": flags.out,
     }
 
 
@@ -242,20 +242,12 @@ def _print(flags: Map, data: MapData, facts: dict[str, Any]) -> None:
         f"{data.x.size} x {data.y.size} cells"
     )
     size = "|tau|" if flags.quantities == TORQUES else "size"
-    rows = [
-        (
-            "" if not unit else f"[{unit}]",
-            "least",
-            "largest",
-            f"median {size}",
-            f"90 % of {size} below",
-        ),
-        *(
-            (name, *("-" if v is None else f"{v * factor:.4g}" for v in found.values()))
-            for name, found in facts["maps"].items()
-        ),
-    ]
-    print_table(rows, words=1)
+    cells = (
+        (name, *(NONE if v is None else number(v * factor) for v in found.values()))
+        for name, found in facts["maps"].items()
+    )
+    head = (f"[{unit}]" if unit else "", "Least", "Largest", f"Median {size}", f"90 % of {size} <")
+    print_blocks([Table(head, rows(*cells), literal=True)])
     counted, limit = facts["counting_cells"], f"{flags.max_condition:g}"
     print(
         f"over the {counted} cells that count: not too close to a singularity "

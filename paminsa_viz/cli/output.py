@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import json
+import math
+import os
 import re
 import sys
 from collections.abc import Iterable, Sequence
+from dataclasses import fields, is_dataclass
+from enum import Enum
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from paminsa_viz.blocks.kinds import Block, Note, Table
 from paminsa_viz.errors import one_line
@@ -46,14 +52,14 @@ def _print_step(done: float, /, *, step: str, **_: Any) -> None:
 
 
 def print_json(facts: dict[str, Any], *, signed: bool = True) -> None:
-    """Print facts as JSON; a number that is not finite becomes null.
+    """Print facts as JSON, see `record`; a number that is not finite becomes null.
 
     Args:
-        facts: What a command found.
+        facts: What a command found; arrays, enumerations, paths and records may be in it.
         signed: Whether the program that found them is named first.
     """
     made_by = {"made_by": MADE_BY} if signed else {}
-    text = json.dumps(_finite(made_by | facts), indent=2, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(_plain(made_by | facts), indent=2, ensure_ascii=False, allow_nan=False)
     print(text)
 
 
@@ -78,7 +84,7 @@ def _print_report_table(table: Table) -> None:
         missing = len(table.head) - len(row.cells)
         lines.append((mark, *map(ascii_numbers, row.cells), *[""] * missing))
     marked = any(line[0] for line in lines)
-    print_table(lines if marked else [line[1:] for line in lines], words=table.words + marked)
+    _print_rows(lines if marked else [line[1:] for line in lines], words=table.words + marked)
 
 
 def ascii_numbers(text: str) -> str:
@@ -90,7 +96,7 @@ def ascii_numbers(text: str) -> str:
     return text
 
 
-def print_table(
+def _print_rows(
     rows: Sequence[tuple[str, ...]], *, indent: int = 0, words: int | None = None
 ) -> None:
     """Print rows with columns in line.
@@ -110,12 +116,44 @@ def print_table(
         print((" " * indent + "  ".join(cells)).rstrip())
 
 
-def _finite(value: object) -> object:
-    """Return a value with None in place of numbers that JSON does not have."""
+UNITS = ("m", "rad", "s", "Hz", "kg", "N", "Nm", "N_per_m", "W", "J", "rad_s", "m3", "95")
+"""Endings of keys in JSON that name the unit of a value, or its confidence [%]."""
+
+
+def record(result: object, *keys: str) -> dict[str, Any]:
+    """Return attributes of a result for JSON, by keys that end in the unit of the value.
+
+    Args:
+        result: What a command found.
+        keys: Names of attributes, with one of `UNITS` behind: ``"noise_m"`` is its ``noise``.
+
+    Raises:
+        AttributeError: If the result has no such attribute.
+    """
+    return {key: getattr(result, _attribute(result, key)) for key in keys}
+
+
+def _attribute(result: object, key: str) -> str:
+    known = (key.removesuffix(f"_{unit}") for unit in UNITS)
+    return next((name for name in (key, *known) if hasattr(result, name)), key)
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as JSON has it: arrays as lists, enumerations by their value, paths as texts,
+    records as objects, None in place of numbers that JSON does not have.
+    """
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if is_dataclass(value) and not isinstance(value, type):
+        return {item.name: _plain(getattr(value, item.name)) for item in fields(value)}
     if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(item) for item in value]
-    if isinstance(value, float) and value - value != 0:
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

@@ -8,11 +8,12 @@ from typing import Annotated, Any
 
 import tyro
 
+from paminsa_viz.blocks.kinds import Table, rows
 from paminsa_viz.blocks.requirements import check_blocks
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import JsonFlags, check_output
 from paminsa_viz.cli.largest import Largest, Prove
-from paminsa_viz.cli.output import print_blocks, print_json, print_table, print_written
+from paminsa_viz.cli.output import print_blocks, print_json, print_written, record
 from paminsa_viz.cli.requirement_flags import RequirementFlags
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.model.design import Design
@@ -110,15 +111,14 @@ class Quantities(JsonFlags):
         if self.json:
             print_json(
                 {
-                    entry.key: {"symbol": entry.symbol, "unit": entry.unit, "title": entry.title}
+                    entry.key: record(entry, "symbol", "unit", "title")
                     for entry in QUANTITIES.values()
                 },
                 signed=False,
             )
             return 0
-        rows = [("quantity", "unit", "")]
-        rows += [(key, ascii_unit(entry.display), entry.title) for key, entry in QUANTITIES.items()]
-        print_table(rows)
+        cells = ((key, ascii_unit(entry.display), entry.title) for key, entry in QUANTITIES.items())
+        print_blocks([Table(("Quantity", "Unit", ""), rows(*cells), words=3)])
         return 0
 
 
@@ -139,44 +139,42 @@ def _data(
         "design": design.name,
         "holds": found.holds,
         "over": found.over.name.lower(),
-        "theta": list(requirements.theta),
-        "center": None if found.center is None else list(found.center),
+        "theta": requirements.theta,
+        "center": found.center,
         "items": [
             {
                 "requirement": item.label
                 if item.requirement is None
                 else requirement_text(bounds[item.requirement]),
-                "unit": item.unit,
                 "worst": item.value,
-                "margin": item.margin,
-                "pose": None if item.pose is None else list(item.pose),
-                "holds": item.holds,
-                "reason": item.reason,
+                **record(item, "unit", "margin", "pose", "holds", "reason"),
             }
             for item in found.items
         ],
     }
     if (volume := found.volume) is not None:
         data["volume"] = {
-            "volume_m3": volume.volume,
-            "error_m3": volume.error,
             "reachable_m3": volume.reachable_volume,
-            "utilization": volume.utilization,
-            "home_inside": volume.home_inside,
-            "nodes": list(volume.cause.shape),
-            "cell_m": volume.cell,
-            "headings": volume.headings,
+            "nodes": volume.cause.shape,
             "shares": {cause.word: share for cause, share in volume.shares().items()},
-            "removed_alone": volume.removed_alone.tolist(),
-            "removed_last": volume.removed_last.tolist(),
+            **record(
+                volume,
+                "volume_m3",
+                "error_m3",
+                "utilization",
+                "home_inside",
+                "cell_m",
+                "headings",
+                "removed_alone",
+                "removed_last",
+            ),
         }
     if conflict is not None:
         data["conflict"] = {
-            "requirements": list(conflict.requirements),
+            "requirements": conflict.requirements,
             "relaxations": [
                 {
-                    "requirement": item.requirement,
-                    "by": item.by,
+                    **record(item, "requirement", "by"),
                     "low": None if item.relaxed is None else item.relaxed.low,
                     "high": None if item.relaxed is None else item.relaxed.high,
                 }

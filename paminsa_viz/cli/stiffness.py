@@ -8,13 +8,13 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
-from paminsa_viz.blocks.stiffness import stiffness_blocks, strain_cases
+from paminsa_viz.blocks.stiffness import sections_table, stiffness_blocks, strain_cases
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
-from paminsa_viz.cli.output import print_blocks, print_json, print_table
+from paminsa_viz.cli.output import print_blocks, print_json
 from paminsa_viz.elastostatics.contacts import contacts
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
-from paminsa_viz.elastostatics.sections import TubeFit, tube_fits
+from paminsa_viz.elastostatics.sections import tube_fits
 from paminsa_viz.elastostatics.stiffness import (
     SHARES,
     PlatformStiffness,
@@ -23,11 +23,10 @@ from paminsa_viz.elastostatics.stiffness import (
     platform_stiffness,
 )
 from paminsa_viz.elastostatics.vibration import robot_modes
-from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.reach import home_pose, require_reachable
-from paminsa_viz.units import MM, format_pose
+from paminsa_viz.units import format_pose
 
 DESCRIPTION = """\
 Stiffness of the robot at a pose, motors locked: 6x6 at the platform's center, deflection under
@@ -74,7 +73,7 @@ class Stiffness(JsonFlags, PoseFlags, DesignFlags):
         found = platform_stiffness(design, pose, shear=self.shear)
         if reason := found.reason():
             if self.json:
-                print_json({"pose": pose.tolist(), "reason": reason})
+                print_json({"pose": pose, "reason": reason})
             else:
                 place = format_pose(pose, ascii_only=True)
                 print(f"{design.name}, {place}: no compliance; {reason}")
@@ -91,23 +90,12 @@ class Stiffness(JsonFlags, PoseFlags, DesignFlags):
         if self.json:
             print_json({"design": design.name, "bars": [fit._asdict() for fit in fits]})
             return 0
-        print(f"{design.name}: tubes of [elastic], and the links' masses and inertias over theirs")
-        rows = [("", "tube", "mass", "link/tube", "I_YY/(m l^2/12)", "I_YY/tube", "I_XX/tube")]
-        rows += [_section_row(design, fit) for fit in fits]
-        print_table(rows, words=1)
+        print(design.name)
+        print_blocks([sections_table(design, fits)])
         return 0
 
 
 FLAGS = Stiffness
-
-
-def _section_row(design: Design, fit: TubeFit) -> tuple[str, ...]:
-    outer, inner = (
-        MM * design.value(f"elastic.{fit.bar.lower()}_{side}") for side in ("outer", "inner")
-    )
-    ratios = (fit.mass_ratio, fit.slender_ratio, fit.transverse_ratio, fit.axial_ratio)
-    mass, *inertias = (f"{ratio:.3g}" for ratio in ratios)
-    return (fit.bar, f"{outer:g}/{inner:g} mm", f"{fit.mass:.3f} kg", mass, *inertias)
 
 
 def _data(design: Design, found: PlatformStiffness, *, shear: bool) -> dict[str, Any]:
@@ -116,33 +104,24 @@ def _data(design: Design, found: PlatformStiffness, *, shear: bool) -> dict[str,
     alone = drive_stiffness(design, found.pose)
     return {
         "design": design.name,
-        "pose": found.pose.tolist(),
+        "pose": found.pose,
         "shear": shear,
-        "stiffness": {key: float(found.along(i)) for i, key in enumerate(KEYS)}
-        | {"horizontal_N_per_m": float(found.horizontal), "tilt_Nm_per_rad": float(found.tilt)},
-        "matrix": found.matrix.tolist(),
-        "drives_alone": alone.tolist(),
-        "ellipsoid": {"axes_m_per_N": axes.tolist(), "directions": directions.T.tolist()},
-        "wrench": load_wrench(design, found.pose).tolist(),
-        "deflection": moved.deflection.tolist(),
-        "compensation": dict(zip(ACTUATORS, moved.actuators.tolist(), strict=True)),
-        "residual_tilt_rad": float(moved.tilt),
+        "stiffness": {key: found.along(i) for i, key in enumerate(KEYS)}
+        | {"horizontal_N_per_m": found.horizontal, "tilt_Nm_per_rad": found.tilt},
+        "matrix": found.matrix,
+        "drives_alone": alone,
+        "ellipsoid": {"axes_m_per_N": axes, "directions": directions.T},
+        "wrench": load_wrench(design, found.pose),
+        "deflection": moved.deflection,
+        "compensation": dict(zip(ACTUATORS, moved.actuators, strict=True)),
+        "residual_tilt_rad": moved.tilt,
         "contacts": contacts(design, found.pose).touching(),
-        "natural_frequencies_Hz": _frequencies(design, found.pose, shear=shear),
+        "natural_frequencies_Hz": {
+            "whole robot": robot_modes(design, found.pose, shear=shear).frequencies,
+            "drives alone": drive_modes(design, found.pose).frequencies,
+        },
         "shares": {
-            name: dict(zip(SHARES, share.tolist(), strict=True))
+            name: dict(zip(SHARES, share, strict=True))
             for name, share in strain_cases(design, found.pose, shear=shear).items()
         },
-    }
-
-
-def _frequencies(design: Design, pose: Array, *, shear: bool) -> dict[str, list[float | None]]:
-    """Return natural frequencies, lowest first [Hz]; None where loads push the platform away."""
-    every = {
-        "whole robot": robot_modes(design, pose, shear=shear).frequencies,
-        "drives alone": drive_modes(design, pose).frequencies,
-    }
-    return {
-        name: [float(value) if np.isfinite(value) else None for value in values]
-        for name, values in every.items()
     }

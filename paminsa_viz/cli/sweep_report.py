@@ -7,10 +7,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from paminsa_viz.cli.output import print_table
+from paminsa_viz.blocks.kinds import Table, rows
+from paminsa_viz.cli.output import print_blocks, record
 from paminsa_viz.studies import StudySummary
 from paminsa_viz.studies.metrics import RUNS
 from paminsa_viz.studies.study import OK
+from paminsa_viz.units import NONE, number
 
 
 @contextmanager
@@ -49,33 +51,28 @@ def report(path: Path, summary: StudySummary, seconds: float) -> dict[str, Any]:
     """Return what the table holds as data for JSON, in SI units."""
     study, motion = summary.study, summary.study.trajectory
     return {
-        "file": str(path),
+        "file": path,
         "design": study.design.name,
         "knee": study.design.geometry.knee.value,
-        "rows": summary.rows,
-        "found": summary.found,
         "seconds": round(seconds, 3),
-        "status": summary.status,
+        **record(summary, "rows", "found", "status"),
         "motion": motion
         and {
-            "name": motion.name,
+            **record(motion, "name", "duration_s", "notes"),
             "samples": motion.size,
-            "duration_s": motion.duration,
-            "notes": motion.notes,
             "status": summary.motion,
         },
-        "metrics": {name: vars(found) for name, found in summary.extremes.items()},
+        "metrics": summary.extremes,
     }
 
 
 def print_report(path: Path, summary: StudySummary, seconds: float) -> None:
     """Print what the table holds, for people."""
-    rows = [("", "least", "in row", "largest", "in row")]
-    for name, found in summary.extremes.items():
-        least, least_row = _cells(found.least, found.least_row)
-        most, most_row = _cells(found.largest, found.largest_row)
-        rows.append((name, least, least_row, most, most_row))
-    print_table(rows, words=1)
+    cells = (
+        (name, *_cells(found.least, found.least_row), *_cells(found.largest, found.largest_row))
+        for name, found in summary.extremes.items()
+    )
+    print_blocks([Table(("", "Least", "In row", "Largest", "In row"), rows(*cells))])
     before = f", {summary.found} of them found there" if summary.found else ""
     others = _others(summary.status, OK)
     print(f"{path}: {summary.rows} designs{before}{others}, {seconds:.1f} s")
@@ -92,4 +89,4 @@ def _others(counts: Mapping[str, int], good: str) -> str:
 
 
 def _cells(value: float, row: int) -> tuple[str, str]:
-    return ("-", "-") if row < 0 else (f"{value:.4g}", str(row))
+    return (NONE, NONE) if row < 0 else (number(value), str(row))

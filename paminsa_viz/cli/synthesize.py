@@ -12,19 +12,18 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import tyro
 
-from paminsa_viz.blocks.synthesis import synthesis_blocks
+from paminsa_viz.blocks.synthesis import front_blocks, synthesis_blocks
 from paminsa_viz.cli.arguments import UsageError, command_line
 from paminsa_viz.cli.flags import JsonFlags, MotionFlags, check_output
-from paminsa_viz.cli.output import print_blocks, print_json, print_written, write_report
+from paminsa_viz.cli.output import print_blocks, print_json, print_written, record, write_report
 from paminsa_viz.cli.synthesize_answer import (
     AnswerFlags,
+    answer_blocks,
     bound_text,
     buildability_data,
     checks_data,
     front_data,
     numbered,
-    print_checks,
-    print_front,
 )
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.interrupts import on_interrupt
@@ -135,8 +134,7 @@ class Synthesize(AnswerFlags, JsonFlags):
             print_json(_data(result, seconds) | checks_data(result, checks))
         else:
             print(f"{case.name}: {seconds:.1f} s, seed {case.seed}")
-            print_blocks(synthesis_blocks(result, bound_text))
-            print_checks(result, checks)
+            print_blocks([*synthesis_blocks(result, bound_text), *answer_blocks(result, checks)])
         if self.out is not None and result.feasible:
             self._save(result, self.out)
         if self.report is not None and result.feasible:
@@ -177,7 +175,8 @@ class Synthesize(AnswerFlags, JsonFlags):
         if self.json:
             print_json(front_data(case, front, seconds))
         else:
-            print_front(case, front, seconds)
+            print(f"{case.name}: {seconds:.1f} s, seed {case.seed}")
+            print_blocks(front_blocks(case, front))
         for number, point in enumerate(front.points, 1):
             if self.out is not None:
                 self._save(point.result, numbered(self.out, number))
@@ -244,12 +243,11 @@ def _data(result: SynthesisResult, seconds: float) -> dict[str, Any]:
         "case": case.name,
         "feasible": result.feasible,
         "objective": {"key": case.objective, "value": result.objective},
-        "regime": result.regime and result.regime.value,
+        "regime": result.regime,
         "refused": {regime.value: reason for regime, reason in result.refused.items()},
         "seed": case.seed,
-        "trials": result.trials,
         "seconds": round(seconds, 3),
-        "poses": result.poses,
+        **record(result, "trials", "poses"),
         "workspace_center_m": result.workspace.center,
         "overlap_allowed": not case.clear,
         "buildability": buildability_data(result),
@@ -259,14 +257,14 @@ def _data(result: SynthesisResult, seconds: float) -> dict[str, Any]:
         },
         "requirements": [
             {
-                "text": bound_text(item.bound), "worst": item.value, "margin": item.margin,
-                "active": item.active,
+                "text": bound_text(item.bound), "worst": item.value,
+                **record(item, "margin", "active"),
             }
             for item in result.outcomes
         ],
         "relaxed": [
-            {"text": bound_text(item.bound), "nearest": item.nearest, "change": item.change}
+            {"text": bound_text(item.bound)} | record(item, "nearest", "change")
             for item in result.relaxed
         ],
-        "proof": result.proof and result.proof.verdict.value,
+        "proof": result.proof and result.proof.verdict,
     }  # fmt: skip

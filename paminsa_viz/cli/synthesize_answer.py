@@ -8,9 +8,16 @@ from typing import Annotated, Any
 
 import tyro
 
-from paminsa_viz.blocks.synthesis import buildability_blocks
+from paminsa_viz.blocks.kinds import Block
+from paminsa_viz.blocks.synthesis import (
+    conflict_blocks,
+    inner_blocks,
+    mujoco_blocks,
+    price_blocks,
+    yield_blocks,
+)
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.output import print_blocks, print_table
+from paminsa_viz.cli.output import record
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.quantities.requirement_text import requirement_text
@@ -94,84 +101,18 @@ def _mujoco(result: SynthesisResult) -> MujocoCheck | str:
         return str(error)
 
 
-def print_checks(result: SynthesisResult, found: AnswerChecks) -> None:
-    """Print them, for people, and the masses and springs that were chosen."""
-    _print_inner(result)
-    objective = find_objective(result.case.objective)
+def answer_blocks(result: SynthesisResult, found: AnswerChecks) -> list[Block]:
+    """Return them, and the masses and springs that were chosen."""
+    blocks = inner_blocks(result)
     if found.prices is not None:
-        print(f"\nwhat requirements cost, by the search again near the answer ({objective.label}):")
-        rows: list[tuple[str, ...]] = [
-            ("requirement", "is", "tightened by", "", "relaxed", "price")
-        ]
-        for p in found.prices:
-            ends = [_number(v, objective.unit) for v in (p.tightened, p.relaxed)]
-            price = f"{p.price:.4g} {objective.unit or '1'} per {p.unit or '1'}"
-            amounts = format_ascii(p.bound, p.unit), format_ascii(p.step, p.unit)
-            rows.append((p.label, *amounts, *ends, price))
-        print_table(rows, indent=2)
+        blocks += price_blocks(result, found.prices)
     if found.built is not None:
-        part = found.built.fraction
-        print(
-            f"\nbuilt within tolerances: {part.passed} of {part.samples} robots meet all "
-            f"requirements, {PERCENT * part.low:.1f} to {PERCENT * part.high:.1f} % of all with "
-            f"{PERCENT * part.confidence:.0f} % confidence"
-        )
-        for name, count in found.built.missed.items():
-            print(f"  {count} miss: {name}")
-    if isinstance(found.mujoco, str):
-        print(f"\nMuJoCo has not checked it: {found.mujoco}")
-    elif found.mujoco is not None:
-        check = found.mujoco
-        verdict = "confirms" if check.passed else "does NOT confirm"
-        print(
-            f"\nMuJoCo {check.version} {verdict} it; torques differ by {check.difference:.1e} of "
-            f"the largest"
-        )
-        for row in check.rows:
-            margin = format_ascii(row.engine, row.unit)
-            print(f"  {'ok' if row.met else 'no'}  {row.label}: margin {margin}")
-        if check.left_out:
-            print(f"  without a meaning in MuJoCo: {', '.join(check.left_out)}")
+        blocks += yield_blocks(found.built)
+    if found.mujoco is not None:
+        blocks += mujoco_blocks(found.mujoco)
     if found.conflict is not None:
-        _print_conflict(found.conflict)
-
-
-def _print_inner(result: SynthesisResult) -> None:
-    if result.inner is None:
-        return
-    inner = result.inner
-    print(
-        f"\nmasses and springs for these lengths are the best; others are better by "
-        f"{inner.gap:.2g} at most"
-    )
-    for weight in inner.design.counterweights:
-        print(f"  counterweight of {format_ascii(weight.mass, 'kg')} on {weight.place}")
-    for spring in inner.springs:
-        print(
-            f"  spring from {spring.first.name} to {spring.second.name}: "
-            f"{format_ascii(spring.stiffness, 'N/m')}, free length "
-            f"{format_ascii(spring.free_length, 'm')}"
-        )
-    for item in inner.active:
-        if item.price > 0:
-            print(
-                f"  {item.name}, {item.side} {item.bound:.6g} {item.unit}: price "
-                f"{item.price:.4g} per {item.unit}"
-            )
-
-
-def _print_conflict(found: CaseConflict) -> None:
-    if not found.items:
-        print("\nthe workspace is out of reach within the ranges, whatever else is required")
-        return
-    how = "proven in closed form" if found.proven else "by searches that found no robot"
-    print(f"\nwithin the ranges these contradict, {how}:")
-    for item in found.items:
-        print(f"  {bound_text(item)}")
-
-
-def _number(value: float, unit: str) -> str:
-    return "-" if value != value else format_ascii(value, unit)
+        blocks += conflict_blocks(found.conflict, bound_text)
+    return blocks
 
 
 def checks_data(result: SynthesisResult, found: AnswerChecks) -> dict[str, Any]:
@@ -182,19 +123,17 @@ def checks_data(result: SynthesisResult, found: AnswerChecks) -> dict[str, Any]:
         data["inner"] = {
             "goal": inner.goal, "value": inner.objective, "lower_bound": inner.lower_bound,
             "counterweights": [
-                {"place": w.place, "mass_kg": w.mass} for w in inner.design.counterweights
+                record(weight, "place", "mass_kg") for weight in inner.design.counterweights
             ],
             "springs": [
-                {
-                    "first": s.first.name, "second": s.second.name,
-                    "stiffness_N_per_m": s.stiffness, "free_length_m": s.free_length,
-                }
-                for s in inner.springs
+                {"first": spring.first.name, "second": spring.second.name}
+                | record(spring, "stiffness_N_per_m", "free_length_m")
+                for spring in inner.springs
             ],
-            "active": [vars(item) for item in inner.active],
+            "active": inner.active,
         }  # fmt: skip
     if found.prices is not None:
-        data["prices"] = [vars(item) for item in found.prices]
+        data["prices"] = found.prices
     if found.built is not None:
         data["built"] = {
             **vars(found.built.fraction), "missed": found.built.missed, "worst": found.built.worst
@@ -202,45 +141,19 @@ def checks_data(result: SynthesisResult, found: AnswerChecks) -> dict[str, Any]:
     if isinstance(found.mujoco, str):
         data["mujoco"] = {"passed": None, "reason": found.mujoco}
     elif found.mujoco is not None:
-        check = found.mujoco
-        data["mujoco"] = {
-            "version": check.version, "passed": check.passed, "difference": check.difference,
-            "rows": [vars(row) for row in check.rows], "left_out": check.left_out,
-        }  # fmt: skip
+        data["mujoco"] = record(found.mujoco, "version", "passed", "difference", "rows", "left_out")
     if found.conflict is not None:
-        data["conflict"] = {
-            "items": [bound_text(item) for item in found.conflict.items],
-            "proven": found.conflict.proven,
-        }
+        items = [bound_text(item) for item in found.conflict.items]
+        data["conflict"] = {"items": items, "proven": found.conflict.proven}
     return data
-
-
-def print_front(case: SynthesisCase, front: DesignFront, seconds: float) -> None:
-    """Print a front, for people."""
-    entries = [find_objective(name) for name in front.objectives]
-    print(
-        f"{case.name}: {len(front.points)} robots of which none is better in all, by "
-        f"{front.searches} searches in {seconds:.1f} s, seed {case.seed}; {front.dominated} "
-        f"dominated, {front.failed} without a robot"
-    )
-    paths = [path for path in case.paths if path.startswith("geometry.")]
-    rows = [("", *(e.label for e in entries), *(p.partition(".")[2] for p in paths))]
-    for number, point in enumerate(front.points, 1):
-        values = [format_ascii(v, e.unit) for v, e in zip(point.values, entries, strict=True)]
-        lengths = [f"{point.result.design.value(path):.4g}" for path in paths]
-        rows.append((str(number), *values, *lengths))
-    print_table(rows)
-    for number, point in enumerate(front.points, 1):
-        print(f"\nrobot {number}")
-        print_blocks(buildability_blocks(point.result))
 
 
 def front_data(case: SynthesisCase, front: DesignFront, seconds: float) -> dict[str, Any]:
     """Return a front as data for JSON, in SI units."""
     return {
         "case": case.name, "overlap_allowed": not case.clear, "seed": case.seed,
-        "seconds": round(seconds, 3), "objectives": front.objectives, "dominated": front.dominated,
-        "searches": front.searches, "failed": front.failed, "canceled": front.canceled,
+        "seconds": round(seconds, 3),
+        **record(front, "objectives", "dominated", "searches", "failed", "canceled"),
         "points": [
             {
                 "values": point.values,

@@ -12,7 +12,7 @@ import numpy as np
 
 from paminsa_viz.blocks.trajectory import LOADS, trajectory_blocks
 from paminsa_viz.cli import command_module
-from paminsa_viz.cli.output import print_blocks, print_error, print_written
+from paminsa_viz.cli.output import print_blocks, print_error, print_written, record
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.errors import FileError
@@ -87,11 +87,8 @@ def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
         "design": analysis.design.name,
         "knee": analysis.solved.geometry.knee.value,
         "trajectory": {
-            "name": t.name,
-            "kind": t.kind,
-            "duration_s": t.duration,
             "samples": t.size,
-            "notes": list(t.notes),
+            **record(t, "name", "kind", "duration_s", "notes"),
         },
         "ok": not results.problems,
         "problems": [str(problem) for problem in results.problems],
@@ -99,10 +96,7 @@ def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
         "closest": _event(check.closest),
         "shortest": quickest
         and {
-            "quantity": quickest.quantity,
-            "limit": quickest.limit,
-            "unit": quickest.unit,
-            "t_s": quickest.t,
+            **record(quickest, "quantity", "limit", "unit", "t_s"),
             **_law(quickest),
         },
         "actuators": _actuators(analysis),
@@ -110,7 +104,7 @@ def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
         "printed": results.printed and _other(results.printed),
         "published": results.published and _published(results, results.published),
         "simulation": results.simulation and _simulation(results.simulation),
-        "files": [os.fspath(path) for path in written],
+        "files": written,
     }
 
 
@@ -139,7 +133,7 @@ def _event(event: PathEvent) -> dict[str, Any]:
         "limit": event.limit.word,
         "leg": event.leg + 1 if event.leg >= 0 else None,
         "margin_m": event.margin,
-        "pose": list(event.pose),
+        "pose": event.pose,
     }
 
 
@@ -169,12 +163,12 @@ def _simulation(simulation: Simulation) -> dict[str, Any]:
         "controller": simulation.controller.control.value,
         "bandwidth_Hz": simulation.controller.bandwidth,
         "payload_kg": simulation.design.payload.mass,
-        "end_t_s": float(simulation.t[-1]),
+        "end_t_s": simulation.t[-1],
         "stopped": _failure(simulation.stopped),
-        "largest_distance_m": float(simulation.distance.max()),
-        "end_distance_m": float(simulation.distance[-1]),
-        "largest_error": np.abs(simulation.error).max(axis=0).tolist(),
-        "energy_drift_J": float(np.abs(simulation.energy_drift).max()),
+        "largest_distance_m": simulation.distance.max(),
+        "end_distance_m": simulation.distance[-1],
+        "largest_error": np.abs(simulation.error).max(axis=0),
+        "energy_drift_J": np.abs(simulation.energy_drift).max(),
     }
 
 

@@ -102,7 +102,7 @@ def test_percentiles_are_of_cells_that_count(capsys, folder) -> None:
     )
     assert found["maps"]["tau_2"]["p90_size"] < wider["maps"]["tau_2"]["p90_size"]
     assert found["maps"]["tau_2"]["largest"] < wider["maps"]["tau_2"]["largest"]
-    assert "median |tau|" in run(capsys, "--cells", "20")[1]
+    assert "Median |tau|" in run(capsys, "--cells", "20")[1]
 
 
 def test_ranges_are_in_shown_units() -> None:

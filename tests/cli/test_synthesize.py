@@ -181,7 +181,7 @@ def test_contradictory_requirements_are_named(capsys) -> None:
     Path("none.toml").write_text(text + limits)
     code, out, _ = run("synthesize", capsys, "none.toml", "--conflict")
     assert code == 1
-    assert "contradict, proven in closed form:\n  footprint <= 50 mm\n" in out
+    assert "contradict, proven in closed form:\nfootprint <= 50 mm\n" in out
 
 
 @pytest.mark.parametrize(

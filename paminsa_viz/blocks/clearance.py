@@ -1,0 +1,86 @@
+"""Clearance: the nearest bodies at a pose, by groups of pairs, and over many poses."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+
+import numpy as np
+
+from paminsa_viz.blocks.kinds import Block, Note, Table, rows
+from paminsa_viz.clearance import Clearance, PairGroup, clearance
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
+from paminsa_viz.units import format_value
+
+MOST = 12
+"""Pairs of the list of nearest bodies."""
+
+
+def by_group(design: Design, pose: Array) -> dict[PairGroup, Clearance]:
+    """Return the clearance at a pose (4,) of each group of pairs."""
+    return {group: clearance(design, pose, [group]) for group in PairGroup}
+
+
+def pose_blocks(
+    groups: dict[PairGroup, Clearance], here: Clearance, required: float = 0.0
+) -> list[Block]:
+    """Return the nearest bodies of each group at a pose, and whether they are apart enough.
+
+    Args:
+        groups: Clearance of each group.
+        here: Clearance of all pairs.
+        required: Least clearance [m].
+    """
+    cells = (
+        (group.value, *found.pairs[int(found.pair)], format_value(float(found.least), "m"))
+        for group, found in groups.items()
+        if found.pair >= 0
+    )
+    head = ("Pairs", "Nearest", "To", "Distance")
+    return [
+        Table(head, rows(*cells), "Nearest bodies at the pose, as they are drawn.", words=3),
+        verdict(here, required),
+    ]
+
+
+def verdict(here: Clearance, required: float = 0.0) -> Note:
+    """Return whether the bodies of a pose are apart by what is required [m]."""
+    if reason := here.reason((), required):
+        return Note(f"{reason}.", "bad")
+    return Note(f"Least clearance: {format_value(float(here.least), 'm')}.", "ok")
+
+
+def region_blocks(over: Clearance, required: float = 0.0, what: str = "poses") -> list[Block]:
+    """Return how many of many poses (n,) are too close, and which bodies are nearest in them.
+
+    Args:
+        over: Clearance of the poses.
+        required: Least clearance [m].
+        what: What the poses are.
+    """
+    reached = over.least[np.isfinite(over.least)]
+    text = f"{len(reached)} of {over.least.size} {what} can be taken"
+    if len(reached) == 0:
+        return [Note(f"{text}.", "warn")]
+    share = 100 * np.mean(reached < required)
+    text += f"; {share:.1f} % of them have less than {format_value(required, 'm')}."
+    cells = (
+        (*names, str(count), format_value(least, "m"))
+        for names, count, least in nearest_kinds(over)[:MOST]
+    )
+    head = ("Nearest", "To", "Poses", "Least")
+    table = Table(head, rows(*cells), f"Bodies that are nearest in some of the {what}.", words=2)
+    return [Note(text, "warn" if share else "ok"), table]
+
+
+def nearest_kinds(found: Clearance) -> list[tuple[tuple[str, str], int, float]]:
+    """Return the pairs that are nearest in some pose: kinds of bodies, in how many, least [m]."""
+    taken = found.pair >= 0
+    counts: Counter[tuple[str, str]] = Counter()
+    least: dict[tuple[str, str], float] = {}
+    for pair, distance in zip(found.pair[taken], found.least[taken], strict=True):
+        one, other = (re.sub(r"( of leg)? ?\d$", "", name) for name in found.pairs[pair])
+        counts[one, other] += 1
+        least[one, other] = min(float(distance), least.get((one, other), np.inf))
+    return [(kinds, count, least[kinds]) for kinds, count in counts.most_common()]

@@ -1,0 +1,47 @@
+"""Excitation: what a motion is worth for identification, and the limits that it keeps."""
+
+from __future__ import annotations
+
+import math
+
+from paminsa_viz.blocks.kinds import Block, Note, Row, Table
+from paminsa_viz.identification.excitation import Excitation, KeptLimit
+from paminsa_viz.units import NONE, format_value, number
+
+
+def excitation_blocks(found: Excitation) -> list[Block]:
+    """Return how the motion was found, its information, and its limits."""
+    settings = found.settings
+    return [
+        Note(
+            f"{settings.periods} periods of {number(settings.period)} s, {settings.harmonics} "
+            f"harmonics; {found.evaluations} evaluations in {number(found.seconds, 3)} s."
+        ),
+        Note(information_text(found)),
+        limits_table(found),
+    ]
+
+
+def information_text(found: Excitation) -> str:
+    """Return the information of a motion beside that of the best random one."""
+    return (
+        f"log det of the information of {found.parameters} parameters {found.log_det:.1f}, of the "
+        f"best of {found.random} random motions {found.random_log_det:.1f}: intervals narrower by "
+        f"{number(found.narrowing, 3)} on average."
+    ).replace(" -", " −")
+
+
+def limits_table(found: Excitation) -> Table:
+    """Return what the motion takes of each limit, and when."""
+    rows = tuple(Row(_cells(row), "plain" if row.kept else "marked") for row in found.limits)
+    head = ("Limit of", "Largest", "Limit", "At", "Used")
+    return Table(head, rows, "Limits that the motion keeps, within a period.", literal=True)
+
+
+def _cells(row: KeptLimit) -> tuple[str, ...]:
+    sign = "≥" if row.least else "≤"
+    limit = f"{sign} {format_value(row.limit, row.unit, 3)}"
+    over, under = (row.limit, row.value) if row.least else (row.value, row.limit)
+    share = NONE if not under or not math.isfinite(under) else f"{100 * over / under:.0f} %"
+    value = format_value(row.value, row.unit, 3)
+    return row.name, value, limit, f"{number(row.t, 3)} s", share

@@ -1,0 +1,65 @@
+"""What commands print: one writer of JSON, one of blocks."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.blocks import Note, Row, Table
+from paminsa_viz.cli.output import UNITS, print_blocks, print_json, record
+
+
+class Kind(Enum):
+    ONE = "the one"
+
+
+@dataclass(frozen=True)
+class Found:
+    mass: float
+    peak: float
+    kg: str
+    kind: Kind = Kind.ONE
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_a_key_names_the_unit_of_an_attribute(unit: str) -> None:
+    assert record(Found(2.0, 3.0, "text"), f"mass_{unit}", "peak") == {
+        f"mass_{unit}": 2.0, "peak": 3.0,
+    }  # fmt: skip
+
+
+def test_an_attribute_that_is_none_is_refused() -> None:
+    for key in ("weight_kg", "mass_lb", "mass_"):
+        with pytest.raises(AttributeError):
+            record(Found(2.0, 3.0, "text"), key)
+
+
+def test_json_has_lists_texts_and_null_for_what_results_hold(capsys: Any) -> None:
+    values = np.array([[1.0, np.nan], [np.inf, -2.0]])
+    facts = {
+        "array": values, "scalar": np.float64(0.5), "whole": np.int64(3), "holds": np.bool_(True),
+        "path": Path("a/b"), "found": (Found(1.0, float("nan"), "x"),), "nothing": None,
+    }  # fmt: skip
+    print_json(facts, signed=False)
+    assert json.loads(capsys.readouterr().out) == {
+        "array": [[1.0, None], [None, -2.0]], "scalar": 0.5, "whole": 3, "holds": True,
+        "path": "a/b", "nothing": None,
+        "found": [{"mass": 1.0, "peak": None, "kg": "x", "kind": "the one"}],
+    }  # fmt: skip
+
+
+def test_blocks_are_lines_with_columns_and_marks(capsys: Any) -> None:
+    rows = (Row(("one", "−1.5·10⁻⁷"), "marked"), Row(("another", "2")))
+    print_blocks([Note("first"), Note("second"), Table(("", "Value"), rows, "Values ≤ 3.")])
+    assert capsys.readouterr().out.splitlines() == [
+        "first", "second", "", "Values <= 3.",
+        "              Value",
+        "*  one      -1.5e-7",
+        "   another        2",
+    ]  # fmt: skip
