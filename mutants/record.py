@@ -83,10 +83,12 @@ class Order:
         record: Of the room's tests without a change.
         place: The function that has the change; None if it stands in no function.
         first: Name of the module that has it.
+        only: Whether tests that do not call the function are left out, where any does.
     """
 
-    def __init__(self, record: Record, place: Place | None, first: str) -> None:
+    def __init__(self, record: Record, place: Place | None, first: str, only: bool) -> None:
         self._record = record
+        self._only = only
         self._place = place
         self._first = first
 
@@ -103,6 +105,8 @@ class Order:
             return not calling, not quick, not (self._first in item.path.name or names[item.path])
 
         items.sort(key=rank)
+        if self._only:
+            items[:] = [item for item in items if not rank(item)[0]]
 
     def pytest_runtest_setup(self, item: pytest.Item) -> None:
         """Limit the processor time of a test: a change may make a loop endless."""

@@ -51,8 +51,9 @@ class Copy:
     other packages, but nothing of this one.
     """
 
-    def __init__(self, folder: Path, tests: str) -> None:
+    def __init__(self, folder: Path, tests: str = _TESTS, *, calling: bool = False) -> None:
         self.folder = folder
+        self._calling = calling
         self._tests = tests
         for name in _NEEDED:
             ignored = shutil.ignore_patterns("__pycache__", ".hypothesis")
@@ -87,7 +88,7 @@ class Copy:
         source, stat = file.read_bytes(), file.stat()
         self._changes += 1
         place = function_at(mutant.path, source, mutant.line)
-        order = Order(self._record, place, Path(mutant.path).stem)
+        order = Order(self._record, place, Path(mutant.path).stem, self._calling)
         try:
             file.write_bytes(mutant.apply(source))
             # Compiled files are told apart by whole seconds and size.
@@ -182,6 +183,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--tests", default=_TESTS, help="which tests, as pytest's -m says it")
     parser.add_argument("--list", action="store_true", help="only list what is drawn")
     parser.add_argument("--out", type=Path, help="CSV file for one row a mutant, appended to")
+    parser.add_argument(
+        "--calling", action="store_true",
+        help="only the tests that call the changed function, where any is seen to: quicker, but "
+        "what lies in a cache is not called again, so that survivors have to be looked at",
+    )  # fmt: skip
     given = parser.parse_args(arguments)
     for room in given.rooms:
         if not (ROOT / "paminsa_viz" / room).is_dir() or not (ROOT / "tests" / room).is_dir():
@@ -192,7 +198,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
         if given.out is not None:
             file = stack.enter_context(given.out.open("a", newline=""))
             writer = csv.writer(file)
-        copy = None if given.list else Copy(Path(folder).resolve(), given.tests)
+        copy = None
+        if not given.list:
+            copy = Copy(Path(folder).resolve(), given.tests, calling=given.calling)
         for room in given.rooms:
             if copy is not None:
                 copy.check(room)
