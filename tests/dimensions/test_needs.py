@@ -126,4 +126,5 @@ def test_needed_lengths_take_arrays() -> None:
     for knee in KneeBranch:
         design = with_knee(APPENDIX_4, knee)
         both = needed_shaft(design, zeta, k)
-        np.testing.assert_allclose(both, [needed_shaft(design, *p) for p in zip(zeta, k, strict=True)])
+        single = [needed_shaft(design, *pair) for pair in zip(zeta, k, strict=True)]
+        np.testing.assert_allclose(both, single)
