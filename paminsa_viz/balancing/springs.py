@@ -23,9 +23,9 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.checks import kinds_checked, require_each, require_kind
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model.arguments import of_geometry
+from paminsa_viz.model.arguments import geometry_of, of_geometry
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import LegPosition
 from paminsa_viz.model.leg_points import PointWeights, bar_point, point_weights
@@ -70,8 +70,9 @@ class Anchor:
         if not np.abs([self.radius, self.height]).max() <= LARGEST["m"]:
             raise InvalidInput("anchor", f"its radius and height are up to {LARGEST['m']:g} m")
 
-    def weights(self, geometry: Geometry) -> PointWeights:
+    def weights(self, geometry: Geometry | Design) -> PointWeights:
         """Return where it is, as a weighted sum of the leg's joints 5 and 9."""
+        geometry = geometry_of(geometry)
         if self.kind == "joint":
             return point_weights(geometry)[self.joint]
         if self.kind == "bar":

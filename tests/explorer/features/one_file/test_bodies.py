@@ -62,7 +62,7 @@ def points_in_python(design: Design, pose: tuple[float, ...]) -> dict[str, Array
     places = place_parts(inverse_kinematics(design.geometry, pose))
     matrices = {name: place.matrix for name, place in places.items()}
     with plain_shapes():
-        parts = {name: make_body(name, design.geometry) for name in (*STANDING, *BODIES)}
+        parts = {name: make_body(design.geometry, name) for name in (*STANDING, *BODIES)}
         parts["payload"] = fixed_part("payload")
     if design.payload.mass > 0:
         size = payload_transform(design.geometry, design.payload.mass)
