@@ -208,23 +208,35 @@ class Sizing:
         return LIMITS[int(self.shares[index].argmax())]
 
     def ordered(self, order: Order = "mass") -> NDArray[np.intp]:
-        """Return the feasible drives: the lightest, the cheapest, or that with most margin first.
-
-        Drives without mass or cost come last; equals are in the order of their margin.
-        """
-        if order not in ("mass", "cost", "margin"):
-            raise InvalidInput("order", f"mass, cost or margin is needed, not {order!r}")
-        use = self.use
-        rows = np.flatnonzero(use <= 1.0)
-        if order == "margin":
-            return rows[np.argsort(use[rows], kind="stable")]
-        first = getattr(self.table, order)[rows]
-        return rows[np.lexsort((use[rows], np.nan_to_num(first, nan=np.inf)))]
+        """Return the feasible drives in an order, see `ordered`."""
+        return ordered(self.table, self.use, order)
 
     @property
     def nearest(self) -> int:
         """Index of the drive that exceeds its limits least."""
         return int(self.use.argmin())
+
+
+def ordered(table: DriveTable, use: Array, order: Order = "mass") -> NDArray[np.intp]:
+    """Return the feasible drives: the lightest, the cheapest, or that with most margin first.
+
+    Drives without mass or cost come last; equals are in the order of their margin.
+
+    Args:
+        table: The drives.
+        use: The largest share of a limit that each uses (n,); at most 1 is feasible.
+        order: What comes first.
+
+    Raises:
+        InvalidInput: If there is no such order.
+    """
+    if order not in ("mass", "cost", "margin"):
+        raise InvalidInput("order", f"mass, cost or margin is needed, not {order!r}")
+    rows = np.flatnonzero(use <= 1.0)
+    if order == "margin":
+        return rows[np.argsort(use[rows], kind="stable")]
+    first = getattr(table, order)[rows]
+    return rows[np.lexsort((use[rows], np.nan_to_num(first, nan=np.inf)))]
 
 
 @kinds_checked

@@ -24,7 +24,7 @@ ERROR_UNITS = (
     ("x", "m:um"), ("y", "m:um"), ("θ", "rad:arcsec"), ("z", "m:um"),
     ("tilt about x", "rad:arcsec"), ("tilt about y", "rad:arcsec"),
 )  # fmt: skip
-"""Names and units of `unequal_legs.COORDINATES`."""
+"""Names and units of `unequal_legs.SIX_COORDINATES`."""
 
 MOST_LENGTHS = 4
 """Lengths that are named for a coordinate."""

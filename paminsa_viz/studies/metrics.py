@@ -295,7 +295,7 @@ def samples_hash(trajectory: Trajectory) -> str:
     found = hashlib.sha256()
     arrays = [trajectory.t, trajectory.pose, trajectory.velocity, trajectory.acceleration]
     if trajectory.load is not None:
-        arrays += [trajectory.load] * 2  # twice, so that tables of earlier versions go on
+        arrays.append(trajectory.load)
     for array in arrays:
         found.update(array.astype("<f8").tobytes())
     if trajectory.passages:
