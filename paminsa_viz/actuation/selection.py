@@ -12,8 +12,14 @@ from paminsa_viz.actuation.catalog import Catalog
 from paminsa_viz.actuation.drive_table import drive_table
 from paminsa_viz.actuation.duty import ActuatorLoad, DutyCycle, Signal
 from paminsa_viz.actuation.ratios import ratio_intervals
-from paminsa_viz.actuation.sizing import Order, Sizing, fitting_time, ordered, size_drives
-from paminsa_viz.actuation.thermal import thermal_share
+from paminsa_viz.actuation.sizing import (
+    Order,
+    Sizing,
+    fitting_time,
+    ordered,
+    size_drives,
+    thermal_share,
+)
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design

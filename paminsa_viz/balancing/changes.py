@@ -20,8 +20,7 @@ from paminsa_viz.model.lumped import (
     lumped_matrix,
     point_mass_column,
 )
-from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
-from paminsa_viz.model.ranges import LARGEST
+from paminsa_viz.model.parameters import BAR_ENDS, LARGEST, Counterweight
 
 LEGS = 3
 """A mass of a leg is there three times."""

@@ -25,14 +25,15 @@ from paminsa_viz.precision.manufacture import (
 )
 from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
 from paminsa_viz.report.accuracy_section import drive_blocks, manufacture_blocks
-from paminsa_viz.studies.drive_accuracy import (
+from paminsa_viz.studies.metrics import (
     STATISTICS_OF,
+    Region,
     RegionErrors,
+    RegionResults,
     error_rows,
     region_errors,
     statistics,
 )
-from paminsa_viz.studies.metrics import Region, RegionResults
 from paminsa_viz.units import format_pose
 
 DESCRIPTION = """\

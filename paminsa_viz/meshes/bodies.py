@@ -23,8 +23,7 @@ from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.kept import kept
 from paminsa_viz.meshes import frame
-from paminsa_viz.meshes.library import fixed_part
-from paminsa_viz.meshes.part import MeshPart
+from paminsa_viz.meshes.part import MeshPart, fixed_part
 from paminsa_viz.meshes.solids import (
     ACROSS,
     ALONG,

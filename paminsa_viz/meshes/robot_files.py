@@ -24,8 +24,15 @@ from paminsa_viz.dimensions.placement import BODIES, place_parts
 from paminsa_viz.engines.mechanism import LIFT, PLATFORM
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.meshes import bodies, loads
-from paminsa_viz.meshes.library import Z_UP, fixed_part
-from paminsa_viz.meshes.part import ACCENT, SURFACES, MeshPart, add_part, glb_bytes
+from paminsa_viz.meshes.part import (
+    ACCENT,
+    SURFACES,
+    Z_UP,
+    MeshPart,
+    add_part,
+    fixed_part,
+    glb_bytes,
+)
 from paminsa_viz.meshes.solids import Array
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design

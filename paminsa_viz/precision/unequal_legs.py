@@ -18,7 +18,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Geometry
-from paminsa_viz.model.grid import COORDINATES
+from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.kinematics import LEG_AXES, Configuration, inverse_kinematics
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.robot import platform_determinant

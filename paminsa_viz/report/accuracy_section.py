@@ -16,8 +16,13 @@ from paminsa_viz.precision.manufacture import (
     tolerance_errors,
 )
 from paminsa_viz.report.blocks import Block, Note, ReportRequest, Row, Section, Table
-from paminsa_viz.studies.drive_accuracy import error_rows, region_errors, statistics
-from paminsa_viz.studies.metrics import RegionResults, default_region
+from paminsa_viz.studies.metrics import (
+    RegionResults,
+    default_region,
+    error_rows,
+    region_errors,
+    statistics,
+)
 from paminsa_viz.units import format_value
 
 ERROR_UNITS = (

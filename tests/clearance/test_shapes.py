@@ -12,8 +12,7 @@ from paminsa_viz.clearance.solids import WORLD, Body, BodyPart
 from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.meshes import bodies as drawn
 from paminsa_viz.meshes import loads
-from paminsa_viz.meshes.library import fixed_part
-from paminsa_viz.meshes.part import MeshPart
+from paminsa_viz.meshes.part import MeshPart, fixed_part
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Counterweight, Design, KneeBranch, Payload
 from tests.clearance.pairs_of_solids import outside

@@ -11,8 +11,9 @@ import pytest
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.dimensions.placement import BODIES, place_parts
-from paminsa_viz.meshes import bodies, frame, library
+from paminsa_viz.meshes import bodies, frame
 from paminsa_viz.meshes.bodies import STANDING, make_body
+from paminsa_viz.meshes.part import fixed_part
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
 from tests.meshes.make_parts import script
@@ -47,7 +48,7 @@ def test_a_bar_keeps_to_its_layer_clear_of_the_middle(bar: str) -> None:
     for tube in tubes:
         assert tube.mean() == pytest.approx(at.LAYER[bar], abs=1e-9)
         assert low < tube[0] < tube[1] < high
-    barrel = library.fixed_part("barrel").bounds()[:, 1]
+    barrel = fixed_part("barrel").bounds()[:, 1]
     assert np.abs(barrel).max() <= at.BARREL / 2 + 0.0005
 
 

@@ -68,7 +68,7 @@ def taking_geometries() -> dict[str, Callable[..., Any]]:
 TAKING = taking_geometries()
 MOTION = paper_like(GEOMETRY).sample(20.0)
 ALSO: dict[str, Any] = {
-    "body": "leg1/b4", "grid": xy_grid(0.1, -0.5, resolution=5), "trajectory": MOTION,
+    "body": "leg1/b4", "grid": xy_grid([-0.1, 0.0, 0.1], [-0.1, 0.1], 0.1, -0.5), "trajectory": MOTION,
     "log": make_log(MOTION.t, inverse_kinematics(GEOMETRY, MOTION.pose).actuators, MOTION.pose),
     "position": inverse_kinematics(GEOMETRY, MOTION.pose).actuators, "plan": paper_like(GEOMETRY),
     "slider": np.full(1, 0.1), "zeta": np.full((1, 2), 0.5), "diagonal": np.full((1, 2), 0.5),

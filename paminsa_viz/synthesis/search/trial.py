@@ -22,7 +22,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.geometry import Geometry
 from paminsa_viz.model.leg import Mechanism, mechanism
 from paminsa_viz.model.load import generalized_force
-from paminsa_viz.model.ranges import LARGEST
+from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.model.resizing import resized_coefficients, resized_masses
 from paminsa_viz.quantities.requirements import Range, Workspace
 from paminsa_viz.synthesis.masses.program import InnerSolution

@@ -11,8 +11,8 @@ import pytest
 from paminsa_viz.dimensions.placement import BODIES, place_parts
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.meshes.bodies import STANDING, make_body
-from paminsa_viz.meshes.library import fixed_part
 from paminsa_viz.meshes.loads import payload_transform
+from paminsa_viz.meshes.part import fixed_part
 from paminsa_viz.meshes.solids import plain_shapes
 from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, inverse_kinematics
 from paminsa_viz.model.arrays import Array
