@@ -23,6 +23,7 @@ from paminsa_viz.elastostatics.leg_bodies import (
     bar_masses,
     leg_bodies,
 )
+from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, together, unfolded
 from paminsa_viz.model.design import Design
@@ -202,7 +203,14 @@ class JointForces(OfLimits):
         return magnitude(self.force)
 
     def of(self, joint: str) -> Array:
-        """Return the force at a joint by its key, (..., 3 legs, 3) [N]."""
+        """Return the force at a joint by its key, (..., 3 legs, 3) [N].
+
+        Raises:
+            InvalidInput: If there is no such joint.
+        """
+        if joint not in JOINT_INDEX:
+            hint = name_hint(str(joint), JOINT_INDEX)
+            raise InvalidInput("joint", f"there is no {joint!r:.60}; {hint}")
         return self.force[..., JOINT_INDEX[joint], :]
 
 

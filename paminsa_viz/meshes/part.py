@@ -19,6 +19,7 @@ from trimesh.visual.material import PBRMaterial
 
 from paminsa_viz import palette
 from paminsa_viz.checks import kinds_checked
+from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.meshes.solids import Array, is_plain, moved
 
 ACCENT = "accent"
@@ -90,9 +91,14 @@ class MeshPart:
     solids: list[Solid] = field(default_factory=list)
 
     def add(self, material_name: str, *meshes: trimesh.Trimesh) -> MeshPart:
-        """Append meshes of one material and return the part itself."""
+        """Append meshes of one material and return the part itself.
+
+        Raises:
+            InvalidInput: If there is no such material.
+        """
         if material_name not in SURFACES:
-            raise KeyError(material_name)
+            hint = name_hint(material_name, SURFACES)
+            raise InvalidInput("material_name", f"there is no {material_name!r:.60}; {hint}")
         self.solids.extend(Solid(material_name, mesh) for mesh in meshes)
         return self
 
@@ -271,11 +277,13 @@ def fixed_part(name: str) -> MeshPart:
     Within `plain_shapes` it is a plain one.
 
     Raises:
-        KeyError: If no part has this name.
+        InvalidInput: If no part has this name.
         MissingMeshes: If the mesh files are not there.
     """
-    if not name.isidentifier() or not mesh_folder().joinpath(f"{name}.glb").is_file():
-        raise KeyError(name)
+    folder = mesh_folder()
+    if not name.isidentifier() or not folder.joinpath(f"{name}.glb").is_file():
+        known = sorted(item.name[:-4] for item in folder.iterdir() if item.name.endswith(".glb"))
+        raise InvalidInput("name", f"there is no {name!r:.60}; {name_hint(name, known)}")
     return _read(name, is_plain()).copy()
 
 

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from paminsa_viz import palette
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.placement import BODIES
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.meshes.bodies import (
     SMALL,
     STANDING,
@@ -114,7 +115,7 @@ def test_meshes_of_the_robot_are_below_three_megabytes() -> None:
 @pytest.mark.parametrize("body", ["leg4/b3", "b3", "", "leg1", "leg1/b9"])
 @pytest.mark.parametrize("function", [make_body, lengths_of])
 def test_unknown_body(body: str, function) -> None:
-    with pytest.raises(KeyError):
+    with pytest.raises(InvalidInput, match="there is no"):
         function(body, GEOMETRY)
 
 

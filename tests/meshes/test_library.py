@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.meshes import part
 from paminsa_viz.meshes.part import SURFACES
 from tests.meshes.make_parts import ASSETS, script
@@ -78,7 +79,7 @@ def test_packaged_meshes_have_precedence_and_missing_ones_are_named(tmp_path, mo
 
 @pytest.mark.parametrize("name", ["../secret", "none", ""])
 def test_an_unknown_part_is_refused(name: str) -> None:
-    with pytest.raises(KeyError):
+    with pytest.raises(InvalidInput, match="there is no"):
         part.fixed_part(name)
 
 

@@ -21,8 +21,9 @@ from paminsa_viz.model import (
     static_torques,
     xy_grid,
 )
+from paminsa_viz.precision import solve_pose
 from paminsa_viz.synthesis import EXAMPLES, load_case
-from paminsa_viz.trajectory import paper_like
+from paminsa_viz.trajectory import paper_like, straight_path
 from tests.test_api import CALLABLES
 from tests.test_bad_calls import GOOD
 
@@ -68,11 +69,17 @@ def taking_geometries() -> dict[str, Callable[..., Any]]:
 TAKING = taking_geometries()
 MOTION = paper_like(GEOMETRY).sample(20.0)
 ALSO: dict[str, Any] = {
-    "body": "leg1/b4", "grid": xy_grid([-0.1, 0.0, 0.1], [-0.1, 0.1], 0.1, -0.5), "trajectory": MOTION,
+    "body": "leg1/b4", "trajectory": MOTION,
+    "grid": xy_grid([-0.1, 0.0, 0.1], [-0.1, 0.1], 0.1, -0.5),
     "log": make_log(MOTION.t, inverse_kinematics(GEOMETRY, MOTION.pose).actuators, MOTION.pose),
     "position": inverse_kinematics(GEOMETRY, MOTION.pose).actuators, "plan": paper_like(GEOMETRY),
     "slider": np.full(1, 0.1), "zeta": np.full((1, 2), 0.5), "diagonal": np.full((1, 2), 0.5),
-    "clearance": 0.0, "count": 3, "rotors": True, "misprints": None, "xlim": (-0.1, 0.1),
+    "clearance": 0.0, "bar": "b3", "most": 1.0, "cells": 3, "count": 3, "gravity": 9.81,
+    "path": straight_path([0.1, 0.0, 0.2, -0.5], [0.36, 0.02, 0.5, -0.5]),
+    "solution": solve_pose(
+        GEOMETRY, GOOD["lengths"], inverse_kinematics(GEOMETRY, GOOD["pose"]).actuators,
+        near=GOOD["pose"],
+    ),
 }  # fmt: skip
 """Arguments besides those of `GOOD`."""
 
