@@ -6,14 +6,14 @@ from paminsa_viz.blocks.kinds import Block, Note, Row, Table, rows
 from paminsa_viz.precision.calibration import KNOWN, Calibration, describe
 from paminsa_viz.precision.calibration_problem import COUNT
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
-from paminsa_viz.precision.unequal_legs import COORDINATES
+from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
 from paminsa_viz.units import MM, format_value, interval_text, number
 
 MOST_COMBINATIONS = 10
 """Combinations that are listed: the best and the worst known ones."""
 
-ERROR_UNITS = tuple("m:um" if name in "xyz" else "rad:arcsec" for name in COORDINATES)
-"""Units of the errors of `COORDINATES`."""
+ERROR_UNITS = tuple("m:um" if name in "xyz" else "rad:arcsec" for name in SIX_COORDINATES)
+"""Units of the errors of `SIX_COORDINATES`."""
 
 
 def calibration_blocks(found: Calibration, most: int | None = MOST_COMBINATIONS) -> list[Block]:
@@ -48,7 +48,7 @@ def _errors(found: Calibration) -> Table:
     head = [f"{name}: {kind}" for name, *_ in sets for kind in ("RMS before", "RMS", "largest")]
     cells = (
         (
-            COORDINATES[place],
+            SIX_COORDINATES[place],
             *(
                 format_value(float(values[place]), ERROR_UNITS[place])
                 for _, before, after in sets

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from paminsa_viz.blocks.kinds import Block, Note, Row, Table
-from paminsa_viz.elastostatics.contacts import contacts
+from paminsa_viz.elastostatics.beams import TubeFit
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
-from paminsa_viz.elastostatics.sections import TubeFit
+from paminsa_viz.elastostatics.leg_frame import contacts
 from paminsa_viz.elastostatics.stiffness import (
     SHARE_LABELS,
     PlatformStiffness,

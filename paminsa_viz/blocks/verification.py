@@ -13,8 +13,7 @@ from paminsa_viz.blocks.kinds import (
     actuator_rows,
 )
 from paminsa_viz.engines import EngineMissing
-from paminsa_viz.engines.comparison import Comparison
-from paminsa_viz.engines.verification import Verification
+from paminsa_viz.engines.verification import Comparison, Verification
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.plots.series_builders import SYMBOLS
 from paminsa_viz.plots.verified import VerificationFigure, verification_figures

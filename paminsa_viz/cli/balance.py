@@ -30,7 +30,7 @@ from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.meshes.loads import clearance_text
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.ranges import LARGEST
+from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.trajectory import ImpossibleTrajectory, solve_trajectory
 from paminsa_viz.units import MM
 from paminsa_viz.version import MADE_BY

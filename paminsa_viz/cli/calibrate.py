@@ -23,7 +23,7 @@ from paminsa_viz.precision.calibration import Calibration, calibrate, describe
 from paminsa_viz.precision.calibration_problem import measuring_poses
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
 from paminsa_viz.precision.measurements import InvalidMeasurement, Measurements, PredictionErrors
-from paminsa_viz.precision.unequal_legs import COORDINATES
+from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
 from paminsa_viz.version import MADE_BY
 
 DESCRIPTION = """\
@@ -116,7 +116,7 @@ FLAGS = Calibrate
 
 def _data(found: Calibration, source: str) -> dict[str, Any]:
     names = [f"{leg}.{length.name}_{length.unit}" for leg in LEG_NAMES for length in LENGTHS]
-    keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in COORDINATES]
+    keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in SIX_COORDINATES]
 
     def errors(values: PredictionErrors) -> dict[str, Any]:
         sizes = {kind: getattr(values, kind) for kind in ("rms", "largest")}

@@ -12,9 +12,9 @@ from paminsa_viz.blocks.stiffness import sections_table, stiffness_blocks, strai
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
 from paminsa_viz.cli.output import print_blocks, print_json
-from paminsa_viz.elastostatics.contacts import contacts
+from paminsa_viz.elastostatics.beams import tube_fits
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
-from paminsa_viz.elastostatics.sections import tube_fits
+from paminsa_viz.elastostatics.leg_frame import contacts
 from paminsa_viz.elastostatics.stiffness import (
     SHARES,
     PlatformStiffness,
