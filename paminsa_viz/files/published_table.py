@@ -9,6 +9,7 @@ from typing import TextIO
 
 import numpy as np
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.files.columns import PUBLISHED, TIME, TORQUES
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.table_reader import TableReader, open_table
@@ -79,6 +80,7 @@ def parse_published(lines: TextIO, source: str) -> PublishedTorques:
     return PublishedTorques(Path(source).stem, t, torque)
 
 
+@kinds_checked
 def read_published(path: str | os.PathLike[str]) -> PublishedTorques:
     """Read published torques from a CSV file; see `parse_published`.
 
