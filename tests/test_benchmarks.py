@@ -36,7 +36,10 @@ SMALLEST: dict[str, dict[str, Any]] = {
 IN_A_BROWSER = ("goals", "one_file_speed", "page_latency", "page_tasks")
 """They start explorers and browsers of their own."""
 
-ARGUMENTS = {"volume_error": ("--cases", "1", "--nodes", "500", "--points", "256")}
+ARGUMENTS = {
+    "accuracy_error": ("--boxes", "4", "--points", "9"),
+    "volume_error": ("--cases", "1", "--nodes", "500", "--points", "256"),
+}
 
 
 def once(run: Callable[[], object], **_: Any) -> float:
