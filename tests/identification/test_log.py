@@ -130,6 +130,19 @@ def test_uneven_rows_are_resampled_and_that_is_stated(signals: list[Any]) -> Non
     np.testing.assert_allclose(log.position, exact, atol=1e-6)
 
 
+def test_segments_of_a_resampled_log_begin_behind_its_gaps(signals: list[Any]) -> None:
+    """Three pieces of uneven rows: each begins where the step between samples is a gap."""
+    kept = np.r_[0:300, 330:500, 520:800]
+    t, position, torque = (array[kept] for array in signals)
+    jitter = np.random.default_rng(0).uniform(-0.2, 0.2, t.size) / RATE
+    log = make_log(t + jitter, position, torque, split=True)
+    steps = np.diff(log.t) * RATE
+    np.testing.assert_array_equal(np.flatnonzero(steps > 1.5) + 1, log.starts[1:])
+    assert len(log.starts) == 3
+    assert [round(steps[start - 1]) for start in log.starts[1:]] == pytest.approx([31, 21], abs=1)
+    assert len(log.notes) == 2
+
+
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_poses_follow_the_assembly_that_starts_nearest(knee: KneeBranch) -> None:
     design = APPENDIX_4.with_knee(knee)

@@ -117,6 +117,9 @@ def test_rotors_keep_their_mean_and_differ_as_the_log_says() -> None:
     after = np.array(nearest_masses(found).design.drive_inertia[:3])
     assert after.mean() == pytest.approx(before.mean(), rel=1e-9)
     np.testing.assert_allclose(after[:2] - after.mean(), told, atol=1e-12)
+    # what the log is compared with is the design's own difference from the mean
+    meant = [found.estimate(name).parameter.design for name in ("ΔJ_1", "ΔJ_2")]
+    np.testing.assert_allclose(meant, before[:2] - before.mean(), rtol=1e-12)
 
 
 def test_one_difference_of_two_rotors_says_nothing_of_the_third() -> None:
