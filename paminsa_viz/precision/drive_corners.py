@@ -225,8 +225,7 @@ def beyond_corners(geometry: Geometry, pose: Array, moved: Array, half: Array) -
     distance = np.hypot(moved[..., 0], moved[..., 1]).max(axis=1)
     square = _largest_square(low, high, turn, 1)
     again = square > distance**2 * (1 + _CLOSE)
-    few = (_Ends(*(values[again] for values in ends)) for ends in (low, high))
-    square[again] = _largest_square(*few, turn[again], PIECES)
+    square[again] = _largest_square(low.those(again), high.those(again), turn[again], PIECES)
     farther = np.maximum(np.sqrt(square) - distance, 0.0)
     return np.column_stack([beyond, np.zeros(len(pose)), farther])
 
@@ -240,6 +239,10 @@ class _Ends(NamedTuple):
     def mirrored(self) -> _Ends:
         """Return both with the other sign."""
         return _Ends(-self.place, -self.slope)
+
+    def those(self, boxes: NDArray[np.bool_]) -> _Ends:
+        """Return those of some boxes (n,)."""
+        return _Ends(self.place[boxes], self.slope[boxes])
 
 
 def _largest(low: _Ends, high: _Ends, turn: Array) -> Array:
