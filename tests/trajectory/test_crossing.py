@@ -138,7 +138,7 @@ def assert_torques_keep(design: Design, found: TimeOptimalPlan, limit: float, ne
     """Next to its crossings they are those in the limit, and the limit is kept everywhere else."""
     t = np.linspace(0.0, found.plan.duration, 20 * program.INTERVALS * program.POINTS)
     for crossing in found.crossings:
-        beside = _torque(design, found, crossing.t + np.array([-1e-6, 1e-6]))
+        beside = _torque(design, found, crossing.t + np.array([-1e-7, 1e-7]))
         assert np.abs(beside - crossing.torque).max() < near
         t = t[np.abs(t - crossing.t) > 1e-6]
     assert np.abs(_torque(design, found, t)[:, :3]).max() < limit
