@@ -26,8 +26,6 @@ from tests.support.samples import random_design, random_poses, with_knee
 
 seeds = st.integers(0, 10_000)
 knees = st.sampled_from(KneeBranch)
-TOUCHING = 2e-5
-"""How far the drawn parts' own sizes are rounded [m]."""
 
 
 @given(seeds, knees)
@@ -62,35 +60,34 @@ def test_bars_on_one_line_are_apart_by_their_ends() -> None:
 def test_missing_room_is_that_between_the_joints_and_what_is_drawn_at_them(
     seed: int, knee: KneeBranch, clearance: float
 ) -> None:
+    """For any extremes of the poses, in which joints 2 and 3 are at shaft - zeta/k and zeta/k."""
     rng = np.random.default_rng(seed)
-    designs = [with_knee(random_design(rng), knee) for _ in range(3)]
-    found, expected = [], []
-    for design in designs:
-        g = design.geometry
-        poses = inverse_kinematics(g, random_poses(rng, design, 8))
-        points = poses.points
-        away = np.linalg.norm((points[8] - points[3])[..., :2], axis=-1)
-        zeta = np.abs(points[5][..., 2])
-        diagonal = np.linalg.norm(points[5] - points[8], axis=-1)
-        ends = [np.array([[values.min(), values.max()]]) for values in (zeta, diagonal)]
-        found.append(missing_room([g], away.min(keepdims=False)[None], *ends, clearance)[0])
+    geometries = [with_knee(random_design(rng), knee).geometry for _ in range(6)]
+    slider = rng.uniform(0.0, 0.12, 6)
+    zeta = np.sort(rng.uniform(0.0, 1.0, (6, 2)) * [[g.shaft_length] for g in geometries], axis=1)
+    bars = np.array([[g.crank_length, g.coupler_length] for g in geometries])
+    least = np.abs(bars @ [1.0, -1.0])[:, None]
+    share = np.sort(rng.uniform(0.0, 1.0, (6, 2)) ** 3, axis=1)
+    diagonal = least + share * (bars.sum(axis=1)[:, None] - least)
+    found = missing_room(geometries, slider, zeta, diagonal, clearance)
+    expected = []
+    for g, away, (shallow, deep), ends in zip(geometries, slider, zeta, diagonal, strict=True):
         # the slider, half as long as drawn, and the block about the leg axis
-        slider = away.min() - at.SLIDER_HALF + size.QUILL_BLOCK[0]
+        beside = away - at.SLIDER_HALF + size.QUILL_BLOCK[0]
         # the block at joint 3, and the lower face of the quill that holds the guide
-        three = np.abs(points[3][..., 2]).min()
         upward = size.SHAFT_NECK_TOP if knee is KneeBranch.LOWER else -size.SHAFT_BLOCK_HEIGHTS[0]
-        joint_3 = three - upward + size.QUILL_LOW
+        joint_3 = shallow / g.magnification - upward + size.QUILL_LOW
         assert upward - size.QUILL_LOW == pytest.approx(joint_3_from_guides(knee))
         # the bearing at joint 2 is above the quill's key in all poses, or below its lower end
         bearing = at.ARM_BEARING_HALF + size.ARM_BEARING_CAP
-        lift = poses.actuators[:, 3]
-        above = lift.min() - bearing - at.QUILL_TOP - size.QUILL_KEY
-        below = size.QUILL_LOW - (lift.max() + bearing)
+        lowest, highest = g.shaft_length - np.array([deep, shallow]) / g.magnification
+        above = lowest - bearing - at.QUILL_TOP - size.QUILL_KEY
+        below = size.QUILL_LOW - (highest + bearing)
         quill = max(above, below) if knee is KneeBranch.LOWER else np.inf
-        k = g.magnification
-        apart = min(bar_distance(g.crank_length, g.coupler_length, k, d) for d in ends[1][0])
+        lengths = g.crank_length, g.coupler_length, g.magnification
+        apart = min(float(bar_distance(*lengths, end)) for end in ends)
         tubes = apart - at.TUBE_RADIUS["b4"] - at.TUBE_RADIUS["b7"]
-        expected.append([max(clearance - room, 0.0) for room in (slider, joint_3, quill, tubes)])
+        expected.append([max(clearance - room, 0.0) for room in (beside, joint_3, quill, tubes)])
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
 

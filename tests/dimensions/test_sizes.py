@@ -11,7 +11,7 @@ import pytest
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.attached import PAYLOAD_HEIGHT
-from paminsa_viz.meshes.library import fixed_part
+from paminsa_viz.meshes.part import fixed_part
 
 ROUNDED = 3e-5
 """By how much a drawing may be off [m]."""
