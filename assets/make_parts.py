@@ -10,8 +10,7 @@ import trimesh
 from parts import PARTS
 
 from paminsa_viz.meshes.bodies import SMALL
-from paminsa_viz.meshes.library import PLAIN, Z_UP, checkout_folder
-from paminsa_viz.meshes.part import MeshPart, glb_bytes
+from paminsa_viz.meshes.part import PLAIN, Z_UP, MeshPart, checkout_folder, glb_bytes
 from paminsa_viz.meshes.solids import plain_shapes
 
 TABLE_HEAD = """# Parts of fixed shape

@@ -13,8 +13,7 @@ from benchmarks.measure import best, heading, number, table
 from paminsa_viz.actuation.drive_table import DriveTable, drive_table
 from paminsa_viz.actuation.duty import Duty, duty_cycle
 from paminsa_viz.actuation.ratios import ratio_intervals
-from paminsa_viz.actuation.sizing import size_drives
-from paminsa_viz.actuation.thermal import thermal_share
+from paminsa_viz.actuation.sizing import size_drives, thermal_share
 from paminsa_viz.model import APPENDIX_4, Drive
 from paminsa_viz.trajectory import PRESET
 

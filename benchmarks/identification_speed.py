@@ -47,13 +47,13 @@ def main() -> None:
     """Run everything."""
     log = recorded()
     plain = IdentificationSettings(robustness=False)
-    found = identify(log, APPENDIX_4)
+    found = identify(APPENDIX_4, log)
     runs = {
         "check of the rows": lambda: make_log(log.t, log.position, log.torque),
-        "estimates with intervals": lambda: identify(log, APPENDIX_4, plain),
-        "the same, and with two more cut-offs": lambda: identify(log, APPENDIX_4),
+        "estimates with intervals": lambda: identify(APPENDIX_4, log, plain),
+        "the same, and with two more cut-offs": lambda: identify(APPENDIX_4, log),
         "the same, and each leg's own masses": lambda: identify(
-            log, APPENDIX_4, IdentificationSettings(legs=True)
+            APPENDIX_4, log, IdentificationSettings(legs=True)
         ),
         "causes": lambda: find_causes(found),
         "nearest masses": lambda: nearest_masses(found),

@@ -11,8 +11,8 @@ import numpy as np
 
 from benchmarks.measure import best, heading, number, table
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes
+from paminsa_viz.elastostatics.leg_matrices import structure
 from paminsa_viz.elastostatics.stiffness import field_stiffness, platform_stiffness
-from paminsa_viz.elastostatics.structure import structure
 from paminsa_viz.elastostatics.vibration import first_frequencies, robot_modes
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.grids import solve_field, xy_grid

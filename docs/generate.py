@@ -24,6 +24,7 @@ from typing import Any
 import tyro
 
 from paminsa_viz import cli
+from paminsa_viz.cli import flags
 from paminsa_viz.files.design_schema import (
     CHOICE_MEANINGS,
     CHOICES,
@@ -196,24 +197,54 @@ def command_line() -> str:
             [(f"[`{name}`](#{name})", text) for name, text in cli.COMMANDS.items()],
         ),
     ]
+    parts += [
+        "## Flags of several commands",
+        "A command that has such flags says which; what follows is said here once.",
+    ]
+    for shared in SHARED_FLAGS:
+        own = [row for owner, row in _flags(shared) if owner is shared]
+        parts += [f"### {_title(shared)}", _table(FLAG_HEAD, own)]
     for name in cli.COMMANDS:
         module = cli.command_module(name)
         parts += [f"## {name}", f"```text\n{module.DESCRIPTION.strip()}\n```"]
         for word, kind in _kinds(module.FLAGS).items():
             parts += [f"### {name} {word}", f"{inspect.getdoc(kind)}"] if word else []
-            parts.append(_table(("flag", "default", ""), list(_flags(kind))))
+            rows = list(_flags(kind))
+            shared = [one for one in SHARED_FLAGS if any(owner is one for owner, _ in rows)]
+            links = [f"[{_title(one)}](#{_title(one).lower().replace(' ', '-')})" for one in shared]
+            parts += [f"Flags of several commands: {', '.join(links)}."] if links else []
+            own = [row for owner, row in rows if owner not in SHARED_FLAGS]
+            parts += [_table(FLAG_HEAD, own)] if own else []
     return _page(parts)
 
 
-def _kinds(flags: Any) -> dict[str, type]:
+FLAG_HEAD = ("flag", "default", "")
+
+SHARED_FLAGS = tuple(
+    kind
+    for kind in vars(flags).values()
+    if inspect.isclass(kind) and kind.__module__ == flags.__name__
+)
+"""Groups of flags that several commands have, see `paminsa_viz.cli.flags`."""
+
+
+def _title(kind: type) -> str:
+    """Return what a group of flags is called."""
+    return (inspect.getdoc(kind) or "").rstrip(".")
+
+
+def _kinds(given: Any) -> dict[str, type]:
     """Return a command's flags by subcommand, under an empty name where there are none."""
-    if inspect.isclass(flags):
-        return {"": flags}
-    return {mark.name: kind for kind, mark in map(typing.get_args, typing.get_args(flags))}
+    if inspect.isclass(given):
+        return {"": given}
+    return {mark.name: kind for kind, mark in map(typing.get_args, typing.get_args(given))}
 
 
-def _flags(kind: type) -> Iterator[tuple[str, str, str]]:
-    """Yield the rows of a table of flags: how it is written, its default, what it does."""
+def _flags(kind: type) -> Iterator[tuple[type, tuple[str, str, str]]]:
+    """Yield the rows of a table of flags: how it is written, its default, what it does.
+
+    Each is with the class that decides it, the last one that says it.
+    """
     said, hints = _said(kind), typing.get_type_hints(kind, include_extras=True)
     for item in fields(kind):
         hint = hints[item.name]
@@ -226,7 +257,8 @@ def _flags(kind: type) -> Iterator[tuple[str, str, str]]:
             shown = f"{flag}, --no-{flag[2:]}" if item.default is True else flag
         else:
             shown = f"{flag} {named[0] if named else _values(hint)}"
-        yield f"`{shown}`", _default(item.default), said[item.name]
+        owner = next(one for one in kind.__mro__ if item.name in inspect.get_annotations(one))
+        yield owner, (f"`{shown}`", _default(item.default), said[item.name])
 
 
 def _values(hint: Any) -> str:

@@ -11,33 +11,50 @@ from __future__ import annotations
 import argparse
 import contextlib
 import csv
+import importlib
+import math
 import os
+import pickle
 import shutil
 import signal
-import subprocess
 import sys
 import tempfile
 import time
 import tomllib
+import traceback
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NoReturn
+
+import pytest
 
 from mutants.draw import Mutant, drawn
+from mutants.record import Order, Record, Recorder, function_at, imported_of_others
 
 ROOT = Path(__file__).resolve().parent.parent
 _NEEDED = ("paminsa_viz", "tests", "assets", "docs", "examples", "benchmarks", "mutants")
-_STEPS = ("not slow and not browser", "slow and not browser")
-_NO_TESTS = 5
-_PATIENCE = 3.0
-"""A mutant may take so many times as long as the source, and five minutes: machines are busy."""
+_TESTS = "not browser"
+_NO_TESTS, _BROKEN = 5, 99
+_NOTED = "noted.pickle"
+_PATIENCE = 10.0
+"""A mutant may take so many times as long as the source, and ten minutes: machines are busy.
+
+Processor time is limited test by test; this ends what waits for ever.
+"""
 
 
 class Copy:
-    """A copy of the checkout in which one file at a time is changed."""
+    """A copy of the checkout in which one file at a time is changed.
 
-    def __init__(self, folder: Path) -> None:
+    Each run of the tests is a fork of this process, which has imported what the tests need of
+    other packages, but nothing of this one.
+    """
+
+    def __init__(self, folder: Path, tests: str = _TESTS, *, calling: bool = False) -> None:
         self.folder = folder
+        self._calling = calling
+        self._tests = tests
         for name in _NEEDED:
             ignored = shutil.ignore_patterns("__pycache__", ".hypothesis")
             shutil.copytree(ROOT / name, folder / name, ignore=ignored)
@@ -45,7 +62,8 @@ class Copy:
             if file.is_file():
                 shutil.copy2(file, folder)
         self._changes = 0
-        self._times: dict[tuple[str, str], float] = {}
+        self._time = 0.0
+        self._record = Record()
 
     def check(self, room: str) -> None:
         """Run a room's tests on the source as it is, which also compiles and warms up.
@@ -53,78 +71,96 @@ class Copy:
         Raises:
             SystemExit: If a test fails, or the tests do not import the copy.
         """
-        code = "import paminsa_viz; print(paminsa_viz.__file__)"
-        place = subprocess.run(
-            [sys.executable, "-c", code], cwd=self.folder, env=self._environment(), text=True,
-            capture_output=True, check=True,
-        ).stdout.strip()  # fmt: skip
-        if not Path(place).is_relative_to(self.folder):
-            raise SystemExit(f"the tests would import {place}, not the copy")
-        output = ""
-        for step in _STEPS:
-            began = time.monotonic()
-            code, output = self._tests(room, step, None, "")
-            self._times[room, step] = time.monotonic() - began
-            if code not in (0, _NO_TESTS):
-                raise SystemExit(f"{room}: the tests fail without a change:\n{output}")
+        self._record = Record()
+        began = time.monotonic()
+        code, output = self._run(room, None)
+        self._time = time.monotonic() - began
+        if code not in (0, _NO_TESTS):
+            raise SystemExit(f"{room}: the tests fail without a change:\n{output}")
+        self._record, imported = pickle.loads((self.folder / _NOTED).read_bytes())
+        for name in imported:
+            with contextlib.suppress(Exception):
+                importlib.import_module(name)
 
     def killer(self, room: str, mutant: Mutant) -> str | None:
         """Return the test that fails with a change, or ``timeout``; None if none does."""
         file = self.folder / mutant.path
         source, stat = file.read_bytes(), file.stat()
         self._changes += 1
+        place = function_at(mutant.path, source, mutant.line)
+        order = Order(self._record, place, Path(mutant.path).stem, self._calling)
         try:
             file.write_bytes(mutant.apply(source))
             # Compiled files are told apart by whole seconds and size.
             os.utime(file, (stat.st_atime, stat.st_mtime + 10.0 * self._changes))
-            for step in _STEPS:
-                limit = 300.0 + _PATIENCE * self._times[room, step]
-                code, output = self._tests(room, step, limit, Path(mutant.path).stem)
-                if code is None:
-                    return "timeout"
-                if code not in (0, _NO_TESTS):
-                    failed = [
-                        line for line in output.splitlines() if line[:6] in ("FAILED", "ERROR ")
-                    ]
-                    return failed[0].split(" - ")[0] if failed else f"exit code {code}"
-            return None
+            code, output = self._run(room, order)
+            if code in (None, signal.SIGXCPU):
+                return "timeout"
+            if code == _BROKEN:
+                raise SystemExit(f"the tests could not be run:\n{output}")
+            if code in (0, _NO_TESTS):
+                return None
+            failed = [line for line in output.splitlines() if line[:6] in ("FAILED", "ERROR ")]
+            return failed[0].split(" - ")[0] if failed else f"exit code {code}"
         finally:
             file.write_bytes(source)
             os.utime(file, (stat.st_atime, stat.st_mtime))
 
-    def _tests(
-        self, room: str, step: str, limit: float | None, first: str
-    ) -> tuple[int | None, str]:
+    def _run(self, room: str, order: Order | None) -> tuple[int | None, str]:
         """Return exit code and output of a room's tests; no code if they took too long.
 
-        The files that name the module ``first`` come first: they are the likeliest to fail.
+        Without an order, what the tests do is noted.
         """
-        files = sorted((self.folder / "tests" / room).rglob("test_*.py"))
-        files.sort(key=lambda file: first not in file.name and first not in file.read_text())
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "--no-showlocals"]
-        command += ["--tb=no", "-p", "no:cacheprovider", "-m", step, *map(str, files)]
-        process = subprocess.Popen(
-            command, cwd=self.folder, env=self._environment(writes=limit is None), text=True,
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True,
-        )  # fmt: skip
+        output = self.folder / "output.txt"
+        child = os.fork()
+        if child == 0:
+            self._become_tests(room, order, output)
+        limit = math.inf if order is None else time.monotonic() + 600.0 + _PATIENCE * self._time
+        status = None
         try:
-            return _finished(process, limit)
-        except subprocess.TimeoutExpired:
-            return None, ""
+            while status is None and time.monotonic() < limit:
+                ended, found = os.waitpid(child, os.WNOHANG)
+                status = found if ended else None
+                time.sleep(0.02)
         finally:
             with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
+                os.killpg(child, signal.SIGKILL)
+            if status is None:
+                os.waitpid(child, 0)
+        code = None if status is None else abs(os.waitstatus_to_exitcode(status))
+        return code, output.read_text()
 
-    def _environment(self, *, writes: bool = True) -> dict[str, str]:
-        """Return the environment of the tests; Python leaves compiled files only if it may."""
-        found = {**os.environ, "PYTHONPATH": str(self.folder)}
-        return found if writes else {**found, "PYTHONDONTWRITEBYTECODE": "1"}
+    def _become_tests(self, room: str, order: Order | None, output: Path) -> NoReturn:
+        """Run the tests in this process and end it."""
+        os.setsid()
+        os.chdir(self.folder)
+        file = os.open(output, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(file, 1)
+        os.dup2(file, 2)
+        os.environ["PYTHONPATH"] = str(self.folder)
+        sys.path[:] = [str(self.folder), *(one for one in sys.path if Path(one) != ROOT)]
+        if order is not None:  # what is compiled of a changed file is of no use later
+            os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
+            sys.dont_write_bytecode = True
+        plugin = Recorder(self.folder, self._record) if order is None else order
+        command = ["-x", "-q", "-n", "0", "--no-showlocals", "--tb=no", "-p", "no:cacheprovider"]
+        code = _BROKEN
+        try:
+            code = int(pytest.main([*command, "-m", self._tests, f"tests/{room}"], [plugin]))
+            if order is None:
+                import paminsa_viz
 
-
-def _finished(process: subprocess.Popen[str], limit: float | None) -> tuple[int, str]:
-    output = process.communicate(timeout=limit)[0]
-    return process.returncode, output
+                if not Path(str(paminsa_viz.__file__)).is_relative_to(self.folder):
+                    print(f"the tests import {paminsa_viz.__file__}, not the copy")
+                    code = _BROKEN
+                imported = imported_of_others(self.folder)
+                (self.folder / _NOTED).write_bytes(pickle.dumps((self._record, imported)))
+        except BaseException:
+            traceback.print_exc()
+        finally:
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(code)
 
 
 def equivalent() -> dict[tuple[str, str, str, str], str]:
@@ -143,8 +179,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=30, help="mutants of each room")
     parser.add_argument("--first", type=int, default=0, help="number of the first one to run")
+    parser.add_argument("--only", type=int, nargs="+", help="numbers of those to run")
+    parser.add_argument("--tests", default=_TESTS, help="which tests, as pytest's -m says it")
     parser.add_argument("--list", action="store_true", help="only list what is drawn")
     parser.add_argument("--out", type=Path, help="CSV file for one row a mutant, appended to")
+    parser.add_argument(
+        "--calling", action="store_true",
+        help="only the tests that call the changed function, where any is seen to: quicker, but "
+        "what lies in a cache is not called again, so that survivors have to be looked at",
+    )  # fmt: skip
     given = parser.parse_args(arguments)
     for room in given.rooms:
         if not (ROOT / "paminsa_viz" / room).is_dir() or not (ROOT / "tests" / room).is_dir():
@@ -155,12 +198,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
         if given.out is not None:
             file = stack.enter_context(given.out.open("a", newline=""))
             writer = csv.writer(file)
-        copy = None if given.list else Copy(Path(folder))
+        copy = None
+        if not given.list:
+            copy = Copy(Path(folder).resolve(), given.tests, calling=given.calling)
         for room in given.rooms:
             if copy is not None:
                 copy.check(room)
             for number, mutant in enumerate(drawn(ROOT, room, given.seed, given.count)):
-                if number < given.first:
+                if number < given.first or (given.only and number not in given.only):
                     continue
                 place = f"{mutant.path}:{mutant.line}:{mutant.column}"
                 text = f"{room} {number} {place}  {mutant.before}  →  {mutant.after}"

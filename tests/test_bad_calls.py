@@ -14,10 +14,34 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.balancing import Spring, SpringPlace, at_joint, on_slider
-from paminsa_viz.errors import InvalidInput, PaminsaError
-from paminsa_viz.model import APPENDIX_4, LoadCase, inverse_kinematics
+from paminsa_viz import elastostatics, meshes
+from paminsa_viz.balancing import (
+    Spring,
+    SpringPlace,
+    along,
+    at_joint,
+    fit_springs,
+    on_bar,
+    on_slider,
+    tornado,
+)
+from paminsa_viz.engines import why_missing
+from paminsa_viz.errors import InvalidDesign, InvalidInput, PaminsaError
+from paminsa_viz.files import DataTable, table_bytes
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Counterweight,
+    Grid,
+    LoadCase,
+    inverse_kinematics,
+    solve_field,
+    xy_grid,
+)
+from paminsa_viz.plots import map_data
 from paminsa_viz.precision import nominal_lengths
+from paminsa_viz.quantities import find, parse_requirement
+from paminsa_viz.synthesis import find_objective
+from paminsa_viz.trajectory import circle
 from tests.test_api import CALLABLES
 
 POSE = np.array([0.01, 0.02, 0.1, -0.5])
@@ -183,3 +207,41 @@ def test_no_public_function_fails_deep_inside(place: str) -> None:
         assert re.search(rf"\b({'|'.join(needed)})\b", text), f"{kind}: {text}"
         assert "\n" not in text
         assert len(text) < 200
+
+
+NO_NAME = "nothing"
+FIELD = solve_field(APPENDIX_4, xy_grid([-0.1, 0.0, 0.1], [-0.1, 0.1], 0.1, -0.5))
+
+NAMED: dict[str, Any] = {
+    "joint": lambda: elastostatics.joint_forces(APPENDIX_4, POSE).of(NO_NAME),
+    "bar of loads": lambda: elastostatics.bar_loads(
+        elastostatics.joint_forces(APPENDIX_4, POSE), NO_NAME
+    ),
+    "bar of a counterweight": lambda: along(APPENDIX_4, NO_NAME, 1.0),
+    "place of a counterweight": lambda: Counterweight(NO_NAME, 7, 0.1, 1.0),
+    "anchor": lambda: on_bar(NO_NAME, 7, 0.1),
+    "measure": lambda: fit_springs(APPENDIX_4, GOOD["places"], POSE[None], measure=NO_NAME),
+    "mass": lambda: tornado(APPENDIX_4, FIELD.grid, paths=(NO_NAME,)),
+    "value": lambda: APPENDIX_4.value(NO_NAME),
+    "changed value": lambda: APPENDIX_4.vary({NO_NAME: 1.0}),
+    "coordinate": lambda: Grid.over(POSE, **{NO_NAME: [0.0, 1.0]}),
+    "plane": lambda: circle(POSE, 0.05, plane=NO_NAME),
+    "quantity": lambda: find((NO_NAME,)),
+    "quantity of a map": lambda: map_data(FIELD, APPENDIX_4, POSE, (NO_NAME,)),
+    "requirement": lambda: parse_requirement(NO_NAME),
+    "objective": lambda: find_objective(NO_NAME),
+    "table": lambda: table_bytes(DataTable({"a": np.zeros(2)}, ()), NO_NAME),
+    "engine": lambda: why_missing(NO_NAME),
+    "body": lambda: meshes.make_body(APPENDIX_4, NO_NAME),
+    "lengths of a body": lambda: meshes.lengths_of(APPENDIX_4, NO_NAME),
+    "color": lambda: meshes.color_of(NO_NAME),
+    "fixed part": lambda: meshes.fixed_part(NO_NAME),
+    "material": lambda: meshes.fixed_part("barrel").add(NO_NAME),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", NAMED)
+def test_a_name_of_nothing_is_refused_in_one_line(what: str) -> None:
+    with pytest.raises((InvalidInput, InvalidDesign), match=NO_NAME) as caught:
+        NAMED[what]()
+    assert "\n" not in str(caught.value)

@@ -12,8 +12,14 @@ from paminsa_viz.actuation.catalog import Catalog
 from paminsa_viz.actuation.drive_table import drive_table
 from paminsa_viz.actuation.duty import ActuatorLoad, DutyCycle, Signal
 from paminsa_viz.actuation.ratios import ratio_intervals
-from paminsa_viz.actuation.sizing import Order, Sizing, fitting_time, size_drives
-from paminsa_viz.actuation.thermal import thermal_share
+from paminsa_viz.actuation.sizing import (
+    Order,
+    Sizing,
+    fitting_time,
+    ordered,
+    size_drives,
+    thermal_share,
+)
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -184,10 +190,8 @@ def select_drives(
 
 def _common(sizings: tuple[Sizing, ...], order: Order) -> NDArray[np.intp]:
     """Return the drives that are feasible on all of several loads, by the largest shares."""
-    worst = replace(sizings[0])
-    # a cached property of a frozen class: what is set is what it returns
-    worst.__dict__["shares"] = np.max([sizing.shares for sizing in sizings], axis=0)
-    return worst.ordered(order)
+    use = np.max([sizing.use for sizing in sizings], axis=0)
+    return ordered(sizings[0].table, use, order)
 
 
 def size_design(cycle: DutyCycle, design: Design) -> tuple[DriveFigures | None, ...]:

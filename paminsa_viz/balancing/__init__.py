@@ -29,12 +29,13 @@ from paminsa_viz.balancing.paper_balance import balance, paper_changes
 from paminsa_viz.balancing.pareto import ParetoFront, ParetoPoint, pareto_front
 from paminsa_viz.balancing.program import SolverFailed
 from paminsa_viz.balancing.sensitivity import OUTPUTS, Tornado, TornadoBar, tornado
-from paminsa_viz.balancing.spring_fit import SpringFit, fit_springs
 from paminsa_viz.balancing.springs import (
     Anchor,
     Spring,
+    SpringFit,
     SpringPlace,
     at_joint,
+    fit_springs,
     on_bar,
     on_guide,
     on_slider,

@@ -20,8 +20,7 @@ from paminsa_viz.model.lumped import (
     lumped_matrix,
     point_mass_column,
 )
-from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
-from paminsa_viz.model.ranges import LARGEST
+from paminsa_viz.model.parameters import BAR_ENDS, LARGEST, Counterweight
 
 LEGS = 3
 """A mass of a leg is there three times."""
@@ -106,7 +105,13 @@ def beyond(bar: str, joint: int, longest: float, most: float) -> CounterweightRa
 
 @of_geometry
 def along(geometry: Geometry, bar: str, most: float) -> CounterweightRange:
-    """Return the range between the two joints of a bar, up to a mass [kg]."""
+    """Return the range between the two joints of a bar, up to a mass [kg].
+
+    Raises:
+        InvalidInput: If the bar can carry no counterweight.
+    """
+    if bar not in BAR_ENDS:
+        raise InvalidInput("bar", f"one of {', '.join(BAR_ENDS)} is needed, not {bar!r:.60}")
     return CounterweightRange(bar, BAR_ENDS[bar][0], -bar_length(geometry, bar), 0.0, most)
 
 

@@ -23,16 +23,17 @@ from paminsa_viz.precision.manufacture import (
     monte_carlo,
     tolerance_errors,
 )
-from paminsa_viz.precision.unequal_legs import COORDINATES
+from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
 from paminsa_viz.report.accuracy_section import drive_blocks, manufacture_blocks
-from paminsa_viz.studies.drive_accuracy import (
+from paminsa_viz.studies.metrics import (
     STATISTICS_OF,
+    Region,
     RegionErrors,
+    RegionResults,
     error_rows,
     region_errors,
     statistics,
 )
-from paminsa_viz.studies.metrics import Region, RegionResults
 from paminsa_viz.units import format_pose
 
 DESCRIPTION = """\
@@ -164,7 +165,7 @@ def _manufacture_data(
     design: Design, pose: tuple[float, ...], robots: MonteCarlo | None
 ) -> dict[str, Any]:
     errors, actual = tolerance_errors(design, pose), manufactured_pose(design, pose)
-    keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in COORDINATES]
+    keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in SIX_COORDINATES]
 
     def named(values: Array) -> dict[str, float]:
         return dict(zip(keys, values.tolist(), strict=True))

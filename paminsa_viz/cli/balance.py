@@ -30,7 +30,7 @@ from paminsa_viz.files.design_file import save_design
 from paminsa_viz.meshes.loads import clearance_text
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.model.ranges import LARGEST
+from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.trajectory import ImpossibleTrajectory, solve_trajectory
 from paminsa_viz.units import MM
 from paminsa_viz.version import MADE_BY

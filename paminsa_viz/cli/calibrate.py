@@ -22,7 +22,7 @@ from paminsa_viz.precision.calibration import Calibration, calibrate, describe
 from paminsa_viz.precision.calibration_problem import measuring_poses
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
 from paminsa_viz.precision.measurements import InvalidMeasurement, Measurements, PredictionErrors
-from paminsa_viz.precision.unequal_legs import COORDINATES
+from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
 from paminsa_viz.units import MM, format_ascii
 from paminsa_viz.version import MADE_BY
 
@@ -149,13 +149,13 @@ def _error_rows(found: Calibration) -> list[tuple[str, ...]]:
         ("", *(f"{name}: {kind}" for name, *_ in sets for kind in ("RMS before", "RMS", "largest")))
     ]
     for place in range(len(found.after.rms)):
-        unit = "m:um" if COORDINATES[place] in "xyz" else "rad:arcsec"
+        unit = "m:um" if SIX_COORDINATES[place] in "xyz" else "rad:arcsec"
         cells = [
             format_ascii(float(values[place]), unit, 4)
             for _, before, after in sets
             for values in (before.rms, after.rms, after.largest)
         ]
-        rows.append((COORDINATES[place], *cells))
+        rows.append((SIX_COORDINATES[place], *cells))
     return rows
 
 
@@ -177,7 +177,7 @@ def _data(found: Calibration, source: str) -> dict[str, Any]:
     names = [f"{leg}.{length.name}_{length.unit}" for leg in LEG_NAMES for length in LENGTHS]
 
     def errors(values: PredictionErrors) -> dict[str, Any]:
-        keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in COORDINATES]
+        keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in SIX_COORDINATES]
         return {
             "poses": values.poses,
             "rms": dict(zip(keys, values.rms.tolist(), strict=False)),

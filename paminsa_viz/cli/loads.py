@@ -12,8 +12,7 @@ import tyro
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PoseFlags, check_output
 from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
-from paminsa_viz.elastostatics.bar_diagram import COMPONENTS
-from paminsa_viz.elastostatics.bar_loads import all_bar_loads, utilization
+from paminsa_viz.elastostatics.bar_loads import COMPONENTS, all_bar_loads, utilization
 from paminsa_viz.elastostatics.joint_forces import (
     JOINTS,
     NEEDS_STIFFNESS,

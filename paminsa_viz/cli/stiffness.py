@@ -11,9 +11,9 @@ import tyro
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
 from paminsa_viz.cli.output import print_blocks, print_json, print_table
-from paminsa_viz.elastostatics.contacts import contacts
+from paminsa_viz.elastostatics.beams import TubeFit, tube_fits
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
-from paminsa_viz.elastostatics.sections import TubeFit, tube_fits
+from paminsa_viz.elastostatics.leg_frame import contacts
 from paminsa_viz.elastostatics.stiffness import (
     SHARES,
     PlatformStiffness,

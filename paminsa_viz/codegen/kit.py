@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz import __version__
-from paminsa_viz.actuation.transmission import transmission_indices
+from paminsa_viz.actuation.wrench_capability import transmission_indices
 from paminsa_viz.codegen.c99 import C99
-from paminsa_viz.codegen.printer import Printer
-from paminsa_viz.codegen.single import single_precision
+from paminsa_viz.codegen.printer import FUNCTIONS, Printer
 from paminsa_viz.model import kinematic_formulas, measures, robot
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
@@ -42,6 +41,30 @@ from paminsa_viz.model.lumped import (
 from paminsa_viz.model.reach import Limit, check_reach, workspace_height, workspace_radius
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques, unit_torques
+
+# --------------------------------------------------------------------------------- single precision
+
+TOLERANCES = {"ROUNDING": 2.0**-19, "SINGULAR": 2.0**-11}
+"""`model.leg.ROUNDING` and `SINGULAR`, by as much larger as the last place of a float is."""
+
+_LITERAL = re.compile(r"(?<![\w.])((?:\d+\.\d*|\.\d+)(?:[eE][+-]?\d+)?|\d+[eE][+-]?\d+)(?![\w.])")
+_CALLS = re.compile(rf"\b({'|'.join(sorted(set(FUNCTIONS.values()) | {'fmod'}))})\(")
+_KEPT = re.compile(r"(/\*.*?\*/|\"[^\"\n]*\"|#include[^\n]*|strtod|\(double\))", re.DOTALL)
+
+
+def single_precision(text: str) -> str:
+    """Return C source with float for double, in types, functions and literals; comments stay."""
+    parts = _KEPT.split(text)
+    for index in range(0, len(parts), 2):
+        part = parts[index]
+        for name, value in TOLERANCES.items():
+            part = re.sub(rf"(#define PAMINSA_{name}) \S+", rf"\1 {value!r}", part)
+        part = re.sub(r"\bdouble\b", "float", part)
+        parts[index] = _LITERAL.sub(r"\1f", _CALLS.sub(r"\1f(", part))
+    return "".join(parts)
+
+
+# ------------------------------------------------------------------------------------------ the kit
 
 FORMULAS = (
     mechanism_of_lengths,

@@ -8,6 +8,7 @@ take arrays, and extreme values over the poses that count.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -16,7 +17,7 @@ from paminsa_viz.checks import kinds_checked
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.attached import PAYLOAD_HEIGHT, payload_offset, payload_scale
-from paminsa_viz.model.arguments import of_design
+from paminsa_viz.model.arguments import geometry_of, of_design
 from paminsa_viz.model.arrays import Array, as_numbers
 from paminsa_viz.model.design import Design, Geometry, KneeBranch
 
@@ -103,7 +104,11 @@ def bar_distance(crank: Array, coupler: Array, magnification: Array, diagonal: A
 
 @kinds_checked
 def missing_room(
-    geometries: list[Geometry], slider: Array, zeta: Array, diagonal: Array, clearance: float
+    geometries: Sequence[Geometry | Design],
+    slider: Array,
+    zeta: Array,
+    diagonal: Array,
+    clearance: float,
 ) -> Array:
     """Return how much is missing of what the drawn bodies need, (n, 4) [m]; 0 for nothing.
 
@@ -120,11 +125,13 @@ def missing_room(
         clearance: Least distance of two bodies that is required [m].
     """
 
+    robots = [geometry_of(robot) for robot in geometries]
+
     def of(name: str) -> Array:
-        return np.array([getattr(g, name) for g in geometries])
+        return np.array([getattr(g, name) for g in robots])
 
     k, lower = of("magnification"), of("knee") == KneeBranch.LOWER
-    joint_3 = np.array([joint_3_from_guides(g.knee) for g in geometries])
+    joint_3 = np.array([joint_3_from_guides(g.knee) for g in robots])
     shaft = of("shaft_length")
     above = shaft - zeta[:, 1] / k - JOINT_2_ABOVE
     above = np.maximum(above, JOINT_2_BELOW - (shaft - zeta[:, 0] / k))

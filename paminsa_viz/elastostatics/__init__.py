@@ -9,12 +9,13 @@ together at the platform. `drive_stiffness` has rigid bars.
 from __future__ import annotations
 
 from paminsa_viz.elastostatics.bar_loads import all_bar_loads, bar_loads, utilization
-from paminsa_viz.elastostatics.contacts import Contacts, contacts
+from paminsa_viz.elastostatics.beams import TubeFit, tube_fits
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
 from paminsa_viz.elastostatics.joint_forces import JointForces, joint_forces
+from paminsa_viz.elastostatics.leg_frame import Contacts, contacts
+from paminsa_viz.elastostatics.leg_matrices import Structure, structure
 from paminsa_viz.elastostatics.modes import Modes
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
-from paminsa_viz.elastostatics.sections import TubeFit, tube_fits
 from paminsa_viz.elastostatics.sideways import SidewaysForces, sideways_forces
 from paminsa_viz.elastostatics.stiffness import (
     Compensation,
@@ -26,7 +27,6 @@ from paminsa_viz.elastostatics.stiffness import (
     platform_stiffness,
     strain_shares,
 )
-from paminsa_viz.elastostatics.structure import Structure, structure
 from paminsa_viz.elastostatics.vibration import first_frequencies, robot_modes
 
 __all__ = [

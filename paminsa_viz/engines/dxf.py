@@ -16,8 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from paminsa_viz.engines.looks import LEAST_ROD
-from paminsa_viz.engines.mechanism import MechanismTree, build_mechanism, leg_name
+from paminsa_viz.engines.mechanism import LEAST_ROD, MechanismTree, build_mechanism, leg_name
 from paminsa_viz.engines.poses import start_pose, start_values, world_frames
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array

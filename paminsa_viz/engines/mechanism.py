@@ -23,11 +23,16 @@ import math
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+import numpy as np
+from scipy.spatial.transform import Rotation
+
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import NO_DRIVES, Drives
 from paminsa_viz.model.kinematics import AXIS_ANGLES
 from paminsa_viz.model.parameters import BAR_ENDS
+from paminsa_viz.palette import LEG_COLORS, LIFT_COLOR, rgb
+from paminsa_viz.palette import PLATFORM as PLATFORM_COLOR
 
 Point = tuple[float, float, float]
 
@@ -280,3 +285,38 @@ def _pins(design: Design, leg: int) -> list[Pin]:
         Pin(name("pin7"), name("B3"), (-crank, 0, 0), name("B7"), (short, 0, 0)),
         Pin(name("pin5"), name("B4"), (g.coupler_length, 0, 0), PLATFORM, _joint_5(design, leg)),
     ]
+
+
+# ------------------------------------------------------------------------------- looks of the links
+
+LEAST_ROD = 1e-9
+"""Shortest rod that is drawn as one [m]; MuJoCo's own limit is 1e-14 m."""
+
+
+def link_color(link: Link) -> list[float]:
+    """Return red, green and blue of a link, 0 to 1."""
+    if link.name == PLATFORM:
+        color = PLATFORM_COLOR
+    else:
+        color = LIFT_COLOR if link.leg is None else LEG_COLORS[link.leg]
+    return [round(channel / 255, 4) for channel in rgb(color)]
+
+
+class Bar(NamedTuple):
+    """A rod as a cylinder along z: middle [m], turn from z to the rod, length and radius [m]."""
+
+    middle: Point
+    turn: Rotation
+    length: float
+    radius: float
+
+
+def as_cylinder(rod: Rod) -> Bar | None:
+    """Return a rod as a cylinder, or None where it has no length."""
+    start, end = np.asarray(rod.start, float), np.asarray(rod.end, float)
+    length = math.dist(rod.start, rod.end)
+    if length < LEAST_ROD:
+        return None
+    turn = Rotation.align_vectors([(end - start) / length], [(0.0, 0.0, 1.0)])[0]
+    x, y, z = (0.5 * (start + end)).tolist()
+    return Bar((x, y, z), turn, length, rod.radius)

@@ -27,14 +27,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from paminsa_viz.engines.looks import LEAST_ROD, link_color
 from paminsa_viz.engines.mechanism import (
+    LEAST_ROD,
     PLATFORM,
     MechanismTree,
     Part,
     Point,
     Rod,
     build_mechanism,
+    link_color,
 )
 from paminsa_viz.engines.poses import link_frame, start_pose, start_values
 from paminsa_viz.model.design import Design

@@ -20,7 +20,6 @@ from typing import Any
 
 from scipy.spatial.transform import Rotation
 
-from paminsa_viz.engines.looks import as_cylinder, link_color
 from paminsa_viz.engines.mechanism import (
     ORIGIN,
     PLATFORM,
@@ -29,8 +28,10 @@ from paminsa_viz.engines.mechanism import (
     Link,
     Part,
     Point,
+    as_cylinder,
     build_mechanism,
     leg_name,
+    link_color,
 )
 from paminsa_viz.engines.rigid_bodies import rigid_bodies
 from paminsa_viz.model.arguments import of_design

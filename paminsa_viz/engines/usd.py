@@ -20,7 +20,6 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from paminsa_viz.engines.looks import as_cylinder, link_color
 from paminsa_viz.engines.mechanism import (
     PLATFORM,
     Link,
@@ -28,7 +27,9 @@ from paminsa_viz.engines.mechanism import (
     Part,
     Pin,
     Point,
+    as_cylinder,
     build_mechanism,
+    link_color,
 )
 from paminsa_viz.engines.mjcf import Servos
 from paminsa_viz.engines.poses import start_pose, start_values, world_frames

@@ -45,7 +45,7 @@ from paminsa_viz.files.design_schema import (
 from paminsa_viz.files.design_writer import name_problem, write_design
 from paminsa_viz.files.errors import DesignFileError, printable
 from paminsa_viz.files.plain_data import UnusableData, parse_plain_toml
-from paminsa_viz.files.toml_lines import nearest_line
+from paminsa_viz.files.toml_table import nearest_line
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.drive import ACTUATORS, Drive

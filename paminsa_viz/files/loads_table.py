@@ -67,7 +67,7 @@ def joint_table(
 
 
 def bar_table(forces: JointForces, pose: NDArray[np.float64], bar: str) -> DataTable:
-    """Return N, V and M along a bar of every leg in one pose; see `bar_diagram` for signs."""
+    """Return N, V and M along a bar of every leg in one pose; see `bar_loads` for signs."""
     loads = bar_loads(forces, bar)
     s = np.linspace(0.0, loads.length, SECTIONS)
     columns: Columns = {"s_m": s}

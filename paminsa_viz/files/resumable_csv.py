@@ -2,7 +2,7 @@
 
 Every row begins with its number. Rows are appended in order, so that all a kill can leave behind is
 a last line without its end. That line is cut off, and the next row written in its place. A checksum
-at the end of every row tells one that was changed since; tables of earlier versions have none.
+at the end of every row tells one that was changed since.
 """
 
 from __future__ import annotations
@@ -58,7 +58,6 @@ class ResumableCsv:
         """
         self._source = os.fspath(path)
         self._columns = tuple(columns)
-        self._checked = True
         self.rows = 0
         with self._named():
             # Neither "r+" nor "w": what is there stays, and what is not there is made.
@@ -117,23 +116,20 @@ class ResumableCsv:
         end = self._file.seek(self._start)
         while (line := self._file.readline(LONGEST_LINE)).endswith(b"\n"):
             text = line.decode("utf-8", "replace")[:-1]
-            cells = tuple(text.split(","))
-            if cells[0] != str(self.rows):
-                raise self.row_error(f"is not the row {self.rows} that belongs here")
-            if self._checked:
-                *_, checksum = cells
-                cells = cells[:-1]
-                if checksum != _checksum(",".join(cells)):
-                    raise self.row_error("was changed after it was written: its checksum differs")
+            *cells, checksum = text.split(",")
+            if not cells or cells[0] != str(self.rows):
+                raise self._row_error(f"is not the row {self.rows} that belongs here")
+            if checksum != _checksum(",".join(cells)):
+                raise self._row_error("was changed after it was written: its checksum differs")
             if len(cells) != len(self._columns):
-                raise self.row_error(f"is not the row {self.rows} that belongs here")
+                raise self._row_error(f"is not the row {self.rows} that belongs here")
             end += len(line)
-            yield cells
+            yield tuple(cells)
             self.rows += 1
         self._file.truncate(end)
         self._file.seek(end)
 
-    def row_error(self, problem: str) -> TableFileError:
+    def _row_error(self, problem: str) -> TableFileError:
         """Return the error of the row that is being read, with what can be done about it."""
         problem += "; restore it, cut the file off before it, or begin again"
         return TableFileError(self._source, problem, row=self._head_lines + self.rows + 1)
@@ -149,7 +145,7 @@ class ResumableCsv:
             if cells[0] != str(self.rows + len(lines)):
                 raise ValueError(f"row {cells[0]} is not the next one")
             text = ",".join(cells)
-            lines.append(f"{text},{_checksum(text)}\n" if self._checked else f"{text}\n")
+            lines.append(f"{text},{_checksum(text)}\n")
         self._write("".join(lines))
         self.rows += len(lines)
 
@@ -176,8 +172,7 @@ class ResumableCsv:
             text = line.decode("utf-8", "replace").rstrip("\n")
             if text.startswith("#"):
                 found.append(text)
-            elif wanted in found and text in (self._heading(True), self._heading(False)):
-                self._checked = text == self._heading(True)
+            elif wanted in found and text == self._heading():
                 self._head_lines, self._start = number, self._file.tell()
                 return True
             else:
@@ -186,13 +181,13 @@ class ResumableCsv:
         problem = f"holds {other}; take another name, or begin again"
         raise TableFileError(self._source, problem)
 
-    def _heading(self, checked: bool) -> str:
-        return ",".join((*self._columns, CHECKSUM) if checked else self._columns)
+    def _heading(self) -> str:
+        return ",".join((*self._columns, CHECKSUM))
 
     def _begin(self, head: Mapping[str, str]) -> None:
         self._file.seek(0)
         self._file.truncate()
-        self._write(header_lines(head, [self._heading(True)]))
+        self._write(header_lines(head, [self._heading()]))
         self._head_lines, self._start = len(head) + 1, self._file.tell()
 
 

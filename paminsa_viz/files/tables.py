@@ -121,7 +121,7 @@ def table_bytes(table: DataTable, kind: str) -> bytes:
         InvalidInput: If there is no such format.
     """
     if kind not in TABLE_FORMATS:
-        raise InvalidInput("kind", f"{' or '.join(TABLE_FORMATS)} is needed")
+        raise InvalidInput("kind", f"{' or '.join(TABLE_FORMATS)} is needed, not {kind!r:.60}")
     return TABLE_FORMATS[kind](table)
 
 

@@ -131,7 +131,7 @@ def optimize_excitation(
     settings = settings or ExcitationSettings()
     begin = time.monotonic()
     center = preset_center(design.geometry)
-    family = MultiSineFamily(settings.harmonics, center, _scale(design))
+    family = MultiSineFamily(settings.harmonics, center, amplitudes(design))
     info = Information(design, limits, family, settings.period, settings.samples)
     stopped = False
 
@@ -164,8 +164,8 @@ def optimize_excitation(
     )  # fmt: skip
 
 
-def _scale(design: Design) -> Array:
-    """Return amplitudes [m, m, rad, m] that the variables are multiples of."""
+def amplitudes(design: Design) -> Array:
+    """Return amplitudes [m, m, rad, m] that the variables of a search are multiples of."""
     g = design.geometry
     across = 0.3 * g.base_radius
     return np.array([across, across, 0.4, 0.1 * workspace_height(g)])

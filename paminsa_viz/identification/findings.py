@@ -89,7 +89,7 @@ def investigate(
         keep_on(progress, STEPS.index(step) / len(STEPS))
 
     done("fit")
-    found = identify(log, design, settings, start=start)
+    found = identify(design, log, settings, start=start)
     done("masses")
     nearest = nearest_masses(found)
     done("causes")

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification.base_parameters import BASE_SYMBOLS, identity_row
 from paminsa_viz.identification.columns import (
@@ -27,6 +26,7 @@ from paminsa_viz.identification.filtering import Signals, filter_log, thinning_f
 from paminsa_viz.identification.log import InvalidLog, Log
 from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.identification.results import Estimate, Identification, Identity
+from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
@@ -63,10 +63,10 @@ def filtered(
     )  # fmt: skip
 
 
-@kinds_checked
+@of_design
 def identify(
-    log: Log,
     design: Design,
+    log: Log,
     settings: IdentificationSettings | None = None,
     *,
     start: ArrayLike | None = None,
@@ -77,8 +77,8 @@ def identify(
     friction and offsets are fitted from the log alone.
 
     Args:
-        log: The log of `make_log` or `files.logs.read_log`.
         design: The robot as it was meant; its load and its drives' differences are taken as known.
+        log: The log of `make_log` or `files.logs.read_log`.
         settings: What is fitted, and how; the defaults of `IdentificationSettings` without.
         start: Pose (4,) near the log's start, to choose the assembly; the home pose by default.
 
@@ -90,7 +90,7 @@ def identify(
     settings = IdentificationSettings() if settings is None else settings
     if not design.gravity > 0:
         raise InvalidInput("design", "identification needs gravity above 0: it weighs the robot")
-    solved = log_poses(log, design.geometry, start)
+    solved = log_poses(design.geometry, log, start)
     signals = filtered(log, design, settings, solved)
     require_motion(signals)
     model, blocks, solution, numbers, lag = _fit(design, signals, settings)

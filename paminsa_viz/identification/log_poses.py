@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paminsa_viz.checks import kinds_checked
 from paminsa_viz.identification.log import InvalidLog, Log
 from paminsa_viz.model import backend
+from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import forward_kinematics, wrap
@@ -50,15 +50,15 @@ def follow_pose(geometry: Geometry, position: Array, start: ArrayLike) -> Array:
     return pose
 
 
-@kinds_checked
+@of_geometry
 def log_poses(
-    log: Log, geometry: Geometry, start: ArrayLike | None = None
+    geometry: Geometry, log: Log, start: ArrayLike | None = None
 ) -> tuple[Array, list[slice]]:
     """Return the platform's poses of a log, (n, 4), and the pieces of it that can be used.
 
     Args:
-        log: The log.
         geometry: Lengths of the mechanism.
+        log: The log.
         start: Pose (4,) near the start of every segment, for the choice of the assembly; the home
             pose by default.
 

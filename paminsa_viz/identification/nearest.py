@@ -21,8 +21,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.model.parameters import Friction, Parameter
-from paminsa_viz.model.ranges import SMALLEST
+from paminsa_viz.model.parameters import SMALLEST, Friction, Parameter
 
 SPREAD = 0.3
 """How far the designer's masses are believed to be off, as a share (one standard deviation)."""

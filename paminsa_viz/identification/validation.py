@@ -173,7 +173,7 @@ def _modeled(
     """Return another log's signals and columns, with the delay of the first taken off."""
     start = identification.start if start is None else start
     design, settings = identification.design, identification.settings
-    signals = filtered(log, design, settings, log_poses(log, design.geometry, start))
+    signals = filtered(log, design, settings, log_poses(design.geometry, log, start))
     require_motion(signals)
     if identification.lag:
         signals = shifted(signals, identification.lag)

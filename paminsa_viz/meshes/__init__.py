@@ -21,8 +21,7 @@ if TYPE_CHECKING:  # trimesh takes half a second, which lengths alone do not nee
         make_body,
         prepare,
     )
-    from paminsa_viz.meshes.library import MissingMeshes, fixed_part
-    from paminsa_viz.meshes.part import MeshPart
+    from paminsa_viz.meshes.part import MeshPart, MissingMeshes, fixed_part
     from paminsa_viz.meshes.robot_files import assemble_glb
 
 __all__ = [

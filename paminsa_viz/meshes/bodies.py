@@ -20,10 +20,10 @@ from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.layout import FrameLayout, layout, plinth_radius, polar
 from paminsa_viz.dimensions.placement import BODIES
+from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.kept import kept
 from paminsa_viz.meshes import frame
-from paminsa_viz.meshes.library import fixed_part
-from paminsa_viz.meshes.part import MeshPart
+from paminsa_viz.meshes.part import MeshPart, fixed_part
 from paminsa_viz.meshes.solids import (
     ACROSS,
     ALONG,
@@ -53,7 +53,12 @@ SMALL: Final = 0.028
 
 @kinds_checked
 def color_of(body: str) -> str:
-    """Return the color (``#rrggbb``) of a body's colored faces."""
+    """Return the color (``#rrggbb``) of a body's colored faces.
+
+    Raises:
+        InvalidInput: If there is no such body.
+    """
+    _kind(body)
     if body.startswith("leg"):
         return palette.LEG_COLORS[int(body[3]) - 1]
     if body in STANDING[2:]:
@@ -61,12 +66,12 @@ def color_of(body: str) -> str:
     return palette.LIFT_COLOR if body == "carriage" else palette.PLATFORM
 
 
-@kinds_checked
-def lengths_of(body: str, geometry: Geometry) -> tuple[object, ...]:
+@of_geometry
+def lengths_of(geometry: Geometry, body: str) -> tuple[object, ...]:
     """Return the lengths that decide a body's shape; equal tuples mean an equal shape.
 
     Raises:
-        KeyError: If there is no such body.
+        InvalidInput: If there is no such body.
     """
     g = geometry
     place = layout(g)
@@ -91,17 +96,17 @@ def lengths_of(body: str, geometry: Geometry) -> tuple[object, ...]:
     return depends[_kind(body)]
 
 
-@kinds_checked
-def make_body(body: str, geometry: Geometry) -> MeshPart:
+@of_geometry
+def make_body(geometry: Geometry, body: str) -> MeshPart:
     """Return a body by its name, in its own frame [m]; standing bodies in the world frame.
 
     Raises:
-        KeyError: If there is no such body.
+        InvalidInput: If there is no such body.
     """
     kind = _kind(body)
     if kind in STANDING:
         return standing_body(kind, geometry, layout(geometry), plinth_radius(geometry))
-    return _made(_MOVING_MAKERS[kind], lengths_of(body, geometry), is_plain()).copy()
+    return _made(_MOVING_MAKERS[kind], lengths_of(geometry, body), is_plain()).copy()
 
 
 def standing_body(body: str, geometry: Geometry, place: FrameLayout, plinth: float) -> MeshPart:
@@ -134,7 +139,8 @@ def _made(maker: Callable[..., MeshPart], lengths: tuple[object, ...], plain: bo
 def _kind(body: str) -> str:
     """Return the kind of a body: the same for the three legs."""
     if body not in BODIES and body not in STANDING:
-        raise KeyError(body)
+        hint = name_hint(body, (*STANDING, *BODIES))
+        raise InvalidInput("body", f"there is no {body!r:.60}; {hint}")
     return body.rpartition("/")[2]
 
 
@@ -292,30 +298,31 @@ _MOVING_MAKERS: Final[dict[str, Callable[..., MeshPart]]] = {
 """Makers of bodies by kind; those of moving bodies take what `lengths_of` returns."""
 
 
+@of_geometry
 @kept(256)
-def body_glb(body: str, geometry: Geometry, *, fine: bool = True) -> bytes:
+def body_glb(geometry: Geometry, body: str, *, fine: bool = True) -> bytes:
     """Return a body as a colored GLB in its own frame, z up; the last ones made are kept.
 
     One that is not ``fine`` has a quarter of the triangles, no bolts and pins, round sides of few
     faces, and its colors at its points instead of a mesh for each.
     """
     if fine:
-        return make_body(body, geometry).glb(color_of(body))
+        return make_body(geometry, body).glb(color_of(body))
     with plain_shapes():
-        part = make_body(body, geometry).without_small(SMALL)
+        part = make_body(geometry, body).without_small(SMALL)
         return part.glb(color_of(body), plain=True)
 
 
 def ground_glb(geometry: Geometry, *, dark: bool = False) -> bytes:
     """Return the ground as a GLB in the world frame, light or for a dark page."""
     if not dark:
-        return body_glb("ground", geometry, fine=False)
+        return body_glb(geometry, "ground", fine=False)
     with plain_shapes():
-        return make_body("ground", geometry).renamed("dark").glb(plain=True)
+        return make_body(geometry, "ground").renamed("dark").glb(plain=True)
 
 
 @of_geometry
 def prepare(geometry: Geometry, *, fine: bool) -> None:
     """Make and keep every body's GLB, plain or fine, so that no scene need wait for them."""
     for body in (*STANDING, *BODIES):
-        body_glb(body, geometry, fine=fine)
+        body_glb(geometry, body, fine=fine)

@@ -16,8 +16,7 @@ from paminsa_viz.dimensions.layout import (
     polar,
     ring_arcs,
 )
-from paminsa_viz.meshes.library import fixed_part
-from paminsa_viz.meshes.part import MeshPart
+from paminsa_viz.meshes.part import MeshPart, fixed_part
 from paminsa_viz.meshes.solids import (
     Array,
     arc_beam,

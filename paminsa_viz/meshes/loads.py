@@ -16,8 +16,7 @@ from paminsa_viz.dimensions.attached import (
     stub,
 )
 from paminsa_viz.kept import kept
-from paminsa_viz.meshes.library import fixed_part
-from paminsa_viz.meshes.part import MeshPart
+from paminsa_viz.meshes.part import MeshPart, fixed_part
 from paminsa_viz.meshes.solids import ACROSS, ALONG, Array, moved, rod, turn
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.leg_points import counterweight_clearance

@@ -18,8 +18,7 @@ from paminsa_viz.dimensions.attached import payload_offset
 from paminsa_viz.dimensions.fixed_parts import CARRIAGE_RADIUS
 from paminsa_viz.dimensions.layout import FrameLayout, frame_lengths
 from paminsa_viz.meshes import bodies, frame
-from paminsa_viz.meshes.library import fixed_part
-from paminsa_viz.meshes.part import SURFACES, MeshPart, srgb_to_linear
+from paminsa_viz.meshes.part import SURFACES, MeshPart, fixed_part, srgb_to_linear
 from paminsa_viz.meshes.solids import Array, plain_shapes
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.leg import mechanism

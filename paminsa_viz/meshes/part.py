@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, cast
+from functools import cache, lru_cache
+from importlib import resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any, Final, cast
 
 import numpy as np
 import trimesh
@@ -13,7 +18,9 @@ from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
 from paminsa_viz import palette
-from paminsa_viz.meshes.solids import Array, moved
+from paminsa_viz.checks import kinds_checked
+from paminsa_viz.errors import InvalidInput, name_hint
+from paminsa_viz.meshes.solids import Array, is_plain, moved
 
 ACCENT = "accent"
 """Material of a part's colored faces; each leg and M4 put their own color in its place."""
@@ -84,9 +91,14 @@ class MeshPart:
     solids: list[Solid] = field(default_factory=list)
 
     def add(self, material_name: str, *meshes: trimesh.Trimesh) -> MeshPart:
-        """Append meshes of one material and return the part itself."""
+        """Append meshes of one material and return the part itself.
+
+        Raises:
+            InvalidInput: If there is no such material.
+        """
         if material_name not in SURFACES:
-            raise KeyError(material_name)
+            hint = name_hint(material_name, SURFACES)
+            raise InvalidInput("material_name", f"there is no {material_name!r:.60}; {hint}")
         self.solids.extend(Solid(material_name, mesh) for mesh in meshes)
         return self
 
@@ -215,3 +227,81 @@ def _stacked(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
         vertex_normals=np.vstack([mesh.vertex_normals for mesh in meshes]),
         process=False,
     )
+
+
+# -------------------------------------------------------------------- mesh files of the fixed parts
+# In a checkout they lie in ``assets/meshes`` at the top of the repository, where
+# ``assets/make_parts.py`` writes them; in an installed wheel in ``paminsa_viz/assets/meshes``.
+# Files follow glTF's convention (y up): the top node, "z_up", turns the part's own frame, in which
+# z is up.
+
+Z_UP: Final = np.array(
+    [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
+)
+"""Transform that takes coordinates with z up to glTF's, with y up."""
+
+PLAIN: Final = "plain"
+"""Folder of the parts with few faces; a part that has nothing large has no file there."""
+
+
+class MissingMeshes(FileNotFoundError):
+    """The mesh files are neither in the package nor in the checkout."""
+
+
+def checkout_folder() -> Path:
+    """Return where the mesh files lie in a checkout of the repository."""
+    return Path(__file__).resolve().parents[2] / "assets" / "meshes"
+
+
+@lru_cache(maxsize=1)
+def mesh_folder() -> Traversable:
+    """Return the folder that holds the mesh files.
+
+    Raises:
+        MissingMeshes: If there is none.
+    """
+    packaged = resources.files("paminsa_viz").joinpath("assets", "meshes")
+    for folder in (packaged, checkout_folder()):
+        if folder.joinpath("barrel.glb").is_file():
+            return folder
+    raise MissingMeshes(
+        "the mesh files are missing; `python assets/make_parts.py` in a checkout writes them to "
+        f"{checkout_folder()}"
+    )
+
+
+@kinds_checked
+def fixed_part(name: str) -> MeshPart:
+    """Return a fixed part from its mesh file, in the part's own frame (z up) [m].
+
+    Within `plain_shapes` it is a plain one.
+
+    Raises:
+        InvalidInput: If no part has this name.
+        MissingMeshes: If the mesh files are not there.
+    """
+    folder = mesh_folder()
+    if not name.isidentifier() or not folder.joinpath(f"{name}.glb").is_file():
+        known = sorted(item.name[:-4] for item in folder.iterdir() if item.name.endswith(".glb"))
+        raise InvalidInput("name", f"there is no {name!r:.60}; {name_hint(name, known)}")
+    return _read(name, is_plain()).copy()
+
+
+@cache
+def _read(name: str, plain: bool) -> MeshPart:
+    folder = mesh_folder().joinpath(PLAIN) if plain else mesh_folder()
+    file = folder.joinpath(f"{name}.glb")
+    part = MeshPart()
+    if plain and not file.is_file():
+        return part
+    scene = trimesh.load_scene(io.BytesIO(file.read_bytes()), file_type="glb", process=False)
+    for material, mesh in scene.geometry.items():
+        mesh = cast(trimesh.Trimesh, mesh)
+        clean = trimesh.Trimesh(
+            vertices=np.asarray(mesh.vertices, dtype=np.float64),
+            faces=mesh.faces,
+            vertex_normals=np.asarray(mesh.vertex_normals, dtype=np.float64),
+            process=False,
+        )
+        part.add(material, clean)
+    return part

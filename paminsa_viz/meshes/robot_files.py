@@ -24,8 +24,15 @@ from paminsa_viz.dimensions.placement import BODIES, place_parts
 from paminsa_viz.engines.mechanism import LIFT, PLATFORM
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.meshes import bodies, loads
-from paminsa_viz.meshes.library import Z_UP, fixed_part
-from paminsa_viz.meshes.part import ACCENT, SURFACES, MeshPart, add_part, glb_bytes
+from paminsa_viz.meshes.part import (
+    ACCENT,
+    SURFACES,
+    Z_UP,
+    MeshPart,
+    add_part,
+    fixed_part,
+    glb_bytes,
+)
 from paminsa_viz.meshes.solids import Array
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
@@ -87,7 +94,7 @@ def assemble_glb(design: Design, configuration: Configuration, *, ground: bool =
         if body == "ground" and not ground:
             continue
         matrix = places[body].matrix if body in places else np.eye(4)
-        part = bodies.make_body(body, geometry)
+        part = bodies.make_body(geometry, body)
         add_part(scene, part, body.replace("/", "_"), matrix, "paminsa", bodies.color_of(body))
     if design.payload.mass > 0:
         matrix = loads.payload_transform(geometry, design.payload.mass)
@@ -167,14 +174,14 @@ def _shapes(
         return part.moved(matrix[:3, 3], matrix[:3, :3])
 
     for body in bodies.STANDING:
-        yield ROOT, body, bodies.make_body(body, g), bodies.color_of(body)
+        yield ROOT, body, bodies.make_body(g, body), bodies.color_of(body)
     for body, carrier in (("carriage", LIFT), ("platform", PLATFORM)):
-        part = seen(bodies.make_body(body, g), carrier, body)
+        part = seen(bodies.make_body(g, body), carrier, body)
         yield carrier, body, part, bodies.color_of(body)
     for leg, color in enumerate(palette.LEG_COLORS, 1):
         for kind, link in _CARRIERS.items():
             body, carrier = f"leg{leg}/{kind}", f"leg{leg}_{link}"
-            part = seen(bodies.make_body(body, g), carrier, body)
+            part = seen(bodies.make_body(g, body), carrier, body)
             yield carrier, kind, part, color
         swivel = f"leg{leg}/swivel"
         foot = seen(fixed_part("swivel_disc"), PLATFORM, swivel)
@@ -196,7 +203,7 @@ def _light(root: ET.Element, design: Design, configuration: Configuration) -> No
     for light in root.iterfind("worldbody/light"):
         light.set("diffuse", "0.4 0.4 0.4")
     if statistic is not None:
-        machine = [bodies.make_body(b, design.geometry) for b in bodies.STANDING]
+        machine = [bodies.make_body(design.geometry, b) for b in bodies.STANDING]
         heights = np.array([part.bounds()[:, 2] for part in machine])
         low, high = heights.min(), heights.max()
         statistic.set("center", f"0 0 {(low + high) / 2:.4g}")

@@ -19,6 +19,19 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
+def geometry_of(value: object) -> Geometry:
+    """Return a geometry, or that of a design.
+
+    Raises:
+        InvalidInput: If it is neither.
+    """
+    if isinstance(value, Geometry):
+        return value
+    if isinstance(value, Design):
+        return value.geometry
+    raise InvalidInput("geometry", f"a Geometry or a Design is needed, not {kind_of(value)}")
+
+
 def of_geometry(
     function: Callable[Concatenate[Geometry, P], R],
 ) -> Callable[Concatenate[Geometry | Design, P], R]:
@@ -26,13 +39,6 @@ def of_geometry(
 
     The decorated function raises InvalidInput if its first argument is neither.
     """
-
-    def geometry_of(value: object) -> Geometry:
-        if isinstance(value, Geometry):
-            return value
-        if isinstance(value, Design):
-            return value.geometry
-        raise InvalidInput("geometry", f"a Geometry or a Design is needed, not {kind_of(value)}")
 
     return cast(Any, _checked(function, "geometry", geometry_of))
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from paminsa_viz.errors import InvalidDesign
-from paminsa_viz.model.parameters import Group, parameter
-from paminsa_viz.model.ranges import SMALLEST
+from paminsa_viz.model.parameters import SMALLEST, Group, parameter
 
 
 class KneeBranch(Enum):

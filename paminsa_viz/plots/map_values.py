@@ -22,10 +22,59 @@ from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.grids import Field, solve_field, xy_grid
 from paminsa_viz.model.reach import Limit, check_reach, workspace_radius
 from paminsa_viz.model.singularity import singular_radius
-from paminsa_viz.plots.map_arrays import codes_of_shape, equal_steps, numbers_of_shape
 from paminsa_viz.plots.outside import Outside
 from paminsa_viz.quantities import TORQUES, Missing, find
 from paminsa_viz.units import DisplayUnit, display_unit
+
+# ---------------------------------------------------------------------------------- arrays of a map
+
+
+def equal_steps(name: str, data: ArrayLike) -> NDArray[np.float64]:
+    """Return cell centers (n,) [m].
+
+    Raises:
+        InvalidInput: If they do not rise in equal steps.
+    """
+    array = np.asarray(data, dtype=np.float64)
+    if array.ndim != 1 or array.size < 2 or not np.isfinite(array).all():
+        raise InvalidInput(name, "a row of at least 2 finite numbers is needed [m]")
+    steps = np.diff(array)
+    mean = (array[-1] - array[0]) / steps.size
+    if mean <= 0 or np.abs(steps - mean).max() > 1e-6 * mean:
+        raise InvalidInput(name, "cell centers rising in equal steps are needed [m]")
+    return array
+
+
+def numbers_of_shape(
+    name: str, data: ArrayLike | Sequence[float], shape: tuple[int, ...]
+) -> NDArray[Any]:
+    """Return numbers of a shape.
+
+    Raises:
+        InvalidInput: If they have another one.
+    """
+    array = np.asarray(data, dtype=np.float64)
+    if array.shape != shape:
+        raise InvalidInput(name, f"shape {shape} is needed, not {array.shape}")
+    return array
+
+
+def codes_of_shape(
+    name: str, data: ArrayLike, shape: tuple[int, ...], least: int, most: int
+) -> NDArray[Any]:
+    """Return integers of a shape and range.
+
+    Raises:
+        InvalidInput: If they are something else.
+    """
+    array = np.asarray(data)
+    integers = array.shape == shape and array.dtype.kind in "iub"
+    if not integers or array.min() < least or array.max() > most:
+        raise InvalidInput(name, f"integers from {least} to {most} of shape {shape} are needed")
+    return array
+
+
+# -------------------------------------------------------------------------------------------- a map
 
 COARSE = 72
 """Cells along each side while something is dragged; the color range is found from them as well, so

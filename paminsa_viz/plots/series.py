@@ -143,7 +143,7 @@ class SeriesSources:
         published: The design by the formulas as published, drawn dotted.
         simulation: The robot driven by a controller.
         engine: Torques from elsewhere.
-        clearance: A `clearance_series.MotionClearance`; found when it is plotted if None.
+        clearance: A `MotionClearance`; found when it is plotted if None.
 
     Raises:
         InvalidInput: If they are not of the same trajectory.

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
+from paminsa_viz.clearance import ALL_PAIRS, PairGroup, clearance, group_clearance
+from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS
+from paminsa_viz.elastostatics.motion_loads import motion_loads
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.drive import SPEED_UNITS, TORQUE_UNITS
-from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED, REFERENCE
-from paminsa_viz.plots.clearance_series import clearance_panels
-from paminsa_viz.plots.load_series import load_panels
+from paminsa_viz.palette import ACTUATOR_COLORS, INK, LEG_COLORS, MUTED, OK, REFERENCE
 from paminsa_viz.plots.series import (
     FIGURES,
     Dash,
@@ -27,6 +29,159 @@ from paminsa_viz.plots.series import (
 )
 from paminsa_viz.trajectory.analysis import ActuatorSummary, TrajectoryAnalysis
 from paminsa_viz.units import format_value
+
+# ----------------------------------------------------------------------- joint forces and bar loads
+
+PERCENT = 100.0
+
+PLOTTED = ("2", "4", "guide", "5")
+"""Joints that are plotted, by their keys."""
+
+
+def load_panels(sources: SeriesSources) -> Iterator[SeriesPanel]:
+    """Yield the forces at joints of every leg, and the largest bending moment and utilization."""
+    analysis = sources.analysis
+    found = motion_loads(analysis)
+    time = analysis.trajectory.t
+
+    def traces(values: Values | None) -> tuple[Trace, ...]:
+        drawn = np.full((time.size, 3), np.nan)
+        if found is not None and values is not None:
+            drawn[np.searchsorted(time, found.trajectory.t)] = values
+        made = []
+        for leg, color in enumerate(LEG_COLORS):
+            column = drawn[:, leg]
+            peak = None
+            if np.isfinite(column).any():
+                top = int(np.nanargmax(column))
+                peak = (float(time[top]), float(column[top]))
+            made.append(
+                Trace(f"leg {leg + 1}", column, color, peak=peak, until=analysis.check.until)
+            )
+        return tuple(made)
+
+    def panel(name: str, symbol: str, unit: str, values: Values | None) -> SeriesPanel:
+        drawn = traces(values)
+        notes = tuple(
+            (f"peak {format_value(trace.peak[1], unit, 3)}", trace.color)
+            for trace in drawn
+            if trace.peak is not None
+        )
+        return SeriesPanel(name, name, symbol, unit, INK, drawn, notes)
+
+    for key in PLOTTED:
+        index = JOINT_INDEX[key]
+        label = JOINTS[index].label
+        name = f"Force at joint {label}" if key.isdigit() else f"Force at the {label}"
+        values = None if found is None else found.magnitude[:, :, index]
+        yield panel(name, f"F {label}", "N", values)
+    bending = None if found is None else np.abs(found.bars[..., 2]).max(axis=-1)
+    yield panel("Largest bending moment", "max M", "N m", bending)
+    share = None if found is None else PERCENT * found.utilization.max(axis=-1)
+    yield panel("Utilization of the bars", "σ/R_p", "%", share)
+
+
+# ---------------------------------------------------------------------------------- least clearance
+
+SAMPLES = 241
+"""Samples of a motion that are looked at, in equal distance; then all next to the least."""
+
+_COLORS = (INK, REFERENCE, *ACTUATOR_COLORS, OK)
+"""Of the groups of pairs."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotionClearance:
+    """Least clearance along a motion.
+
+    Attributes:
+        samples: (k,) which samples of the motion were looked at.
+        least: (k,) least distance of two bodies there [m]; NaN where the robot cannot be.
+        groups: Groups of pairs that were checked and have pairs.
+        by_group: (k, groups) least distance of each group [m].
+        distance: The least of all; NaN where there is none [m].
+        t: When that is [s].
+        names: The two bodies.
+    """
+
+    samples: NDArray[np.intp]
+    least: Values
+    groups: tuple[PairGroup, ...]
+    by_group: Values
+    distance: float = np.nan
+    t: float = np.nan
+    names: tuple[str, str] = ("", "")
+
+
+def motion_clearance(
+    analysis: TrajectoryAnalysis, pairs: Iterable[PairGroup] = ALL_PAIRS
+) -> MotionClearance:
+    """Return the least clearance of a design along its motion.
+
+    Args:
+        analysis: The design on the motion.
+        pairs: Groups of pairs that are checked.
+    """
+    motion, chosen = analysis.trajectory, tuple(g for g in PairGroup if g in frozenset(pairs))
+    count = min(motion.size, SAMPLES)
+    samples = np.linspace(0, motion.size - 1, count).round().astype(np.intp)
+    pose = np.where(analysis.check.ok[:, None], motion.pose, np.nan)
+    first = clearance(analysis.design, pose[samples], chosen).least
+    if np.isfinite(first).any():
+        low = int(np.nanargmin(first))
+        near = samples[[max(low - 1, 0), min(low + 1, count - 1)]]
+        samples = np.union1d(samples, np.arange(near[0], near[1] + 1))
+    found = clearance(analysis.design, pose[samples], chosen)
+    by_group = group_clearance(analysis.design, pose[samples], chosen)
+    known = [i for i in range(len(chosen)) if np.isfinite(by_group[:, i]).any()]
+    groups = tuple(chosen[i] for i in known)
+    if not np.isfinite(found.least).any():
+        return MotionClearance(samples, found.least, groups, by_group[:, known])
+    low = int(np.nanargmin(found.least))
+    return MotionClearance(
+        samples, found.least, groups, by_group[:, known],
+        float(found.least[low]), float(motion.t[samples[low]]), found.pairs[found.pair[low]],
+    )  # fmt: skip
+
+
+def unknown_clearance(analysis: TrajectoryAnalysis) -> MotionClearance:
+    """Return what stands for a clearance that is not computed yet: no values."""
+    none = np.array([0, analysis.trajectory.size - 1], dtype=np.intp)
+    return MotionClearance(none, np.full(2, np.nan), (), np.zeros((2, 0)))
+
+
+def clearance_panels(sources: SeriesSources) -> Iterator[SeriesPanel]:
+    """Yield the least clearance of all bodies, and that of each group of pairs."""
+    analysis = sources.analysis
+    found = sources.clearance
+    if not isinstance(found, MotionClearance):
+        found = motion_clearance(analysis)
+    time = analysis.trajectory.t
+
+    def spread(values: Values) -> Values:
+        known = np.isfinite(values)
+        if not known.any():
+            return np.full(time.size, np.nan)
+        between = np.interp(time, time[found.samples], values)
+        between[~analysis.check.ok] = np.nan
+        return between
+
+    peak = (found.t, found.distance) if np.isfinite(found.distance) else None
+    notes = ()
+    if peak is not None:
+        text = f"{format_value(found.distance, 'm', 3)} at {format_value(found.t, 's', 3)}"
+        notes = ((f"{text}: {found.names[0]} and {found.names[1]}", MUTED),)
+    least = Trace("least", spread(found.least), INK, width=1.3, peak=peak)
+    yield SeriesPanel("Least clearance", "all", "d", "m", INK, (least,), notes)
+    traces = tuple(
+        Trace(group.value, spread(found.by_group[:, i]), _COLORS[list(PairGroup).index(group)])
+        for i, group in enumerate(found.groups)
+    )
+    none = Trace("no pairs", np.full(time.size, np.nan), INK)
+    yield SeriesPanel("Clearance by pairs", "pairs", "d", "m", INK, traces or (none,))
+
+
+# ------------------------------------------------------------------------------ the panels in order
 
 SYMBOLS = ("τ₁", "τ₂", "τ₃", "F₄")
 POSE_UNITS = {"x": "m", "y": "m", "θ": "rad", "z": "m"}

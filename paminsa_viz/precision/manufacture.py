@@ -69,7 +69,7 @@ def clearance_widths(tolerances: Tolerances) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class ToleranceErrors:
-    """Errors at poses (...) in the order of `unequal_legs.COORDINATES`; NaN where there are none.
+    """Errors at poses (...) in the order of `SIX_COORDINATES`; NaN where there are none.
 
     Attributes:
         pose: (..., 4) [m, m, rad, m].
@@ -219,7 +219,7 @@ class MonteCarlo(WithStatus):
     Attributes:
         pose: (..., 4) poses that the drives were set for [m, m, rad, m].
         seed: Of the random numbers.
-        errors: (n, ..., 6) errors of `unequal_legs.COORDINATES` [m, m, rad, m, rad, rad]; NaN where
+        errors: (n, ..., 6) errors of `SIX_COORDINATES` [m, m, rad, m, rad, rad]; NaN where
             a robot has no solution.
         status: (n, ...) values of `Closure`.
         canceled: Whether it was ended early, with fewer robots than asked for.

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model import grid
 from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.kinematics import LEG_AXES, Configuration, inverse_kinematics
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.robot import platform_determinant
@@ -26,7 +26,7 @@ from paminsa_viz.model.status import Status, WithStatus
 from paminsa_viz.precision.closure_equations import ACTUATORS, SLIDES, STATE, closure_equations
 from paminsa_viz.precision.leg_lengths import INDEX, as_lengths
 
-COORDINATES = (*grid.COORDINATES, "tilt_x", "tilt_y")
+SIX_COORDINATES = (*COORDINATES, "tilt_x", "tilt_y")
 """Names of the platform's six coordinates [m, m, rad, m, rad, rad]."""
 
 _FORWARD = np.arange(9, dtype=np.intp)
@@ -75,7 +75,7 @@ class UnequalPose(WithStatus):
 
     @property
     def coordinates(self) -> Array:
-        """The platform's six coordinates (..., 6), see `COORDINATES`."""
+        """The platform's six coordinates (..., 6), see `SIX_COORDINATES`."""
         return np.concatenate([self.pose, self.tilt], axis=-1)
 
 
@@ -118,7 +118,7 @@ class Sensitivities(NamedTuple):
     """First-order errors of the platform at poses (...), with locked actuators.
 
     Attributes:
-        lengths: (..., 6, 3 legs, 14) derivatives of `COORDINATES` by the lengths.
+        lengths: (..., 6, 3 legs, 14) derivatives of `SIX_COORDINATES` by the lengths.
         actuators: (..., 6, 4) derivatives by theta_1..3 and Z; with equal legs the first four rows
             are the robot's Jacobian.
     """

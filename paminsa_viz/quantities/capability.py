@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from paminsa_viz.actuation.transmission import SPEED_ROWS
-from paminsa_viz.actuation.wrench_capability import field_capability
+from paminsa_viz.actuation.wrench_capability import SPEED_ROWS, field_capability
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.model.design import Design

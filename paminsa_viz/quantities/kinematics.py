@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from paminsa_viz.actuation.transmission import TRANSMISSION
+from paminsa_viz.actuation.wrench_capability import TRANSMISSION
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import WRENCH_TORQUES, Field

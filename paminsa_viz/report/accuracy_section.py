@@ -16,15 +16,20 @@ from paminsa_viz.precision.manufacture import (
     tolerance_errors,
 )
 from paminsa_viz.report.blocks import Block, Note, ReportRequest, Row, Section, Table
-from paminsa_viz.studies.drive_accuracy import error_rows, region_errors, statistics
-from paminsa_viz.studies.metrics import RegionResults, default_region
+from paminsa_viz.studies.metrics import (
+    RegionResults,
+    default_region,
+    error_rows,
+    region_errors,
+    statistics,
+)
 from paminsa_viz.units import format_value
 
 ERROR_UNITS = (
     ("x", "m:um"), ("y", "m:um"), ("θ", "rad:arcsec"), ("z", "m:um"),
     ("tilt about x", "rad:arcsec"), ("tilt about y", "rad:arcsec"),
 )  # fmt: skip
-"""Names and units of `unequal_legs.COORDINATES`."""
+"""Names and units of `unequal_legs.SIX_COORDINATES`."""
 
 MOST_LENGTHS = 4
 """Lengths that are named for a coordinate."""

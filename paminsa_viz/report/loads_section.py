@@ -8,8 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.elastostatics.bar_diagram import COMPONENTS
-from paminsa_viz.elastostatics.bar_loads import all_bar_loads, arm_tip, utilization
+from paminsa_viz.elastostatics.bar_loads import COMPONENTS, all_bar_loads, arm_tip, utilization
 from paminsa_viz.elastostatics.joint_forces import JOINTS, JointForces, joint_forces
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
 from paminsa_viz.elastostatics.sideways import SidewaysForces, sideways_forces

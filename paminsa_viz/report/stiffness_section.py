@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from paminsa_viz.elastostatics.contacts import contacts
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
+from paminsa_viz.elastostatics.leg_frame import contacts
 from paminsa_viz.elastostatics.stiffness import (
     SHARE_LABELS,
     PlatformStiffness,

@@ -5,8 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from paminsa_viz.engines import EngineMissing
-from paminsa_viz.engines.comparison import Comparison
-from paminsa_viz.engines.verification import Verification, verify
+from paminsa_viz.engines.verification import Comparison, Verification, verify
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.plots.series_builders import SYMBOLS

@@ -7,10 +7,11 @@ loads, or where it fails and why.
 from __future__ import annotations
 
 import hashlib
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ from paminsa_viz.model.reach import Limit, home_pose, status_words
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT, counting
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_imbalance
+from paminsa_viz.precision.drive_errors import Bound, DriveErrors, field_drive_errors
 from paminsa_viz.quantities import Quantity, find
 from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, analyze
 from paminsa_viz.units import si_unit
@@ -295,9 +297,85 @@ def samples_hash(trajectory: Trajectory) -> str:
     found = hashlib.sha256()
     arrays = [trajectory.t, trajectory.pose, trajectory.velocity, trajectory.acceleration]
     if trajectory.load is not None:
-        arrays += [trajectory.load] * 2  # twice, so that tables of earlier versions go on
+        arrays.append(trajectory.load)
     for array in arrays:
         found.update(array.astype("<f8").tobytes())
     if trajectory.passages:
         found.update(repr([(t, locus.name) for t, locus in trajectory.passages]).encode())
     return found.hexdigest()[:32]
+
+
+# ------------------------------------------------------------------- errors from the drives as rows
+
+
+class ErrorRow(NamedTuple):
+    """Errors of one coordinate.
+
+    Attributes:
+        name: Coordinate, ``"xy"`` for the distance in the plane.
+        unit: SI unit and the one to show it in.
+        worst, linear, rms: (n,) errors as of `DriveErrors`, [m or rad]; NaN where there is none.
+    """
+
+    name: str
+    unit: str
+    worst: Array
+    linear: Array
+    rms: Array
+
+
+def error_rows(found: DriveErrors) -> tuple[ErrorRow, ...]:
+    """Return the errors of x, y, in the plane, of z and theta."""
+
+    def row(name: str, unit: str, index: int) -> ErrorRow:
+        parts = (found.worst, found.linear, found.rms)
+        return ErrorRow(name, unit, *(np.atleast_1d(part[..., index]).ravel() for part in parts))
+
+    plane = (found.horizontal, found.linear_horizontal, found.rms_horizontal)
+    return (
+        row("x", "m:um", 0),
+        row("y", "m:um", 1),
+        ErrorRow("xy", "m:um", *(np.atleast_1d(part).ravel() for part in plane)),
+        row("z", "m:um", 3),
+        row("θ", "rad:arcsec", 2),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class RegionErrors:
+    """Errors over the poses of a region that can be reached.
+
+    Attributes:
+        rows: Errors of each coordinate, (n,) each.
+        poses: n.
+        unbounded: How many poses have no bound, by the reason.
+    """
+
+    rows: tuple[ErrorRow, ...]
+    poses: int
+    unbounded: dict[Bound, int]
+
+
+def region_errors(results: RegionResults) -> RegionErrors:
+    """Return the errors from the drives over a region."""
+    found = field_drive_errors(results.field, results.design.accuracy)
+    here = results.reached
+    rows = tuple(
+        row._replace(**{name: getattr(row, name)[here.ravel()] for name in STATISTICS_OF})
+        for row in error_rows(found)
+    )
+    counts = Counter(Bound(code) for code in found.status[here].tolist())
+    return RegionErrors(rows, int(here.sum()), {b: counts[b] for b in Bound if b and counts[b]})
+
+
+STATISTICS_OF = ("worst", "linear", "rms")
+"""Kinds of errors of an `ErrorRow`."""
+
+
+def statistics(values: Array) -> tuple[float, float, float]:
+    """Return median, 95th percentile and largest of what is no NaN; NaN where nothing is."""
+    known = values[~np.isnan(values)]
+    if not known.size:
+        return np.nan, np.nan, np.nan
+    median, most = np.percentile(known, (50, 95))
+    return float(median), float(most), float(known.max())

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
-from paminsa_viz.model.grid import COORDINATES
+from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.trajectory.sampled import LARGEST, Trajectory
 
 if TYPE_CHECKING:

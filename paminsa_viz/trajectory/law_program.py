@@ -74,6 +74,9 @@ class LawProgram:
         design: The robot.
         unit: Time in which all is counted; about the duration, so that numbers are near 1 [s].
         drives: Whether to keep the limits of the design's drives.
+
+    Attributes:
+        points: Places s at which limits are kept; `tighten` adds some.
     """
 
     def __init__(
@@ -98,7 +101,7 @@ class LawProgram:
         sides = np.concatenate(
             [knots[:-1] + _INSIDE * steps[:, 0], knots[1:] - _INSIDE * steps[:, 0]]
         )
-        self._points = np.concatenate([base, sides])
+        self.points = np.concatenate([base, sides])
         # the coefficients that are z at the stops
         at = np.searchsorted(self._places, path.place(path.rests), "left")
         rests = np.clip(at - 1, 0, len(self._places) - 4)
@@ -114,14 +117,14 @@ class LawProgram:
         from scipy import sparse  # slow to load
         from scipy.interpolate import BSpline
 
-        z, dz = self._rows(self._points)
-        m, points, timed = z.shape[1], len(self._points), len(self._weights)
+        z, dz = self._rows(self.points)
+        m, points, timed = z.shape[1], len(self.points), len(self._weights)
         limits, right = self._limit_rows(before, z, dz)
         above = sparse.hstack([-sparse.eye(m), sparse.csr_matrix((m, points + timed))])
         none, one = sparse.csr_matrix((points, timed)), np.ones(points)
         eye = sparse.eye(points)
         # c, d, and z here in parts of what they are by the law before
-        rate = np.sqrt(np.maximum(before(self._points)[0], _SLOWEST**2))
+        rate = np.sqrt(np.maximum(before(self.points)[0], _SLOWEST**2))
         part = sparse.diags(rate**-2.0) @ z
         # c <= sqrt(z), as |(2 c, z - 1)| <= z + 1
         roots = _interleaved(
@@ -188,7 +191,7 @@ class LawProgram:
         """Return the linear limits, A and b of A x <= b; x has coefficients, c, d."""
         from scipy import sparse
 
-        s, timed = self._points, len(self._weights)
+        s, timed = self.points, len(self._weights)
         law, slope = before(s)
         tangent = np.sqrt(np.maximum(law, _SLOWEST**2))[:, None]
         terms = self._terms(s, law, slope)
@@ -215,7 +218,7 @@ class LawProgram:
         most = self._limits.rates[1, 0] * self._unit**2
         if not np.isfinite(most):
             return []
-        s = self._points
+        s = self.points
         along, bent = (self._path(s, order)[:, PLACE] / most for order in (1, 2))
         none = sparse.csr_matrix((len(s), others))
         rows = [(sparse.hstack([0 * z, none]), np.ones(len(s)))]
@@ -335,7 +338,7 @@ class LawProgram:
         worst = np.argmax(needed, axis=1)
         pieces = np.flatnonzero(needed[np.arange(len(needed)), worst] > 1.0 + tolerance)
         more = curve.place_at(u[pieces, worst[pieces]] * curve.duration)
-        self._points = np.concatenate([self._points, more])
+        self.points = np.concatenate([self.points, more])
         return bool(pieces.size)
 
 

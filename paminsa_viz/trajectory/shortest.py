@@ -123,7 +123,7 @@ def shortest_motion(
     if note:
         return ShortestMotion(**vars(own), stretched=own.plan.duration, note=note)
     path = TracedPath(own.plan.curve)
-    knots, bends = _knots(path)
+    knots, bends = law_knots(path)
     rests = tuple(path.place(path.rests).tolist())
     unit = own.plan.duration
     robot = APPENDIX_4 if design is None else design  # without one, no limit looks at it
@@ -165,7 +165,7 @@ def _law_of(z: BSpline, s: Array) -> tuple[Array, Array]:
     return z(s), z(s, 1)
 
 
-def _knots(path: TracedPath) -> tuple[Array, NDArray[np.bool_]]:
+def law_knots(path: TracedPath) -> tuple[Array, NDArray[np.bool_]]:
     """Return places s, close together at stops, and at breaks of the motion; which those are."""
     at = path.place(path.breaks)
     at[[0, -1]] = 0.0, 1.0

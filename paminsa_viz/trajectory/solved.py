@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.model.arguments import of_geometry
+from paminsa_viz.model.arguments import geometry_of, of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque
@@ -158,12 +158,14 @@ class SolvedTrajectory:
         positions[~self.check.ok] = np.nan
         return positions
 
-    def serves(self, geometry: Geometry, trajectory: Trajectory, misprints: Misprint) -> bool:
+    def serves(
+        self, geometry: Geometry | Design, trajectory: Trajectory, misprints: Misprint
+    ) -> bool:
         """Whether this is what `solve_trajectory` would return for these."""
         return (
             self.trajectory is trajectory
             and self.misprints == misprints
-            and self.geometry == geometry
+            and self.geometry == geometry_of(geometry)
         )
 
 

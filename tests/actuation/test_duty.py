@@ -10,8 +10,7 @@ from scipy.integrate import simpson
 
 from paminsa_viz.actuation.drive_table import combined, drive_table, pair_table
 from paminsa_viz.actuation.duty import ActuatorLoad, Duty, DutyMotion, duty_cycle
-from paminsa_viz.actuation.sizing import LIMITS, fitting_time, size_drives
-from paminsa_viz.actuation.thermal import thermal_share
+from paminsa_viz.actuation.sizing import LIMITS, fitting_time, size_drives, thermal_share
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.load import LoadCase

@@ -11,12 +11,13 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 from paminsa_viz.actuation.polytope import wrench_polytope
-from paminsa_viz.actuation.transmission import TRANSMISSION, transmission_indices
 from paminsa_viz.actuation.wrench_capability import (
     DEFAULT_LIMITS,
+    TRANSMISSION,
     actuator_limits,
     capability,
     field_capability,
+    transmission_indices,
 )
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import (

@@ -12,8 +12,7 @@ from paminsa_viz.clearance.solids import WORLD, Body, BodyPart
 from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.meshes import bodies as drawn
 from paminsa_viz.meshes import loads
-from paminsa_viz.meshes.library import fixed_part
-from paminsa_viz.meshes.part import MeshPart
+from paminsa_viz.meshes.part import MeshPart, fixed_part
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Counterweight, Design, KneeBranch, Payload
 from tests.clearance.pairs_of_solids import outside
@@ -66,7 +65,7 @@ def test_solids_enclose_the_surface_that_is_drawn(knee: KneeBranch, seed: int | 
     design = loaded(seed, knee)
     for name in (*drawn.STANDING, *BODIES):
         bodies = of_frame(design, WORLD if name in drawn.STANDING else name)
-        points = surface(drawn.make_body(name, design.geometry))
+        points = surface(drawn.make_body(design.geometry, name))
         distance = np.min([beyond(body, points) for body in bodies], axis=0)
         allowed = LEFT_OUT.get(name.rpartition("/")[2], 1e-6)
         assert distance.max() < allowed, name
@@ -91,7 +90,7 @@ def test_payload_and_counterweights_are_enclosed(knee: KneeBranch) -> None:
 def test_solids_of_moving_bodies_are_hardly_larger_than_drawn(knee: KneeBranch) -> None:
     design = loaded(None, knee)
     for name in BODIES:
-        points = vertices(drawn.make_body(name, design.geometry))
+        points = vertices(drawn.make_body(design.geometry, name))
         extents = np.array([s.extent for body in of_frame(design, name) for s in body.solids])
         loose = np.stack(
             [points.min(axis=0) - extents[:, 0].min(axis=0),
@@ -103,7 +102,7 @@ def test_solids_of_moving_bodies_are_hardly_larger_than_drawn(knee: KneeBranch) 
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_no_solid_of_the_frame_is_much_larger_than_what_is_drawn_in_it(knee: KneeBranch) -> None:
     design = loaded(None, knee)
-    parts = [surface(drawn.make_body(name, design.geometry)) for name in drawn.STANDING]
+    parts = [surface(drawn.make_body(design.geometry, name)) for name in drawn.STANDING]
     points = np.vstack(parts)
     for body in of_frame(design, WORLD):
         if body.name == "the plinth":

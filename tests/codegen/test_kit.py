@@ -12,8 +12,7 @@ import pytest
 
 from benchmarks.code_speed import GOALS, text_size
 from paminsa_viz.codegen import controller_kit
-from paminsa_viz.codegen.kit import SINGLE_BOUNDS
-from paminsa_viz.codegen.single import single_precision
+from paminsa_viz.codegen.kit import SINGLE_BOUNDS, single_precision
 from paminsa_viz.model import APPENDIX_4, Design, Drive, KneeBranch, LoadCase, LoadFrame
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.lumped import term_factors

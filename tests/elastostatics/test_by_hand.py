@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from paminsa_viz.elastostatics.leg_compliance import leg_compliance
 from paminsa_viz.elastostatics.leg_frame import leg_frame
-from paminsa_viz.elastostatics.stiffness import platform_stiffness
+from paminsa_viz.elastostatics.stiffness import leg_compliance, platform_stiffness
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.kinematics import inverse_kinematics
 from tests.elastostatics.robots import elastic_design

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from paminsa_viz.elastostatics.contacts import PAIRS, contacts
+from paminsa_viz.elastostatics.leg_frame import PAIRS, contacts
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import LEG_AXES, inverse_kinematics
 from tests.elastostatics.robots import POSE, elastic_design, poses_of

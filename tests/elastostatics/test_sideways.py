@@ -7,10 +7,9 @@ import pytest
 
 from paminsa_viz.elastostatics.beams import beam_stiffness
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS
-from paminsa_viz.elastostatics.leg_matrices import axes_of
+from paminsa_viz.elastostatics.leg_matrices import Structure, axes_of, structure
 from paminsa_viz.elastostatics.leg_model import FIXED, RETAINED, LegElement
 from paminsa_viz.elastostatics.sideways import sideways_forces
-from paminsa_viz.elastostatics.structure import Structure, structure
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.load import center_wrench
 from tests.elastostatics.robots import POSE, elastic_design, poses_of

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from paminsa_viz.elastostatics.drive_stiffness import drive_stiffness
-from paminsa_viz.elastostatics.leg_compliance import leg_compliance
 from paminsa_viz.elastostatics.leg_frame import leg_frame
+from paminsa_viz.elastostatics.leg_matrices import Structure, structure
 from paminsa_viz.elastostatics.leg_model import CARRIAGE, RETAINED
 from paminsa_viz.elastostatics.stiffness import (
     SHARES,
     _inverse,
     compensate,
+    leg_compliance,
     load_wrench,
     platform_stiffness,
     strain_shares,
 )
-from paminsa_viz.elastostatics.structure import Structure, structure
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.reach import Limit

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from paminsa_viz.elastostatics.beams import beam_stiffness
+from paminsa_viz.elastostatics.leg_matrices import structure
 from paminsa_viz.elastostatics.leg_model import CARRIAGE, leg_model
-from paminsa_viz.elastostatics.structure import structure
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.elastic import BeamSection, Elastic

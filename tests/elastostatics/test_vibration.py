@@ -10,9 +10,8 @@ import pytest
 from paminsa_viz.elastostatics.beams import beam_mass, beam_stiffness, body_mass, point_mass
 from paminsa_viz.elastostatics.center_lines import POINTS, center_lines
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes
-from paminsa_viz.elastostatics.leg_matrices import leg_matrices
+from paminsa_viz.elastostatics.leg_matrices import leg_matrices, structure
 from paminsa_viz.elastostatics.modes import natural_modes
-from paminsa_viz.elastostatics.structure import structure
 from paminsa_viz.elastostatics.vibration import (
     first_frequencies,
     guyan_modes,

@@ -15,7 +15,7 @@ from paminsa_viz.balancing import (
     on_slider,
     spring_torques,
 )
-from paminsa_viz.engines.spring_model import SprungMujocoRobot
+from paminsa_viz.engines.mujoco_model import SprungMujocoRobot
 from paminsa_viz.model import APPENDIX_4, LoadCase, static_torques
 
 SPRINGS = (

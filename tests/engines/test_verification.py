@@ -12,10 +12,16 @@ import numpy as np
 import pytest
 
 from paminsa_viz.engines import EngineMissing, poses, verification
-from paminsa_viz.engines.comparison import Comparison, torque_scale
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.engines.poses import workspace_poses
-from paminsa_viz.engines.verification import EVERY_MISPRINT, Verification, misprint_name, verify
+from paminsa_viz.engines.verification import (
+    EVERY_MISPRINT,
+    Comparison,
+    Verification,
+    misprint_name,
+    torque_scale,
+    verify,
+)
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,

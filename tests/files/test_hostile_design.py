@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from paminsa_viz.files.design_file import LARGEST_FILE, load_design, read_design
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.files.toml_lines import find_line
+from paminsa_viz.files.toml_table import find_line
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.parameters import Counterweight
 

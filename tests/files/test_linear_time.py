@@ -19,7 +19,7 @@ from paminsa_viz.files.columns import POSES, TRAJECTORY, TableKind
 from paminsa_viz.files.design_file import LARGEST_FILE, LONGEST_LINE, read_design
 from paminsa_viz.files.resumable_csv import ResumableCsv
 from paminsa_viz.files.table_reader import LONGEST_ROW, TableReader
-from paminsa_viz.files.toml_lines import find_line
+from paminsa_viz.files.toml_table import find_line
 from paminsa_viz.files.trajectory_table import parse_trajectory
 
 pytestmark = pytest.mark.slow

@@ -119,20 +119,6 @@ def test_any_changed_byte_is_refused_with_its_row(whole, tmp_path) -> None:
             )
 
 
-@pytest.mark.parametrize("count", [0, 3, 5])
-def test_tables_without_checksums_are_resumed_as_they_are(count, tmp_path) -> None:
-    path = tmp_path / "old.csv"
-    lines = ["# format: test 1", "# command: one", "# study: abc", "row,value"]
-    old = "\n".join([*lines, *map(",".join, ROWS)]) + "\n"
-    path.write_text("".join(old.splitlines(keepends=True)[: 4 + count]) + "3,0.4" * (count == 3))
-    assert grow(path) == count
-    assert path.read_text() == old
-    path.write_text(old.replace("\n2,", "\n3,"))
-    with pytest.raises(TableFileError, match="is not the row 2 that belongs here") as caught:
-        grow(path)
-    assert caught.value.row == 7
-
-
 def test_a_second_writer_is_refused(tmp_path) -> None:
     pytest.importorskip("fcntl")
     path = tmp_path / "shared.csv"

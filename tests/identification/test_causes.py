@@ -44,7 +44,7 @@ def signals() -> Any:
 def causes(position: Any, torque: Any) -> Any:
     t = signals()[0]
     log = make_log(t, *noisy(t, position, torque, np.random.default_rng(0)))
-    return find_causes(identify(log, APPENDIX_4, QUICK))
+    return find_causes(identify(APPENDIX_4, log, QUICK))
 
 
 @pytest.mark.parametrize("actuator", [0, 1, 2])
@@ -68,7 +68,7 @@ def test_a_gain_is_named_with_its_size(actuator: int) -> None:
 def test_a_delay_is_named_with_its_size() -> None:
     t, position, torque = clean_signals(1, DESIGN)
     log = make_log(t[5:], *noisy(t[5:], position[5:], torque[:-5], np.random.default_rng(0)))
-    found = find_causes(identify(log, APPENDIX_4, QUICK))
+    found = find_causes(identify(APPENDIX_4, log, QUICK))
     assert found.named[0].label == "delay of the torques"
     assert found.named[0].value == pytest.approx(5e-3, abs=1e-3)
 
@@ -80,7 +80,7 @@ def test_a_spring_breaks_the_identity_and_is_named() -> None:
     log = make_log(t, *noisy(t, position, lifted, np.random.default_rng(1)))
     shares = []
     for constrain in (False, True):
-        identified = identify(log, APPENDIX_4, replace(QUICK, constrain=constrain))
+        identified = identify(APPENDIX_4, log, replace(QUICK, constrain=constrain))
         first = find_causes(identified).named[0]
         assert first.label == SPRING
         assert first.value == pytest.approx(force, abs=1.5 * first.half_width)
@@ -111,7 +111,7 @@ def test_bar_that_is_heavier_in_mass_alone_is_said_to_be_like_others(bar: str) -
 def test_columns_of_lengths_are_torques_of_robots_with_longer_ones(name: str) -> None:
     """The same actuator motion, made by a robot of another length with the same base parameters."""
     log = simulated(1, DESIGN, noise_seed=None, rate=RATE)
-    found = identify(log, APPENDIX_4, QUICK)
+    found = identify(APPENDIX_4, log, QUICK)
     columns = {item.label: item.column for item in possible_causes(found)}
     b = np.array([found.estimate(symbol).value for symbol in BASE_SYMBOLS])
     torques = []
@@ -119,7 +119,7 @@ def test_columns_of_lengths_are_torques_of_robots_with_longer_ones(name: str) ->
         value = getattr(DESIGN.geometry, name) + size
         geometry = replace(DESIGN.geometry, **{name: value})
         longer = replace(APPENDIX_4, geometry=geometry)
-        signals = filtered(log, longer, QUICK, log_poses(log, geometry))
+        signals = filtered(log, longer, QUICK, log_poses(geometry, log))
         samples = signals.samples
         rows = base_regressor(geometry, samples.pose, samples.velocity, samples.acceleration)
         torques.append(signals.smooth(rows @ b))
@@ -137,7 +137,7 @@ def test_two_causes_are_named_one_after_the_other() -> None:
 
 
 def test_a_right_robot_names_nothing_and_says_what_it_could_not_see() -> None:
-    found = find_causes(identify(simulated(1, DESIGN, rate=RATE), APPENDIX_4, QUICK))
+    found = find_causes(identify(APPENDIX_4, simulated(1, DESIGN, rate=RATE), QUICK))
     assert found.named == ()
     unseen = " ".join(found.unseen)
     assert "common gain" in unseen
@@ -149,18 +149,18 @@ def test_a_right_robot_names_nothing_and_says_what_it_could_not_see() -> None:
 
 def test_columns_are_what_the_causes_do() -> None:
     log = simulated(1, DESIGN, noise_seed=None, rate=RATE)
-    found = identify(log, APPENDIX_4, QUICK)
+    found = identify(APPENDIX_4, log, QUICK)
     columns = {item.label: item.column for item in possible_causes(found)}
     seen = []
     for size in (-1e-3, 1e-3):
         moved = make_log(log.t, log.position + size * np.eye(4)[1], log.torque)
-        seen.append(identify(moved, APPENDIX_4, QUICK).model.columns @ found.solution.x)
+        seen.append(identify(APPENDIX_4, moved, QUICK).model.columns @ found.solution.x)
     expected = -2e-3 * columns["encoder zero of M2"]  # measured torques stay what they are
     np.testing.assert_allclose(seen[1] - seen[0], expected, atol=2e-3 * np.abs(expected).max())
 
 
 def test_sizes_are_the_least_squares_fit_with_rows_over_their_noise() -> None:
-    found = identify(simulated(1, DESIGN, rate=RATE), APPENDIX_4, QUICK)
+    found = identify(APPENDIX_4, simulated(1, DESIGN, rate=RATE), QUICK)
     noise, model = found.solution.noise[:, None], found.model
     assert noise.max() > 2 * noise.min()
     ranked = {cause.label: cause for cause in find_causes(found).ranked}
@@ -176,7 +176,7 @@ def test_p_values_are_two_sided_and_for_all_causes_at_once() -> None:
     t, position, torque = signals()
     shifted = position + np.radians(0.1) * np.eye(4)[0]
     log = make_log(t, *noisy(t, shifted, torque, np.random.default_rng(0)))
-    found = identify(log, APPENDIX_4, QUICK)
+    found = identify(APPENDIX_4, log, QUICK)
     ranked = find_causes(found).ranked
     compared = 0
     for cause in ranked:

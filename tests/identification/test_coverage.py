@@ -38,7 +38,7 @@ def study() -> Study:
     for motion in range(1, MOTIONS + 1):
         for noise in range(NOISES):
             log = simulated(motion, DESIGN, noise_seed=100 * motion + noise, rate=RATE)
-            found = identify(log, DESIGN, QUICK)
+            found = identify(DESIGN, log, QUICK)
             errors.append([(e.value - e.parameter.design) / e.half_width for e in found.estimates])
             z.append(found.identity.z)
             if noise < SEARCHED:
@@ -66,7 +66,7 @@ def test_a_right_robot_is_hardly_ever_accused() -> None:
 def test_results_do_not_depend_on_the_cut_off() -> None:
     log = simulated(1, DESIGN)
     middle, low, high = (
-        identify(log, DESIGN, replace(QUICK, cut_off=cut_off)) for cut_off in (10.0, 8.0, 12.0)
+        identify(DESIGN, log, replace(QUICK, cut_off=cut_off)) for cut_off in (10.0, 8.0, 12.0)
     )
     error = middle.solution.deviation(middle.model.report)
     for other in (low, high):

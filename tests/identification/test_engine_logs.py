@@ -46,7 +46,7 @@ def engine_log(
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_a_clean_log_of_an_engine_gives_the_design_to_a_thousandth(knee: KneeBranch) -> None:
     design = DESIGN.with_knee(knee)
-    found = identify(engine_log(design, noise=NO_NOISE), design, QUICK)
+    found = identify(design, engine_log(design, noise=NO_NOISE), QUICK)
     values = base_parameters(design)
     for place, symbol in enumerate(BASE_SYMBOLS):
         if symbol not in ("b_9", "b_10"):  # the log hardly tells these
@@ -60,12 +60,12 @@ def test_a_clean_log_of_an_engine_gives_the_design_to_a_thousandth(knee: KneeBra
 def test_a_heavier_bar_is_named_first(leg: int) -> None:
     defects = Defects(bars=(HeavierBar(leg, "B4", 1.2),))
     log = engine_log(DESIGN, noise=LogNoise(), defects=defects)
-    found = find_causes(identify(log, APPENDIX_4, QUICK))
+    found = find_causes(identify(APPENDIX_4, log, QUICK))
     assert found.named[0].leg == leg + 1
     assert found.named[0].label == f"leg {leg + 1}: B4 heavier"
     assert found.named[0].value == pytest.approx(0.2, abs=0.03)
     # With masses of its own for each leg the same shows as contrasts, and nothing is left over.
-    legs = identify(log, APPENDIX_4, replace(QUICK, legs=True))
+    legs = identify(APPENDIX_4, log, replace(QUICK, legs=True))
     imbalance = 0.2 * DESIGN.links.b4 * DESIGN.gravity / 2
     for other in range(3):
         contrast = legs.estimate(f"ΔM_p2, leg {other + 1}")
@@ -79,7 +79,7 @@ def test_a_spring_breaks_the_identity() -> None:
     force = 0.3 * base_parameters(DESIGN)[1]
     right, wrong = (
         identify(
-            engine_log(DESIGN, duration=30.0, noise=LogNoise(), defects=defects), APPENDIX_4, QUICK
+            APPENDIX_4, engine_log(DESIGN, duration=30.0, noise=LogNoise(), defects=defects), QUICK
         )
         for defects in (NO_DEFECTS, Defects(spring=force))
     )
@@ -104,6 +104,6 @@ def test_faults_of_sensors_are_named_with_their_size(
     label: str, size: float, most: float, defects: Defects
 ) -> None:
     log = engine_log(DESIGN, noise=LogNoise(), defects=defects)
-    first = find_causes(identify(log, APPENDIX_4, QUICK)).named[0]
+    first = find_causes(identify(APPENDIX_4, log, QUICK)).named[0]
     assert first.label == label
     assert first.value == pytest.approx(size, abs=most)

@@ -15,7 +15,7 @@ from paminsa_viz.identification import (
     NoExcitation,
     optimize_excitation,
 )
-from paminsa_viz.identification.excitation import kept_limits
+from paminsa_viz.identification.excitation import amplitudes, kept_limits
 from paminsa_viz.identification.excitation_search import random_motions
 from paminsa_viz.identification.information import LIMITED, Information
 from paminsa_viz.identification.multi_sine import MultiSineFamily
@@ -26,6 +26,7 @@ from paminsa_viz.model import (
     actuator_velocity,
     inverse_dynamics,
 )
+from paminsa_viz.model.design import PARAMETERS
 from paminsa_viz.model.reach import check_reach
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.trajectory import Plan, preset_center
@@ -63,6 +64,18 @@ def test_multi_sine_begins_and_ends_at_rest_with_exact_derivatives() -> None:
         slope = (curve(u + 1e-6, order) - curve(u - 1e-6, order)) / 2e-6
         np.testing.assert_allclose(curve(u, order + 1), slope, rtol=1e-5, atol=1e-3)
     np.testing.assert_allclose(curve(u), curve((u + 1 / 3) % 1.0), atol=1e-12)
+
+
+def test_a_robot_twice_as_large_is_searched_over_motions_twice_as_large() -> None:
+    g = APPENDIX_4.geometry
+    lengths = {
+        item.path: 2 * APPENDIX_4.value(item.path)
+        for item in PARAMETERS
+        if item.path.startswith("geometry.") and item.unit == "m"
+    }
+    small, large = (amplitudes(design) for design in (APPENDIX_4, APPENDIX_4.vary(lengths)))
+    np.testing.assert_allclose(large, small * [2.0, 2.0, 1.0, 2.0], rtol=1e-9)
+    assert np.all(small[[0, 1, 3]] < 0.5 * g.base_radius)
 
 
 def test_states_of_the_search_are_those_of_the_plan() -> None:

@@ -48,7 +48,7 @@ def errors(identification: Any, design: Design) -> Any:
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_a_log_without_noise_gives_the_design(knee: KneeBranch) -> None:
     design = RUBBING.with_knee(knee)
-    found = identify(simulated(1, design, noise_seed=None), design.with_knee(knee), QUICK)
+    found = identify(design.with_knee(knee), simulated(1, design, noise_seed=None), QUICK)
     for item in (item for item in found.estimates if item.symbol not in ("b_9", "b_10")):
         # 0.1 % of the masses' contributions, 0.1 % of the torques
         assert item.value == pytest.approx(item.parameter.design, abs=0.01 * item.parameter.most)
@@ -61,7 +61,7 @@ def test_a_log_without_noise_gives_the_design(knee: KneeBranch) -> None:
 def test_logs_of_any_robot_without_noise_give_its_numbers(seed: int, knee: KneeBranch) -> None:
     design = random_design(np.random.default_rng(seed)).with_knee(knee)
     design = replace(design, friction=Friction(0.2, 0.1, 10.0, 3.0))
-    found = identify(simulated(seed, design, noise_seed=None, rate=200.0), design, QUICK)
+    found = identify(design, simulated(seed, design, noise_seed=None, rate=200.0), QUICK)
     for item in found.estimates:
         if item.symbol not in ("b_8", "b_9", "b_10"):
             assert item.value == pytest.approx(
@@ -70,7 +70,7 @@ def test_logs_of_any_robot_without_noise_give_its_numbers(seed: int, knee: KneeB
 
 
 def test_what_twenty_seconds_tell_and_what_they_do_not() -> None:
-    found = identify(simulated(1, RUBBING), APPENDIX_4)
+    found = identify(APPENDIX_4, simulated(1, RUBBING))
     assert found.estimate("M_p2").half_width < 0.004 * found.estimate("M_p2").value
     assert found.estimate("b_1").half_width < 0.003 * found.estimate("b_1").value
     unknown = {item.symbol for item in found.unknown}
@@ -92,7 +92,7 @@ def test_a_motion_along_z_leaves_the_legs_masses_unknown() -> None:
     torque = inverse_dynamics(RUBBING, pose, velocity, acceleration).torque
     position = inverse_kinematics(APPENDIX_4.geometry, pose).actuators
     noise = np.random.default_rng(0).standard_normal(torque.shape) * [0.01, 0.01, 0.01, 1.0]
-    found = identify(make_log(t, position, torque + noise), APPENDIX_4, QUICK)
+    found = identify(APPENDIX_4, make_log(t, position, torque + noise), QUICK)
     assert {"b_4", "b_6", "b_8", "b_11", "c1"} <= {item.symbol for item in found.unknown}
     assert found.estimate("b_1").known
     assert "horizontal accelerations would tell it" in found.estimate("b_6").reason
@@ -103,22 +103,22 @@ def test_a_motion_along_z_leaves_the_legs_masses_unknown() -> None:
 def test_friction_is_unknown_where_the_noise_hides_it() -> None:
     log = simulated(1, RUBBING, rate=200.0)
     noise = np.random.default_rng(0).standard_normal(log.torque.shape) * log.torque.std(axis=0)
-    loud = identify(make_log(log.t, log.position, log.torque + 10 * noise), APPENDIX_4, QUICK)
+    loud = identify(APPENDIX_4, make_log(log.t, log.position, log.torque + 10 * noise), QUICK)
     friction = {"b_v1", "b_v2", "b_v3", "b_v4", "c1", "c2", "c3", "c4"}
     assert friction <= {item.symbol for item in loud.unknown}
-    assert not friction & {item.symbol for item in identify(log, APPENDIX_4, QUICK).unknown}
+    assert not friction & {item.symbol for item in identify(APPENDIX_4, log, QUICK).unknown}
 
 
 def test_masses_that_no_motion_tells_apart_change_no_estimate() -> None:
     moved = moved_unseen(RUBBING, 0)
     assert np.abs(mass_vector(moved) - mass_vector(RUBBING)).max() > 0.1
     log, other = simulated(1, RUBBING), simulated(1, moved)
-    found = identify(log, RUBBING, QUICK), identify(other, RUBBING, QUICK)
+    found = identify(RUBBING, log, QUICK), identify(RUBBING, other, QUICK)
     for first, second in zip(found[0].estimates, found[1].estimates, strict=True):
         assert second.value == pytest.approx(first.value, rel=1e-6, abs=1e-9)
         assert second.half_width == pytest.approx(first.half_width, rel=1e-6)
     # The other way round: the same log, and what it is compared with.
-    compared = identify(log, moved, QUICK)
+    compared = identify(moved, log, QUICK)
     for first, second in zip(found[0].estimates, compared.estimates, strict=True):
         assert (second.value, second.half_width) == (first.value, first.half_width)
         assert second.parameter.design == pytest.approx(first.parameter.design, rel=1e-9)
@@ -130,31 +130,31 @@ def test_a_gap_changes_little() -> None:
     log = simulated(1, RUBBING)
     kept = np.r_[0:9000, 9010 : len(log.t)]
     split = make_log(log.t[kept], log.position[kept], log.torque[kept], split=True)
-    whole, cut = (identify(item, APPENDIX_4, QUICK) for item in (log, split))
+    whole, cut = (identify(APPENDIX_4, item, QUICK) for item in (log, split))
     for first, second in zip(whole.estimates, cut.estimates, strict=True):
         assert abs(second.value - first.value) < first.half_width
 
 
 @pytest.mark.parametrize("rate", [100.0, 250.0])
 def test_slower_logs_give_the_same(rate: float) -> None:
-    found = identify(simulated(1, RUBBING, rate=rate, noise_seed=None), APPENDIX_4, QUICK)
+    found = identify(APPENDIX_4, simulated(1, RUBBING, rate=rate, noise_seed=None), QUICK)
     assert np.abs(errors(found, RUBBING)[:8]).max() < 0.02
 
 
 def test_opt_in_numbers_are_found() -> None:
     log = simulated(2, RUBBING)
     late = make_log(log.t[5:], log.position[5:], log.torque[:-5])
-    found = identify(late, APPENDIX_4, replace(QUICK, delay=True))
+    found = identify(APPENDIX_4, late, replace(QUICK, delay=True))
     assert found.estimate("delay").value == pytest.approx(5e-3, abs=1e-3)
     assert found.estimate("delay").half_width < 1e-3
-    held = identify(log, APPENDIX_4, replace(QUICK, constrain=True))
+    held = identify(APPENDIX_4, log, replace(QUICK, constrain=True))
     assert np.isnan([held.identity.z, held.identity.value]).all()
     assert held.identity.half_width == np.inf
     assert (
         held.estimate("b_3").half_width
-        < identify(log, APPENDIX_4, QUICK).estimate("b_3").half_width
+        < identify(APPENDIX_4, log, QUICK).estimate("b_3").half_width
     )
-    legs = identify(log, APPENDIX_4, replace(QUICK, legs=True, rotors=True))
+    legs = identify(APPENDIX_4, log, replace(QUICK, legs=True, rotors=True))
     contrasts = [item for item in legs.estimates if item.parameter.kind == "leg"]
     assert len(contrasts) == 24
     assert sum(abs(item.value) > 1.5 * item.half_width for item in contrasts) == 0
@@ -166,14 +166,14 @@ def test_logs_with_wrong_torques_are_refused_or_noted() -> None:
     stuck = log.torque.copy()
     stuck[:, 1] = 3.0
     with pytest.raises(InvalidLog, match="torque of M2 never changes"):
-        identify(make_log(log.t, log.position, stuck), APPENDIX_4)
-    found = identify(make_log(log.t, log.position, -log.torque), APPENDIX_4, QUICK)
+        identify(APPENDIX_4, make_log(log.t, log.position, stuck))
+    found = identify(APPENDIX_4, make_log(log.t, log.position, -log.torque), QUICK)
     assert any("sign of force4" in note for note in found.notes)
 
 
 def test_a_log_needs_a_turn_of_a_hundredth_or_a_lift_of_a_millimeter() -> None:
     log = simulated(1, RUBBING, rate=200.0)
-    signals = filtered(log, APPENDIX_4, QUICK, log_poses(log, APPENDIX_4.geometry))
+    signals = filtered(log, APPENDIX_4, QUICK, log_poses(APPENDIX_4.geometry, log))
     part = np.linspace(0.0, 1.0, len(signals.samples.position))[:, None]
 
     def moving(*travel: float) -> Signals:
@@ -189,12 +189,12 @@ def test_a_log_needs_a_turn_of_a_hundredth_or_a_lift_of_a_millimeter() -> None:
 @pytest.mark.parametrize(
     ("words", "call"),
     [
-        ("cut_off", lambda log: identify(log, APPENDIX_4, IdentificationSettings(cut_off=80.0))),
+        ("cut_off", lambda log: identify(APPENDIX_4, log, IdentificationSettings(cut_off=80.0))),
         ("block", lambda log: IdentificationSettings(block=-1.0)),
-        ("start", lambda log: identify(log, APPENDIX_4, start=(0.0, 0.0, 0.0))),
-        ("gravity", lambda log: identify(log, replace(APPENDIX_4, gravity=0.0))),
-        ("symbol", lambda log: identify(log, APPENDIX_4, QUICK).estimate("M_p3")),
-        ("blocks of 10 s", lambda log: identify(log, APPENDIX_4, IdentificationSettings(block=10))),
+        ("start", lambda log: identify(APPENDIX_4, log, start=(0.0, 0.0, 0.0))),
+        ("gravity", lambda log: identify(replace(APPENDIX_4, gravity=0.0), log)),
+        ("symbol", lambda log: identify(APPENDIX_4, log, QUICK).estimate("M_p3")),
+        ("blocks of 10 s", lambda log: identify(APPENDIX_4, log, IdentificationSettings(block=10))),
     ],
     ids=["cut-off", "block", "start", "gravity", "symbol", "long blocks"],
 )

@@ -130,13 +130,26 @@ def test_uneven_rows_are_resampled_and_that_is_stated(signals: list[Any]) -> Non
     np.testing.assert_allclose(log.position, exact, atol=1e-6)
 
 
+def test_segments_of_a_resampled_log_begin_behind_its_gaps(signals: list[Any]) -> None:
+    """Three pieces of uneven rows: each begins where the step between samples is a gap."""
+    kept = np.r_[0:300, 330:500, 520:800]
+    t, position, torque = (array[kept] for array in signals)
+    jitter = np.random.default_rng(0).uniform(-0.2, 0.2, t.size) / RATE
+    log = make_log(t + jitter, position, torque, split=True)
+    steps = np.diff(log.t) * RATE
+    np.testing.assert_array_equal(np.flatnonzero(steps > 1.5) + 1, log.starts[1:])
+    assert len(log.starts) == 3
+    assert [round(steps[start - 1]) for start in log.starts[1:]] == pytest.approx([31, 21], abs=1)
+    assert len(log.notes) == 2
+
+
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_poses_follow_the_assembly_that_starts_nearest(knee: KneeBranch) -> None:
     design = APPENDIX_4.with_knee(knee)
     t, position, _ = clean_signals(3, design, duration=10.0, rate=RATE)
     poses = multi_sine(3, design)(t)[0]
     np.testing.assert_allclose(
-        log_poses(make_log(t, position, position), design.geometry)[0], poses, atol=1e-9
+        log_poses(design.geometry, make_log(t, position, position))[0], poses, atol=1e-9
     )
     modes = forward_kinematics(design.geometry, position).pose
     other = np.abs(modes - poses[:, None]).sum(axis=-1).argmax(axis=1)
@@ -152,15 +165,15 @@ def test_rows_near_a_singularity_or_out_of_reach_are_refused_or_left_out() -> No
     pose[:, 0] = 0.244 * np.sin(2 * np.pi * t / 5.0)  # the singular circle is at 0.25 m
     position = inverse_kinematics(APPENDIX_4.geometry, pose).actuators
     with pytest.raises(InvalidLog, match=r"condition number is 1\d.*near a singularity") as caught:
-        log_poses(make_log(t, position, position), APPENDIX_4.geometry)
+        log_poses(APPENDIX_4.geometry, make_log(t, position, position))
     assert 100 < (caught.value.row or 0) < 250
     split = make_log(t, position, position, split=True)
-    pieces = log_poses(split, APPENDIX_4.geometry)[1]
+    pieces = log_poses(APPENDIX_4.geometry, split)[1]
     assert len(pieces) > 2
     assert max(np.abs(pose[piece, 0]).max() for piece in pieces) < 0.24
     position[:, 3] += 2.0
     with pytest.raises(InvalidLog, match=r"row 1: out of reach"):
-        log_poses(make_log(t, position, position), APPENDIX_4.geometry)
+        log_poses(APPENDIX_4.geometry, make_log(t, position, position))
 
 
 def test_times_in_milliseconds_are_refused(signals: list[Any]) -> None:
@@ -174,7 +187,7 @@ def test_a_robot_at_rest_is_refused() -> None:
         inverse_kinematics(APPENDIX_4.geometry, [0, 0, 0, -0.5]).actuators, (4000, 1)
     )
     with pytest.raises(InvalidLog, match="hardly moves"):
-        identify(make_log(t, position, position), APPENDIX_4)
+        identify(APPENDIX_4, make_log(t, position, position))
 
 
 def test_headings_have_no_jump_behind_a_row_where_the_legs_do_not_meet() -> None:
@@ -191,7 +204,7 @@ def test_headings_have_no_jump_behind_a_row_where_the_legs_do_not_meet() -> None
 
 def test_torques_that_are_not_thinned_out_are_filtered_as_columns_are() -> None:
     log = simulated(1, APPENDIX_4, rate=200.0, duration=10.0)
-    pose, pieces = log_poses(log, APPENDIX_4.geometry)
+    pose, pieces = log_poses(APPENDIX_4.geometry, log)
     signals = filter_log(
         log, APPENDIX_4.geometry, pose, pieces, cut_off=20.0, transition_speed=0.01, thinning=1
     )

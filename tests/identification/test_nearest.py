@@ -29,7 +29,7 @@ BUILT = replace(
 
 @pytest.fixture(scope="module")
 def identified() -> Any:
-    return identify(simulated(1, BUILT, rate=500.0, noise_seed=1), APPENDIX_4, QUICK)
+    return identify(APPENDIX_4, simulated(1, BUILT, rate=500.0, noise_seed=1), QUICK)
 
 
 def test_the_written_design_explains_the_log(identified: Any, tmp_path: Any) -> None:
@@ -61,7 +61,7 @@ def test_masses_say_whether_the_log_adds_anything(identified: Any) -> None:
 
 def test_an_exact_log_of_the_design_returns_the_design() -> None:
     log = simulated(1, APPENDIX_4, rate=500.0, noise_seed=None)
-    found = nearest_masses(identify(log, APPENDIX_4, QUICK))
+    found = nearest_masses(identify(APPENDIX_4, log, QUICK))
     for item in found.masses:
         assert item.value == pytest.approx(item.prior, rel=0.02)
 
@@ -91,7 +91,7 @@ def test_friction_and_rotors_go_to_the_drives() -> None:
     built: Design = replace(BUILT, drives=(*drives, None))
     meant: Design = replace(BUILT, drives=(drives[0],) * 3 + (None,))
     settings = replace(QUICK, rotors=True)
-    found = identify(simulated(1, built, rate=500.0), meant, settings)
+    found = identify(meant, simulated(1, built, rate=500.0), settings)
     design = nearest_masses(found).design
     expected = np.array(built.drive_inertia[:3])
     differences = np.array(design.drive_inertia[:3]) - np.mean(design.drive_inertia[:3])
@@ -111,12 +111,15 @@ def test_rotors_keep_their_mean_and_differ_as_the_log_says() -> None:
     )
     design = replace(BUILT, drives=(*drives, None))
     settings = replace(QUICK, rotors=True)
-    found = identify(simulated(1, design, noise_seed=None, rate=250.0), design, settings)
+    found = identify(design, simulated(1, design, noise_seed=None, rate=250.0), settings)
     before = np.array(design.drive_inertia[:3])
     told = [found.estimate(name).value for name in ("ΔJ_1", "ΔJ_2")]
     after = np.array(nearest_masses(found).design.drive_inertia[:3])
     assert after.mean() == pytest.approx(before.mean(), rel=1e-9)
     np.testing.assert_allclose(after[:2] - after.mean(), told, atol=1e-12)
+    # what the log is compared with is the design's own difference from the mean
+    meant = [found.estimate(name).parameter.design for name in ("ΔJ_1", "ΔJ_2")]
+    np.testing.assert_allclose(meant, before[:2] - before.mean(), rtol=1e-12)
 
 
 def test_one_difference_of_two_rotors_says_nothing_of_the_third() -> None:
@@ -126,7 +129,7 @@ def test_one_difference_of_two_rotors_says_nothing_of_the_third() -> None:
     )
     design = replace(BUILT, drives=(*drives, None))
     log = simulated(1, design, noise_seed=None, rate=250.0)
-    found = identify(log, design, replace(QUICK, rotors=True))
+    found = identify(design, log, replace(QUICK, rotors=True))
     for hidden in ("ΔJ_1", "ΔJ_2"):
         less = replace(found, estimates=tuple(e for e in found.estimates if e.symbol != hidden))
         after = nearest_masses(less).design.drive_inertia

@@ -27,7 +27,7 @@ QUICK = IdentificationSettings(robustness=False)
 
 @pytest.fixture(scope="module")
 def identified() -> Any:
-    return identify(simulated(1, DESIGN), APPENDIX_4, QUICK)
+    return identify(APPENDIX_4, simulated(1, DESIGN), QUICK)
 
 
 @pytest.mark.parametrize("motion", [2, 3])
@@ -51,7 +51,7 @@ def test_a_delay_holds_for_the_second_log_too() -> None:
     def late(log: Any) -> Any:
         return make_log(log.t[8:], log.position[8:], log.torque[:-8])
 
-    found = identify(late(simulated(1, DESIGN)), APPENDIX_4, replace(QUICK, delay=True))
+    found = identify(APPENDIX_4, late(simulated(1, DESIGN)), replace(QUICK, delay=True))
     assert validate(found, late(simulated(2, DESIGN, noise_seed=5))).holds
     assert not validate(found, simulated(2, DESIGN, noise_seed=5)).holds
 
@@ -81,7 +81,7 @@ def test_a_drift_is_found_with_the_payload(identified: Any) -> None:
 def test_a_known_payload_shows_a_common_gain() -> None:
     first, third = (simulated(i, item) for i, item in ((1, DESIGN), (2, LOADED)))
     first, third = (make_log(log.t, log.position, 1.1 * log.torque) for log in (first, third))
-    found = weigh_payload(identify(first, APPENDIX_4, QUICK), third, known=2.0)
+    found = weigh_payload(identify(APPENDIX_4, first, QUICK), third, known=2.0)
     assert found.gain is not None
     gain, half_width = found.gain
     assert gain == pytest.approx(1.1, abs=0.03)
@@ -95,7 +95,7 @@ def test_an_impossible_payload_is_refused(identified: Any) -> None:
 
 def test_shipped_logs_validate_and_weigh_two_kilograms() -> None:
     logs = {kind: example_log(kind) for kind in ExampleLog}
-    best = identify(logs[ExampleLog.BEST], APPENDIX_4, QUICK)
+    best = identify(APPENDIX_4, logs[ExampleLog.BEST], QUICK)
     assert validate(best, logs[ExampleLog.OTHER]).ratio.max() <= 1.1
     assert not validate(best, logs[ExampleLog.PAYLOAD]).holds
     found = weigh_payload(best, logs[ExampleLog.PAYLOAD])

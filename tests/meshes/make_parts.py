@@ -6,7 +6,7 @@ import importlib
 import sys
 from typing import Any
 
-from paminsa_viz.meshes.library import checkout_folder
+from paminsa_viz.meshes.part import checkout_folder
 
 ASSETS = checkout_folder().parent
 sys.path.insert(0, str(ASSETS))

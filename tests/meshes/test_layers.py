@@ -11,8 +11,9 @@ import pytest
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.dimensions.placement import BODIES, place_parts
-from paminsa_viz.meshes import bodies, frame, library
+from paminsa_viz.meshes import bodies, frame
 from paminsa_viz.meshes.bodies import STANDING, make_body
+from paminsa_viz.meshes.part import fixed_part
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
 from tests.meshes.make_parts import script
@@ -41,19 +42,19 @@ def test_a_bar_keeps_to_its_layer_clear_of_the_middle(bar: str) -> None:
     """Tubes, sockets and barrels; only pins and their collars, which bridge layers, reach out."""
     low, high = at.span(bar)
     assert max(low - at.CORE, -at.CORE - high) > 0.001
-    part = make_body(f"leg1/{bar}", GEOMETRY)
+    part = make_body(GEOMETRY, f"leg1/{bar}")
     tubes = [solid.mesh.bounds[:, 1] for solid in part.solids if solid.material == "accent"]
     assert tubes
     for tube in tubes:
         assert tube.mean() == pytest.approx(at.LAYER[bar], abs=1e-9)
         assert low < tube[0] < tube[1] < high
-    barrel = library.fixed_part("barrel").bounds()[:, 1]
+    barrel = fixed_part("barrel").bounds()[:, 1]
     assert np.abs(barrel).max() <= at.BARREL / 2 + 0.0005
 
 
 @pytest.mark.parametrize("body", ["shaft", "guide", "slider"])
 def test_bodies_of_the_middle_layer_stay_in_it_but_for_pins(body: str) -> None:
-    solids = make_body(f"leg1/{body}", GEOMETRY).solids
+    solids = make_body(GEOMETRY, f"leg1/{body}").solids
     bounds = [s.mesh.bounds for s in solids if s.material in ("body", "accent")]
     # The quill's collar turns above the base plate, out of the bars' reach.
     low = [b for b in bounds if b[1, 2] < at.MOUNT or body != "guide"]
@@ -102,7 +103,7 @@ POSES = {
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_no_body_passes_through_another(knee: KneeBranch) -> None:
     names = (*STANDING, *BODIES)
-    shapes = {name: SolidBody(make_body(name, with_knee(GEOMETRY, knee))) for name in names}
+    shapes = {name: SolidBody(make_body(with_knee(GEOMETRY, knee), name)) for name in names}
     free = [p for p in combinations(names, 2) if frozenset(p) not in touching()]
     place = layout(with_knee(GEOMETRY, knee))
     limits = {"low": place.platform_low, "high": place.platform_high}
@@ -131,7 +132,7 @@ def test_the_clearance_check_detects_a_collision(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setitem(at.LAYER, "b4", 0.0)
     configuration = inverse_kinematics(with_knee(GEOMETRY, KneeBranch.UPPER), (0.0, 0.0, 0.0, 0.45))
     places = place_parts(configuration)
-    bar, shaft = (SolidBody(make_body(f"leg1/{b}", GEOMETRY)) for b in ("b4", "shaft"))
+    bar, shaft = (SolidBody(make_body(GEOMETRY, f"leg1/{b}")) for b in ("b4", "shaft"))
     into, onto = (places[f"leg1/{b}"].matrix for b in ("b4", "shaft"))
     points = shaft.points @ onto[:3, :3].T + onto[:3, 3]
     assert bar.holds((points - into[:3, 3]) @ into[:3, :3]).any()

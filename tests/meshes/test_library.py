@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from paminsa_viz.meshes import library
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.meshes import part
 from paminsa_viz.meshes.part import SURFACES
 from tests.meshes.make_parts import ASSETS, script
 
@@ -31,7 +32,7 @@ def test_the_files_are_those_that_the_script_makes(tmp_path: Path) -> None:
     command = [sys.executable, str(ASSETS / "make_parts.py"), str(tmp_path)]
     said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     assert first == {path: path.read_bytes() for path in map(Path, said.splitlines())}
-    kept = library.checkout_folder()
+    kept = part.checkout_folder()
     assert names(tmp_path) == names(kept)
     for path in tmp_path.rglob("*.glb"):
         made = trimesh.load_scene(path, process=False)
@@ -45,7 +46,7 @@ def test_the_files_are_those_that_the_script_makes(tmp_path: Path) -> None:
 
 @PARTS
 def test_a_part_comes_back_from_its_file_closed_and_upright(make) -> None:
-    made, read = make(), library.fixed_part(make.__name__)
+    made, read = make(), part.fixed_part(make.__name__)
     assert {s.material for s in made.solids} == {s.material for s in read.solids} <= set(SURFACES)
     assert read.bounds() == pytest.approx(made.bounds(), abs=1e-7)
     for (name, ours), (other, theirs) in zip(made.merged(), read.merged(), strict=True):
@@ -57,29 +58,29 @@ def test_a_part_comes_back_from_its_file_closed_and_upright(make) -> None:
         whole.merge_vertices(merge_norm=True, merge_tex=True)
         assert whole.is_watertight, solid.material
         assert whole.volume > 0
-    scene = trimesh.load_scene(library.checkout_folder() / f"{make.__name__}.glb")
+    scene = trimesh.load_scene(part.checkout_folder() / f"{make.__name__}.glb")
     assert scene.bounds[:, 1] == pytest.approx(made.bounds()[:, 2], abs=1e-6)  # y is up there
 
 
 def test_packaged_meshes_have_precedence_and_missing_ones_are_named(tmp_path, monkeypatch) -> None:
-    kept = library.checkout_folder()
-    monkeypatch.setattr(library.resources, "files", lambda name: tmp_path)
-    monkeypatch.setattr(library, "checkout_folder", lambda: tmp_path / "nowhere")
-    library.mesh_folder.cache_clear()
+    kept = part.checkout_folder()
+    monkeypatch.setattr(part.resources, "files", lambda name: tmp_path)
+    monkeypatch.setattr(part, "checkout_folder", lambda: tmp_path / "nowhere")
+    part.mesh_folder.cache_clear()
     try:
-        with pytest.raises(library.MissingMeshes, match=r"python assets/make_parts\.py"):
-            library.mesh_folder()
+        with pytest.raises(part.MissingMeshes, match=r"python assets/make_parts\.py"):
+            part.mesh_folder()
         packaged = tmp_path / "assets" / "meshes"
         shutil.copytree(kept, packaged)
-        assert Path(str(library.mesh_folder())) == packaged
+        assert Path(str(part.mesh_folder())) == packaged
     finally:
-        library.mesh_folder.cache_clear()
+        part.mesh_folder.cache_clear()
 
 
 @pytest.mark.parametrize("name", ["../secret", "none", ""])
 def test_an_unknown_part_is_refused(name: str) -> None:
-    with pytest.raises(KeyError):
-        library.fixed_part(name)
+    with pytest.raises(InvalidInput, match="there is no"):
+        part.fixed_part(name)
 
 
 @pytest.mark.parametrize("words", [["--help"], ["a", "b"]])

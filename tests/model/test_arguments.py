@@ -4,31 +4,31 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
 import pytest
 
+from paminsa_viz.balancing import at_joint
+from paminsa_viz.identification import make_log
 from paminsa_viz.model import (
     APPENDIX_4,
     InvalidInput,
-    actuator_acceleration,
-    actuator_velocity,
+    Misprint,
     check_reach,
-    closure_matrix,
-    escape_twist,
-    inverse_jacobian,
-    inverse_jacobian_rate,
     inverse_kinematics,
     jacobian,
-    measure_singularity,
     static_torques,
-    unit_torques,
+    xy_grid,
 )
+from paminsa_viz.precision import solve_pose
+from paminsa_viz.synthesis import EXAMPLES, load_case
+from paminsa_viz.trajectory import paper_like, straight_path
 from tests.test_api import CALLABLES
+from tests.test_bad_calls import GOOD
 
-POSE = np.array([[0.02, -0.01, 0.3, -0.55], [0.0, 0.03, -0.2, -0.5]])
-RATE = np.array([0.1, 0.2, -0.3, 0.05])
+GEOMETRY = APPENDIX_4.geometry
 
 ROBOTS = {
     place: (value, first.name)
@@ -48,35 +48,94 @@ def test_what_is_no_robot_is_named(place: str) -> None:
         function([1.0, 2.0])
 
 
-@pytest.mark.parametrize(
-    ("function", "rates"),
-    [
-        (jacobian, 0),
-        (inverse_jacobian, 0),
-        (unit_torques, 0),
-        (escape_twist, 0),
-        (inverse_jacobian_rate, 1),
-        (actuator_velocity, 1),
-        (actuator_acceleration, 2),
-    ],
-)
-def test_a_design_is_taken_for_its_geometry(function: Callable[..., Any], rates: int) -> None:
-    rest = [POSE, *[RATE] * rates]
-    np.testing.assert_array_equal(function(APPENDIX_4, *rest), function(APPENDIX_4.geometry, *rest))
+def taking_geometries() -> dict[str, Callable[..., Any]]:
+    """Return all public functions and methods with an argument that is a geometry."""
+    found: dict[str, Callable[..., Any]] = {}
+    for value in CALLABLES.values():
+        methods = vars(value).items() if inspect.isclass(value) else ()
+        public = [
+            getattr(value, name)
+            for name, method in methods
+            if not name.startswith("_") and inspect.isroutine(getattr(method, "__func__", method))
+        ]
+        for function in (value, *public):
+            if inspect.isclass(function) or not callable(function):
+                continue
+            parameters = inspect.signature(function).parameters.values()
+            if any("Geometry" in str(one.annotation) for one in parameters):
+                found.setdefault(f"{function.__module__}.{function.__qualname__}", function)
+    return found
 
 
-def test_results_of_a_design_are_those_of_its_geometry() -> None:
-    design, geometry = APPENDIX_4, APPENDIX_4.geometry
-    assert (
-        inverse_kinematics(design, POSE).actuators == inverse_kinematics(geometry, POSE).actuators
-    ).all()
-    assert (check_reach(design, POSE).ok == check_reach(geometry, POSE).ok).all()
-    assert (
-        measure_singularity(design, POSE).determinant
-        == measure_singularity(geometry, POSE).determinant
-    ).all()
-    joints = inverse_kinematics(design, POSE).actuators
-    assert (closure_matrix(design, POSE, joints) == closure_matrix(geometry, POSE, joints)).all()
+TAKING = taking_geometries()
+MOTION = paper_like(GEOMETRY).sample(20.0)
+ALSO: dict[str, Any] = {
+    "body": "leg1/b4", "trajectory": MOTION,
+    "grid": xy_grid([-0.1, 0.0, 0.1], [-0.1, 0.1], 0.1, -0.5),
+    "log": make_log(MOTION.t, inverse_kinematics(GEOMETRY, MOTION.pose).actuators, MOTION.pose),
+    "position": inverse_kinematics(GEOMETRY, MOTION.pose).actuators, "plan": paper_like(GEOMETRY),
+    "slider": np.full(1, 0.1), "zeta": np.full((1, 2), 0.5), "diagonal": np.full((1, 2), 0.5),
+    "clearance": 0.0, "bar": "b3", "most": 1.0, "cells": 3, "count": 3, "gravity": 9.81,
+    "misprints": Misprint.NONE,
+    "path": straight_path([0.1, 0.0, 0.2, -0.5], [0.36, 0.02, 0.5, -0.5]),
+    "solution": solve_pose(
+        GEOMETRY, GOOD["lengths"], inverse_kinematics(GEOMETRY, GOOD["pose"]).actuators,
+        near=GOOD["pose"],
+    ),
+}  # fmt: skip
+"""Arguments besides those of `GOOD`."""
+
+
+def owner(function: Callable[..., Any]) -> tuple[Any, ...]:
+    """Return what a method belongs to."""
+    match function.__qualname__.partition(".")[0]:
+        case "Anchor":
+            return (at_joint(4),)
+        case "SynthesisCase":
+            return (load_case(EXAMPLES["cell"]),)
+        case "SolvedTrajectory":
+            from paminsa_viz.trajectory import solve_trajectory
+
+            return (solve_trajectory(GEOMETRY, MOTION),)
+    return ()
+
+
+def same(one: Any, other: Any) -> None:
+    """Compare two results, with what they hold."""
+    if is_dataclass(one):
+        assert type(one) is type(other)
+        for item in fields(one):
+            same(getattr(one, item.name), getattr(other, item.name))
+    elif isinstance(one, dict):
+        assert one.keys() == other.keys()
+        for name, value in one.items():
+            same(value, other[name])
+    elif isinstance(one, list | tuple):
+        assert len(one) == len(other)
+        for a, b in zip(one, other, strict=True):
+            same(a, b)
+    elif isinstance(one, np.ndarray | float | int):
+        np.testing.assert_array_equal(one, other)
+    else:
+        assert type(one) is type(other)
+
+
+@pytest.mark.parametrize("place", TAKING)
+def test_a_design_is_taken_wherever_a_geometry_is_with_the_same_result(place: str) -> None:
+    function = TAKING[place]
+    given: dict[str, Any] = {}
+    for one in list(inspect.signature(function).parameters.values())[len(owner(function)) :]:
+        if "Geometry" in str(one.annotation):
+            given[one.name] = [GEOMETRY] if "Sequence" in str(one.annotation) else GEOMETRY
+            robot = one.name
+        elif one.default is one.empty:
+            given[one.name] = (GOOD | ALSO)[one.name]
+    design = [APPENDIX_4] if isinstance(given[robot], list) else APPENDIX_4
+    same(function(*owner(function), **given), function(*owner(function), **given | {robot: design}))
+
+
+def test_most_functions_of_geometries_are_called() -> None:
+    assert len(TAKING) >= 40
 
 
 @pytest.mark.parametrize(

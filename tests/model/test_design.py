@@ -28,8 +28,7 @@ from paminsa_viz.model import (
     Parameter,
 )
 from paminsa_viz.model.design import ELASTIC_PARAMETERS, OPTIONAL_GROUPS
-from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS
-from paminsa_viz.model.ranges import SMALLEST, possible_range
+from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, SMALLEST, possible_range
 from tests.support import samples
 from tests.support.samples import possible_values
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.model import APPENDIX_4, Limit, Status, WithStatus, check_reach, solve_field
-from paminsa_viz.model.grid import Grid
+from paminsa_viz.model.grids import Grid
 from paminsa_viz.precision import Bound, Closure, UnequalPose, drive_errors
 from tests.test_api import CALLABLES
 

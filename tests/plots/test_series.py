@@ -25,8 +25,7 @@ from paminsa_viz.plots.series import (
     thinned,
 )
 from paminsa_viz.plots.series_builders import build_series
-from paminsa_viz.plots.series_figure import draw_series, figure_bytes
-from paminsa_viz.plots.series_panel import value_range
+from paminsa_viz.plots.series_figure import draw_series, figure_bytes, value_range
 from paminsa_viz.trajectory import (
     PRESET,
     Controller,

@@ -11,7 +11,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.model import (
     APPENDIX_4,
     Counterweight,
@@ -107,22 +106,6 @@ def test_an_error_in_the_middle_leaves_a_table_to_go_on_with(expected, tmp_path)
     assert len(read(path)) == 16
     assert run_study(MOVED, path).found == 16
     assert path.read_bytes() == expected
-
-
-def test_a_word_in_a_table_without_checksums_is_named_with_its_row(expected, tmp_path) -> None:
-    path = tmp_path / "old.csv"
-    lines = [
-        line if line.startswith("#") else line.rpartition(",")[0]
-        for line in expected.decode().splitlines()
-    ]
-    number = next(number for number, line in enumerate(lines) if ",ok," in line)
-    path.write_text("\n".join(lines[: number + 1]) + "\n")
-    assert run_study(MOVED, path).rows == 40
-    lines[number] = lines[number].replace(",ok,", ",ok,x")
-    path.write_text("\n".join(lines[: number + 1]) + "\n")
-    with pytest.raises(TableFileError, match="has a word where a number belongs") as caught:
-        run_study(MOVED, path)
-    assert caught.value.row == number + 1
 
 
 def test_the_summary_of_a_finished_table_is_that_of_its_rows(expected, tmp_path) -> None:

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.actuation.transmission import TRANSMISSION
-from paminsa_viz.actuation.wrench_capability import capability
+from paminsa_viz.actuation.wrench_capability import TRANSMISSION, capability
 from paminsa_viz.clearance import PairGroup, clearance
 from paminsa_viz.elastostatics.bar_loads import bar_loads, utilization
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes

@@ -21,8 +21,8 @@ from paminsa_viz.model.parameters import (
     Parameter,
     Payload,
     Platform,
+    possible_range,
 )
-from paminsa_viz.model.ranges import possible_range
 from tests import oracle
 
 MARGIN = 0.05

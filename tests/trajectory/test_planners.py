@@ -59,6 +59,16 @@ def test_it_starts_and_ends_at_rest(plan: Plan) -> None:
 
 
 @PLANS
+def test_derivatives_at_the_ends_are_those_from_inside(plan: Plan) -> None:
+    gap = 1e-9
+    for order in range(1, 4):
+        size = np.abs(plan.curve(inside(plan), order)).max()
+        for end, near in ((0.0, gap), (1.0, 1.0 - gap)):
+            jump = plan.curve(np.array([near]), order) - plan.curve(np.array([end]), order)
+            assert np.abs(jump).max() <= 1e-6 * size + 1e-9
+
+
+@PLANS
 def test_continuity_across_breaks(plan: Plan) -> None:
     inner, gap = plan.curve.breaks[1:-1], 1e-9
     for order in (0, 1, 2) if plan.curve.bounded_jerk else (0, 1):

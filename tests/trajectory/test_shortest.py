@@ -22,7 +22,9 @@ from paminsa_viz.trajectory import (
     shortest_stretch,
     via_points,
 )
+from paminsa_viz.trajectory.law_program import LawProgram
 from paminsa_viz.trajectory.paths import TimedPath, TracedPath
+from paminsa_viz.trajectory.shortest import law_knots
 from paminsa_viz.trajectory.timing import needed_durations
 from tests.trajectory.plans import FRICTION, LAWS, A, B, all_plans, dense, place
 from tests.trajectory.test_timing import BENT, HEAVY, SERVO, driven, shares, used
@@ -137,6 +139,23 @@ def test_motion_stops_where_it_did() -> None:
         near = np.abs(states.pose - stop).max(axis=1).argmin()
         assert np.abs(states.pose[near] - stop).max() < 1e-5
         assert place(states.velocity[near : near + 1])[0] < 0.02
+
+
+@pytest.mark.parametrize("share", [0.98, 1.02])
+def test_points_are_added_where_a_law_is_too_fast_and_nowhere_else(share: float) -> None:
+    """A law that needs a share of its own duration, by the limits."""
+    plan = point_to_point(A, B)
+    own = shortest_stretch(plan, LIMITS, APPENDIX_4).plan
+    path = TracedPath(own.curve)
+    knots, bends = law_knots(path)
+    program = LawProgram(path, knots, bends, LIMITS, APPENDIX_4, own.duration)
+    z = program.solve(path.law)
+    rate = own.duration / share
+    curve = TimedPath(path, BSpline(z.t, z.c / rate**2, z.k), tuple(path.place(path.rests)))
+    needed = program.needed(curve)[1]
+    before = len(program.points)
+    assert program.tighten(curve, 0.01) == (needed.max() > 1.01) == (share > 1.0)
+    assert len(program.points) - before == np.count_nonzero(needed.max(axis=1) > 1.01)
 
 
 def test_derivatives_are_those_of_the_poses() -> None:

@@ -48,7 +48,12 @@ pytestmark = pytest.mark.slow
 
 
 NO_EXTRA = np.zeros(6)
-LOAD = {"load.force_x": 30.0, "load.force_z": -50.0, "load.moment_z": 2.0, "load.point_y": 0.05}
+EXTRA = np.array([11.0, -7.0, 23.0, 0.6, -0.4, 0.9])
+WRENCH = [f"load.{kind}_{axis}" for kind in ("force", "moment") for axis in "xyz"]
+LOAD = {
+    "load.force_x": 30.0, "load.force_z": -50.0, "load.moment_z": 2.0, "load.point_x": -0.03,
+    "load.point_y": 0.05, "load.point_z": 0.02,
+}  # fmt: skip
 
 HOME = np.array([0.0, 0.0, 0.0, -0.5])
 ASIDE = np.array([0.05, 0.02, 0.2, -0.5])
@@ -83,6 +88,11 @@ def test_plant_formulas_are_the_models(case: Case) -> None:
         )
         assert_close(forward, acceleration, 1e-8)
         assert_close(forward_dynamics(design, pose, velocity, exact), forward, 1e-8)
+        # an extra wrench acts at the load's point, as if it were part of the load
+        added = {path: design.value(path) + more for path, more in zip(WRENCH, EXTRA, strict=True)}
+        pushed = formulas.inverse_torques(robot, pose, velocity, acceleration, EXTRA)
+        exact = inverse_dynamics(design.vary(added), pose, velocity, acceleration).torque
+        assert_close(pushed, exact, 1e-10)
 
 
 @controls

@@ -8,7 +8,7 @@ from paminsa_viz.clearance import (
 )
 from paminsa_viz.explorer.state.clearance import MotionJob, PoseJob
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.plots.clearance_series import MotionClearance
+from paminsa_viz.plots.series_builders import MotionClearance
 from paminsa_viz.trajectory import TrajectoryAnalysis
 
 

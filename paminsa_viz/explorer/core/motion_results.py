@@ -14,8 +14,8 @@ from paminsa_viz.explorer.core.planning import planned
 from paminsa_viz.explorer.state.simulation import Answer, serves
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Design, Misprint
-from paminsa_viz.plots.clearance_series import unknown_clearance
 from paminsa_viz.plots.series import EngineTorques, SeriesSources, runs
+from paminsa_viz.plots.series_builders import unknown_clearance
 from paminsa_viz.trajectory import Simulation, Trajectory, TrajectoryAnalysis, analyze
 
 MOST_POINTS = 241

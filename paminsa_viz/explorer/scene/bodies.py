@@ -127,11 +127,11 @@ class Robot:
     def _build(self, geometry: Geometry) -> None:
         """Make or replace the bodies whose defining lengths or detail differ."""
         for body in self._bodies:
-            wanted = (shapes.lengths_of(body, geometry), self._fine)
+            wanted = (shapes.lengths_of(geometry, body), self._fine)
             if self._built.get(body) != wanted:
                 self._built[body] = wanted
                 made = self._name(body) not in self._nodes
-                data = shapes.body_glb(body, geometry, fine=self._fine)
+                data = shapes.body_glb(geometry, body, fine=self._fine)
                 node = self._put(self._name(body), data)
                 if made and self._click is not None and can_be_picked(body):
                     node.on_click(partial(self._clicked, body))

@@ -74,7 +74,7 @@ class Stage:
         del dragging
         layers = frame.state.layers
         geometry, dark = frame.shown_design.geometry, frame.state.theme.dark
-        key = (lengths_of("ground", geometry), dark)
+        key = (lengths_of(geometry, "ground"), dark)
         if key != self._drawn:
             self._drawn = key
             self._build(geometry, dark)

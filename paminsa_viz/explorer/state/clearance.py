@@ -12,7 +12,7 @@ from paminsa_viz.clearance import (
 from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, setting
 from paminsa_viz.model import Design
-from paminsa_viz.plots.clearance_series import MotionClearance
+from paminsa_viz.plots.series_builders import MotionClearance
 from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.engines import EngineMissing
-from paminsa_viz.engines.comparison import Comparison, torque_scale
+from paminsa_viz.engines.verification import Comparison, torque_scale
 from paminsa_viz.explorer.state.outcome import Outcome, TaskState
 from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, setting
 from paminsa_viz.model import Design, InvalidInput

@@ -11,10 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from paminsa_viz.balancing import spring_torques
-from paminsa_viz.engines.comparison import Comparison, torque_scale
-from paminsa_viz.engines.mujoco_model import load_mujoco
-from paminsa_viz.engines.spring_model import SprungMujocoRobot
-from paminsa_viz.engines.verification import TOLERANCE
+from paminsa_viz.engines.mujoco_model import SprungMujocoRobot, load_mujoco
+from paminsa_viz.engines.verification import TOLERANCE, Comparison, torque_scale
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design

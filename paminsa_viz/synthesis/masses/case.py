@@ -14,7 +14,7 @@ from paminsa_viz.balancing.terms import GROUP
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.ranges import LARGEST
+from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis.masses.space import ACTUATORS_OF, InnerSpace
 from paminsa_viz.trajectory.integrals import time_weights

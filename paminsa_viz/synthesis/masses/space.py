@@ -17,8 +17,7 @@ from paminsa_viz.balancing import Changes, Spring, SpringPlace
 from paminsa_viz.balancing.changes import MassSpace, mass_space
 from paminsa_viz.balancing.convex import ConvexTerm, MaxAbs
 from paminsa_viz.balancing.program import Levers
-from paminsa_viz.balancing.spring_fit import spring_variable, springs_of
-from paminsa_viz.balancing.springs import unit_spring_torques
+from paminsa_viz.balancing.springs import spring_variable, springs_of, unit_spring_torques
 from paminsa_viz.balancing.terms import trajectory_rows
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model import backend

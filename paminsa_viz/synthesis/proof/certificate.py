@@ -17,8 +17,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.grid import Grid
-from paminsa_viz.model.grids import solve_field
+from paminsa_viz.model.grids import Grid, solve_field
 from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge, Nearest, nearest_violation

@@ -9,6 +9,7 @@ from enum import Enum
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import geometry_of
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, PARAMETER, Design
 from paminsa_viz.model.geometry import Geometry
@@ -320,12 +321,13 @@ class SynthesisCase:
         height = places.get("workspace.height", held.size[2])
         return replace(held, size=(*wide, height), center=(x, y, places.get("workspace.z", z)))
 
-    def design(self, geometry: Geometry) -> Design:
+    def design(self, geometry: Geometry | Design) -> Design:
         """Return the robot with some lengths; its masses follow them if they do in this case.
 
         Raises:
             InvalidDesign: If no robot has them.
         """
+        geometry = geometry_of(geometry)
         changes = {
             f"geometry.{name}": getattr(geometry, name)
             for name in Geometry.__dataclass_fields__

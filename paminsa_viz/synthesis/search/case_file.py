@@ -62,8 +62,7 @@ from paminsa_viz.checks import kinds_checked
 from paminsa_viz.files.design_file import content_of, decode_text, parse_toml, read_bytes
 from paminsa_viz.files.design_schema import KEYS, unit_suffix
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.files.toml_lines import find_line
-from paminsa_viz.files.toml_table import TomlTable
+from paminsa_viz.files.toml_table import TomlTable, find_line
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.resizing import BarLaw

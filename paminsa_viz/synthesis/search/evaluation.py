@@ -10,8 +10,7 @@ import numpy as np
 
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.grid import Grid
-from paminsa_viz.model.grids import solve_field
+from paminsa_viz.model.grids import Grid, solve_field
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis.masses.space import InnerInfeasible
 from paminsa_viz.synthesis.search import kernels

@@ -22,6 +22,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.geometry import Geometry
 from paminsa_viz.model.leg import Mechanism, mechanism
 from paminsa_viz.model.load import generalized_force
+from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.model.resizing import resized_coefficients, resized_masses
 from paminsa_viz.quantities.requirements import Range, Workspace
 from paminsa_viz.synthesis.masses.program import InnerSolution
@@ -290,10 +291,11 @@ class Robots:
             none = np.zeros(0)
             return cls(case, numbers, possible, [], [], Spans(*[none] * 5), np.zeros((0, 4)))
         found = spans(geometries, workspaces, case.requirements.theta)
-        for name, lengths in _following(case, geometries, found).items():
-            for geometry, length in zip(geometries, lengths.tolist(), strict=True):
-                # They are new, nobody else's, and checking all their numbers again takes time.
-                object.__setattr__(geometry, name, length)
+        following = _following(case, geometries, found)
+        geometries = [
+            replace(geometry, **{name: float(lengths[i]) for name, lengths in following.items()})
+            for i, geometry in enumerate(geometries)
+        ]
         margins = reach_margins(geometries, found)
         return cls(case, numbers, possible, geometries, workspaces, found, margins)
 
@@ -324,7 +326,10 @@ class Robots:
 def _following(
     case: SynthesisCase, geometries: Sequence[Geometry], found: Spans
 ) -> dict[str, Array]:
-    """Return the lengths of guides and shafts that follow the workspace, (p,) of each [m]."""
+    """Return the lengths of guides and shafts that follow the workspace, (p,) of each [m].
+
+    None is above the largest that a design may have: such a robot is refused as too short.
+    """
     k = np.array([g.magnification for g in geometries])
     lengths = {}
     if case.guide is Guide.FOLLOWS:
@@ -337,4 +342,4 @@ def _following(
         apart = max(b.low or 0.0 for b in case.requirements.bounds if b.quantity == CLEARANCE)
         shaft = needed_shaft(case.reference, found.zeta_most, k)
         lengths["shaft_length"] = shaft + apart + ABOVE_QUILL
-    return lengths
+    return {name: np.minimum(length, LARGEST["m"]) for name, length in lengths.items()}

@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.grid import xy_grid
-from paminsa_viz.model.grids import Field, solve_field
+from paminsa_viz.model.grids import Field, solve_field, xy_grid
 from paminsa_viz.model.reach import LEAST_MARGIN, MARGINS, Limit
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement, Requirements

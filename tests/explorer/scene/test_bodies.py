@@ -124,7 +124,7 @@ def test_fine_bodies_are_a_layer(scene: Scene) -> None:
     bar = scene.nodes["/robot/leg1/slider/b8/b4"]
     plain = bar.glb_data
     scene.draw(layers=["mesh", "fine"])
-    assert bar.glb_data == body_glb("leg1/b4", APPENDIX_4.geometry)
+    assert bar.glb_data == body_glb(APPENDIX_4.geometry, "leg1/b4")
     assert len(bar.glb_data) > 2 * len(plain)
     scene.draw(layers=["mesh"])
     assert bar.glb_data == plain

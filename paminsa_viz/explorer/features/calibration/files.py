@@ -9,9 +9,8 @@ from paminsa_viz.explorer.features.calibration.actions import (
 )
 from paminsa_viz.explorer.kit.downloads import File, plain
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.files.calibration_table import lengths_table, residual_table
 from paminsa_viz.files.design_writer import write_design
-from paminsa_viz.files.measurements import measurement_table
+from paminsa_viz.files.measurements import lengths_table, measurement_table, residual_table
 from paminsa_viz.files.tables import table_bytes
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.version import MADE_BY

@@ -9,7 +9,7 @@ from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.kit.task import Follower
 from paminsa_viz.explorer.state.clearance import MotionJob, PoseJob
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.plots.clearance_series import MotionClearance, motion_clearance
+from paminsa_viz.plots.series_builders import MotionClearance, motion_clearance
 
 
 def set_pairs(state: State, group: PairGroup, checked: bool) -> State:

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from paminsa_viz.elastostatics.contacts import contacts, pair_name
+from paminsa_viz.elastostatics.leg_frame import contacts, pair_name
 from paminsa_viz.explorer.core import clearance
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.nodes import Node, ball, curves, label, mesh

@@ -6,8 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from paminsa_viz.elastostatics.bar_diagram import COMPONENTS
-from paminsa_viz.elastostatics.bar_loads import bar_loads
+from paminsa_viz.elastostatics.bar_loads import COMPONENTS, bar_loads
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS
 from paminsa_viz.elastostatics.motion_loads import MotionLoads
 from paminsa_viz.explorer.features.loads.solving import Instant, forces_at, found, instant

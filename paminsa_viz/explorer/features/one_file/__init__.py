@@ -37,7 +37,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.leg import leg_position, mechanism_of_lengths
 from paminsa_viz.model.load import WRENCH, wrench_at_center
 from paminsa_viz.model.lumped import MASS_PATHS, Masses, coefficients_of_masses
-from paminsa_viz.model.ranges import possible_range
+from paminsa_viz.model.parameters import possible_range
 from paminsa_viz.model.reach import MARGINS
 from paminsa_viz.old_names import KNEES
 from paminsa_viz.palette import ACTUATOR_COLORS, DARK, LIGHT, Theme

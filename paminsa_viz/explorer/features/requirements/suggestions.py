@@ -10,8 +10,7 @@ from paminsa_viz.explorer.core.requirements import default_workspace
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.model import Design
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.grid import Grid
-from paminsa_viz.model.grids import solve_field
+from paminsa_viz.model.grids import Grid, solve_field
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.quantity import Quantity

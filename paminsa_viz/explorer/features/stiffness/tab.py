@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from paminsa_viz.elastostatics.sections import tube_fits
+from paminsa_viz.elastostatics.beams import tube_fits
 from paminsa_viz.elastostatics.stiffness import SHARE_LABELS
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame

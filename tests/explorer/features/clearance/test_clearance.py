@@ -27,7 +27,7 @@ from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.files.example_designs import ExampleDesign, example_design
-from paminsa_viz.plots.clearance_series import motion_clearance
+from paminsa_viz.plots.series_builders import motion_clearance
 from tests.support.desk import Desk
 from tests.support.raw_page import RawPage
 

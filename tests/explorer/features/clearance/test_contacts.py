@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from paminsa_viz.elastostatics.contacts import PAIRS, contacts, pair_name
+from paminsa_viz.elastostatics.leg_frame import PAIRS, contacts, pair_name
 from paminsa_viz.model import APPENDIX_4
 from tests.support.scene import POSE, UPPER, Scene
 

@@ -100,7 +100,7 @@ def test_ghost_is_drawn_at_the_wanted_pose(server: viser.ViserServer, simulated:
 
 @pytest.mark.parametrize("fine", [False, True])
 def test_translucent_body_has_the_same_shape(fine: bool) -> None:
-    solid = body_glb("leg1/b4", APPENDIX_4.geometry, fine=fine)
+    solid = body_glb(APPENDIX_4.geometry, "leg1/b4", fine=fine)
     clear = translucent(solid)
     shapes = [trimesh.load(io.BytesIO(glb), file_type="glb").dump() for glb in (solid, clear)]
     for before, after in zip(*shapes, strict=True):

@@ -11,8 +11,8 @@ import pytest
 from paminsa_viz.dimensions.placement import BODIES, place_parts
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.meshes.bodies import STANDING, make_body
-from paminsa_viz.meshes.library import fixed_part
 from paminsa_viz.meshes.loads import payload_transform
+from paminsa_viz.meshes.part import fixed_part
 from paminsa_viz.meshes.solids import plain_shapes
 from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, inverse_kinematics
 from paminsa_viz.model.arrays import Array
@@ -62,7 +62,7 @@ def points_in_python(design: Design, pose: tuple[float, ...]) -> dict[str, Array
     places = place_parts(inverse_kinematics(design.geometry, pose))
     matrices = {name: place.matrix for name, place in places.items()}
     with plain_shapes():
-        parts = {name: make_body(name, design.geometry) for name in (*STANDING, *BODIES)}
+        parts = {name: make_body(design.geometry, name) for name in (*STANDING, *BODIES)}
         parts["payload"] = fixed_part("payload")
     if design.payload.mass > 0:
         size = payload_transform(design.geometry, design.payload.mass)

@@ -1,0 +1,109 @@
+"""Blocks and weighted least squares, against their definitions on random numbers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.identification.estimate import (
+    FEWEST_BLOCKS,
+    RESOLUTION,
+    block_numbers,
+    jackknife,
+    normal_blocks,
+    solve,
+)
+
+STEP = 0.01
+
+
+def random_columns(seed: int, samples: int = 240, unknowns: int = 5) -> tuple[Any, Any, Any]:
+    """Columns (m, 4, n), numbers x and blocks of the samples."""
+    rng = np.random.default_rng(seed)
+    columns = rng.standard_normal((samples, 4, unknowns)) * [1.0, 20.0, 1.0, 0.05, 300.0]
+    numbers = np.sort(rng.integers(0, 12, samples))
+    numbers[:12] = np.arange(12)
+    return columns, rng.standard_normal(unknowns), np.sort(numbers)
+
+
+@given(
+    sizes=st.lists(st.integers(1, 900), min_size=1, max_size=4).filter(lambda s: sum(s) >= 1500),
+    length=st.sampled_from([0.5, 0.73, 1.0]),
+)
+def test_blocks_are_whole_and_within_a_segment(sizes: list[int], length: float) -> None:
+    """What is left over at a segment's end is less than a block, and belongs to its last one."""
+    segment = np.repeat(np.arange(len(sizes)), sizes)
+    t = np.concatenate([100.0 * i + STEP * np.arange(n) for i, n in enumerate(sizes)])
+    numbers = block_numbers(t, segment, length)
+    assert numbers[0] == 0
+    assert set(np.diff(numbers)) <= {0, 1}
+    for number in range(numbers[-1] + 1):
+        inside = numbers == number
+        assert len(set(segment[inside])) == 1
+        lasts = STEP * np.count_nonzero(inside)
+        assert lasts < 2 * length + STEP / 2
+        if np.count_nonzero(segment == segment[inside][0]) * STEP >= length:
+            assert lasts > length - 1.5 * STEP
+        ends = inside.nonzero()[0][-1]
+        if ends + 1 < len(t) and segment[ends + 1] == segment[ends]:  # not the last of its segment
+            assert lasts == pytest.approx(length, abs=1.01 * STEP)
+
+
+def test_too_few_blocks_are_refused() -> None:
+    t = STEP * np.arange(500)
+    everywhere = np.zeros(len(t), np.int64)
+    assert block_numbers(t, everywhere, 5.0 / FEWEST_BLOCKS)[-1] == FEWEST_BLOCKS - 1
+    with pytest.raises(ValueError, match=r"4 blocks of 1\.1 s are left"):
+        block_numbers(t, everywhere, 1.1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_fit_without_a_block_is_that_of_the_other_samples(seed: int) -> None:
+    columns, x, numbers = random_columns(seed)
+    noise = np.array([0.1, 2.0, 0.5, 10.0])
+    torque = columns @ x + noise * np.random.default_rng(seed + 9).standard_normal((240, 4))
+    found = solve(normal_blocks(columns, torque, numbers))
+    kept = [np.flatnonzero(numbers != number) for number in range(12)]
+    # the weights are those of the last round but one, which differ little from these
+    for part, expected in [(np.arange(240), found.x), *zip(kept, found.without, strict=True)]:
+        rows = (columns[part] / found.noise[:, None]).reshape(-1, 5)
+        fit = np.linalg.lstsq(rows, (torque[part] / found.noise).ravel())[0]
+        np.testing.assert_allclose(expected, fit, rtol=1e-2, atol=1e-3)
+    left = torque - columns @ found.x
+    np.testing.assert_allclose(found.noise, np.sqrt((left**2).mean(axis=0)), rtol=1e-6)
+    np.testing.assert_allclose(found.noise, noise, rtol=0.25)
+    assert found.excited.shape == (5, 5)
+    assert found.blocks == 12
+    expected = np.sqrt(11 / 12 * ((found.without - found.without.mean(axis=0)) ** 2).sum(axis=0))
+    np.testing.assert_allclose(found.deviation(np.eye(5)), expected)
+    np.testing.assert_allclose(jackknife(found.without), expected)
+
+
+def test_an_actuator_without_residuals_has_the_least_noise_that_a_sensor_resolves() -> None:
+    """That is a share of the largest torque, so that one silent actuator does not decide alone."""
+    columns, x, numbers = random_columns(7)
+    columns[:, 3] = 0.0
+    torque = columns @ x + 0.1 * np.random.default_rng(0).standard_normal((240, 4))
+    torque[:, 3] = 0.0
+    found = solve(normal_blocks(columns, torque, numbers))
+    largest = np.sqrt((torque**2).mean(axis=0).max())
+    assert found.noise[3] == pytest.approx(RESOLUTION * largest, rel=1e-9)
+    assert np.all(found.noise[:3] > 0.05)
+
+
+def test_what_a_log_does_not_excite_is_hidden_and_not_known() -> None:
+    """Two columns in proportion: their sum is known, each alone is not."""
+    columns, x, numbers = random_columns(3)
+    columns[..., 1] = 2.0 * columns[..., 0]
+    torque = columns @ x + 0.1 * np.random.default_rng(0).standard_normal((240, 4))
+    found = solve(normal_blocks(columns, torque, numbers))
+    assert found.hidden.shape == (5, 1)
+    alone, both = np.eye(5)[:2], np.array([[1.0, 2.0, 0.0, 0.0, 0.0]])
+    assert found.known(np.eye(5)).tolist() == [False, False, True, True, True]
+    assert found.known(both).all()
+    assert not found.known(alone).any()
+    assert (both @ found.x)[0] == pytest.approx(x[0] + 2 * x[1], abs=0.1)
