@@ -26,5 +26,5 @@ def keep_icons_open() -> None:
     if not hasattr(_icons, "ICONS_DIR"):
         return
     for module in (_gui_api, _gui_handles):
-        if hasattr(module, "svg_from_icon"):
-            module.svg_from_icon = _svg
+        if "svg_from_icon" in vars(module):
+            vars(module)["svg_from_icon"] = _svg
