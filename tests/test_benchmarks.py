@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from paminsa_viz.trajectory import PRESETS
 from tests.cli.test_synthesize import CASE
 
 pytestmark = pytest.mark.slow
@@ -32,6 +33,7 @@ SMALLEST: dict[str, dict[str, Any]] = {
     "model_speed": {"ENGINE_STATES": 3},
     "stiffness_speed": {"CELLS": 15},
     "synthesis_speed": {"TRIALS": 20},
+    "time_optimal": {"PRESETS": PRESETS[:2]},
 }
 IN_A_BROWSER = ("goals", "one_file_speed", "page_latency", "page_tasks")
 """They start explorers and browsers of their own."""

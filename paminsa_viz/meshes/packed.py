@@ -74,11 +74,11 @@ def pack_bodies(geometry: Geometry) -> dict[str, Any]:
         ``payload``: the payload's height over the joints of the platform by knee [m].
     """
     packed, blocks = {}, []
-    for name, knee, shape in _shapes():
-        body = geometry if knee is None else replace(geometry, knee=knee)
-        with plain_shapes():
+    with plain_shapes():
+        for name, knee, shape in _shapes():
+            body = geometry if knee is None else replace(geometry, knee=knee)
             packed[name], block = _packed(shape, body)
-        blocks.append(block)
+            blocks.append(block)
     return {
         "materials": {
             name: [*(round(v, 4) for v in srgb_to_linear(s.color)), s.metallic, s.roughness, s.lit]

@@ -6,7 +6,7 @@ of closed loops of equal point count.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 
@@ -25,16 +25,21 @@ PLAIN_CREASE = np.radians(65.0)
 FLAT_SHARE = 10.0
 """A flat side of more than this part of a solid's area (1/10) is shaded flat."""
 
-_plain = ContextVar("plain", default=False)
+_Solids = dict[tuple[str, bytes], trimesh.Trimesh]
+
+_plain: ContextVar[_Solids | None] = ContextVar("plain", default=None)
+"""The plain solids made so far, by what they are made of."""
 
 
 @contextmanager
 def plain_shapes() -> Iterator[None]:
     """Make solids with few faces: sharp edges, and round sides that only look round.
 
-    A browser without a graphics card takes two microseconds for every triangle of every frame.
+    A browser without a graphics card takes two microseconds for every triangle of every frame. A
+    solid that is made again from the same numbers is the same object: a body that is made with one
+    length changed shares most of its solids with the body that it was.
     """
-    before = _plain.set(True)
+    before = _plain.set({})
     try:
         yield
     finally:
@@ -43,7 +48,7 @@ def plain_shapes() -> Iterator[None]:
 
 def is_plain() -> bool:
     """Whether solids are being made with few faces."""
-    return _plain.get()
+    return _plain.get() is not None
 
 
 def shaded(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
@@ -55,6 +60,17 @@ def shaded(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     return trimesh.graph.smooth_shade(mesh, angle=CREASE, facet_minarea=FLAT_SHARE)
 
 
+def _made_once(kind: str, numbers: Array, make: Callable[[], trimesh.Trimesh]) -> trimesh.Trimesh:
+    """Return a shaded solid; within `plain_shapes` the one already made from these numbers."""
+    made = _plain.get()
+    if made is None:
+        return shaded(make())
+    key = kind, numbers.tobytes()
+    if key not in made:
+        made[key] = shaded(make())
+    return made[key]
+
+
 def loft(loops: Sequence[Array], *, closed: bool = False) -> trimesh.Trimesh:
     """Skin a row of loops, each (N, 3), counter-clockwise seen from the far end of the row.
 
@@ -64,6 +80,12 @@ def loft(loops: Sequence[Array], *, closed: bool = False) -> trimesh.Trimesh:
             the middle of the end loop, so an end loop has to be star-shaped about its middle.
     """
     stack = np.asarray(loops, dtype=np.float64)
+    kind = f"loft {stack.shape} {closed}"
+    return _made_once(kind, stack, lambda: _skin(stack, closed))
+
+
+def _skin(stack: Array, closed: bool) -> trimesh.Trimesh:
+    """Return the skin of a `loft` over loops (rows, N, 3)."""
     rows, count = stack.shape[:2]
     vertices = stack.reshape(-1, 3)
     i = np.arange(count)
@@ -80,7 +102,7 @@ def loft(loops: Sequence[Array], *, closed: bool = False) -> trimesh.Trimesh:
         end = (rows - 1) * count
         faces.append(np.stack([np.full(count, first), j, i], axis=1))
         faces.append(np.stack([np.full(count, last), end + i, end + j], axis=1))
-    return shaded(trimesh.Trimesh(vertices, np.vstack(faces)))
+    return trimesh.Trimesh(vertices, np.vstack(faces))
 
 
 def rounded_rectangle(
@@ -120,7 +142,11 @@ def revolve(profile: Sequence[tuple[float, float]], segments: int = 20) -> trime
     if not np.array_equal(points[0], points[-1]):
         points = np.vstack([[0.0, points[0, 1]], points, [0.0, points[-1, 1]]])
     sections = max(6, round(segments / 3)) if is_plain() else segments
-    return shaded(trimesh.creation.revolve(points, sections=sections))
+    return _made_once(
+        f"revolve {sections}",
+        points,
+        lambda: trimesh.creation.revolve(points, sections=sections),
+    )
 
 
 def _chamfer(wanted: float, *most: float) -> float:
@@ -193,7 +219,8 @@ def box(
     """Return a box with broken edges, or with sharp ones where ``chamfer`` is 0."""
     width, depth, height = size
     if is_plain() or not chamfer:
-        return moved(shaded(trimesh.creation.box(size)), center)
+        solid = _made_once("box", np.array(size), lambda: trimesh.creation.box(size))
+        return moved(solid, center)
     outline = rounded_rectangle(width, depth, min(chamfer * 1.5, width / 3, depth / 3), steps=1)
     return moved(prism(outline, -height / 2, height / 2, chamfer), center)
 

@@ -107,7 +107,7 @@ def measured(design: Design) -> dict[str, float]:
 
 
 @cache
-def random_measures(count: int = 1000) -> dict[str, np.ndarray]:
+def random_measures(count: int = 400) -> dict[str, np.ndarray]:
     """Every term of random designs within `changes`, many at the ends of bounds, by label."""
     rng = np.random.default_rng(0)
 

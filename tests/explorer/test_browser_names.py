@@ -46,6 +46,12 @@ WITHOUT_LINKS = """{
 }"""
 """Takes what follows the # from the address whenever that is written."""
 
+
+def hidden(name: str) -> str:
+    """Return a script that hides a name, ``|`` between several members of the same object."""
+    return f"({HIDDEN})({name!r})"
+
+
 PACKAGE = Path(bridges.__file__).parents[2]
 NOT_PUBLIC = re.compile(r"\._impl\b|_websock|viser\._|__viser|[Mm]antine|_fullLayout|js-plotly")
 
@@ -91,21 +97,24 @@ def forget_reports() -> Iterator[None]:
 
 @pytest.mark.browser
 @pytest.mark.parametrize(
-    ("name", "features"),
+    ("scripts", "features"),
     [
-        ("__viserMutable", ["messages"]),
-        ("__viserMutable.sendMessage", ["messages"]),
-        ("__viserMutable.canvas", ["graphics card"]),
-        # Neither is needed to come to the other.
-        ("__viserMutable.backgroundMaterial|requestRender", ["background", "rendering on demand"]),
-        ("__viserMutable.scene.__r3f", ["rendering on demand"]),
-        ("__viserTestpoints", []),  # the charts that it names are not open yet
-        (WITHOUT_LINKS, ["links in the address"]),
+        ([hidden("__viserMutable")], ["messages"]),
+        ([hidden("__viserMutable.sendMessage")], ["messages"]),
+        # The charts that the second one names are not open yet.
+        ([hidden("__viserMutable.canvas"), hidden("__viserTestpoints")], ["graphics card"]),
+        # Neither of the first two is needed to come to the other.
+        (
+            [hidden("__viserMutable.backgroundMaterial|requestRender"), WITHOUT_LINKS],
+            ["background", "rendering on demand", "links in the address"],
+        ),
+        ([hidden("__viserMutable.scene.__r3f")], ["rendering on demand"]),
     ],
+    ids=["page", "messages", "canvas", "rendering, links", "scene"],
 )
 def test_page_without_a_name_works_and_reports_it(
-    browser: Any, app: Any, name: str, features: list[str], caplog: pytest.LogCaptureFixture,
-    monkeypatch: pytest.MonkeyPatch,
+    browser: Any, app: Any, scripts: list[str], features: list[str],
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
     if "messages" in features:  # none comes, however long the page is waited for
         monkeypatch.setattr(bridges, "HELLO_TIMEOUT", 1.0)
@@ -113,8 +122,8 @@ def test_page_without_a_name_works_and_reports_it(
     context = browser.new_context(viewport={"width": 1280, "height": 720})
     try:
         page = context.new_page()
-        script = name if name == WITHOUT_LINKS else f"({HIDDEN})({name!r})"
-        page.add_init_script(script)
+        for script in scripts:
+            page.add_init_script(script)
         tab = Tab(page, app)
         page.get_by_role("slider").first.focus()
         before = tab.state.document.pose

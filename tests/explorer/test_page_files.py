@@ -25,8 +25,6 @@ from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 
-DRAWN = True  # pictures of the view are looked at
-
 
 def download(tab: Tab, click: Callable[[], Any]) -> tuple[str, bytes]:
     """Click something and return the name and the content of the file that comes down."""
@@ -63,33 +61,31 @@ def open_exports(tab: Tab) -> None:
         heading.wait_for()
 
 
-@pytest.mark.parametrize(
-    ("button", "suffix", "correct"),
-    [
-        ("PNG", "png", has_content),
-        ("SVG", "svg", lambda content: b"<svg" in content and "τ₁".encode() in content),
-        ("PDF", "pdf", lambda content: content.startswith(b"%PDF") and b"%%EOF" in content[-64:]),
-        ("CSV", "csv", lambda content: b"tau1_Nm" in content),
-        ("NPZ", "npz", lambda content: len(np.load(io.BytesIO(content)).files) > 3),
-        ("Robot as GLB", "glb", lambda content: content.startswith(b"glTF")),
-        ("View as PNG", "png", has_content),
-        ("MJCF", "xml", lambda content: b"<mujoco" in content),
-        ("MJCF with meshes", "zip", lambda content: content.startswith(b"PK")),
-        ("USD", "usda", lambda content: content.startswith(b"#usda")),
-        ("C", "zip", lambda content: content.startswith(b"PK")),
-    ],
-    ids=lambda value: value if isinstance(value, str) else "",
-)
-def test_every_export_is_downloaded(
-    tab: Tab, button: str, suffix: str, correct: Callable[[bytes], bool]
-) -> None:
-    tab.dispatch(lambda s: actions.move(s, x=0.05, y=-0.03, theta=0.4))
-    tab.wait_pose(0, 0.05)
-    open_exports(tab)
-    place = tab.page.get_by_role("button", name=button, exact=True).first
-    name, content = download(tab, place.click)
-    assert name.endswith(f".{suffix}")
-    assert correct(content)
+EXPORTS: dict[str, tuple[str, Callable[[bytes], bool]]] = {
+    "PNG": ("png", has_content),
+    "SVG": ("svg", lambda content: b"<svg" in content and "τ₁".encode() in content),
+    "PDF": ("pdf", lambda content: content.startswith(b"%PDF") and b"%%EOF" in content[-64:]),
+    "CSV": ("csv", lambda content: b"tau1_Nm" in content),
+    "NPZ": ("npz", lambda content: len(np.load(io.BytesIO(content)).files) > 3),
+    "Robot as GLB": ("glb", lambda content: content.startswith(b"glTF")),
+    "View as PNG": ("png", has_content),
+    "MJCF": ("xml", lambda content: b"<mujoco" in content),
+    "MJCF with meshes": ("zip", lambda content: content.startswith(b"PK")),
+    "USD": ("usda", lambda content: content.startswith(b"#usda")),
+    "C": ("zip", lambda content: content.startswith(b"PK")),
+}
+"""Buttons, with the ending of the file that comes down and what tells that it is right."""
+
+
+def test_every_export_is_downloaded(drawn: Tab) -> None:
+    drawn.dispatch(lambda s: actions.move(s, x=0.05, y=-0.03, theta=0.4))
+    drawn.wait_pose(0, 0.05)
+    open_exports(drawn)
+    for button, (suffix, correct) in EXPORTS.items():
+        place = drawn.page.get_by_role("button", name=button, exact=True).first
+        name, content = download(drawn, place.click)
+        assert name.endswith(f".{suffix}"), button
+        assert correct(content), button
 
 
 def test_design_file_restores_a_design_and_a_broken_one_changes_nothing(tab: Tab) -> None:
@@ -139,7 +135,8 @@ def test_an_example_is_one_click_and_one_key_press(tab: Tab) -> None:
     until(seen, "the stiffness of the springs")
 
 
-def test_motion_is_recorded_as_the_page_draws_it(tab: Tab) -> None:
+def test_motion_is_recorded_as_the_page_draws_it(drawn: Tab) -> None:
+    tab = drawn
     tab.dispatch(lambda s: motions.change(s, timing=Timing.GIVEN, duration=0.5))
     open_exports(tab)
     button = tab.page.get_by_role("button", name="GIF", exact=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from typing import Any
 
@@ -9,9 +10,11 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer.browser import bridge as bridges
+from paminsa_viz.explorer.browser.bridge import STORE_KEY
 from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, dock_width
-from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import actions, tab_store
 from paminsa_viz.explorer.core.docks import EDGE
+from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.explorer.state.view import Docks
 from tests.support.chromium import Tab, until
 
@@ -33,6 +36,11 @@ HOLD = """() => {
     apply: (_, __, parts) => made(...parts),
   });
 }"""
+
+KEEP = f"""kept => {{
+  if (!sessionStorage.getItem("{STORE_KEY}")) sessionStorage.setItem("{STORE_KEY}", kept);
+}}"""
+"""Makes the page one that was loaded before, and has kept a state."""
 
 EDGES = """() => {
   const box = window.__viserMutable.canvas.getBoundingClientRect();
@@ -92,13 +100,11 @@ def test_page_whose_scripts_come_late_is_whole(
 def test_kept_state_that_comes_late_is_not_written_over_newer_work(
     late_page: Any, app: Any, meanwhile: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    tab = Tab(late_page, app)
-    tab.dispatch(lambda state: actions.move(state, x=-0.05))
-    tab.wait_pose(0, -0.05)
-    tab.wait_saved()
     monkeypatch.setattr(bridges, "HELLO_TIMEOUT", 0.2)
+    kept = tab_store.dump(actions.move(initial_state(), x=-0.05))
+    late_page.add_init_script(f"({KEEP})({json.dumps(kept)})")
     late_page.add_init_script(f"({HOLD})()")
-    tab.reload()
+    tab = Tab(late_page, app)
     assert tab.state.document.pose[0] != -0.05
     if meanwhile:
         tab.type_number(X, 33.5)
@@ -123,7 +129,8 @@ def test_kept_state_that_comes_late_is_not_written_over_newer_work(
 
 def test_slow_browser_behind_a_slow_line_gets_a_whole_page(late_page: Any, app: Any) -> None:
     devtools = late_page.context.new_cdp_session(late_page)
-    devtools.send("Emulation.setCPUThrottlingRate", {"rate": 6})
+    # By which Chromium keeps a processor busy: a larger one costs the other tests as much.
+    devtools.send("Emulation.setCPUThrottlingRate", {"rate": 3})
     line = {"offline": False, "latency": 100, "downloadThroughput": 125_000}
     devtools.send("Network.emulateNetworkConditions", line | {"uploadThroughput": 125_000})
     tab = Tab(late_page, app)

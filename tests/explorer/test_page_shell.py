@@ -110,14 +110,21 @@ def test_search_that_a_reload_has_ended_is_offered_again(tab: Tab) -> None:
     until(lambda: not again.is_visible(), "nothing is offered any more")
 
 
-def test_undo_by_key_in_a_box_whose_number_was_taken_and_by_buttons(
-    tab: Tab,
-) -> None:
-    tab.reload()  # nothing is to be undone
+def test_reload_opens_inner_tabs_by_their_place_and_leaves_nothing_to_undo(tab: Tab) -> None:
+    tab.open_tab("Errors")
+    tab.page.get_by_role("tab", name="Manufacture", exact=True).click()
+    tab.wait_frames(600)
+    tab.reload()
+    inner = tab.page.get_by_role("tab", name="Manufacture", exact=True)
+    until(lambda: inner.get_attribute("aria-selected") == "true", "the inner tab is open")
+    drives = tab.page.get_by_role("tab", name="Drives", exact=True)
+    assert drives.get_attribute("aria-selected") == "false"
+    tab.open_tab("Pose")
     undo = tab.page.get_by_role("button", name="Undo", exact=True)
     redo = tab.page.get_by_role("button", name="Redo", exact=True)
     assert undo.is_disabled()
     assert redo.is_disabled()
+    # A key in a box whose number was taken undoes it.
     start = tab.state.document.pose[0]
     box = tab.number_box("x  [mm]")
     box.fill("31")
@@ -130,17 +137,6 @@ def test_undo_by_key_in_a_box_whose_number_was_taken_and_by_buttons(
     until(redo.is_enabled, "there is a step to redo")
     box.press("Control+Shift+z")
     tab.wait_pose(0, 0.031)
-
-
-def test_reload_opens_inner_tabs_by_their_place(tab: Tab) -> None:
-    tab.open_tab("Errors")
-    tab.page.get_by_role("tab", name="Manufacture", exact=True).click()
-    tab.wait_frames(600)
-    tab.reload()
-    inner = tab.page.get_by_role("tab", name="Manufacture", exact=True)
-    until(lambda: inner.get_attribute("aria-selected") == "true", "the inner tab is open")
-    drives = tab.page.get_by_role("tab", name="Drives", exact=True)
-    assert drives.get_attribute("aria-selected") == "false"
 
 
 def test_buttons_open_what_they_act_on(tab: Tab) -> None:

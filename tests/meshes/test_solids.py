@@ -91,3 +91,23 @@ def test_turning_keeps_normals_with_the_faces() -> None:
     assert turned.vertices == pytest.approx(box.vertices @ rotation.T + [0.5, 0.0, 0.0])
     assert turned.vertex_normals == pytest.approx(box.vertex_normals @ rotation.T)
     assert np.linalg.det(rotation) == pytest.approx(1.0)
+
+
+def test_a_plain_solid_is_made_once_from_the_same_numbers_and_alike_every_time() -> None:
+    def made(height: float) -> list[trimesh.Trimesh]:
+        loops = [solids.rounded_rectangle(0.1, 0.2, 0.01, z) for z in (0.0, height)]
+        return [
+            solids.rod(0.01, 0.0, height), solids.loft(loops), solids.box((0.1, 0.2, height))
+        ]  # fmt: skip
+
+    with solids.plain_shapes():
+        first, again, other = made(0.3), made(0.3), made(0.4)
+    with solids.plain_shapes():
+        alone = made(0.4)
+    assert first[:2] == again[:2]  # the same objects; a box is a moved copy
+    for one, same, changed in zip(other, alone, first, strict=True):
+        np.testing.assert_array_equal(one.vertices, same.vertices)
+        np.testing.assert_array_equal(one.faces, same.faces)
+        np.testing.assert_array_equal(one.vertex_normals, same.vertex_normals)
+        assert one.bounds[1, 2] != changed.bounds[1, 2]
+    assert made(0.3)[0] is not first[0]  # nothing is kept outside

@@ -190,20 +190,22 @@ def shared_tab(browser: Browser, app: Any) -> Iterator[SharedTab]:
 
 @pytest.fixture
 def tab(shared_tab: SharedTab, request: pytest.FixtureRequest) -> Iterator[Tab]:
-    """The shared tab, as it was at the start; after a test that failed it is a new one.
-
-    Its view is drawn where the module is ``DRAWN``.
-    """
+    """The shared tab, as it was at the start; after a test that failed it is a new one."""
     tab = shared_tab.get(new=getattr(request.node, "execution_count", 1) > 1)
     _reset(tab)
-    drawn = getattr(request.module, "DRAWN", False)
-    tab.set_drawn(drawn)
     yield tab
-    if drawn and not tab.page.is_closed():
-        tab.set_drawn(False)
     errors = tab.errors.copy()
     tab.errors.clear()
     assert errors == []
+
+
+@pytest.fixture
+def drawn(tab: Tab) -> Iterator[Tab]:
+    """The shared tab with its 3D view drawn, for tests that look at its picture."""
+    tab.set_drawn(True)
+    yield tab
+    if not tab.page.is_closed():
+        tab.set_drawn(False)
 
 
 def _reset(tab: Tab) -> None:

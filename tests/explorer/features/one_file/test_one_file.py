@@ -147,7 +147,7 @@ def random_documents(count: int) -> Iterator[Document]:
 @pytest.mark.browser
 @pytest.mark.slow
 def test_numbers_of_links_are_those_of_python(opened: Opened) -> None:
-    documents = list(random_documents(1000))
+    documents = list(random_documents(300))
     rows = [[share_code(d), np.cos(d.pose[2]), np.sin(d.pose[2])] for d in documents]
     found = np.array(opened.page.evaluate(SOLVE, rows), dtype=float)
     wanted = []
