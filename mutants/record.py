@@ -86,7 +86,7 @@ class Order:
         only: Whether tests that do not call the function are left out, where any does.
     """
 
-    def __init__(self, record: Record, place: Place | None, first: str, only: bool) -> None:
+    def __init__(self, record: Record, place: Place | None, first: str, only: bool = False) -> None:
         self._record = record
         self._only = only
         self._place = place

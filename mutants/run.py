@@ -75,9 +75,15 @@ class Copy:
         began = time.monotonic()
         code, output = self._run(room, None)
         self._time = time.monotonic() - began
+        noted = self.folder / _NOTED
+        if code == _BROKEN or not noted.exists():
+            raise SystemExit(f"the tests could not be run:\n{output}")
+        self._record, imported = pickle.loads(noted.read_bytes())
+        noted.unlink()
+        if code not in (0, _NO_TESTS):  # noting takes time, which a test may have too little of
+            code, output = self._run(room, Order(self._record, None, "", only=False))
         if code not in (0, _NO_TESTS):
             raise SystemExit(f"{room}: the tests fail without a change:\n{output}")
-        self._record, imported = pickle.loads((self.folder / _NOTED).read_bytes())
         for name in imported:
             with contextlib.suppress(Exception):
                 importlib.import_module(name)
@@ -142,11 +148,14 @@ class Copy:
         if order is not None:  # what is compiled of a changed file is of no use later
             os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
             sys.dont_write_bytecode = True
+        first = [] if order is None else ["-x"]
         plugin = Recorder(self.folder, self._record) if order is None else order
-        command = ["-x", "-q", "-n", "0", "--no-showlocals", "--tb=no", "-p", "no:cacheprovider"]
+        command = ["-q", "-n", "0", "--no-showlocals", "--tb=no", "-p", "no:cacheprovider"]
         code = _BROKEN
         try:
-            code = int(pytest.main([*command, "-m", self._tests, f"tests/{room}"], [plugin]))
+            code = int(
+                pytest.main([*command, *first, "-m", self._tests, f"tests/{room}"], [plugin])
+            )
             if order is None:
                 import paminsa_viz
 

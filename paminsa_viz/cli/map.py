@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import numpy as np
@@ -16,8 +17,10 @@ from paminsa_viz.cli.flags import ComparedDesignFlags, FilesFlags
 from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import write_bytes
+from paminsa_viz.files.columns import TORQUES as TORQUE_NAMES
+from paminsa_viz.files.published_table import PublishedMap, read_published_map
 from paminsa_viz.files.tables import table_bytes, table_endings
-from paminsa_viz.model import Design, solve_field, xy_grid
+from paminsa_viz.model import Design, solve_field, static_torques, xy_grid
 from paminsa_viz.model.reach import Limit, home_pose, status_words
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT, counting
 from paminsa_viz.plots.map_table import map_table
@@ -91,6 +94,10 @@ class Map(FilesFlags, ComparedDesignFlags):
     """Let the colors follow a logarithm to both sides of zero."""
     own_ranges: bool = False
     """Give each of the three torques colors of its own."""
+    published: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
+    """Published or measured torques at rest, x_m,y_m with tau1_Nm, tau2_Nm, tau3_Nm, f4_N or some
+    of them: drawn as points in the colors of their values, and by how much the computed ones are
+    off."""
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -119,6 +126,8 @@ class Map(FilesFlags, ComparedDesignFlags):
         if not self.max_condition >= 1:
             least = "1 is the least condition number there is"
             raise UsageError(f"--max-condition: {least}, not {self.max_condition}")
+        if self.published is not None and self.reference is not None:
+            raise UsageError("--published and --reference exclude each other")
         self.check_files()
 
     def run(self) -> int:
@@ -126,6 +135,7 @@ class Map(FilesFlags, ComparedDesignFlags):
         self.check()
         design = self.given_design()
         reference = self.given_reference(design)
+        published = None if self.published is None else read_published_map(self.published)
         data = maps_of(self, design, reference, self.cells)
         for path in self.out:
             ending = path.suffix.lower()
@@ -137,9 +147,14 @@ class Map(FilesFlags, ComparedDesignFlags):
                 )
 
                 scales = scales_of(self, data, maps_of(self, design, reference, COARSE))
-                content = render_maps(data, scales, ending[1:], width_mm=self.width, dpi=self.dpi)
+                content = render_maps(
+                    data, scales, ending[1:],
+                    width_mm=self.width, dpi=self.dpi, published=published,
+                )  # fmt: skip
             write_bytes(path, content)
         facts = _report(self, data)
+        if published is not None:
+            facts["published"] = off_published(design, data, published)
         if self.json:
             print_json(facts)
         else:
@@ -211,6 +226,27 @@ def _report(flags: Map, data: MapData) -> dict[str, Any]:
     }
 
 
+def off_published(
+    design: Design, data: MapData, published: PublishedMap
+) -> dict[str, dict[str, float | int]]:
+    """Return by how much computed torques are off published ones, by columns that have any.
+
+    Largest and RMS differences over the positions that can be reached [N m, N].
+    """
+    rest = np.broadcast_to([data.theta, data.z], published.position.shape)
+    off = static_torques(design, np.hstack([published.position, rest])) - published.torque
+    found: dict[str, dict[str, float | int]] = {}
+    for name, column in zip(TORQUE_NAMES, off.T, strict=True):
+        known = column[np.isfinite(column)]
+        if known.size:
+            found[name] = {
+                "positions": known.size,
+                "largest_difference": float(np.abs(known).max()),
+                "rms_difference": float(np.sqrt(np.mean(known**2))),
+            }
+    return found
+
+
 def _counting(data: MapData, limit: float) -> NDArray[np.bool_]:
     """Return which cells are not too close to a singularity, for a difference of both designs."""
     grid = xy_grid(data.x, data.y, data.theta, data.z)
@@ -263,4 +299,9 @@ def _print(flags: Map, data: MapData, facts: dict[str, Any]) -> None:
     )
     area, radius = facts["reached_area_m2"], facts["singular_radius_m"]
     print(f"reached: {area:.4g} m²; singular circle: radius {format_ascii(radius, 'm')}")
+    for name, off in facts.get("published", {}).items():
+        print(
+            f"{name} - published: {off['largest_difference']:.4g} at most, "
+            f"{off['rms_difference']:.4g} RMS over {off['positions']} positions"
+        )
     print_written(flags.out)

@@ -23,6 +23,12 @@ if TYPE_CHECKING:
         measurement_table,
         read_measurements,
     )
+    from paminsa_viz.files.published_table import (
+        PublishedMap,
+        PublishedTorques,
+        read_published,
+        read_published_map,
+    )
     from paminsa_viz.files.tables import DataTable, provenance, save_table, table_bytes, table_csv
     from paminsa_viz.files.trajectory_table import analysis_table, read_trajectory, simulation_table
 
@@ -34,6 +40,8 @@ __all__ = [
     "ExampleLog",
     "FileError",
     "MeasurementTable",
+    "PublishedMap",
+    "PublishedTorques",
     "TableFileError",
     "analysis_table",
     "example_design",
@@ -45,6 +53,8 @@ __all__ = [
     "provenance",
     "read_log",
     "read_measurements",
+    "read_published",
+    "read_published_map",
     "read_trajectory",
     "save_design",
     "save_table",

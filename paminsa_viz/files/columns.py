@@ -79,6 +79,9 @@ TRAJECTORY = TableKind(
 PUBLISHED = TableKind(
     "a table of torques over time", (TIME,), (("torque", TORQUES, ()),), any_unit=True
 )
+PUBLISHED_MAP = TableKind(
+    "a table of torques over positions", ("x_m", "y_m"), (("torque", TORQUES, ()),), any_unit=True
+)
 MEASURED = ("torque1_Nm", "torque2_Nm", "torque3_Nm", "force4_N")
 CURRENTS = ("current1_A", "current2_A", "current3_A", "current4_A")
 LOG = TableKind(

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from paminsa_viz.checks import kinds_checked
+from paminsa_viz.files.published_table import PublishedMap
 from paminsa_viz.palette import INK, LIGHT, Theme
 from paminsa_viz.plots.caption import caption as caption_text
 from paminsa_viz.plots.caption import summary
@@ -34,6 +35,10 @@ from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.ranges import per_panel
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.plots.text import wrapped
+from paminsa_viz.quantities import TORQUES, find
+
+TORQUE_SYMBOLS = tuple(quantity.symbol for quantity in find((*TORQUES, "f_4")))
+"""Names of the maps of torques, in the order of published ones."""
 
 PAGE_EM = 11.0
 """Size of letters on a page [page pixels]."""
@@ -143,6 +148,7 @@ def render_maps(
     dpi: float = 300.0,
     title: str | None = None,
     caption: bool = True,
+    published: PublishedMap | None = None,
 ) -> bytes:
     """Draw one or several maps as a figure for print; the height follows from the width.
 
@@ -154,6 +160,8 @@ def render_maps(
         dpi: Pixels per inch: of a PNG, and of the colored cells inside SVG and PDF.
         title: Heading of the figure; None for the map's own title, empty for none.
         caption: Whether design, pose, line styles and version are named below.
+        published: Torques from elsewhere, drawn as points in the colors of their own values on the
+            maps of the same torques.
 
     Returns:
         The file. A PNG is exactly ``round(width_mm / 25.4 * dpi)`` pixels wide.
@@ -167,7 +175,7 @@ def render_maps(
     heading = data.title if title is None else title
     note = caption_text(data, scales) if caption else ""
     with drawing():
-        page = _printed(data, scales, width_mm / POINT, dpi, heading, note)
+        page = _printed(data, scales, width_mm / POINT, dpi, heading, note, published)
         credits = Credits(data.title or "Map", summary(data))
         return figure_file(page, format, dpi, credits)
 
@@ -179,6 +187,7 @@ def _printed(
     dpi: float,
     title: str,
     caption: str,
+    published: PublishedMap | None,
 ) -> Figure:
     em = 7.0 if width < 340 else 8.0  # points; 120 mm
     heading = wrapped(title, 1.19 * em, 0.92 * width, "bold")
@@ -202,6 +211,9 @@ def _printed(
         panel.add_cells(data, scale)
         panel.show_lines(common)
         panel.label_contours(data, scale)
+        if published is not None and data.names[index] in TORQUE_SYMBOLS:
+            column = TORQUE_SYMBOLS.index(data.names[index])
+            panel.mark_points(published.position, published.torque[:, column], scale)
         panel.mark_pose(data)
     for scale, place in zip(scales, layout.bars, strict=False):
         add_color_bar(page, data, scale, layout, place)

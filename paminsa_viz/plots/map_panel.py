@@ -207,6 +207,17 @@ class MapPanel:
                 mew=edge * self._em, zorder=6,
             )  # fmt: skip
 
+    def mark_points(
+        self, position: NDArray[np.float64], values: NDArray[Any], scale: Scale
+    ) -> None:
+        """Draw points (n, 2) [m] in the colors of their values (n,); none where those are NaN."""
+        norm, table = scale.matplotlib_colors()
+        known = np.isfinite(values)
+        self.axes.scatter(
+            *position[known].T, c=values[known], norm=norm, cmap=table, s=(0.7 * self._em) ** 2,
+            edgecolors=INK, linewidths=0.09 * self._em, zorder=5.8,
+        )  # fmt: skip
+
     def draw(self, renderer: Any) -> None:
         """Draw the artists that follow the data over the background."""
         for artist in (self._lines, self._note):

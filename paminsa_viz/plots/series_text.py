@@ -14,7 +14,7 @@ from paminsa_viz.model.reach import Limit
 from paminsa_viz.plots.caption import equals, robot, shown
 from paminsa_viz.plots.series import SeriesData, SeriesSources
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
-from paminsa_viz.trajectory.control import ControlMode
+from paminsa_viz.trajectory.simulation import ControlMode
 from paminsa_viz.units import format_value, number
 from paminsa_viz.version import MADE_BY
 

@@ -22,7 +22,6 @@ from paminsa_viz.trajectory.check import (
     PathEvent,
     check_path,
 )
-from paminsa_viz.trajectory.control import Controller, ControlMode, actuator_inertia
 from paminsa_viz.trajectory.crossing import (
     Crossing,
     CrossingCondition,
@@ -32,7 +31,6 @@ from paminsa_viz.trajectory.crossing import (
     crossing_condition,
     crossings,
 )
-from paminsa_viz.trajectory.crossing_deform import DeformedPlan, plan_deformed
 from paminsa_viz.trajectory.crossing_measures import (
     CrossingDrift,
     CrossingLoad,
@@ -58,10 +56,23 @@ from paminsa_viz.trajectory.planners import (
 from paminsa_viz.trajectory.presets import PRESET, PRESETS, Preset, paper_like, preset_center
 from paminsa_viz.trajectory.sampled import Locus, Passage, States, Trajectory
 from paminsa_viz.trajectory.shortest import ShortestMotion, shortest_motion
-from paminsa_viz.trajectory.simulation import Simulation, SimulationFailed, simulate
+from paminsa_viz.trajectory.simulation import (
+    Controller,
+    ControlMode,
+    Simulation,
+    SimulationFailed,
+    actuator_inertia,
+    simulate,
+)
 from paminsa_viz.trajectory.solved import SolvedTrajectory, solve_trajectory
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw, fit_law
-from paminsa_viz.trajectory.time_optimal import PlannedCrossing, TimeOptimalPlan, time_optimal
+from paminsa_viz.trajectory.time_optimal import (
+    DeformedPlan,
+    PlannedCrossing,
+    TimeOptimalPlan,
+    plan_deformed,
+    time_optimal,
+)
 from paminsa_viz.trajectory.timing import InfeasibleMotion, ShortestStretch, shortest_stretch
 
 __all__ = [

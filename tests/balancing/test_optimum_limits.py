@@ -91,6 +91,43 @@ def test_price_of_an_upper_bound_is_the_gain_per_kilogram() -> None:
         assert {item.side: item.price for item in result.active} == pytest.approx(sides, rel=1e-9)
 
 
+@pytest.mark.parametrize("term", [StaticPeak(field()), TrajectoryRms(solved())])
+def test_price_of_a_place_is_the_gain_per_meter(term: Term) -> None:
+    """A kilogram whose lever one would like shorter or longer than its range allows."""
+    seen = set()
+    for bar, joint in (("b8", 8), ("b8", 9), ("b4", 5), ("b3", 7)):
+
+        def best(first: float, last: float, bar: str = bar, joint: int = joint) -> Optimum:
+            place = CounterweightRange(bar, joint, first, last, high=1.0, low=1.0)
+            return optimize(APPENDIX_4, Changes((), (place,)), term)
+
+        result, h = best(0.05, 0.2), 1e-4
+        for item in result.active:
+            if item.side in ("nearest", "farthest"):
+                seen.add(item.side)
+                assert item.bound == (0.05 if item.side == "nearest" else 0.2)
+                more, less = [
+                    best(0.05 - step, 0.2) if item.side == "nearest" else best(0.05, 0.2 + step)
+                    for step in (h, -h)
+                ]
+                gained = (less.objective - more.objective) / (2 * h)
+                assert item.price == pytest.approx(gained, rel=0.01)
+                assert item.price > 0
+    assert seen == {"nearest", "farthest"} or (isinstance(term, TrajectoryRms) and seen)
+
+
+def test_bounds_that_need_not_move_are_not_named() -> None:
+    """One mass pulls the wrong way: it stays at its least, and the other's bound has to move."""
+    goal = 0.5 * static_imbalance(APPENDIX_4.vary({"joints.j7": 1.0, "joints.j5": 0.7}))
+    what = Changes((MassRange("joints.j7", 0.1, 1.0), MassRange("joints.j5", 0.7, 0.9)))
+    with pytest.raises(InfeasibleBounds) as caught:
+        optimize(APPENDIX_4, what, MassChange(), limits=[(Imbalance(), goal)])
+    named = {(item.name, item.side): item.needed - item.bound for item in caught.value.relax}
+    assert all(abs(moved) > 1e-6 for moved in named.values())
+    assert ("joints.j7", "high") in named or ("joints.j5", "low") in named
+    assert len(named) == 1
+
+
 def test_price_of_a_limit_of_zero_is_what_relaxing_it_gains() -> None:
     def best(below: float) -> Optimum:
         limit = [(StaticPeak(field()), below), (AddedMass(), 100.0)]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.balancing import OUTPUTS, tornado
-from paminsa_viz.balancing.sensitivity import LENGTHS, MASSES
+from paminsa_viz.balancing.sensitivity import LENGTHS, MASSES, STEP
 from paminsa_viz.model import (
     APPENDIX_4,
     Counterweight,
@@ -17,7 +17,9 @@ from paminsa_viz.model import (
     InvalidInput,
     static_imbalance,
 )
+from paminsa_viz.model.grids import solve_field
 from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.model.reach import Limit
 from tests.balancing.robots import measured, trajectory, workspace
 
 pytestmark = pytest.mark.slow
@@ -96,6 +98,12 @@ def test_lost_poses_and_failing_variants_are_reported() -> None:
     mass, bar = result.bars
     assert bar.lost > 0
     assert mass.lost == 0
+    reached = [
+        solve_field(APPENDIX_4.vary({"geometry.coupler_length": factor * bar.value}).geometry, deep)
+        for factor in (1.0, 0.95, 1.05, 1 - STEP, 1 + STEP)
+    ]
+    shared = np.all([found.status == Limit.OK for found in reached], axis=0)
+    assert bar.lost == (reached[0].status == Limit.OK).sum() - shared.sum()
     assert bar.base[1] < result.base[1]
     assert np.isfinite(bar.derivative[:3]).all()
     nearly = APPENDIX_4.vary({"geometry.base_radius": 0.78})

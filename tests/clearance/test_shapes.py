@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
+from paminsa_viz.clearance.nearest import BOX, CYLINDER, PRISM
 from paminsa_viz.clearance.shapes import shapes_of
-from paminsa_viz.clearance.solids import WORLD, Body, BodyPart
+from paminsa_viz.clearance.solids import WORLD, Body, BodyPart, Primitive
 from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.meshes import bodies as drawn
 from paminsa_viz.meshes import loads
 from paminsa_viz.meshes.part import MeshPart, fixed_part
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Counterweight, Design, KneeBranch, Payload
-from tests.clearance.pairs_of_solids import outside
+from tests.clearance.pairs_of_solids import outside, random_solid
 from tests.support.samples import random_design, with_knee
 
 LEFT_OUT = {"ground": 0.0007, "base": 0.0005, "slider": 0.00015}
@@ -118,3 +122,43 @@ def test_shapes_follow_from_geometry_payload_and_counterweights_alone() -> None:
     shapes = shapes_of(APPENDIX_4)
     assert shapes_of(APPENDIX_4.vary({"links.b3": 3.0, "gravity": 1.0})) is shapes
     assert shapes_of(APPENDIX_4.vary({"payload.mass": 1.0})) is not shapes
+
+
+def places_on(solid: Primitive, rng: np.random.Generator) -> Any:
+    """Points on the surface of a solid, in its body's frame, (n, 3); its extreme ones nearly."""
+    turn = rng.uniform(0.0, 2 * np.pi, 20_000)
+    if solid.kind == PRISM:
+        own = np.concatenate([np.insert(solid.corners, 2, end, axis=1) for end in (-1, 1)])
+        own[:, 2] *= solid.size[2]
+    elif solid.kind == BOX:
+        own = np.array(list(product((-1, 1), repeat=3))) * solid.size
+    elif solid.kind == CYLINDER:
+        own = np.stack([np.cos(turn), np.sin(turn), rng.choice([-1, 1], len(turn))], axis=1)
+        own = own * solid.size
+    else:
+        up = rng.uniform(-1.0, 1.0, len(turn))
+        across = np.sqrt(1 - up**2)
+        own = solid.radius * np.stack([across * np.cos(turn), across * np.sin(turn), up], axis=1)
+        own[:, 2] += np.sign(up) * solid.size[2]
+    return own @ solid.rotation.T + solid.center
+
+
+@pytest.mark.parametrize("kind", ["capsule", "box", "cylinder", "prism"])
+@pytest.mark.parametrize("seed", range(4))
+def test_extent_and_rod_of_a_turned_solid_hold_its_surface(kind: str, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    turn = Rotation.random(random_state=seed).as_matrix()
+    solid = random_solid(kind, rng).moved(rng.uniform(-1.0, 1.0, 3), turn)
+    points = places_on(solid, rng)
+    low, high = points.min(axis=0), points.max(axis=0)
+    size = np.ptp(points, axis=0).max()
+    assert np.all(solid.extent[0] <= low + 1e-12)
+    assert np.all(solid.extent[1] >= high - 1e-12)
+    np.testing.assert_allclose(solid.extent, [low, high], atol=1e-3 * size)  # and not much more
+    begin, end, radius = solid.rod[:3], solid.rod[3:6], solid.rod[6]
+    along = end - begin
+    share = np.clip((points - begin) @ along / max(along @ along, 1e-30), 0.0, 1.0)
+    off = np.linalg.norm(points - begin - share[:, None] * along, axis=1)
+    assert off.max() <= radius + 1e-12
+    if kind != "prism":  # whose corners are not all as far out as its half sides
+        assert off.max() >= radius * (1 - 1e-3)

@@ -140,3 +140,24 @@ def test_load_of_the_command_line_is_the_designs(capsys) -> None:
     assert bearings["maps"] == loaded["maps"]
     turned = run_json(capsys, *flags, *load, "--load-frame", "platform")
     assert turned["maps"] != loaded["maps"]
+
+
+def test_published_torques_are_compared_where_they_are(capsys, tmp_path) -> None:
+    """Those of statics itself are met to the last digit, and what is added to them comes back."""
+    position = np.array([[0.05, -0.03], [-0.02, 0.06], [5.0, 0.0]])
+    rest = np.broadcast_to([math.radians(40), -0.5], (3, 2))
+    torque = static_torques(APPENDIX_4, np.hstack([position, rest]))
+    rows = [f"{1e3 * x!r},{1e3 * y!r},{t[0]!r},{t[1] + 0.25!r}" for (x, y), t in
+            zip(position.tolist(), np.nan_to_num(torque).tolist(), strict=True)]  # fmt: skip
+    path, figure = tmp_path / "published.csv", tmp_path / "map.png"
+    path.write_text("\n".join(["# of statics", "x_mm,y_mm,tau1_Nm,tau2_Nm", *rows]) + "\n")
+    flags = ("--theta", "40", "--z", "-500", "--cells", "21", "--published", str(path))
+    found = run_json(capsys, *flags)["published"]
+    assert found.keys() == {"tau1_Nm", "tau2_Nm"}
+    assert found["tau1_Nm"]["positions"] == 2  # the third is out of reach
+    assert found["tau1_Nm"]["largest_difference"] < 1e-12
+    assert found["tau2_Nm"]["rms_difference"] == pytest.approx(0.25, rel=1e-12)
+    plain = tmp_path / "plain.png"
+    run_json(capsys, *flags, "--out", str(figure), "--dpi", "60")
+    run_json(capsys, *flags[:-2], "--out", str(plain), "--dpi", "60")
+    assert figure.read_bytes() != plain.read_bytes()

@@ -132,6 +132,8 @@ def test_joint_7_stays_off_the_base_plate_where_the_platform_is_nearest(
             assert high <= deepest(g) + 1e-6
             assert above >= 0.02 - 1e-9
             assert high == pytest.approx(deepest(g), abs=1e-6) or above == pytest.approx(0.02)
+        elif high < deepest(g) - 1e-6:  # a hundredth is left all the same
+            assert high - max(near, rules.LEAST_NEAR) == pytest.approx(0.01)
     assert pytest.approx(at.MOUNT - 0.004) == rules.ROOM_OF_7 + at.BARREL_RADIUS
 
 
@@ -169,6 +171,14 @@ def test_plinth_lies_below_the_workspace_and_carries_the_mast(seed: int) -> None
         assert across.sum() == pytest.approx(0.0, abs=1e-9)  # even about the mast's direction
         foot = layout(g).mast_radius + size.MAST_FOOT[0] / 2
         assert foot < end
+
+
+def test_plinth_without_a_tongue_is_an_even_polygon() -> None:
+    outline = rules.outline_about(0.5, 0.2)
+    sides = np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1)
+    assert sides == pytest.approx(2 * 0.5 * np.sin(np.pi / len(outline)))
+    with_tongue = rules.outline_about(0.5, 0.5 - rules.TONGUE[0] + 1e-3)
+    assert np.hypot(*with_tongue.T).max() > 0.5 == pytest.approx(np.hypot(*outline.T).max())
 
 
 @given(st.floats(0.02, 1.0))

@@ -64,7 +64,8 @@ def test_missing_room_is_that_between_the_joints_and_what_is_drawn_at_them(
     rng = np.random.default_rng(seed)
     geometries = [with_knee(random_design(rng), knee).geometry for _ in range(6)]
     slider = rng.uniform(0.0, 0.12, 6)
-    zeta = np.sort(rng.uniform(0.0, 1.0, (6, 2)) * [[g.shaft_length] for g in geometries], axis=1)
+    most = [[1.3 * g.shaft_length * g.magnification] for g in geometries]  # joint 2 below the quill
+    zeta = np.sort(rng.uniform(0.0, 1.0, (6, 2)) * most, axis=1)
     bars = np.array([[g.crank_length, g.coupler_length] for g in geometries])
     least = np.abs(bars @ [1.0, -1.0])[:, None]
     share = np.sort(rng.uniform(0.0, 1.0, (6, 2)) ** 3, axis=1)
@@ -95,7 +96,7 @@ def test_guide_carries_the_whole_slider() -> None:
     np.testing.assert_allclose(needed_guide(np.array([0.1, 0.3])), [0.123, 0.323])
 
 
-@given(seeds, st.floats(0.0, 5.0))
+@given(seeds, st.sampled_from([0.0, 0.01, 0.7, 3.0]))
 def test_needed_shaft_keeps_the_bearing_above_the_quill_and_the_carriage_above_the_payload(
     seed: int, mass: float
 ) -> None:

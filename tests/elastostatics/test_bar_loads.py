@@ -14,6 +14,7 @@ from paminsa_viz.elastostatics.bar_loads import (
     all_bar_loads,
     arm_tip,
     bar_loads,
+    largest_value,
     utilization,
 )
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
@@ -118,6 +119,25 @@ def test_sections_against_quadrature(design: Design, bar: str) -> None:
 
 def plane(vector: Any, heading: Any) -> Any:
     return np.stack(np.broadcast_arrays(oracle.dot(vector, heading), vector[2]), -1)
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2, 3])
+def test_largest_value_of_any_polynomials_is_that_of_dense_samples(degree: int) -> None:
+    rng = np.random.default_rng(degree)
+    places = np.cumsum(rng.uniform(0.1, 1.0, (60, 4)), axis=1)
+    coefficients = rng.standard_normal((60, 3, 4))
+    coefficients[..., degree + 1 :] = 0.0
+    value, place = largest_value(places, coefficients)
+    for row in range(60):
+        start, stop = places[row, :-1, None], places[row, 1:, None]
+        x = np.linspace(0.0, 1.0, 5001) * (stop - start)
+        dense = np.stack(
+            [np.polyval(c[::-1], each) for c, each in zip(coefficients[row], x, strict=True)]
+        )
+        best = np.unravel_index(np.abs(dense).argmax(), dense.shape)
+        assert value[row] == pytest.approx(dense[best], rel=1e-6)
+        if degree:
+            assert place[row] == pytest.approx((start + x)[best], abs=2e-3)
 
 
 @EACH

@@ -8,10 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from paminsa_viz import old_names
 from paminsa_viz.files.design_file import load_design, read_design, save_design
 from paminsa_viz.files.design_schema import KEY_OF, KEYS, unit_suffix
 from paminsa_viz.files.design_writer import differences, write_design
 from paminsa_viz.files.errors import DesignFileError, FileError
+from paminsa_viz.files.plain_data import UnusableData, parse_plain_toml
 from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, KneeBranch
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadCase, LoadFrame
@@ -184,3 +186,30 @@ def test_differences_are_exactly_the_values_that_differ() -> None:
     found = {key.path: (first, second) for key, first, second in differences(APPENDIX_4, other)}
     assert found == {"links.b3_kg": (0.406, 0.5), "gravity_m_per_s2": (9.81, 1.62)}
     assert differences(other, other) == []
+
+
+@pytest.mark.parametrize(("old", "knee"), list(old_names.KNEES.items()))
+def test_old_words_of_the_knee_are_read_and_those_of_nothing_else(old: str, knee: str) -> None:
+    read = read_design(f'{VERSION}[geometry]\nknee = "{old}"\n', "a.toml")
+    assert read.geometry.knee is KneeBranch(knee)
+    with pytest.raises(DesignFileError, match=old):
+        read_design(f'{VERSION}[load]\nframe = "{old}"\n', "a.toml")
+
+
+def test_comments_of_a_table_stand_below_each_other() -> None:
+    tables = write_design(APPENDIX_4).split("\n[")[1:]
+    several = 0
+    for table in tables:
+        lines = [line for line in table.splitlines()[1:] if " = " in line and "  # " in line]
+        places = {line.index("  # ") for line in lines if not line.startswith("#")}
+        several += len(lines) > 2
+        longest = max((len(line[: line.index("  # ")].rstrip()) for line in lines), default=0)
+        assert places <= {longest}
+    assert several > 3
+
+
+def test_whole_numbers_are_read_up_to_the_largest_of_toml() -> None:
+    assert parse_plain_toml(f"a = {2**63 - 1}") == {"a": 2**63 - 1}
+    assert parse_plain_toml(f"a = -{2**63 - 1}") == {"a": 1 - 2**63}
+    with pytest.raises(UnusableData):
+        parse_plain_toml(f"a = {2**63}")

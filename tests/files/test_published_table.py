@@ -46,3 +46,14 @@ def test_differences_are_at_the_rows_that_the_motion_has() -> None:
 def test_other_tables_are_refused(text: str, message: str) -> None:
     with pytest.raises(TableFileError, match=message):
         parsed(text)
+
+
+@pytest.mark.parametrize("place", [1, 2, 3])
+def test_the_row_that_goes_back_in_time_is_named(place: int) -> None:
+    times = [0.0, 1.0, 2.0, 3.0]
+    times[place] = times[place - 1] - 0.5
+    rows = "".join(f"{t},1\n" for t in times)
+    with pytest.raises(TableFileError) as caught:
+        parsed(f"# a comment\nt_s,tau1_Nm\n{rows}")
+    assert caught.value.row == place + 3  # the comment and the header are rows 1 and 2
+    assert caught.value.column == "t_s"

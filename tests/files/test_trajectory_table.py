@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.elastostatics.joint_forces import joint_forces
+from paminsa_viz.elastostatics.joint_forces import JOINTS, joint_forces
 from paminsa_viz.files.columns import (
     ACCELERATION,
     LOAD,
@@ -147,6 +147,21 @@ def test_headers_state_all_that_numbers_follow_from() -> None:
         assert head["design counterweights.0"] == "2.5 kg on B3, 100 mm beyond joint 7"
         assert head["design drives.M3"] == "motor, 50:1"
         assert not any(name in key for key in head for name in ("drives.M1", "leg1", "accuracy"))
+
+
+def test_a_table_of_joints_has_each_joint_of_each_leg_with_its_own_forces() -> None:
+    pose = np.array([0.05, 0.02, 0.3, -0.5])
+    forces = joint_forces(APPENDIX_4, pose)
+    columns = joint_table(forces, pose).columns
+    directions = [columns[f"{name}_N"] for name in ("radial", "tangential", "vertical")]
+    legs, keys = columns["leg"], columns["joint"]
+    assert len(set(zip(legs, keys, strict=True))) == len(legs) > 15
+    assert set(legs) == {"1", "2", "3"}
+    for row, (leg, key) in enumerate(zip(legs, keys, strict=True)):
+        index = [joint.key for joint in JOINTS].index(key)
+        found = [column[row] for column in directions]
+        np.testing.assert_array_equal(found, forces.force[int(leg) - 1, index])
+        assert columns["moment_Nm"][row] == forces.moment[int(leg) - 1, index]
 
 
 def test_columns_and_provenance_of_a_written_table() -> None:

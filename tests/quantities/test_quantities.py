@@ -182,3 +182,21 @@ def test_stiffness_above_the_center_is_the_same_in_all_horizontal_directions() -
     )
     assert y == pytest.approx(x, rel=1e-9)
     assert least == pytest.approx(x, rel=1e-6)
+
+
+def test_selective_indices_are_the_loads_of_unit_torques() -> None:
+    """How long the torques of M1..M3 are that hold a unit load is the inverse of that load."""
+    field = solved(-0.5)
+    plain = static_torques(APPENDIX_4, field.grid.poses())[..., :3]
+    for name, load in (("x", "force_x"), ("y", "force_y"), ("theta", "moment_z")):
+        pushed = replace(APPENDIX_4, load=LoadCase(**{load: 1.0}))
+        changed = static_torques(pushed, field.grid.poses())[..., :3] - plain
+        expected = 1 / np.linalg.norm(changed, axis=-1)
+        found = QUANTITIES[f"selective_{name}"].over(field, APPENDIX_4)
+        np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
+def test_clearances_have_a_sign_and_a_bound() -> None:
+    found = [item for item in QUANTITIES.values() if item.family == "clearance"]
+    assert len(found) > 3
+    assert all(item.signed and item.bounded for item in found)

@@ -158,6 +158,7 @@ def test_unit_of_every_quantity_is_understood(key: str) -> None:
         ("condition <= 10 for theta 0..1e999", "least and largest"),
         ("condition <= 10 for theta 1..2, theta 1..2", "one range"),
         ("condition <= 10 for y 1..2", "no range"),
+        ("condition <= 10 for theta 1..2 for z -900..-500", "no range|is in|theta"),
         ("condition <= 10 for z -9..-5 cm", "is in mm"),
         ("condition <= 10 for theta -1..1 rad", "is in deg"),
         ("condition <= 1e999", "finite"),

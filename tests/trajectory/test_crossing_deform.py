@@ -16,8 +16,8 @@ from paminsa_viz.trajectory import (
     straight_path,
     time_optimal,
 )
-from paminsa_viz.trajectory.crossing_deform import DeformedPlan
 from paminsa_viz.trajectory.paths import StraightPath
+from paminsa_viz.trajectory.time_optimal import DeformedPlan
 
 pytestmark = pytest.mark.slow
 
