@@ -159,6 +159,7 @@ SLOW = replace(SCREW, lead=1e-3, top_speed=100.0, rated_torque=0.1, peak_torque=
 """An axis that limits speed and acceleration before M1 to M3 do."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", [SCREW, SLOW], ids=["fast axis", "slow axis"])
 @given(seed=seeds)
 def test_speed_and_acceleration_are_held_in_every_direction(axis: Drive, seed: int) -> None:

@@ -40,6 +40,7 @@ def per_leg(designs: list, pose: np.ndarray) -> np.ndarray:
     return np.linalg.solve(matrix.T, np.array(slope))
 
 
+@pytest.mark.slow
 def test_mass_spread_agrees_with_robots_of_three_different_legs() -> None:
     """Each leg drawn by itself, torques from first principles; worst case by its own signs."""
     pose = np.array([0.05, -0.04, 0.3, -0.5])

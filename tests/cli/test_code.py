@@ -57,6 +57,7 @@ def test_nothing_is_written_where_one_file_cannot_be(capsys) -> None:
     assert os.listdir("c") == ["vectors.csv"]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler here")
 def test_fmus_are_added_to_the_folder(capsys) -> None:
     code, out, err = run("code", capsys, "--out", "c", "--fmu", "plant", "--fmu", "inverse")

@@ -34,6 +34,7 @@ def test_written_motion_keeps_the_reported_limits(capsys) -> None:
     assert "The robot can run it" in out
 
 
+@pytest.mark.slow
 def test_table_for_people_names_every_limit(capsys) -> None:
     code, out, err = run("excite", capsys, *SHORT)
     assert code == 0
@@ -43,6 +44,7 @@ def test_table_for_people_names_every_limit(capsys) -> None:
         assert name in out
 
 
+@pytest.mark.slow
 def test_wrong_limits_are_refused(capsys) -> None:
     code, out, err = run("excite", capsys, *SHORT, "--max-force", "50")
     assert (code, out) == (1, "")

@@ -40,6 +40,7 @@ def write(lines: list[str], name: str = "log.csv") -> None:
     Path(name).write_text("\n".join(lines) + "\n")
 
 
+@pytest.mark.slow
 def test_example_log_tells_the_robot_that_made_it(capsys) -> None:
     words = ("example", "--validate", "example-other", "--payload", "example-payload", "2")
     found = run_json("identify", capsys, *words, "--out", "found")

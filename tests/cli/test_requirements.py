@@ -141,6 +141,7 @@ PROVABLE = (
 CENTERED = ("--cylinder", "300", "400", "--center", "0", "0", "-600")
 
 
+@pytest.mark.slow
 def test_largest_proven_workspace_with_its_gap(capsys) -> None:
     words = ("largest", *PROVABLE, *CENTERED, "--grow", "horizontal", "--tolerance", "10")
     code, out, err = run("requirements", capsys, *words)

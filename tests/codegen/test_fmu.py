@@ -232,6 +232,7 @@ int main(int count, char **words)
 """
 
 
+@pytest.mark.slow
 def test_a_saved_state_is_gone_on_with_in_another_process(tmp_path: Path) -> None:
     for name, text in fmu_sources(DRIVEN, "plant").items():
         (tmp_path / Path(name).name).write_text(text)

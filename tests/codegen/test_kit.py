@@ -179,6 +179,7 @@ int main(void)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", compilers())
 def test_no_input_makes_undefined_behavior_and_no_failure_leaves_a_number(
     compiler: str, tmp_path: Path

@@ -82,6 +82,7 @@ def test_formulas_with_angles_differ_by_rounding_only(tmp_path: Path) -> None:
     np.testing.assert_allclose(got, on_numpy(ROUNDED, given), rtol=1e-11, atol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", compilers())
 def test_sanitizers_find_nothing_on_any_number(compiler: str, tmp_path: Path) -> None:
     formulas = EXACT + ROUNDED

@@ -168,9 +168,7 @@ def test_bounds_are_typed_in_the_table(tab: Tab) -> None:
     tab.page.keyboard.type("25")
     tab.page.keyboard.press("Enter")  # which goes to the next row
     until(lambda: high(0) == 8.25, "a bound is set")
-    tab.page.wait_for_function(
-        "() => document.activeElement?.dataset.paminsaValue === '1 high'", timeout=10_000
-    )
+    tab.page.wait_for_function("() => document.activeElement?.dataset.paminsaValue === '1 high'")
     tab.page.keyboard.type("3*4")
     tab.page.keyboard.press("Tab")
     until(lambda: high(1) == 12, "the next one is")

@@ -89,7 +89,7 @@ def test_pose_typed_while_a_motion_plays_is_saved(tab: Tab) -> None:
     tab.dispatch(lambda s: s.updated("playback", loop=True))
     until(lambda: tab.state.playback.playing, "it plays")
     tab.dispatch(lambda s: actions.vary(s, {"payload.mass": 1.5}))
-    until(lambda: kept(tab)["design"].get("payload.mass") == 1.5, "the mass is saved", timeout=6)
+    until(lambda: kept(tab)["design"].get("payload.mass") == 1.5, "the mass is saved")
     assert tab.state.playback.playing
 
 
@@ -203,7 +203,7 @@ def test_lost_server_is_said_in_words(browser: Any) -> None:
         tab.wait_frames(1500)
         own.stop()
         lost = tab.page.get_by_test_id("lost")
-        lost.wait_for(timeout=20_000)
+        lost.wait_for()
         assert "does not answer" in lost.inner_text()
     finally:
         context.close()

@@ -75,6 +75,7 @@ def test_a_heavier_bar_is_named_first(leg: int) -> None:
     assert find_causes(legs).named == ()
 
 
+@pytest.mark.slow
 def test_a_spring_breaks_the_identity() -> None:
     force = 0.3 * base_parameters(DESIGN)[1]
     right, wrong = (

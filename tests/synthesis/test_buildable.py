@@ -65,6 +65,7 @@ def reachable(geometry: Geometry, count: int) -> np.ndarray:
     return pose[inverse_kinematics(geometry, pose).reach.ok]
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(lengths=lengths)
 def test_cheap_bounds_exclude_no_robot_that_the_bodies_accept(lengths: dict) -> None:

@@ -116,6 +116,7 @@ def test_torques_and_rates_of_the_samples_keep_their_limits(number: int) -> None
     assert np.mean(share.max(axis=1) > 0.97) > 0.8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drive", [SERVO, HEAVY, BENT], ids=["servo", "heavy", "bent"])
 def test_envelopes_of_drives_are_kept(drive) -> None:
     """By the duty cycle of the sampled motion, which `actuation` works out in its own way."""

@@ -168,6 +168,7 @@ JSON = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(text=st.text(), data=st.binary(max_size=200), value=JSON)
 def test_any_text_is_read_or_refused(text: str, data: bytes, value: Any) -> None:
     for whole in (text, json.dumps(value)):

@@ -130,6 +130,7 @@ def test_a_catalog_without_a_feasible_drive_shows_the_nearest_and_advice() -> No
         panel.choose(initial_state(), None)
 
 
+@pytest.mark.slow
 def test_the_shortest_motion_keeps_the_chosen_drives(found: State) -> None:
     from paminsa_viz.explorer.state.motion import Timing
 

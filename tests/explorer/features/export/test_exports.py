@@ -305,6 +305,7 @@ def test_latest_state_is_exported(desk: Desk) -> None:
     assert file["save_immediately"]
 
 
+@pytest.mark.slow
 def test_refused_size_stops_no_later_export(desk: Desk) -> None:
     desk.set("export.dpi", 1e9)
     desk.noticed("50 to 600 is possible")

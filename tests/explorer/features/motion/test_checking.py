@@ -102,6 +102,7 @@ def test_marks_are_on_the_curves_and_do_not_change_the_chart(state: State) -> No
             assert np.isfinite(shown).sum() == seen.size
 
 
+@pytest.mark.slow
 @needs_mujoco
 def test_difference_is_plotted_in_a_readable_unit_with_a_verdict(state: State) -> None:
     state = answered(state).updated("plots", plot="differences", published=False)

@@ -48,6 +48,7 @@ def designs() -> list[Design]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("node") is None, reason="no node here")
 def test_states_and_torques_by_cause_are_those_of_python(tmp_path: Path) -> None:
     robots = designs()

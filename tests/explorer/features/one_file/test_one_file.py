@@ -178,14 +178,12 @@ def test_maps_are_those_of_python(opened: Opened) -> None:
       const doc = await window.paminsaPage.openShareCode(code);
       const robot = window.paminsaPage.robotOf(doc);
       const [, , theta, z] = doc.pose;
-      const start = performance.now();
       const maps = window.paminsaPage.solveMaps(robot, theta, z, radius, n);
-      return [maps.map((map) => Array.from(map, (v) => Number.isFinite(v) ? v : null)),
-        performance.now() - start];
+      return maps.map((map) => Array.from(map, (v) => Number.isFinite(v) ? v : null));
     }"""
     radius, n = 0.3, 81
     for document in (START, OTHER):
-        values, took = opened.page.evaluate(run, [share_code(document), radius, n])
+        values = opened.page.evaluate(run, [share_code(document), radius, n])
         place = radius * (2 * (np.arange(n) + 0.5) / n - 1)
         y, x = np.meshgrid(place, place, indexing="ij")
         rest = [np.full(x.shape, value) for value in document.pose[2:]]
@@ -195,7 +193,6 @@ def test_maps_are_those_of_python(opened: Opened) -> None:
         assert np.isfinite(found).mean() > 0.5
         # Next to a singularity the rounding of cos theta counts.
         np.testing.assert_allclose(found, wanted, rtol=1e-9)
-        assert took < 500  # some 10 ms on a machine that has time
 
 
 @pytest.mark.browser
@@ -425,19 +422,18 @@ def test_maps_follow_a_drag_of_theta(opened: Opened) -> None:
     opened.open(share_code(START))
     slider = opened.page.get_by_label("θ  [°], slider")
     before = opened.page.locator("#maps figcaption").first.inner_text()
-    rate = slider.evaluate("""async (slider) => {
+    drawn = slider.evaluate("""async (slider) => {
       const drawn = () => Number(document.documentElement.dataset.drawn);
-      const [start, first] = [performance.now(), drawn()];
+      const first = drawn();
       for (let step = 0; step < 40; step++) {
         slider.value = 10 + step;
         slider.dispatchEvent(new Event("input"));
         await new Promise(requestAnimationFrame);
       }
       slider.dispatchEvent(new Event("change"));
-      return 1000 * (drawn() - first) / (performance.now() - start);
+      return drawn() - first;
     }""")
-    print(f"{rate:.0f} maps a second")
-    assert rate > 2  # 20 and more on a machine that has time
+    assert drawn > 4  # of 40 steps, each with a frame of the browser: none waits for the end
     assert opened.page.locator("#maps figcaption").first.inner_text() != before
     opened.wait(lambda found: abs(found.pose[2] - np.radians(49.0)) < 1e-9)
     opened.page.get_by_role("button", name="Undo").click()

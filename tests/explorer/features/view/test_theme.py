@@ -98,6 +98,7 @@ def test_maps_have_the_theme_around_the_cells_and_the_same_cells(ground: Theme) 
     np.testing.assert_array_equal(found[middle], light[middle])
 
 
+@pytest.mark.slow
 def test_exported_maps_are_light_on_every_page() -> None:
     store, one = MapStore(), actions.move(STATE, theta=0.5).updated("export", single=True)
     auto, light, dark = (
