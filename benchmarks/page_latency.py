@@ -12,11 +12,12 @@ suffer from that alike, and the explorer, which draws a robot instead of a box, 
 from __future__ import annotations
 
 import argparse
+import os
 import shutil
 import subprocess
 import sys
 import time
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -93,6 +94,19 @@ DRAG = """async ([label, seconds]) => {
   return changes / seconds;
 }"""
 
+LABELS = """
+window.__labels = 0;
+new MutationObserver(() => {
+  const count = document.querySelectorAll("label[for]").length;
+  if (count !== window.__count) window.__labels = performance.timeOrigin + performance.now();
+  window.__count = count;
+}).observe(document, {childList: true, subtree: true});
+"""
+"""Notes when the last input of the page came [ms]."""
+
+OTHERS = ("Strength/Loads", "Strength/Stiffness", "Strength/Errors", "Optimize/Requirements")
+"""Sections that are opened while the sliders of the pose are moved."""
+
 LAST = """async label => {
   const thumb = window.__thumb(label);
   for (let i = 0; i < 500; i++) {
@@ -105,9 +119,16 @@ LAST = """async label => {
 }"""
 
 
+def environment() -> dict[str, str]:
+    """Return the environment of a user, for whom Python keeps what it has compiled."""
+    return {name: text for name, text in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+
+
 def start_bare() -> tuple[subprocess.Popen[str], str]:
     """Start the bare page; returns its process and address."""
-    process = subprocess.Popen([sys.executable, "-c", BARE, "0"], stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [sys.executable, "-c", BARE, "0"], stdout=subprocess.PIPE, text=True, env=environment()
+    )
     assert process.stdout is not None
     while not (line := process.stdout.readline()).startswith("ready"):
         assert process.poll() is None, "the bare page did not start"
@@ -118,7 +139,7 @@ def start_explorer() -> tuple[subprocess.Popen[str], str]:
     """Start the explorer as its command does; returns its process and address."""
     process = subprocess.Popen(
         [sys.executable, "-m", "paminsa_viz", "--port", "0", "--no-browser"],
-        stdout=subprocess.PIPE, text=True,
+        stdout=subprocess.PIPE, text=True, env=environment(),
     )  # fmt: skip
     assert process.stdout is not None
     while "explorer:" not in (line := process.stdout.readline()):
@@ -146,74 +167,105 @@ def press_often(page: Any, script: str, arguments: list[str], count: int) -> lis
     return times
 
 
-def starts(browser: Any, rounds: int, size: tuple[int, int]) -> float:
-    """Time from the command to a page that can be used, both in turn; return the difference [s]."""
-    rows = {"bare viser page": [], "explorer": []}
-    for _ in range(rounds):
+def launched(driver: Any) -> Any:
+    """Return a browser of its own: the last page of another goes on drawing for a while."""
+    return driver.chromium.launch(executable_path=installed(), args=FLAGS)
+
+
+class Start(NamedTuple):
+    """How long a start takes, from the command [s].
+
+    Attributes:
+        usable: Until the page can be used, over a bare viser page.
+        whole: From there until the last input of all sections is there.
+    """
+
+    usable: float
+    whole: float
+
+
+def starts(driver: Any, rounds: int, size: tuple[int, int]) -> Start:
+    """Time from the command to a page that can be used, both in turn; return medians."""
+    rows: dict[str, list[float]] = {"bare viser page": [], "explorer": [], "all its sections": []}
+    for turn in range(rounds + 1):
         for name, start, ready in (
             ("bare viser page", start_bare, "[role=slider]"),
             ("explorer", start_explorer, "[data-testid=status]"),
         ):
-            begin = time.perf_counter()
+            browser = launched(driver)
+            page = browser.new_page(viewport={"width": size[0], "height": size[1]})
+            page.add_init_script(LABELS)
+            begin, clock = time.perf_counter(), time.time()
             process, url = start()
-            page = open_page(browser, url, ready, size)
+            page.goto(url)
+            page.locator(ready).first.wait_for()
             rows[name].append(time.perf_counter() - begin)
-            page.close()
+            if name == "explorer":
+                page.wait_for_timeout(6000)
+                last = page.evaluate("window.__labels") / 1e3 - clock
+                rows["all its sections"].append(last)
+            browser.close()
             process.terminate()
             process.wait()
+        if turn == 0:  # in which Python compiles what the next ones read
+            for times in rows.values():
+                times.clear()
     heading("From the command to a page that can be used [s]")
     table(
         ["page", "least", "median"],
         [[name, number(min(t)), number(float(np.median(t)))] for name, t in rows.items()],
     )
-    return float(np.median(rows["explorer"]) - np.median(rows["bare viser page"]))
+    bare, usable, whole = (float(np.median(times)) for times in rows.values())
+    return Start(usable - bare, whole - usable)
 
 
-def latencies(browser: Any, count: int, size: tuple[int, int]) -> dict[str, float]:
+def latencies(driver: Any, count: int, size: tuple[int, int]) -> dict[str, float]:
     """Time from a slider's event to the changed scene and map.
 
     Returns:
         95th percentiles by what moves [ms], and how many maps a second follow a drag.
     """
-    bare, bare_url = start_bare()
-    explorer, url = start_explorer()
-    try:
-        box = open_page(browser, bare_url, "[role=slider]", size)
-        page = open_page(browser, url, "[data-testid=status]", size)
-        page.wait_for_timeout(15_000)  # until the kernels are compiled
-        rows, found = [], {}
-        for name, where, script, arguments in (
-            ("bare page: box", box, SCENE, ["x", "/box"]),
-            ("explorer: platform, x", page, SCENE, ["x [mm]", "/robot/platform"]),
-            ("explorer: platform, θ", page, SCENE, ["θ [°]", "/robot/platform"]),
-            ("explorer: torque maps, θ", page, MAPS, ["θ [°]"]),
-        ):
-            where.bring_to_front()
-            press_often(where, script, arguments, 5)
-            times = np.array(press_often(where, script, arguments, count))
-            found[name] = float(np.nanpercentile(times, 95))
-            rows.append(
-                [
-                    name,
-                    number(float(np.nanpercentile(times, 50))),
-                    number(found[name]),
-                    str(int(np.isnan(times).sum())),
-                ]
-            )
-        heading(f"From a slider's event to the change [ms], window {size[0]} x {size[1]}")
-        table(["what", "p50", "p95", "lost"], rows)
-        page.bring_to_front()
-        found["maps"] = page.evaluate(DRAG, ["θ [°]", 6])
-        print(f"Torque maps while θ is dragged: {found['maps']:.1f} a second")
-        last = page.evaluate(LAST, "θ [°]")
-        turn = page.evaluate("name => window.__place(name)", "/robot/platform").split(",")
-        shown = np.degrees(2 * np.arctan2(float(turn[5]), float(turn[6])))
-        print(f"A drag of 500 events: slider at {last}°, platform at {shown:.6f}°")
-        return found
-    finally:
-        for process in (bare, explorer):
+    rows, found = [], {}
+
+    def measure(name: str, where: Any, script: str, arguments: list[str]) -> None:
+        press_often(where, script, arguments, 5)
+        times = np.array(press_often(where, script, arguments, count))
+        low, high = (float(np.nanpercentile(times, share)) for share in (50, 95))
+        found[name] = high
+        rows.append([name, number(low), number(high), str(int(np.isnan(times).sum()))])
+
+    platform = "/robot/platform"
+    for start, ready in ((start_bare, "[role=slider]"), (start_explorer, "[data-testid=status]")):
+        browser = launched(driver)
+        process, url = start()
+        try:
+            page = open_page(browser, url, ready, size)
+            if start is start_bare:
+                measure("bare page: box", page, SCENE, ["x", "/box"])
+                continue
+            page.wait_for_timeout(15_000)  # until the kernels are compiled
+            measure("explorer: platform, x", page, SCENE, ["x [mm]", platform])
+            measure("explorer: platform, θ", page, SCENE, ["θ [°]", platform])
+            measure("explorer: torque maps, θ", page, MAPS, ["θ [°]"])
+            found["maps"] = page.evaluate(DRAG, ["θ [°]", 6])
+            last = page.evaluate(LAST, "θ [°]")
+            turn = page.evaluate("name => window.__place(name)", platform).split(",")
+            shown = np.degrees(2 * np.arctan2(float(turn[5]), float(turn[6])))
+            for path in OTHERS:
+                page.evaluate("path => window.paminsa.openTab(path)", path)
+                page.wait_for_timeout(4000)
+                for label in ("x [mm]", "θ [°]"):
+                    section = path.partition("/")[2]
+                    measure(f"{section} open: platform, {label[0]}", page, SCENE, [label, platform])
+        finally:
+            browser.close()
             process.terminate()
             process.wait()
+    heading(f"From a slider's event to the change [ms], window {size[0]} x {size[1]}")
+    table(["what", "p50", "p95", "lost"], rows)
+    print(f"Torque maps while θ is dragged: {found['maps']:.1f} a second")
+    print(f"A drag of 500 events: slider at {last}°, platform at {shown:.6f}°")
+    return found
 
 
 def installed() -> str:
@@ -232,10 +284,8 @@ def main() -> None:
     arguments.add_argument("--size", type=int, nargs=2, default=(1280, 720), help="window [px]")
     chosen = arguments.parse_args()
     with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=installed(), args=FLAGS)
-        starts(browser, chosen.rounds, tuple(chosen.size))
-        latencies(browser, chosen.count, tuple(chosen.size))
-        browser.close()
+        starts(driver, chosen.rounds, tuple(chosen.size))
+        latencies(driver, chosen.count, tuple(chosen.size))
 
 
 if __name__ == "__main__":

@@ -1,16 +1,26 @@
-"""The time-optimal law against the motion's own one, stretched: durations of the presets.
+"""The time-optimal law: against the motion's own one, and how much longer than with finer pieces.
 
-Run: ``python -m benchmarks.time_optimal``. The table of `docs/motions.md` is its output. Durations
-do not depend on the machine.
+Run: ``python -m benchmarks.time_optimal``. The table of `docs/motions.md` is the first of its
+output, figures of `docs/crossing.md` are in the second. Durations do not depend on the machine.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from benchmarks.measure import heading, number, table
 from paminsa_viz.model import APPENDIX_4, Design, Drive, backend
-from paminsa_viz.trajectory import PRESETS, MotionLimits, shortest_motion
+from paminsa_viz.trajectory import PRESETS, MotionLimits, crossing_program, shortest_motion
+from tests.trajectory.crossings import (
+    FINER,
+    any_path,
+    duration,
+    influences,
+    lines_across,
+    random_crossing,
+)
 
 RATES = MotionLimits(speed=1.0, turn_speed=6.0, acceleration=10.0, turn_acceleration=60.0)
 LIMITS = replace(RATES, torque=6.0, force=400.0)
@@ -30,9 +40,19 @@ CASES: dict[str, tuple[Design, MotionLimits]] = {
 }
 
 
+PATHS = 40
+"""Paths of each kind that cross singularities."""
+
+
 def main() -> None:
-    """Print one table."""
+    """Print both tables."""
     backend.compile_now()
+    presets()
+    crossed()
+
+
+def presets() -> None:
+    """Print durations of the presets."""
     rows = []
     for preset in PRESETS[1:]:  # the first one and the quintic move have one path and law
         cells = []
@@ -45,6 +65,28 @@ def main() -> None:
         rows.append([preset.label, *cells])
     heading("Time-optimal law / the motion's own one, stretched [s], and their ratio")
     table(["motion", *CASES], rows)
+
+
+def crossed() -> None:
+    """Print how much longer motions through singularities are than with finer pieces."""
+    rows = []
+    for label, make in (("lines across the circle", lines_across), ("any paths", any_path)):
+        found = []
+        for seed in range(PATHS):
+            design, path, limits, planned = random_crossing(make, seed)
+            finer = duration(design, path, limits, *FINER)
+            found.append((min(influences(design, path)), planned.plan.duration / finer - 1.0))
+        cosine, excess = np.array(found).T
+        steep = cosine < crossing_program.STEEP
+        for kind, chosen in (("a ≈ 0", steep), ("other", ~steep)):
+            values = 100.0 * excess[chosen]
+            if len(values):
+                rows.append([f"{label}, {kind}", str(len(values)),
+                             number(float(np.median(values))), number(values.max())])  # fmt: skip
+    heading(
+        f"How much longer than with {FINER[0]} pieces, halved {FINER[1]} times at crossings [%]"
+    )
+    table(["paths", "number", "median", "at most"], rows)
 
 
 if __name__ == "__main__":

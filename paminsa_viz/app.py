@@ -130,14 +130,25 @@ class App:
     """
 
     def __init__(
-        self, options: AppOptions, design: Design, requirements: Requirements | None = None
+        self,
+        options: AppOptions,
+        design: Design | None = None,
+        requirements: Requirements | None = None,
     ) -> None:
+        """Start to serve.
+
+        Args:
+            options: How.
+            design: What pages open with; that of the paper's Appendix 4 if None, which is loaded
+                once browsers can connect.
+            requirements: What pages open with.
+        """
         from paminsa_viz.explorer.browser import page_head
         from paminsa_viz.explorer.server.access import AccessToken
         from paminsa_viz.explorer.server.limits import Limits
         from paminsa_viz.explorer.server.listening import open_server
 
-        self.design, self.requirements = design, requirements
+        self._design, self.requirements = design, requirements
         self.sessions: dict[int, Session] = {}
         self._first_tab = threading.Event()
         self._closed_page, self._stopped = threading.Event(), threading.Event()
@@ -149,8 +160,17 @@ class App:
         )  # fmt: skip
         self.server.on_client_connect(self._connect)
         self.server.on_client_disconnect(self._disconnect)
-        threading.Thread(target=_warm_up, args=(design, self._first_tab), daemon=True).start()
+        threading.Thread(target=_warm_up, args=(self, self._first_tab), daemon=True).start()
         threading.Thread(target=self._free_memory, name="paminsa-memory", daemon=True).start()
+
+    @property
+    def design(self) -> Design:
+        """What pages open with."""
+        if self._design is None:
+            from paminsa_viz.model import APPENDIX_4
+
+            self._design = APPENDIX_4
+        return self._design
 
     @property
     def url(self) -> str:
@@ -222,11 +242,11 @@ def call_allocator(function: str, *arguments: int) -> None:
         getattr(ctypes.CDLL(None), function)(*arguments)
 
 
-def _warm_up(design: Design, first_tab: threading.Event) -> None:
+def _warm_up(app: App, first_tab: threading.Event) -> None:
     """Load what a page needs while the browser starts, make its bodies, then load the kernels.
 
     Args:
-        design: What the pages start with.
+        app: The server.
         first_tab: Set when the first tab has connected. Until then the server sends the page, and
             nothing that can wait is in its way.
     """
@@ -239,8 +259,9 @@ def _warm_up(design: Design, first_tab: threading.Event) -> None:
     from paminsa_viz.model.backend import compile_in_background
     from paminsa_viz.quantities import formulas
 
-    prepare(design.geometry)
+    prepare(app.design.geometry, fine=False)
     tabs.load()
+    prepare(app.design.geometry, fine=True)
     compile_in_background(*formulas())
     compile_clearance()
     importlib.import_module("scipy.optimize")  # or the first balance would wait for it
@@ -261,12 +282,12 @@ def run(options: AppOptions) -> None:
         PaminsaError: If the design file is not usable or the port is taken.
     """
     from paminsa_viz.explorer.server.listening import exposure_notice
-    from paminsa_viz.files.design_file import load_content
-    from paminsa_viz.model import APPENDIX_4
 
     set_up_process()
-    design, requirements = APPENDIX_4, None
+    design, requirements = None, None
     if options.design is not None:
+        from paminsa_viz.files.design_file import load_content
+
         found = load_content(options.design)
         design, requirements = found.design, found.requirements
     app = App(options, design, requirements)

@@ -66,7 +66,8 @@ def test_results_that_only_a_closed_page_asked_for_are_not_kept() -> None:
         return held
 
     try:
-        prepare(APPENDIX_4.geometry)  # what the program keeps for the next page
+        for fine in (False, True):
+            prepare(APPENDIX_4.geometry, fine=fine)  # what the program keeps for the next page
         visit()
         first = kept_bytes()
         assert visit() > first + 100_000

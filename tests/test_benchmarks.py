@@ -33,12 +33,15 @@ SMALLEST: dict[str, dict[str, Any]] = {
     "model_speed": {"ENGINE_STATES": 3},
     "stiffness_speed": {"CELLS": 15},
     "synthesis_speed": {"TRIALS": 20},
-    "time_optimal": {"PRESETS": PRESETS[:2]},
+    "time_optimal": {"PATHS": 1, "PRESETS": PRESETS[:2]},
 }
 IN_A_BROWSER = ("goals", "one_file_speed", "page_latency", "page_tasks")
 """They start explorers and browsers of their own."""
 
-ARGUMENTS = {"volume_error": ("--cases", "1", "--nodes", "500", "--points", "256")}
+ARGUMENTS = {
+    "accuracy_error": ("--boxes", "4", "--points", "9"),
+    "volume_error": ("--cases", "1", "--nodes", "500", "--points", "256"),
+}
 
 
 def once(run: Callable[[], object], **_: Any) -> float:

@@ -105,7 +105,7 @@ def test_robot_and_motion_are_drawn_in_a_notebooks_page(browser, motion, tmp_pat
     page.goto(path.as_uri())
     for index in range(2):
         frame = page.frame_locator("iframe").nth(index)
-        frame.locator("canvas").first.wait_for(timeout=60_000)
+        frame.locator("canvas[data-engine]").wait_for(timeout=60_000)
     page.close()
     assert wrong == []
     assert [url for url in asked if url.startswith("http")] == []

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import viser
 
+from paminsa_viz.explorer.browser import SOFTWARE_RENDERERS
 from paminsa_viz.explorer.browser.bridge import finite
 from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, style_html
 from paminsa_viz.explorer.browser.tour import offer_tour
@@ -38,9 +39,6 @@ from paminsa_viz.explorer.tabs import (
 from paminsa_viz.model import Design
 from paminsa_viz.quantities.requirements import Requirements
 
-SOFTWARE_RENDERERS = ("swiftshader", "llvmpipe", "softpipe", "software", "basic render")
-"""Parts of the names of what draws in the absence of a graphics card."""
-
 
 def has_graphics_card(renderer: object) -> bool:
     """Return whether what a browser names as its renderer is more than a program."""
@@ -68,7 +66,7 @@ def build(
 ) -> Session:
     """Build the page of a tab that has just connected, and start its worker.
 
-    The first tab comes first, then the robot; the rest follows when the browser shows them, so that
+    The first tab comes first; once the browser has drawn it the robot, and then the rest, so that
     nobody waits for it. Whoever adds views dispatches a new state, so that they are drawn.
     """
     opening = opening_state(design, requirements)
@@ -92,11 +90,17 @@ def build(
         client.scene, session.dispatch, client.camera, lambda: session.pixel_ratio
     )
 
-    def build_robot() -> None:
-        from paminsa_viz.explorer.scene.cameras import fit, follow_resizes, keep_camera, look, place
+    def fit_robot() -> None:
+        """Follow what the page has said of its size after the robot was built."""
+        from paminsa_viz.explorer.scene.cameras import fit
 
         if session.immediate:
-            fit(session)  # the page has said only now how large it is, or another size
+            fit(session)
+
+    def build_robot() -> None:
+        from paminsa_viz.explorer.scene.cameras import follow_resizes, keep_camera, look, place
+
+        if session.immediate:
             return
         look(session, "3D")
         if session.state.camera is not None:
@@ -148,7 +152,7 @@ def build(
             case [float(width), float(height)] if min(width, height) >= 1:
                 session.set_window(width, height)
                 if session.immediate:  # after the view has told of its own pixels
-                    session.submit(build_robot)
+                    session.submit(fit_robot)
 
     def take_tabs(names: object) -> None:
         if not isinstance(names, list):
@@ -168,11 +172,12 @@ def build(
     bridge.on("link", lambda link: open_link(session, link, layers))
     bridge.on("hello", restore)
     bridge.on("hello", lambda _: session.submit(lambda: fit_right(session)))
-    bridge.on("hello", lambda _: session.submit(build_robot))
-    bridge.on("late", lambda _: session.submit(build_robot))
-    bridge.on("late", lambda _: session.submit(complete))
+    bridge.on("hello", lambda _: session.submit(fit_robot))
     bridge.on("graphics", choose_detail)
-    bridge.on("shown", lambda _: session.submit(complete))
+    bridge.on("painted", lambda _: session.submit(build_robot))
+    for kind in ("shown", "late"):
+        bridge.on(kind, lambda _: session.submit(build_robot))
+        bridge.on(kind, lambda _: session.submit(complete))
     bridge.open({**session.paths, **EARLIER})
     session.start()
     return session

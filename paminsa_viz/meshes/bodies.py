@@ -322,8 +322,7 @@ def ground_glb(geometry: Geometry, *, dark: bool = False) -> bytes:
 
 
 @of_geometry
-def prepare(geometry: Geometry) -> None:
-    """Make and keep every body's GLB, so that no scene need wait for them; the plain ones first."""
-    for fine in (False, True):
-        for body in (*STANDING, *BODIES):
-            body_glb(geometry, body, fine=fine)
+def prepare(geometry: Geometry, *, fine: bool) -> None:
+    """Make and keep every body's GLB, plain or fine, so that no scene need wait for them."""
+    for body in (*STANDING, *BODIES):
+        body_glb(geometry, body, fine=fine)

@@ -7,7 +7,7 @@ matplotlib and plotly have it.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from contourpy import FillType, LineType, contour_generator
@@ -21,6 +21,14 @@ from paminsa_viz.plots.scale import Scale
 Line = NDArray[np.float64]
 
 NO_LINE: Line = np.empty((0, 2))
+
+
+class FloorPath(NamedTuple):
+    """A motion seen from above: lines that the robot can follow, and that it cannot [m]."""
+
+    good: Line
+    bad: Line
+
 
 LABELS = 2
 """Most numbers for one contour level."""

@@ -16,6 +16,7 @@ from paminsa_viz.files.published_table import PublishedMap
 from paminsa_viz.palette import INK, LIGHT, Theme
 from paminsa_viz.plots.caption import caption as caption_text
 from paminsa_viz.plots.caption import summary
+from paminsa_viz.plots.contours import FloorPath
 from paminsa_viz.plots.formats import (
     POINT,
     Credits,
@@ -24,13 +25,8 @@ from paminsa_viz.plots.formats import (
     drawing_lock,
     figure_file,
 )
-from paminsa_viz.plots.map_layout import MapLayout, map_layout
-from paminsa_viz.plots.map_panel import (
-    FloorPath,
-    MapPanel,
-    add_color_bar,
-    common_lines,
-)
+from paminsa_viz.plots.map_layout import PAGE_EM, MapLayout, map_layout
+from paminsa_viz.plots.map_panel import MapPanel, add_color_bar, common_lines
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.ranges import per_panel
 from paminsa_viz.plots.scale import Scale
@@ -39,9 +35,6 @@ from paminsa_viz.quantities import TORQUES, find
 
 TORQUE_SYMBOLS = tuple(quantity.symbol for quantity in find((*TORQUES, "f_4")))
 """Names of the maps of torques, in the order of published ones."""
-
-PAGE_EM = 11.0
-"""Size of letters on a page [page pixels]."""
 
 _KEPT = 3  # live figures: idle, dragging, and one to go back to
 _KEPT_SCALES = 8  # color bars of one live figure; a drag to and fro meets a few scales again

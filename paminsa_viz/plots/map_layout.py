@@ -14,6 +14,9 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale
 
+PAGE_EM = 11.0
+"""Size of letters on a page [page pixels]."""
+
 # In em.
 _LEFT = 4.7  # y numbers and label
 _RIGHT = 0.8

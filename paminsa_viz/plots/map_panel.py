@@ -5,7 +5,7 @@ Sizes of letters and widths of lines grow with the em of the layout.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.palette import BAD, INK, LIGHT, Theme
 from paminsa_viz.plots import contours
-from paminsa_viz.plots.contours import Line
+from paminsa_viz.plots.contours import FloorPath, Line
 from paminsa_viz.plots.hover import emptiness
 from paminsa_viz.plots.map_layout import MapLayout, Rectangle
 from paminsa_viz.plots.map_values import MapData
@@ -46,13 +46,6 @@ _LINES: dict[str, tuple[str, float, Any]] = {
 }
 """Color, width [em] and stroke of the lines; later ones lie over earlier ones. All but the
 boundary lie on colored cells or on a casing, whatever the theme."""
-
-
-class FloorPath(NamedTuple):
-    """A motion seen from above: lines that the robot can follow, and that it cannot [m]."""
-
-    good: Line
-    bad: Line
 
 
 def add_axes(page: Figure, place: Rectangle) -> Axes:

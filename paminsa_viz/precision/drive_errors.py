@@ -6,8 +6,8 @@ exact error is worked out as well: forward kinematics in the corners of the box 
 assembly mode that is connected with the pose (Briot and Bonev, Mech. Mach. Theory 43 (2008) 445).
 Where the box holds a singular position of the actuators, or one without a platform, there is no
 bound, whatever the linear estimate says (Tannous, Caro and Goldsztejn, Mech. Mach. Theory 71 (2014)
-93). Where an error has a largest value on an edge between two corners, a second-order term is added
-(`drive_corners.beyond_corners`).
+93). What errors have beyond the corners they have on an edge between two of them, where it follows
+in closed form (`drive_corners.beyond_corners`).
 
 Heights separate: z = k (Z - l_B2) - l_B5, so that its error is k d_4, and x, y and theta depend on
 the eight corners of M1..M3 alone. Z counts for the reach of the legs only.
@@ -73,8 +73,8 @@ class DriveErrors(WithStatus):
             [m].
         corners: (..., 8, 3) errors of x, y and theta in the corners `CORNERS` of M1..M3
             [m, m, rad]; NaN as ``worst``.
-        between: (..., 4) by how much edges may exceed the corners, to second order: x, y, theta
-            and the distance in the plane [m, m, rad, m]; NaN as ``worst``.
+        between: (..., 4) by how much edges exceed the corners: x, y, theta (which they never do)
+            and the distance in the plane, a bound [m, m, rad, m]; NaN as ``worst``.
         status: (...) values of `Bound`: whether they are bounded, or why not.
         leg: (...) index of the leg that is the reason, -1 for none.
     """

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, Template
+from jinja2 import Template
 from markupsafe import Markup
 
 from paminsa_viz.balancing import whole_mass
@@ -28,6 +29,7 @@ from paminsa_viz.report.synthesis_section import synthesis_section
 from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
 from paminsa_viz.report.workspace_section import maps_section, workspace_section
+from paminsa_viz.templates import html_environment
 from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
 from paminsa_viz.units import NONE, format_pose, format_value, number, symbols_html
 from paminsa_viz.version import __version__
@@ -107,13 +109,7 @@ def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
 @lru_cache(maxsize=1)
 def template() -> Template:
     """Return the template of a report's page."""
-    environment = Environment(
-        loader=PackageLoader("paminsa_viz.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = html_environment([Path(__file__).parent / "templates"])
     environment.filters["symbols"] = lambda text: Markup(symbols_html(text))
     return environment.get_template("report.html")
 

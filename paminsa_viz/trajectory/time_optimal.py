@@ -32,7 +32,15 @@ from paminsa_viz.trajectory.crossing import (
     crossing_condition,
     crossings,
 )
-from paminsa_viz.trajectory.crossing_program import REFINEMENTS, STEEP, CrossingProgram, influence
+from paminsa_viz.trajectory.crossing_program import (
+    INTERVALS,
+    REFINEMENTS,
+    STEEP,
+    STEEP_INTERVALS,
+    STEEP_REFINEMENTS,
+    CrossingProgram,
+    influence,
+)
 from paminsa_viz.trajectory.limits import MotionLimits
 from paminsa_viz.trajectory.paths import Path, TimedPath
 from paminsa_viz.trajectory.plan import Plan
@@ -207,7 +215,7 @@ def _program(
 ) -> tuple[CrossingProgram, Array, Array]:
     """Return a program with motions that do not stop, its fastest and its slowest.
 
-    It is the coarsest one, but where a crossing is steep, see `crossing_program.STEEP`, the finest.
+    It is the first of `REFINEMENTS`, or where a crossing is steep of `STEEP_REFINEMENTS`.
 
     Raises:
         CrossingRefused: If there is none.
@@ -217,9 +225,11 @@ def _program(
         influence(design, path, item, crossing_condition(design, path, item.s)) < STEEP
         for item in found
     )
-    order = REFINEMENTS[::-1] if steep else REFINEMENTS
-    for refinement in order if found else REFINEMENTS[:1]:
-        program = CrossingProgram(design, path, found, limits, refinement)
+    intervals, refinements = INTERVALS, REFINEMENTS if found else (0,)
+    if steep:
+        intervals, refinements = STEEP_INTERVALS, STEEP_REFINEMENTS
+    for refinement in refinements:
+        program = CrossingProgram(design, path, found, limits, refinement, intervals)
         try:
             fast, slow = program.fastest(), program.slowest()
             for _ in range(TIGHTENED):

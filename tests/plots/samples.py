@@ -15,8 +15,8 @@ from paminsa_viz.model import APPENDIX_4, Design, solve_field, xy_grid
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import LEG_COLORS
 from paminsa_viz.plots import colors
+from paminsa_viz.plots.contours import FloorPath
 from paminsa_viz.plots.map_figure import LiveMaps
-from paminsa_viz.plots.map_panel import FloorPath
 from paminsa_viz.plots.map_values import MapData, map_data
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import TORQUES

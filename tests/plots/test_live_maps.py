@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.plots.contours import NO_LINE
-from paminsa_viz.plots.map_figure import PAGE_EM, LiveMaps
-from paminsa_viz.plots.map_layout import MapLayout, map_layout
-from paminsa_viz.plots.map_panel import FloorPath
+from paminsa_viz.plots.contours import NO_LINE, FloorPath
+from paminsa_viz.plots.map_figure import LiveMaps
+from paminsa_viz.plots.map_layout import PAGE_EM, MapLayout, map_layout
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale, map_pixels
 from tests.plots.samples import (

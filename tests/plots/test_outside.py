@@ -8,8 +8,8 @@ import numpy as np
 
 from paminsa_viz.plots import outside as hatching
 from paminsa_viz.plots.caption import caption
-from paminsa_viz.plots.map_figure import PAGE_EM, render_maps
-from paminsa_viz.plots.map_layout import map_layout
+from paminsa_viz.plots.map_figure import render_maps
+from paminsa_viz.plots.map_layout import PAGE_EM, map_layout
 from paminsa_viz.plots.outside import Outside
 from paminsa_viz.plots.scale import Scale
 from tests.plots.samples import SCALES, live, made_up

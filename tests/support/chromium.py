@@ -127,20 +127,27 @@ class Tab:
     Args:
         page: As above.
         app: As above.
-        pixel_ratio: Pixels of the 3D view for one of the page's.
+        pixel_ratio: Pixels of the 3D view for one of the page's; None leaves it to the page.
         link: What follows the # of the address.
         drawn: Whether the 3D view is drawn, for tests that look at its picture.
     """
 
     def __init__(
-        self, page: Any, app: Any, pixel_ratio: float = 1, link: str = "", *, drawn: bool = False
+        self,
+        page: Any,
+        app: Any,
+        pixel_ratio: float | None = 1,
+        link: str = "",
+        *,
+        drawn: bool = False,
     ) -> None:
         self.page, self.app = page, app
         self.errors = watch_errors(page)
         if not drawn:
             page.add_init_script(UNDRAWN)
         page.set_default_timeout(1000 * TIMEOUT)
-        self._load(lambda: page.goto(f"{app.url}?fixedDpr={pixel_ratio}#{link}".rstrip("#")))
+        fixed = "" if pixel_ratio is None else f"?fixedDpr={pixel_ratio}"
+        self._load(lambda: page.goto(f"{app.url}{fixed}#{link}".rstrip("#")))
 
     def set_drawn(self, drawn: bool) -> None:
         """Draw the 3D view from now on, or leave it empty."""

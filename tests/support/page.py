@@ -124,7 +124,7 @@ def tabs_of(browser: Browser, app: Any) -> Iterator[Callable[..., Tab]]:
         width: int = 1280,
         height: int = 720,
         context: Any = None,
-        pixel_ratio: float = 1,
+        pixel_ratio: float | None = 1,
         link: str = "",
     ) -> Tab:
         if context is None:

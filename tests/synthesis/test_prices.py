@@ -106,6 +106,30 @@ def test_ends_that_an_answer_touches_are_asked_and_no_others():
     assert asked(low + 1.1 * near) == asked(high - 1.1 * near) == asked(0.5) == {}
 
 
+def test_sizes_and_headings_move_about_their_middle():
+    """Of a box twice as deep as wide, turned from 0.1 to 0.5 rad."""
+    result = synthesize(one_length(effort=Effort(1, 4)), relax=False)
+    box = Workspace(WorkspaceShape.BOX, (0.1, 0.2, HEIGHT), (0.03, 0.0, -0.7))
+    required = replace(result.case.requirements, theta=(0.1, 0.5), workspace=box)
+    turned = replace(result, case=replace(result.case, requirements=required))
+    items = {item.label: item for item in _requirables(turned, [0.5])}
+    heading = items["range of theta"]
+    assert heading.bound == pytest.approx(0.4)
+    assert heading.tighter == 1.0
+    moved = heading.moved(0.6).requirements
+    assert moved.theta == pytest.approx((0.0, 0.6))
+    assert moved.workspace == box
+    for label, bound, size in (
+        ("width of the workspace", 0.1, (0.15, 0.3, HEIGHT)),
+        ("height of the workspace", HEIGHT, (0.1, 0.2, 0.15)),
+    ):
+        assert items[label].bound == pytest.approx(bound)
+        moved = items[label].moved(0.15).requirements
+        assert moved.workspace.size == pytest.approx(size)
+        assert moved.workspace.center == box.center
+        assert moved.theta == (0.1, 0.5)
+
+
 @pytest.mark.parametrize(
     ("bound", "value", "end", "tighter"),
     [

@@ -1,12 +1,11 @@
 """Everything that relies on a non-public name of viser, Plotly, uPlot or Mantine.
 
-``page.js``, ``marks.js``, ``units.js``, ``tooltips.js``, ``names.js``, ``tour.js``,
-``clipboard.js`` and the style sheets are the live page's, with ``first_paint.js``,
-``links.js`` and ``number_fields.js`` in its head; ``backdrop.js`` is that of every page with the
-robot, ``player.html`` and ``player.js`` are those of a saved motion. What a release has moved is
-reported once (`Bridge` on this side, the self-test of ``page.js`` on the other) and costs one
-feature, not the page. The server's guard is the exception: where it does not fit, nothing is
-served.
+In the head of the live page are ``first_paint.js``, ``links.js``, ``context.js``, ``drawing.js``,
+``inputs.js`` and ``number_fields.js``; ``page.js``, the other scripts and the style sheets follow
+with its first messages. ``backdrop.js`` is that of every page with the robot; ``player.html`` and
+``player.js`` are those of a saved motion. What a release has moved is reported once (`Bridge` on
+this side, the self-test of ``page.js`` on the other) and costs one feature, not the page. The
+server's guard is the exception: where it does not fit, nothing is served.
 """
 
 from __future__ import annotations
@@ -19,6 +18,9 @@ TITLE = "PAMINSA explorer"
 
 STORE_KEY = "paminsa_viz"
 """What a tab's state is kept under in its own store."""
+
+SOFTWARE_RENDERERS = ("swiftshader", "llvmpipe", "softpipe", "software", "basic render")
+"""Parts of the names of what draws in the absence of a graphics card."""
 
 LONGEST_LINK = 16_000
 """Most characters that are read of an address after its ``#``."""
@@ -35,6 +37,9 @@ def page_head() -> str:
     scripts = (
         asset("first_paint.js", STORE=STORE_KEY),
         asset("links.js", STORE=STORE_KEY, LONGEST=str(LONGEST_LINK + 1)),
+        asset("context.js"),
+        asset("drawing.js", PROGRAMS="|".join(SOFTWARE_RENDERERS)),
+        asset("inputs.js"),
         asset("number_fields.js"),
     )
     return f"<title>{TITLE}</title>" + "".join(f"<script>{script}</script>" for script in scripts)

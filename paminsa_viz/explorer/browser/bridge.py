@@ -81,9 +81,10 @@ class Bridge:
     def open(self, tabs: Mapping[str, str] | None = None) -> None:
         """Set up the tab's side; a ``hello`` with the saved state, or None, comes back.
 
-        After it comes a ``shown``, once what has been sent so far is on the screen; it may come
-        twice. A ``graphics`` names what draws the 3D view. Where the page says nothing for
-        `HELLO_TIMEOUT` there is a ``late``; all of them may still come then.
+        After it comes a ``painted``, once the browser has drawn what has been sent so far, and a
+        ``shown``, once it has nothing else to do. A ``graphics`` names what draws the 3D view.
+        Where the page says nothing for `HELLO_TIMEOUT` there is a ``late``; all of them may still
+        come then.
 
         Args:
             tabs: Paths of tabs by the names that a browser may have kept of them.
@@ -102,7 +103,7 @@ class Bridge:
             self._run = None
             config = {}
         if self._run is None:
-            for kind in ("hello", "shown"):
+            for kind in ("hello", "painted", "shown"):
                 self._deliver(kind, None)
             return
         go_on = weakref.WeakMethod(self._go_on_meanwhile)  # a closed page is not kept for it
@@ -116,6 +117,7 @@ class Bridge:
         self._run(asset("tour.js"))
         self._run(asset("clipboard.js"))
         self._run(asset("cursor.js"))
+        self._run(asset("pictures.js"))
         self._run(f"({asset('page.js').rstrip()})({json.dumps(config)})")
 
     def on(self, kind: str, listener: Callable[[Any], None]) -> None:

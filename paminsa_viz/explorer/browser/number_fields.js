@@ -87,15 +87,9 @@
   };
 
   // --- inputs, as viser holds them ----------------------------------------------------------
-  let viewer = null; // viser's own context: inputs by their uuid, and the connection
-  const find = (element, get) => {
-    const key = Object.keys(element ?? {}).find((name) => name.startsWith("__reactFiber$"));
-    for (let fiber = key && element[key]; fiber; fiber = fiber.return) {
-      const found = get(fiber.memoizedProps ?? {});
-      if (found) return found;
-    }
-    return undefined;
-  };
+  const { find } = window.paminsaContext;
+  let viewer = null; // viser's own context
+  window.paminsaContext.whenFound((context) => { viewer = context; });
   const inputOf = (uuid) => viewer?.useGuiConfig.get(uuid);
   const alike = (type, label) => Object.entries(viewer.useGuiConfig.getAll())
     .filter(([, input]) => input?.type === type && input.props.label === label)
@@ -112,7 +106,7 @@
   /** Which input a box belongs to, in words that hold when all inputs are made again. */
   const placeOf = (field) => {
     if (field?.matches(IN_TEXT)) return placeInText(field);
-    viewer ??= find(field, ({ value }) => value?.useGuiConfig && value) ?? null;
+    if (!viewer) return undefined;
     const uuid = find(field, (props) => inputOf(props.uuid) && props.uuid);
     if (!uuid) return undefined;
     const { type, props: { label } } = inputOf(uuid);
@@ -143,9 +137,7 @@
     if (!uuid) return false;
     const before = inputOf(uuid).value;
     const value = Array.isArray(before) ? before.with(place.index, number) : number;
-    viewer.guiActions.updateGuiProps(uuid, { value });
-    // Not by viser's own sender: of two inputs set within 50 ms it would send one.
-    viewer.mutable.current.sendMessage({ type: "GuiUpdateMessage", uuid, updates: { value } });
+    viewer.guiActions.updateGuiProps(uuid, { value }); // which is sent by inputs.js
     return true;
   };
 

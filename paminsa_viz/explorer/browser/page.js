@@ -54,23 +54,29 @@
     resized = setTimeout(sendSize, 200);
   }, { signal: stopped.signal });
 
-  retry(() => {
-    const canvas = viewer().canvas;
-    if (!canvas) return false;
-    const gl = canvas.getContext("webgl2");
-    const names = gl?.getExtension("WEBGL_debug_renderer_info");
-    return send("graphics", names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "");
-  }, 200);
+  retry(() => viewer().canvas && send("graphics", window.paminsaDrawing?.named() ?? ""), 200);
 
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
   const sendScheme = () => retry(() => send("scheme", dark.matches), 50);
   dark.addEventListener("change", sendScheme, { signal: stopped.signal });
   sendScheme();
 
-  const shown = () => retry(() => send("shown", null), 50);
+  // What has been sent so far is in the next picture of the browser; a tab in the background has none.
+  const tell = (kind, latest) => {
+    let isTold = false;
+    const run = () => {
+      if (isTold) return;
+      isTold = true;
+      retry(() => send(kind, null), 50);
+    };
+    setTimeout(run, latest);
+    return run;
+  };
   const whenIdle = window.requestIdleCallback || ((run) => setTimeout(run, 200));
+  const painted = tell("painted", 1000);
+  const shown = tell("shown", 2000);
+  requestAnimationFrame(() => requestAnimationFrame(painted));
   requestAnimationFrame(() => whenIdle(shown, { timeout: 1000 }));
-  setTimeout(shown, 2000); // a tab in the background draws nothing
 
   const save = (text) => {
     try {
@@ -87,17 +93,21 @@
   const isOpen = (tab) => tab.getAttribute("aria-selected") === "true";
   const nameOf = (tab) => tab.textContent.trim();
   // Of a hidden row of tabs the page does not say which tab it lies in: that is remembered of when
-  // it was seen.
-  const OPEN_BESIDE = ':scope > [role="tablist"] > [role="tab"][aria-selected="true"]';
+  // it was seen. Whether a row is seen is asked without its place, which would lay out the page.
   const around = new WeakMap();
+  const tablistIn = (box) => [...box.children].find((each) => each.getAttribute("role") === "tablist");
   const pathAround = (row) => {
-    if (!row.getClientRects().length && around.has(row)) return around.get(row);
+    const known = around.get(row);
+    let isKnown = !known?.isKnown && row.checkVisibility();
+    if (known && !isKnown) return known.names;
     const names = [];
     for (let box = row.parentElement?.parentElement; box; box = box.parentElement) {
-      const open = box.querySelector(OPEN_BESIDE);
+      const list = tablistIn(box);
+      const open = list && [...list.children].find(isOpen);
       if (open) names.unshift(nameOf(open));
+      isKnown &&= !list || Boolean(open); // a row that is being built opens its first tab later
     }
-    around.set(row, names);
+    around.set(row, { names, isKnown });
     return names;
   };
   const pathOf = (tab) => {
@@ -121,7 +131,7 @@
   const followTabs = () => {
     const paths = new Map(tabs().map((tab) => [tab, pathOf(tab)]));
     const open = [...paths.keys()].filter(isOpen);
-    const seen = open.filter((tab) => tab.getClientRects().length).map((tab) => paths.get(tab));
+    const seen = open.filter((tab) => tab.checkVisibility()).map((tab) => paths.get(tab));
     const found = [...paths.keys()].filter((tab) => wanted.includes(paths.get(tab)));
     const closed = found.filter((each) => !isOpen(each));
     for (const tab of closed)
@@ -298,6 +308,14 @@
     document.documentElement.dispatchEvent(new KeyboardEvent("keydown", again));
   }, { capture: true, signal: stopped.signal });
 
+  // --- arrow keys of a slider or a tab --------------------------------------------------------
+  // They would turn the camera as well, which listens at the document.
+  document.documentElement.addEventListener("keydown", (event) => {
+    const { target, key } = event;
+    if (key.startsWith("Arrow") && target.closest?.('[role="slider"], [role="tab"]'))
+      event.stopPropagation();
+  }, { signal: stopped.signal });
+
   // --- what is typed into the command palette -----------------------------------------------
   // The server says what a text means as a whole. Its line comes later than the others and has to be
   // selected as the first one then; an Enter before that waits for it.
@@ -431,31 +449,6 @@
     return true;
   }, 200);
 
-  // --- rendering on demand ------------------------------------------------------------------
-  // viser draws the scene over and over for a quarter of a second after every change. Without a
-  // graphics card that takes all of a machine, and the next change has to wait. Then the scene is
-  // drawn once for a change, and again when late followers have come.
-  const invalidator = () => viewer().scene?.__r3f?.root?.getState?.()?.invalidate;
-  const renderOnDemand = (animation) => {
-    document.documentElement.classList.add("paminsa-render-on-demand");
-    if (!viewer().requestRender || !invalidator()) return;
-    let timer = 0;
-    let drawn = 0;
-    const draw = () => {
-      drawn = performance.now();
-      invalidator()();
-    };
-    // An animation requests frames without end: then some are drawn every second, no more.
-    const animated = () => viewer().nodeRefFromName?.[animation];
-    viewer().requestRender = () => {
-      const wait = animated() ? Math.max(0, drawn + 125 - performance.now()) : 0;
-      if (wait && timer) return;
-      clearTimeout(timer);
-      timer = setTimeout(() => ((timer = 0), draw()), wait || 250);
-      if (!wait) draw();
-    };
-  };
-
   // --- a server that does not answer --------------------------------------------------------
   // viser only dims the page. Short breaks are none: it connects again by itself.
   const LOST_AFTER = 3000;
@@ -487,7 +480,12 @@
   const features = {
     "graphics card detection (canvas)": () => viewer().canvas,
     "plain background (backgroundMaterial)": () => viewer().backgroundMaterial,
-    "rendering on demand (requestRender, __r3f)": () => viewer().requestRender && invalidator(),
+    "rendering on demand (requestRender, __r3f)": () => window.paminsaDrawing?.canDraw(),
+    "light before the first picture, pixels of the view (useEnvironment, useDevSettings)": () => {
+      const context = window.paminsaContext?.get();
+      return context?.useEnvironment && context.useDevSettings;
+    },
+    "each input's newest value (guiActions, mutable)": () => window.paminsaInputs?.works(),
     "links in the address (replaceState)": () => {
       const keeps = window.paminsaLinks?.keeps();
       return keeps === null ? UNKNOWN : keeps;
@@ -526,11 +524,14 @@
   const followLink = (code) => window.paminsaLinks?.follow(code);
   const copyLink = (code) => copy("Link", window.paminsaLinks?.to(code) || code);
   const focusInput = (names) => window.paminsaNames?.focus(names);
+  const showPicture = (place, address) => window.paminsaPictures?.set(place, address);
   const showPlace = (place) => window.paminsaCursor?.show(place);
   const showPiece = (places) => window.paminsaCursor?.showPiece(places);
+  const renderOnDemand = (animation) => window.paminsaDrawing?.renderOnDemand(animation);
   const releaseTheme = () => window.paminsaFirstPaint?.release();
   window.paminsa = {
     stop, whole, tour, copy, focusInput, send, save, openTab, setTitle, showTime, showLegend,
     renderOnDemand, releaseTheme, openLink, followLink, copyLink, answerTyped, showPlace, showPiece,
+    showPicture,
   };
 }

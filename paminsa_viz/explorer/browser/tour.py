@@ -38,7 +38,7 @@ STEPS: Final = (
         "The robot",
         "Drag to turn the view, scroll to zoom, press 1 to 6 for other views. Press G for a handle "
         "on the platform, and click the colored map on the ground to go there.",
-        "canvas",
+        "canvas[data-engine]",
     ),
     _step(
         "Maps",

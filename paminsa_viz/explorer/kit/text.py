@@ -9,21 +9,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from paminsa_viz import units
+from paminsa_viz.templates import html_environment
 
 _HERE = Path(__file__).parent
 
-_ENVIRONMENT = Environment(
-    loader=FileSystemLoader([_HERE, _HERE.parent / "features", _HERE.parent]),
-    autoescape=True,
-    undefined=StrictUndefined,
-    auto_reload=False,
-    trim_blocks=True,
-    lstrip_blocks=True,
-)
+_ENVIRONMENT = html_environment([_HERE, _HERE.parent / "features", _HERE.parent])
 
 
 def css_color(color: str) -> Markup:

@@ -27,6 +27,7 @@ from paminsa_viz.errors import PaminsaError
 from . import viser_patch
 from .access import AccessToken
 from .connection import ConnectionGuard
+from .icons import keep_icons_open
 from .limits import Limits
 from .names import NameRules, exposure_notice
 from .viser_patch import ViserChanged
@@ -96,6 +97,7 @@ def open_server(
         ViserChanged: The installed viser is not one that can be guarded.
     """
     decode = viser_patch.require_known_viser()
+    keep_icons_open()
     bound = _bind(host, port)
     try:
         rules = NameRules.for_server(host, bound.getsockname()[1], allowed_hosts)

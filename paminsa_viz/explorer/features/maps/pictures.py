@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import base64
+import io
 import json
 from collections.abc import Callable, Sequence
-from typing import Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
 
 from paminsa_viz.explorer.browser.bridge import Slots, marker
 from paminsa_viz.explorer.core.frame import Frame
@@ -19,16 +23,16 @@ from paminsa_viz.explorer.features.motion import points
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.palette import rgb
-from paminsa_viz.plots.contours import joined
+from paminsa_viz.plots.contours import FloorPath, joined
 from paminsa_viz.plots.hover import HoverFigure
-from paminsa_viz.plots.map_figure import PAGE_EM, LiveMaps
-from paminsa_viz.plots.map_layout import MapLayout, map_layout
-from paminsa_viz.plots.map_panel import FloorPath
+from paminsa_viz.plots.map_layout import PAGE_EM, MapLayout, map_layout
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import MM, format_value
+
+if TYPE_CHECKING:
+    from paminsa_viz.plots.map_figure import LiveMaps
 
 Quantities = Callable[[State], Sequence[str]]
 
@@ -73,17 +77,16 @@ class MapPicture:
             inputs: Where the inputs go.
         """
         gui = session.client.gui
-        self._gui, self._store, self._slots = gui, store, slots
+        self._gui, self._bridge, self._store, self._slots = gui, session.bridge, store, slots
         self._name, self._quantities = name, quantities
-        self._live = LiveMaps()
         self.scales: tuple[Scale, ...] = ()
         self.data: MapData | None = None
         gui.add_html(marker(name, inputs))
-        blank = np.full((2, max(slots.width(name), 2), 3), rgb(session.state.theme.paper), np.uint8)
-        self._image = gui.add_image(blank, format="auto", jpeg_quality=LIVE_QUALITY)
+        gui.add_html(render("maps/picture.j2", name=name))
         self._markers = gui.add_html("")
         self._place = gui.add_folder(None)
         self._hover: Any = None
+        self._live: LiveMaps | None = None
         self._layout: MapLayout | None = None
         self._caption = gui.add_html("")
         self._drawn: tuple[Any, ...] = ()
@@ -112,11 +115,12 @@ class MapPicture:
         scales = self._store.scales(state, data, quantities, dragging=dragging)
         ratio = 1.0 if dragging else self._slots.ratio
         path = None if motion is None else floor_path(motion)
+        if self._live is None:
+            from paminsa_viz.plots.map_figure import LiveMaps  # brings matplotlib
+
+            self._live = LiveMaps()
         picture = self._live.draw(data, scales, width, ratio, path, COLUMNS, state.theme)
-        if not dragging:
-            opaque = np.full((*picture.shape[:2], 1), 255, dtype=np.uint8)
-            picture = np.concatenate([picture, opaque], axis=2)  # as PNG, without loss
-        self._image.image = picture
+        self._bridge.call("showPicture", self._name, picture_url(picture, exact=not dragging))
         self.data, self.scales = data, scales
         self._layout = map_layout(data, scales, width, PAGE_EM, columns=COLUMNS)
         self._mark(state)
@@ -151,6 +155,22 @@ class MapPicture:
             return
         self._hover.figure = figure
         self._hover.aspect = height
+
+
+def picture_url(pixels: NDArray[np.uint8], *, exact: bool) -> str:
+    """Return a picture (h, w, 3) as an address that holds all of it.
+
+    Args:
+        pixels: The picture.
+        exact: As PNG, without loss; otherwise as JPEG, which is smaller and made sooner.
+    """
+    file = io.BytesIO()
+    if exact:
+        Image.fromarray(pixels).save(file, "PNG")
+    else:
+        Image.fromarray(pixels).save(file, "JPEG", quality=LIVE_QUALITY)
+    kind = "png" if exact else "jpeg"
+    return f"data:image/{kind};base64,{base64.b64encode(file.getvalue()).decode()}"
 
 
 def click_frame(layout: MapLayout, data: MapData) -> dict[str, list[Any]]:

@@ -24,8 +24,7 @@ from paminsa_viz.explorer.features.maps.tab import show_figure_3
 from paminsa_viz.explorer.kit.setting_inputs import quantity_inputs
 from paminsa_viz.explorer.state.maps import RangeMode
 from paminsa_viz.explorer.state.state import initial_state
-from paminsa_viz.plots.map_figure import PAGE_EM
-from paminsa_viz.plots.map_layout import map_layout
+from paminsa_viz.plots.map_layout import PAGE_EM, map_layout
 from paminsa_viz.plots.ranges import choose_scales
 from paminsa_viz.quantities import QUANTITIES, TORQUES, families
 from tests.support.desk import Desk

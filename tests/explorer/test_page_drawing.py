@@ -1,0 +1,79 @@
+"""What the page draws when, and what it sends of a drag."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from tests.support.chromium import Tab, until
+
+pytestmark = pytest.mark.browser
+
+PIXELS = "() => window.__viserMutable.canvas.width / window.__viserMutable.canvas.clientWidth"
+CAMERA = "() => window.__viserMutable.camera.matrixWorld.elements.join()"
+PICTURE = "() => document.querySelector('[data-paminsa-picture]')?.getAttribute('src')"
+
+TOGETHER = """() => {
+  const thumbs = [...document.querySelectorAll('[role=slider]')].slice(0, 4);
+  for (const thumb of thumbs)
+    for (const key of ["ArrowRight", "ArrowRight", "ArrowRight"])
+      thumb.dispatchEvent(new KeyboardEvent("keydown", {key, bubbles: true}));
+  return thumbs.map((thumb) => Number(thumb.getAttribute("aria-valuenow")));
+}"""
+
+
+MADE_AGAIN = """() => {
+  const place = document.querySelector("[data-paminsa-picture]").parentElement;
+  place.outerHTML = place.outerHTML.replace(/ src="[^"]*"/, "");
+}"""
+"""As viser makes a text anew, in a panel that is unfolded."""
+
+
+def test_values_of_several_inputs_set_at_once_all_arrive(tab: Tab) -> None:
+    before = tab.state.document.pose
+    tab.page.evaluate(TOGETHER)
+    until(
+        lambda: all(a != b for a, b in zip(before, tab.state.document.pose, strict=True)),
+        "x, y, theta and z have moved",
+    )
+    names = ("x  [mm]", "y  [mm]", "θ  [°]", "z  [mm]")
+    shown = tab.page.evaluate(
+        "() => [...document.querySelectorAll('[role=slider]')].slice(0, 4)"
+        ".map((thumb) => Number(thumb.getAttribute('aria-valuenow')))"
+    )
+    assert [tab.handle(name).value for name in names] == pytest.approx(shown)
+
+
+def test_arrow_keys_of_a_slider_leave_the_camera_alone(tab: Tab) -> None:
+    tab.page.get_by_role("slider").first.focus()
+    camera = tab.page.evaluate(CAMERA)
+    before = tab.state.document.pose
+    tab.page.keyboard.down("ArrowRight")
+    until(lambda: tab.state.document.pose != before, "the slider moves the robot")
+    tab.wait_platform()
+    tab.page.keyboard.up("ArrowRight")
+    assert tab.page.evaluate(CAMERA) == camera
+
+
+def test_maps_come_back_with_a_panel_that_was_folded(tab: Tab) -> None:
+    picture = until(lambda: tab.page.evaluate(PICTURE), "the maps are drawn")
+    assert picture.startswith("data:image/")
+    tab.page.evaluate(MADE_AGAIN)
+    assert tab.page.evaluate(PICTURE) == picture
+
+
+def test_view_at_rest_has_twice_the_pixels_without_a_graphics_card(
+    open_tab: Callable[..., Tab],
+) -> None:
+    tab = open_tab(pixel_ratio=None)
+    until(lambda: tab.page.evaluate(PIXELS) == pytest.approx(2, abs=0.01), "at rest it is fine")
+    tab.page.evaluate("() => window.__viserMutable.requestRender()")
+    until(lambda: tab.page.evaluate(PIXELS) == pytest.approx(1, abs=0.01), "not while it moves")
+    until(lambda: tab.page.evaluate(PIXELS) == pytest.approx(2, abs=0.01), "at rest it is again")
+
+
+def test_number_of_pixels_in_the_address_stays(tab: Tab) -> None:
+    tab.page.evaluate("() => window.__viserMutable.requestRender()")
+    tab.wait_frames(600)
+    assert tab.page.evaluate(PIXELS) == pytest.approx(1, abs=0.01)

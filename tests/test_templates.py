@@ -1,0 +1,52 @@
+"""Templates: what is compiled is kept, and what it keeps is no other template's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from jinja2 import UndefinedError
+
+from paminsa_viz import templates
+
+
+def test_compiled_templates_are_kept_between_environments(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "a.j2").write_text("{{ x }}<b>")
+    compiled: list[str] = []
+    compile_ = templates.Environment.compile
+
+    def counted(self: Any, source: Any, *rest: Any, **options: Any) -> Any:
+        compiled.append(source)
+        return compile_(self, source, *rest, **options)
+
+    monkeypatch.setattr(templates.Environment, "compile", counted)
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", None)
+    for _ in range(2):
+        assert (
+            templates.html_environment([tmp_path]).get_template("a.j2").render(x="<") == "&lt;<b>"
+        )
+    assert len(compiled) == 1
+    (tmp_path / "a.j2").write_text("{{ x }}!")
+    assert templates.html_environment([tmp_path]).get_template("a.j2").render(x=1) == "1!"
+    assert len(compiled) == 2
+
+
+def test_without_a_folder_for_them_templates_are_compiled_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def nowhere(*_: Any) -> None:
+        raise RuntimeError("no temporary folder")
+
+    monkeypatch.setattr(templates, "FileSystemBytecodeCache", nowhere)
+    (tmp_path / "a.j2").write_text("{{ x }}")
+    assert templates.html_environment([tmp_path]).get_template("a.j2").render(x=3) == "3"
+
+
+def test_a_name_that_is_missing_is_an_error(tmp_path: Path) -> None:
+    (tmp_path / "a.j2").write_text("{{ y }}")
+    with pytest.raises(UndefinedError, match="'y' is undefined"):
+        templates.html_environment([tmp_path]).get_template("a.j2").render(x=3)
