@@ -66,6 +66,16 @@ def test_an_exact_log_of_the_design_returns_the_design() -> None:
         assert item.value == pytest.approx(item.prior, rel=0.02)
 
 
+def test_a_payload_that_is_known_is_taken_off_what_the_log_says() -> None:
+    """The payload is the design's: an exact log of the robot with it returns the other masses."""
+    design = APPENDIX_4.vary({"payload.mass": 2.5, "payload.inertia": 0.01})
+    log = simulated(1, design, rate=250.0, noise_seed=None)
+    found = nearest_masses(identify(design, log, QUICK))
+    assert found.design.payload == design.payload
+    for item in found.masses:
+        assert item.value == pytest.approx(item.prior, rel=0.02)
+
+
 def test_masses_stay_possible_whatever_the_log_says(identified: Any) -> None:
     light = APPENDIX_4.vary(
         {"links.b4": 0.0, "inertias.b4_transverse": 0.0, "inertias.b4_axial": 0.0}
