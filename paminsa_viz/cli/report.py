@@ -14,6 +14,7 @@ from paminsa_viz.cli.flags import DesignFlags, MotionFlags, PoseFlags, check_out
 from paminsa_viz.cli.output import print_written, write_report
 from paminsa_viz.files.design_file import load_content
 from paminsa_viz.files.example_logs import given_log
+from paminsa_viz.files.measurements import read_measurements
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.trajectory import MotionLimits, spline_path, time_optimal
 
@@ -25,9 +26,10 @@ Write a design report: one HTML file with everything inside, to attach to a desi
 
 It holds the design and where it differs from Appendix 4, geometry and workspace, requirements in
 its file with their volume and the largest proven workspace, torque maps, the trajectory with
-loads and figures, the design's drives on it if there are any, the verification against MuJoCo, and
-against Pinocchio if it is installed (pip install 'paminsa-viz[verify]'), the static balance, and
-where all of it comes from. For a PDF, open it in a browser and print."""
+loads, clearance and figures, the design's drives on it if there are any, the calibration from
+measured poses, the verification against MuJoCo, and against Pinocchio if it is installed
+(pip install 'paminsa-viz[verify]'), the static balance, and where all of it comes from. For a PDF,
+open it in a browser and print."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +46,9 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
     log: Annotated[str | None, tyro.conf.arg(metavar="LOG")] = None
     """Log of the built robot to identify it from: a CSV file, or example; see paminsa-viz
     identify."""
+    measured: Annotated[Path | None, tyro.conf.arg(metavar="POSES.csv")] = None
+    """Table of measured poses and readings to calibrate the robot with; see paminsa-viz
+    calibrate."""
     verify: bool = True
     """Check the formulas against the physics engines that are installed."""
     seed: int = 0
@@ -75,6 +80,7 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
             verified=self.verify,
             seed=self.seed,
             log=None if self.log is None else given_log(self.log),
+            measured=self.measured and read_measurements(self.measured).measurements,
             requirements=None if self.design is None else load_content(self.design).requirements,
         )
         write_report(request, self.out)

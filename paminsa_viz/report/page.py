@@ -22,7 +22,9 @@ from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.report.sections import (
     accuracy_section,
     balance_section,
+    calibration_section,
     checked,
+    clearance_section,
     drives_section,
     forces_section,
     identification_section,
@@ -41,9 +43,10 @@ from paminsa_viz.version import __version__
 
 STEPS = (
     "design and workspace", "requirements", "torque maps", "forces and capability", "stiffness",
-    "accuracy", "trajectory", "joint forces", "identification", "verification", "balance",
+    "accuracy", "calibration", "trajectory", "joint forces", "clearance", "identification",
+    "verification", "balance",
 )  # fmt: skip
-"""What is worked out, in this order; requirements and identification where they are asked for."""
+"""What is worked out, in this order; some only where they are asked for."""
 
 
 COLORS = {"ink": INK, "muted": MUTED, "ok": OK, "warn": WARN, "bad": BAD}
@@ -61,6 +64,7 @@ def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
     Raises:
         UnreachablePose: If the robot cannot take the request's pose.
         InvalidLog: If the request's log cannot be used.
+        InvalidMeasurement: If the request's measured poses cannot be used.
         Canceled: If ``progress`` says so.
     """
 
@@ -84,11 +88,16 @@ def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
     sections.append(stiffness_section(request))
     began("accuracy")
     sections.append(accuracy_section(request))
+    if request.measured is not None:
+        began("calibration")
+        sections.append(calibration_section(request.design, request.measured))
     began("trajectory")
     sections.append(trajectory_section(analysis))
     sections.append(drives_section(analysis))
     began("joint forces")
     sections.append(loads_section(analysis, request.pose))
+    began("clearance")
+    sections.append(clearance_section(analysis, request.pose))
     if request.log is not None:
         began("identification")
         sections.append(identification_section(investigate(request.log, request.design)))

@@ -12,6 +12,7 @@ from paminsa_viz.errors import InvalidInput
 if TYPE_CHECKING:
     from paminsa_viz.identification.log import Log
     from paminsa_viz.model.design import Design
+    from paminsa_viz.precision.measurements import Measurements
     from paminsa_viz.quantities.requirements import Requirements
     from paminsa_viz.synthesis.search.result import SynthesisResult
     from paminsa_viz.trajectory import Trajectory
@@ -47,6 +48,7 @@ class ReportRequest:
         log: A log of the built robot, to identify it from; None for none.
         requirements: What the robot is needed for; None for no section on it.
         synthesis: The search that the robot comes from; None for none.
+        measured: Measured poses of the built robot, to calibrate it with; None for none.
 
     Raises:
         InvalidInput: If the pose is not four numbers.
@@ -62,6 +64,7 @@ class ReportRequest:
     log: Log | None = None
     requirements: Requirements | None = None
     synthesis: SynthesisResult | None = None
+    measured: Measurements | None = None
 
     def __post_init__(self) -> None:
         if len(self.pose) != 4:

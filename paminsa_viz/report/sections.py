@@ -8,6 +8,8 @@ import numpy as np
 
 from paminsa_viz.blocks.accuracy import drive_blocks, manufacture_blocks
 from paminsa_viz.blocks.balance import balance_blocks
+from paminsa_viz.blocks.calibration import calibration_blocks
+from paminsa_viz.blocks.clearance import by_group, pose_blocks, region_blocks
 from paminsa_viz.blocks.drives import drives_blocks
 from paminsa_viz.blocks.forces import forces_blocks
 from paminsa_viz.blocks.identification import identification_blocks
@@ -18,11 +20,14 @@ from paminsa_viz.blocks.stiffness import robot_blocks
 from paminsa_viz.blocks.synthesis import synthesis_blocks
 from paminsa_viz.blocks.trajectory import motion_figures, trajectory_blocks
 from paminsa_viz.blocks.verification import verification_blocks
+from paminsa_viz.clearance import clearance
 from paminsa_viz.engines.verification import Verification, verify
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.identification.findings import Findings
 from paminsa_viz.model.design import Design
+from paminsa_viz.precision.calibration import calibrate
 from paminsa_viz.precision.drive_errors import drive_errors
+from paminsa_viz.precision.measurements import Measurements
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.report.request import ReportRequest, Section
 from paminsa_viz.studies.metrics import RegionResults, default_region
@@ -74,6 +79,22 @@ def drives_section(analysis: TrajectoryAnalysis) -> Section:
 def loads_section(analysis: TrajectoryAnalysis, pose: Sequence[float]) -> Section:
     """Return the forces at the joints and the loads of the bars."""
     return _section("loads", "Joint forces and bar loads", loads_blocks(analysis, pose))
+
+
+def clearance_section(analysis: TrajectoryAnalysis, pose: Sequence[float]) -> Section:
+    """Return the nearest bodies at a pose (4,) and along the motion."""
+    design, here = analysis.design, np.array(pose)
+    along = clearance(design, analysis.trajectory.pose)
+    blocks = [
+        *pose_blocks(by_group(design, here), clearance(design, here)),
+        *region_blocks(along, what="samples of the trajectory"),
+    ]
+    return _section("clearance", "Clearance", blocks)
+
+
+def calibration_section(design: Design, measured: Measurements) -> Section:
+    """Return what measured poses of the built robot say of its legs' lengths."""
+    return _section("calibration", "Calibration", calibration_blocks(calibrate(design, measured)))
 
 
 def identification_section(findings: Findings) -> Section:

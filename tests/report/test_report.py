@@ -121,7 +121,7 @@ def test_report_is_one_self_contained_file(report: str) -> None:
     ids = page.attributes["id"]
     assert ids == [
         "design", "workspace", "maps", "forces", "stiffness", "accuracy", "trajectory", "loads",
-        "verification", "balance", "provenance",
+        "clearance", "verification", "balance", "provenance",
     ]  # fmt: skip
     assert {f"#{key}" for key in ids} == set(page.attributes["href"])
 
