@@ -1,4 +1,4 @@
-"""Drives: those of a design, what a motion asks of them, and those that a catalog has for it."""
+"""Drives: those of a design, what a motion demands of them, and those that a catalog has for it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ RPM = 30 / math.pi
 
 
 def drives_blocks(analysis: TrajectoryAnalysis) -> list[Block]:
-    """Return a design's drives and what a motion asks of them; nothing without drives."""
+    """Return a design's drives and what a motion demands of them; nothing without drives."""
     design = analysis.design
     if not any(design.drives):
         return []
