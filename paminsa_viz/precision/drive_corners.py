@@ -169,6 +169,10 @@ def beyond_reach(
 PIECES = 4
 """Pieces of an edge, alike in theta, in each of which the distance is bounded by a cubic."""
 
+_STRAIGHT = 1e-7
+"""Turn of the platform along an edge [rad] below which the edge counts as straight: an arc of turn
+t and length l is off its chord by l t/8, and derivatives by theta would be rounding errors."""
+
 _CLOSE = 1e-6
 """Share by which a bound by one piece may exceed the corners; beyond, there are `PIECES`."""
 
@@ -211,22 +215,25 @@ def beyond_corners(geometry: Geometry, pose: Array, moved: Array, half: Array) -
     )
     edge = np.repeat(np.arange(3), 4)
     turn = moved[:, last, 2:] - moved[:, first, 2:]
+    is_straight = np.abs(turn) < _STRAIGHT
+    length = np.linalg.norm(moved[:, last, :2] - moved[:, first, :2], axis=-1, keepdims=True)
+    off_chord = np.where(is_straight, length * np.abs(turn) / 8, 0.0).max(axis=(1, 2))
 
     def end(at: NDArray[np.intp]) -> _Ends:
         by_actuator = slope[:, at, :, edge].swapaxes(0, 1)
         by_turn = np.sign(turn) * by_actuator[..., :2] / by_actuator[..., 2:]
-        # An edge along which the platform does not turn is a line: its ends are the extremes
-        return _Ends(moved[:, at, :2], np.where(np.isfinite(by_turn), by_turn, 0.0))
+        # The ends of a straight edge are its extremes
+        return _Ends(moved[:, at, :2], np.where(is_straight, 0.0, by_turn))
 
     low, high = end(first), end(last)
     turn = np.abs(turn)
     largest = np.maximum(_largest(low, high, turn), _largest(low.mirrored(), high.mirrored(), turn))
-    beyond = largest.max(axis=1) - np.abs(moved[..., :2]).max(axis=1)
+    beyond = largest.max(axis=1) - np.abs(moved[..., :2]).max(axis=1) + off_chord[:, None]
     distance = np.hypot(moved[..., 0], moved[..., 1]).max(axis=1)
     square = _largest_square(low, high, turn, 1)
     again = square > distance**2 * (1 + _CLOSE)
     square[again] = _largest_square(low.those(again), high.those(again), turn[again], PIECES)
-    farther = np.maximum(np.sqrt(square) - distance, 0.0)
+    farther = np.maximum(np.sqrt(square) - distance, 0.0) + off_chord
     return np.column_stack([beyond, np.zeros(len(pose)), farther])
 
 

@@ -75,7 +75,8 @@ ALSO: dict[str, Any] = {
     "log": make_log(MOTION.t, inverse_kinematics(GEOMETRY, MOTION.pose).actuators, MOTION.pose),
     "position": inverse_kinematics(GEOMETRY, MOTION.pose).actuators, "plan": paper_like(GEOMETRY),
     "slider": np.full(1, 0.1), "zeta": np.full((1, 2), 0.5), "diagonal": np.full((1, 2), 0.5),
-    "clearance": 0.0, "bar": "b3", "most": 1.0, "cells": 3, "count": 3, "gravity": 9.81,
+    "clearance": 0.0, "bar": "b3", "most": 1.0, "cells": 3, "count": 3, "fine": False,
+    "gravity": 9.81,
     "misprints": Misprint.NONE,
     "path": straight_path([0.1, 0.0, 0.2, -0.5], [0.36, 0.02, 0.5, -0.5]),
     "solution": solve_pose(

@@ -316,3 +316,27 @@ def test_a_robot_of_other_size_has_the_same_limits_and_errors_as_large() -> None
     assert np.sum(wanted.status == Bound.LIMIT) > 20
     np.testing.assert_array_equal(found.status, wanted.status)
     np.testing.assert_allclose(found.worst, wanted.worst * scale, rtol=1e-6)
+
+
+def test_edges_along_which_the_platform_hardly_turns_are_straight() -> None:
+    # By symmetry the platform keeps its heading along an edge there, up to rounding.
+    radius, angle = np.meshgrid([0.05, 0.125, 0.2], np.radians([30, 150, 270]))
+    center = radius * np.cos(angle), radius * np.sin(angle)
+    turns = np.concatenate([[0.0], np.logspace(-17, -5, 60)])
+    poses = np.stack(
+        [
+            *(np.broadcast_to(c.reshape(-1, 1), (9, len(turns))) for c in center),
+            np.broadcast_to(turns, (9, len(turns))),
+            np.full((9, len(turns)), -0.6),
+        ],
+        axis=-1,
+    )
+    found = drive_errors(GEOMETRY, DEFAULT, poses)
+    assert found.ok.all()
+    beside = drive_errors(GEOMETRY, DEFAULT, poses[:, -1:] + [0.0, 0.0, 1e-4, 0.0])
+    np.testing.assert_allclose(
+        found.horizontal, np.broadcast_to(beside.horizontal, found.horizontal.shape), rtol=1e-3
+    )
+    np.testing.assert_allclose(
+        found.worst, np.broadcast_to(beside.worst, found.worst.shape), rtol=1e-3
+    )

@@ -139,6 +139,6 @@ def test_largest_errors_over_the_workspace_are_those_of_poses_in_it() -> None:
         there = worst.go_to_worst(state, index)
         here = drive_errors(job.geometry, job.accuracy, there.document.pose)
         value = (here.horizontal, here.worst[3], here.worst[2])[index]
-        assert value == pytest.approx(found[index].value, rel=1e-9)
+        assert value == pytest.approx(found[index].value, rel=1e-7)  # the pose is rounded
     assert worst.go_to_worst(state, 3) == state
     assert "headings" in worst.worst_html(compute(state))
