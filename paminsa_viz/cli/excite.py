@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,7 +13,14 @@ from paminsa_viz.actuation import actuator_limits
 from paminsa_viz.blocks.excitation import excitation_blocks
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
-from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written, record
+from paminsa_viz.cli.output import (
+    print_began,
+    print_blocks,
+    print_error,
+    print_json,
+    print_written,
+    record,
+)
 from paminsa_viz.files.identification_table import excitation_table
 from paminsa_viz.files.tables import save_table, table_endings
 from paminsa_viz.identification import (
@@ -89,7 +95,7 @@ class Excite(JsonFlags, DesignFlags):
         )  # fmt: skip
         sample_times(0.0, settings.period * settings.periods, self.rate)  # refuses it now
         if not self.json:
-            print(f"searching for up to {self.seconds:g} s ...", file=sys.stderr)
+            print_began(f"searching for up to {self.seconds:g} s")
         try:
             found = optimize_excitation(design, limits, settings)
         except NoExcitation as error:

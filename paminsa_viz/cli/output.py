@@ -47,8 +47,13 @@ def write_report(request: ReportRequest, path: Path) -> None:
         file.write(report_html(request, _print_step))
 
 
+def print_began(what: str) -> None:
+    """Say what has begun, in one piece: a stop may print its line at any moment."""
+    sys.stderr.write(f"{what} ...\n")
+
+
 def _print_step(done: float, /, *, step: str, **_: Any) -> None:
-    print(f"{step} ...", file=sys.stderr)
+    print_began(step)
 
 
 def print_json(facts: dict[str, Any], *, signed: bool = True) -> None:

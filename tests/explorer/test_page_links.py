@@ -98,8 +98,8 @@ def test_link_opens_the_section_and_the_map_that_its_page_shows(
     other.open_tab("Path")
     until(lambda: parts(other)[0] == "section=Motion/Path", "the address follows")
     other.page.evaluate("link => { location.hash = link }", link)
-    until(lambda: parts(other) == shown, "a link opens in an open page too")
-    assert other.state.workspace == "Strength"
+    until(lambda: other.state.workspace == "Strength", "a link opens in an open page too")
+    until(lambda: parts(other) == shown, "its address says so")
 
 
 def test_link_in_a_tab_with_other_work_offers_that(open_tab: Callable[..., Tab]) -> None:

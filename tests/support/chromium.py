@@ -310,8 +310,9 @@ class Tab:
         return self.page.evaluate(NODE_PLACE, node)
 
     def platform(self) -> np.ndarray:
-        """Return (x, y, theta, z) of the platform in the page's scene."""
-        x, y, z, _, _, k, w = self.place("/robot/platform")
+        """Return (x, y, theta, z) of the platform in the page's scene, once it is there."""
+        place = until(lambda: self.place("/robot/platform"), "the robot is in the scene")
+        x, y, z, _, _, k, w = place
         return np.array([x, y, 2 * np.arctan2(k, w), z])
 
     def wait_pose(self, index: int, value: float) -> None:
