@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from paminsa_viz.clearance.nearest import BOX, CYLINDER, PRISM
-from paminsa_viz.clearance.shapes import shapes_of
+from paminsa_viz.clearance.shapes import _common_rod, shapes_of
 from paminsa_viz.clearance.solids import WORLD, Body, BodyPart, Primitive
 from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.meshes import bodies as drawn
@@ -162,3 +162,18 @@ def test_extent_and_rod_of_a_turned_solid_hold_its_surface(kind: str, seed: int)
     assert off.max() <= radius + 1e-12
     if kind != "prism":  # whose corners are not all as far out as its half sides
         assert off.max() >= radius * (1 - 1e-3)
+
+
+def test_the_capsule_about_a_body_lies_along_its_longest_solid() -> None:
+    """A bar with a pin across: as long as the bar, and as wide as the pin reaches."""
+    bar = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.01]
+    pin = [0.3, -0.02, 0.0, 0.3, 0.05, 0.0, 0.004]
+    for order in ([bar, pin], [pin, bar]):
+        rod = _common_rod(np.array(order))
+        assert sorted([rod[0], rod[3]]) == pytest.approx([0.0, 1.0])
+        assert [*rod[1:3], *rod[4:6]] == pytest.approx([0.0] * 4)
+        assert rod[6] == pytest.approx(0.05 + 0.004)
+    balls = np.array([[0.1, 0.2, 0.3] * 2 + [0.05], [0.1, 0.2, 0.7] * 2 + [0.02]])
+    about = _common_rod(balls)
+    assert sorted([about[2], about[5]]) == pytest.approx([0.3, 0.7])
+    assert about[6] == pytest.approx(0.05)
