@@ -18,7 +18,7 @@ from paminsa_viz.identification import (
     weigh_payload,
 )
 from paminsa_viz.identification.findings import investigate
-from paminsa_viz.model import APPENDIX_4, Payload
+from paminsa_viz.model import APPENDIX_4, Payload, backend
 from paminsa_viz.progress import Canceled
 from tests.support.identification_logs import multi_sine, simulated
 
@@ -29,6 +29,7 @@ LOADED = simulated(2, replace(APPENDIX_4, payload=Payload(2.0, 0.01)), rate=200.
 
 
 def test_each_part_is_that_of_its_own_function_and_is_there_if_its_log_is() -> None:
+    backend.compile_now()  # or kernels could take over in between, with other rounding
     shares: list[float] = []
     found = investigate(
         LOG, APPENDIX_4, QUICK, other=OTHER, loaded=LOADED, payload=2.0,
