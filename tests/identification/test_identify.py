@@ -256,7 +256,7 @@ def test_a_log_needs_a_turn_of_a_hundredth_or_a_lift_of_a_millimeter() -> None:
     def moving(*travel: float) -> Signals:
         return replace(signals, samples=signals.samples._replace(position=part * travel))
 
-    for enough in ((0.0, 0.0101, 0.0, 0.0), (0.0101, 0.0, 0.0, 9e-4), (0.0, 0.0, 0.0, 1.01e-3)):
+    for enough in ((0.0, 0.01, 0.0, 0.0), (0.0101, 0.0, 0.0, 9e-4), (0.0, 0.0, 0.0, 1e-3)):
         require_motion(moving(*enough))
     for little in ((0.0099, 0.0099, 0.0099, 9.9e-4), (0.0, 0.0, 0.0, 0.0)):
         with pytest.raises(InvalidLog, match="hardly moves"):
