@@ -178,7 +178,7 @@ def test_what_is_only_sampled_is_not_called_proven(capsys) -> None:
     words = ("prove", "--require", "condition <= 10", "--require", "error_x <= 100 um", *CENTERED)
     code, out, _ = run("requirements", capsys, *words)
     assert code == 0
-    assert "theta 0° to 0°: proven, but for requirements that are only sampled\n" in out
+    assert "θ 0° to 0°: proven, but for requirements that are only sampled\n" in out
 
 
 def test_a_workspace_beyond_all_reach_is_answered_at_once(capsys) -> None:
