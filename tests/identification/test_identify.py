@@ -266,7 +266,10 @@ def test_a_log_needs_a_turn_of_a_hundredth_or_a_lift_of_a_millimeter() -> None:
 @pytest.mark.parametrize(
     ("words", "call"),
     [
-        ("cut_off", lambda log: identify(APPENDIX_4, log, IdentificationSettings(cut_off=80.0))),
+        (
+            "cut_off: above 0 and at most 50 Hz is needed, not 50.1",
+            lambda log: identify(APPENDIX_4, log, IdentificationSettings(cut_off=50.1)),
+        ),
         ("block", lambda log: IdentificationSettings(block=-1.0)),
         ("start", lambda log: identify(APPENDIX_4, log, start=(0.0, 0.0, 0.0))),
         ("gravity", lambda log: identify(replace(APPENDIX_4, gravity=0.0), log)),
