@@ -17,6 +17,7 @@ from paminsa_viz.identification import (
     identify,
     make_log,
 )
+from paminsa_viz.identification.estimate import RESOLUTION
 from paminsa_viz.identification.filtering import Signals
 from paminsa_viz.identification.identify import filtered, require_motion
 from paminsa_viz.identification.log_poses import log_poses
@@ -246,6 +247,22 @@ def test_logs_with_wrong_torques_are_refused_or_noted() -> None:
         identify(APPENDIX_4, make_log(log.t, log.position, stuck))
     found = identify(APPENDIX_4, make_log(log.t, log.position, -log.torque), QUICK)
     assert any("sign of force4" in note for note in found.notes)
+
+
+def test_a_torque_that_changes_less_than_sensors_resolve_never_changes() -> None:
+    """Measured by the largest torque or force of the log, not by its own."""
+    log = simulated(1, RUBBING, rate=200.0)
+    signals = filtered(log, APPENDIX_4, QUICK, log_poses(APPENDIX_4.geometry, log))
+    least = RESOLUTION * np.abs(signals.torque).max()
+    for share, moves in ((0.99, False), (1.01, True)):
+        torque = signals.torque.copy()
+        torque[:, 1] = np.linspace(0.0, share * least, len(torque))
+        changed = replace(signals, torque=torque)
+        if moves:
+            require_motion(changed)
+        else:
+            with pytest.raises(InvalidLog, match="torque of M2 never changes"):
+                require_motion(changed)
 
 
 def test_a_log_needs_a_turn_of_a_hundredth_or_a_lift_of_a_millimeter() -> None:
