@@ -244,3 +244,26 @@ def test_poses_that_no_robot_holds_or_can_be_assembled_in_say_so() -> None:
     assert empty.any()
     found = item.missing(field, crooked)
     assert [bool(found.texts[code]) for code in found.code.ravel()] == empty.ravel().tolist()
+
+
+def test_values_of_a_grid_are_those_of_its_poses_alone() -> None:
+    """Of every quantity, and where it has none for a reason of its own, with the same reason."""
+    design = LOADED.vary({"leg1.bar_94": 1e-4, "payload.mass": 2.0})
+    x, y = [-0.1, 0.02, 0.11], [-0.05, 0.06]
+    field = solve_field(design.geometry, Grid.over((0.0, 0.0, 0.2, -0.5), y=y, x=x))
+    places = [(0, 2), (1, 0)]
+    alone = [
+        solve_field(design.geometry, Grid.over((0.0, 0.0, 0.2, -0.5), y=[y[i]], x=[x[j]]))
+        for i, j in places
+    ]
+    for key, item in QUANTITIES.items():
+        values = item.over(field, design)
+        assert values.shape == field.status.shape, key
+        for place, single in zip(places, alone, strict=True):
+            found = item.over(single, design)[0, 0]
+            assert values[place] == pytest.approx(found, rel=1e-6, abs=1e-12, nan_ok=True), key
+            if item.missing is not None:
+                every, own = item.missing(field, design), item.missing(single, design)
+                assert every.texts[every.code[place]] == own.texts[own.code[0, 0]]
+        if key != "clearance_counterweights":  # which it has not
+            assert np.isfinite(values).any(), key
