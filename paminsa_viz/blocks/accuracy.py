@@ -9,6 +9,7 @@ from paminsa_viz.blocks.kinds import Block, Note, Row, Table
 from paminsa_viz.model.accuracy import NO_DEVIATIONS, DriveAccuracy
 from paminsa_viz.model.design import Design
 from paminsa_viz.precision.drive_errors import Bound, DriveErrors
+from paminsa_viz.precision.error_rows import error_rows, region_errors, statistics
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import (
     MonteCarlo,
@@ -16,7 +17,7 @@ from paminsa_viz.precision.manufacture import (
     manufactured_pose,
     tolerance_errors,
 )
-from paminsa_viz.studies.metrics import RegionResults, error_rows, region_errors, statistics
+from paminsa_viz.studies.region import RegionResults
 from paminsa_viz.units import format_value
 
 ERROR_UNITS = (
@@ -31,7 +32,8 @@ MOST_LENGTHS = 4
 
 def drive_blocks(here: DriveErrors, over: RegionResults) -> list[Block]:
     """Return the errors that the drives of a design leave at a pose and over a region."""
-    region, errors = over.region, region_errors(over)
+    region = over.region
+    errors = region_errors(over.field, over.design.accuracy, over.reached)
     at, wide = [], []
     for row, rows in zip(error_rows(here), errors.rows, strict=True):
         name = "position" if row.name == "xy" else row.name

@@ -17,6 +17,13 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.reach import home_pose, require_reachable
 from paminsa_viz.precision.drive_errors import DriveErrors, drive_errors
+from paminsa_viz.precision.error_rows import (
+    STATISTICS_OF,
+    RegionErrors,
+    error_rows,
+    region_errors,
+    statistics,
+)
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import (
     MonteCarlo,
@@ -25,15 +32,7 @@ from paminsa_viz.precision.manufacture import (
     tolerance_errors,
 )
 from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
-from paminsa_viz.studies.metrics import (
-    STATISTICS_OF,
-    Region,
-    RegionErrors,
-    RegionResults,
-    error_rows,
-    region_errors,
-    statistics,
-)
+from paminsa_viz.studies.region import Region, RegionResults
 from paminsa_viz.units import format_pose
 
 DESCRIPTION = """\
@@ -93,7 +92,9 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
         if self.robots:
             drawn = monte_carlo(design, pose, robots=self.robots, seed=self.seed)
         if self.json:
-            data = _data(design, here, region, region_errors(over))
+            data = _data(
+                design, here, region, region_errors(over.field, design.accuracy, over.reached)
+            )
             more = {"manufacture": _manufacture_data(design, pose, drawn)}
             print_json(data | more if self.manufacture else data)
         else:
