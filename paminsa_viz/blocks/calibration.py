@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
+
+from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import Block, Note, Row, Table, rows
+from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.precision.calibration import KNOWN, Calibration, describe
 from paminsa_viz.precision.calibration_problem import COUNT
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
+from paminsa_viz.precision.measurements import PredictionErrors
 from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
 from paminsa_viz.units import MM, format_value, interval_text, number
 
@@ -101,3 +108,36 @@ def _deviations(found: Calibration) -> Table:
         "." if found.determined.all() else ", of which only sums are known."
     )
     return Table(("", "Length", "Leg 1", "Leg 2", "Leg 3"), cells, caption, words=2)
+
+
+def calibration_data(found: Calibration, source: str) -> dict[str, Any]:
+    """Return everything as data for JSON, in SI units."""
+    names = [f"{leg}.{length.name}_{length.unit}" for leg in LEG_NAMES for length in LENGTHS]
+    keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in SIX_COORDINATES]
+
+    def errors(values: PredictionErrors) -> dict[str, Any]:
+        sizes = {kind: getattr(values, kind) for kind in ("rms", "largest")}
+        return {"poses": values.poses} | {
+            kind: dict(zip(keys, each, strict=False)) for kind, each in sizes.items()
+        }
+
+    return {
+        "design": found.start.name,
+        "log": source,
+        **record(found, "improved", "rank", "singular_values", "noise_m"),
+        "fitted": {"before": errors(found.before), "after": errors(found.after)},
+        "held_back": {"before": errors(found.before_held), "after": errors(found.after_held)},
+        "combinations": [
+            {"leading": describe(item)}
+            | record(item, "singular_value", "value_m", "half_width_m")
+            | {
+                "weights": {
+                    name: weight
+                    for name, weight in zip(names, item.weights.ravel(), strict=True)
+                    if np.abs(weight) > 1e-6
+                }
+            }
+            for item in found.combinations
+        ],
+        "deviations": dict(zip(names, deviation_array(found.design).ravel(), strict=True)),
+    }

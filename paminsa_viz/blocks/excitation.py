@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
+from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import Block, Note, Row, Table
 from paminsa_viz.identification.excitation import Excitation, KeptLimit
+from paminsa_viz.model.design import Design
 from paminsa_viz.units import NONE, format_value, number
 
 
@@ -45,3 +48,15 @@ def _cells(row: KeptLimit) -> tuple[str, ...]:
     share = NONE if not under or not math.isfinite(under) else f"{100 * over / under:.0f} %"
     value = format_value(row.value, row.unit, 3)
     return row.name, value, limit, f"{number(row.t, 3)} s", share
+
+
+def excitation_data(design: Design, found: Excitation) -> dict[str, Any]:
+    """Return how the motion was found and its limits, for JSON, in SI units."""
+    return {
+        "design": design.name,
+        **record(found.settings, "period_s", "harmonics"),
+        "duration_s": found.plan.duration,
+        "log_det_random": found.random_log_det,
+        **record(found, "parameters", "log_det", "random", "evaluations", "seconds"),
+        "limits": [row._asdict() | {"kept": row.kept} for row in found.limits],
+    }
