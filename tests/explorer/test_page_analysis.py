@@ -99,7 +99,7 @@ def test_log_is_identified_drawn_and_used_and_a_wrong_one_changes_nothing(tab: T
     numbers = tab.page.get_by_test_id("identify-numbers")
     numbers.wait_for()
     unknown = tab.state.identification.result.identification.unknown
-    assert numbers.locator("tr.pv-unknown").count() == len(unknown) > 0
+    assert numbers.locator("tr.pv-muted").count() == len(unknown) > 0
     assert tab.page.locator(".uplot canvas").count() >= 2
     tab.click("Use as design")
     until(lambda: tab.state.document.design != APPENDIX_4, "its numbers are the design's")

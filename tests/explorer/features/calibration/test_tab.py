@@ -52,7 +52,7 @@ def test_calibration_predicts_held_back_poses_of_the_example(calibrated: State) 
         found.before_held.rms[:2]
     )
     status = texts.status_html(compute(calibrated))
-    assert "Calibrated, and checked on held-back poses" in status
+    assert "Held-back poses are predicted better than before" in status
     assert calibrated.calibration.measured is not None
     assert "computed, not measured" in texts.measured_html(compute(calibrated))
     figure = residual_figure(found)
