@@ -20,7 +20,7 @@ from paminsa_viz.precision.manufacture import (
     tolerance_errors,
 )
 from paminsa_viz.studies.metrics import RegionResults, error_rows, region_errors, statistics
-from paminsa_viz.units import display_unit, format_value
+from paminsa_viz.units import format_value
 
 ERRORS = (
     ("x", "m:um", "x"), ("y", "m:um", "y"), ("θ", "rad:arcsec", "theta"), ("z", "m:um", "z"),
@@ -182,7 +182,11 @@ def shares_table(found: ToleranceErrors, index: int) -> Table:
         for i in np.argsort(-share)
         if share[i] >= LEAST_SHARE
     )
-    return Table(("Length", "Share"), rows, f"Shares in the variance of {ERRORS[index][0]}.")
+    return Table(
+        ("Length", "Share"),
+        rows,
+        f"Shares in the variance of {ERRORS[index][0]}, all legs together.",
+    )
 
 
 def _dominating(found: ToleranceErrors, index: int) -> str:
@@ -218,10 +222,7 @@ def own_legs(design: Design, pose: ArrayLike) -> Note:
     if not found.ok:
         return Note(f"The design's own legs have no position: {found.reason()}.", "bad")
     off = [*(found.pose - np.asarray(pose)), *found.tilt]
-    texts = (
-        f"{name} {shown(off[i], unit)} {display_unit(unit).text}"
-        for i, (name, unit, _) in ((i, ERRORS[i]) for i in ORDER)
-    )
+    texts = (f"{ERRORS[i][0]} {format_value(float(off[i]), ERRORS[i][1], 3)}" for i in ORDER)
     return Note(
         "With drives set for equal legs, the design's own put the platform off by "
         f"{', '.join(texts)}."

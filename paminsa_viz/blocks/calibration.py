@@ -156,4 +156,4 @@ def poses_table(plan: CalibrationPlan) -> Table:
         )
         for place, (pose, readings) in enumerate(zip(asked.poses, asked.actuators, strict=True), 1)
     )
-    return Table(("", *units), rows(*cells), "Poses to measure, in mm and degrees.")
+    return Table(("", *units), rows(*cells), "Poses to measure, in mm and degrees.", literal=True)

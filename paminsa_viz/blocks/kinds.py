@@ -233,6 +233,14 @@ def shown(value: float, unit: str, digits: int = 3) -> str:
     return number(scaled, digits, padded=True)
 
 
+def aligned(values: Sequence[float], unit: str, digits: int = 3) -> tuple[str, ...]:
+    """Return numbers of an SI unit with the decimals that the largest of them has by `shown`."""
+    scaled = [float(value) * display_unit(unit).factor for value in values]
+    size = max((abs(value) for value in scaled if math.isfinite(value)), default=0.0)
+    decimals = digits - 1 - math.floor(math.log10(size)) if size else 0
+    return tuple(fixed(value, max(decimals, 0)) for value in scaled)
+
+
 def rows(*cells: Sequence[str]) -> tuple[Row, ...]:
     """Return plain rows from sequences of cells."""
     return tuple(Row(tuple(each)) for each in cells)

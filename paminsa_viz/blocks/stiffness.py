@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, shown
+from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, aligned, heading, shown
 from paminsa_viz.elastostatics.beams import TubeFit
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
 from paminsa_viz.elastostatics.leg_frame import contacts
@@ -67,7 +67,10 @@ def stiffness_blocks(
     """Return stiffness, deflection, shares of the parts and natural frequencies at a pose."""
     return [
         directions_table(design, found),
-        Note(f"{softest_text(found)} {_ellipsoid_text(design, found)}"),
+        Note(
+            f"The softest horizontal direction is {softest_text(found)}. "
+            f"{_ellipsoid_text(design, found)}"
+        ),
         *_loaded(design, found.pose, shear=shear),
         *_vibration(design, found.pose, shear=shear),
     ]
@@ -144,9 +147,8 @@ def _direction(name: str, unit: str, value: float, key: str, rigid: str = "") ->
 
 
 def softest_text(found: PlatformStiffness) -> str:
-    """Return where the robot is softest in the plane."""
-    angle = format_value(float(found.softest_direction), "rad", 3)
-    return f"The softest horizontal direction is {angle} from x."
+    """Return the direction in which the robot is softest in the plane."""
+    return f"{format_value(float(found.softest_direction), 'rad', 3)} from x"
 
 
 def _ellipsoid_text(design: Design, found: PlatformStiffness) -> str:
@@ -229,13 +231,17 @@ def _share(share: float) -> Cell:
 
 def deflection_table(case: str, wrench: Array, twist: Array) -> Table:
     """Return the deflection (6,) of the platform's center under a wrench (6,)."""
+    moved, loads = _rounded(twist), [float(load) for load in wrench]
+    found = (*aligned(moved[:3], "m"), *aligned(moved[3:], "rad:mrad"))
     units = (("N", "m"),) * 3 + (("N m", "rad:mrad"),) * 3
-    rows = tuple(
-        Row((heading(name, unit), format_value(float(load), of), shown(value, unit)))
-        for name, load, value, (of, unit) in zip(AXES, wrench, _rounded(twist), units, strict=True)
-    )
+    rows = [
+        Row((heading(name, unit), format_value(load, of), text))
+        for name, load, text, (of, unit) in zip(AXES, loads, found, units, strict=True)
+    ]
+    tilt = float(np.hypot(*moved[3:5]))
+    rows.append(Row((heading("tilt", "rad:mrad"), "", aligned([*moved[3:], tilt], "rad:mrad")[-1])))
     caption = f"Deflection of the platform's center under {case}."
-    return Table(("", "Load", "Deflection"), rows, caption)
+    return Table(("", "Load", "Deflection"), tuple(rows), caption)
 
 
 def compensation_text(moved: Compensation) -> str:

@@ -113,7 +113,7 @@ def errors_html(frame: Frame) -> str:
         return ""
     table = errors_table(found)
     narrow = table.columns(*(place for place in range(len(table.head)) if place % 3 or not place))
-    return blocks_html("calibrate-errors", narrow, look="pv-identify pv-wrapped")
+    return blocks_html("calibrate-errors", narrow, look="pv-wrapped")
 
 
 def lengths_html(frame: Frame) -> str:

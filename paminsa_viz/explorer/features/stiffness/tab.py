@@ -178,15 +178,15 @@ def result_html(frame: Frame) -> str:
     if result is None:
         return note("stiffness-problem", f"No stiffness at this pose: {outcome.problem}.")
     found = result.stiffness
+    directions = directions_table(job.design, found)
     deflected = deflection_table(CASES[job.case][0], job.wrench, result.twist)
-    frequencies = modes_table(result.frequencies, result.alone)
-    moved = result.compensation
+    frequencies, moved = modes_table(result.frequencies, result.alone), result.compensation
     return render(
-        "stiffness/result.j2", softest=softest_text(found), deflected=deflected.turned(2),
-        stiffness=directions_table(job.design, found).turned(1, 2).columns(0, 1, 2, 3, 6, 7, 8),
+        "stiffness/result.j2", frequencies=frequencies.turned(1, 2), missing=NO_FREQUENCIES,
+        directions=directions.turned(1, 2).columns(0, 1, 2, 3, 6, 8), softest=directions.rows[6],
+        along=softest_text(found), deflected=deflected.turned(2).columns(0, 1, 2, 3, 6, 7),
         compensation=NOTHING_DEFLECTED if moved is None else compensation_text(moved),
-        loaded=moved is not None, frequencies=frequencies.turned(1, 2), missing=NO_FREQUENCIES,
-        mode=frame.state.stiffness.settings.mode,
+        loaded=moved is not None, mode=frame.state.stiffness.settings.mode,
     )  # fmt: skip
 
 

@@ -127,7 +127,7 @@ def test_a_deviation_is_set_in_its_unit_saved_and_tilts_the_platform(moved: Stat
     assert entry.shown(state) == 0.05
     assert persistence.load(persistence.dump(state.document)).design == design
     found, text = manufactured_pose(design, POSE), panel.legs_html(compute(state))
-    assert f"tilt about x {number(ARCSEC * found.tilt[0], 3, padded=True)} ″" in text
+    assert f"tilt about x {number(ARCSEC * found.tilt[0], 3)}″" in text
     assert (
         panel._leg_choices(state)["All legs alike"](state).document.design.deviations
         == NO_DEVIATIONS
