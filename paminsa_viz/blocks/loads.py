@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.blocks.kinds import (
     Block,
+    Cell,
     Note,
     Row,
     Table,
@@ -39,6 +40,8 @@ ROUNDING = 1e-9
 
 LEGS = (0, 1, 2)
 SUBSCRIPTS = "₁₂₃"
+
+_HINTS = {"equivalent": "constant force with the same wear"}
 
 _JOINT_LABELS = rows(*((joint.label,) for joint in JOINTS))
 
@@ -89,7 +92,7 @@ def pose_blocks(forces: JointForces, sideways: SidewaysForces) -> list[Block]:
         joints_table(forces, sideways.force),
         _of_legs(
             "Moments across the planes, shared by elasticity as the forces t are.", ("Joint",),
-            _JOINT_LABELS, {"M_r": "N m", "M_z": "N m"}, sideways.moment, LEGS,
+            _JOINT_LABELS, {"M_r": "N m", "M_z": "N m"}, sideways.moment,
         ),
         bars_table(inner, utilization(forces)),
         Note(
@@ -100,7 +103,7 @@ def pose_blocks(forces: JointForces, sideways: SidewaysForces) -> list[Block]:
     ]  # fmt: skip
 
 
-def motion_blocks(loads: MotionLoads, legs: Sequence[int] = LEGS) -> list[Block]:
+def motion_blocks(loads: MotionLoads) -> list[Table]:
     """Return peak, RMS and equivalent load of the joints on a motion, and the bars' loads."""
     kinds = (loads.peak, loads.peak_time, loads.rms, loads.equivalent)
     caption = (
@@ -110,18 +113,17 @@ def motion_blocks(loads: MotionLoads, legs: Sequence[int] = LEGS) -> list[Block]
     )
     units = {"peak": "N", "at": "s", "RMS": "N", "equivalent": "N"}
     return [
-        _of_legs(caption, ("Joint",), _JOINT_LABELS, units, np.stack(kinds, axis=-1), legs),
-        bars_table(loads.bar_peak, loads.utilization.max(axis=0), legs),
+        _of_legs(caption, ("Joint",), _JOINT_LABELS, units, np.stack(kinds, axis=-1)),
+        bars_table(loads.bar_peak, loads.utilization.max(axis=0)),
     ]
 
 
-def joints_table(forces: JointForces, sideways: Array | None, legs: Sequence[int] = LEGS) -> Table:
+def joints_table(forces: JointForces, sideways: Array | None) -> Table:
     """Return the forces and moments at the joints of legs.
 
     Args:
         forces: Of one pose.
         sideways: (3, joints) forces across the planes; None where only those of joint 5 are known.
-        legs: Indices of the legs.
     """
     across = forces.force[..., 1] if sideways is None else sideways
     turning = [joint.key in MOMENT_AT for joint in JOINTS]
@@ -132,21 +134,21 @@ def joints_table(forces: JointForces, sideways: Array | None, legs: Sequence[int
     )
     caption = "Forces at the joints, and moments in the planes of the legs."
     units = {"r": "N", "t": "N", "z": "N", "M": "N m"}
-    return _of_legs(caption, ("Joint", "On", "From"), labels, units, values, legs)
+    return _of_legs(caption, ("Joint", "On", "From"), labels, units, values)
 
 
-def bars_table(inner: ArrayLike, use: ArrayLike, legs: Sequence[int] = LEGS) -> Table:
+def bars_table(inner: ArrayLike, use: ArrayLike) -> Table:
     """Return the largest loads (3 legs, bars, 3) in the bars, and their utilization (3, bars)."""
     values = np.concatenate([np.asarray(inner), np.asarray(use)[..., None]], axis=-1)
     units = dict(zip((*COMPONENTS, "σ/R_p"), ("N", "N", "N m", "1:%"), strict=True))
     caption = "Largest forces N, V and moments M along the bars, and stress over yield stress."
     labels = rows(*((BAR_NAMES[bar],) for bar in BARS))
-    return _of_legs(caption, ("Bar",), labels, units, values, legs)
+    return _of_legs(caption, ("Bar",), labels, units, values)
 
 
 def _of_legs(
     caption: str, what: tuple[str, ...], labels: Sequence[Row], units: Mapping[str, str],
-    values: Array, legs: Sequence[int],
+    values: Array,
 ) -> Table:  # fmt: skip
     """Return a table with rows of joints or bars, and columns of legs.
 
@@ -154,26 +156,35 @@ def _of_legs(
         caption: What it shows.
         what: What the labels are.
         labels: How the rows begin.
-        units: Units of a leg's numbers by their headings, which name the leg beside others.
+        units: Units of a leg's numbers by their headings.
         values: (3 legs, rows, units) [N, N m, s, 1]; infinite where a cell stays empty.
-        legs: Indices of the legs.
     """
-    one = len(legs) == 1
     head = (
-        heading(name if one else f"{name}{SUBSCRIPTS[leg]}", unit)
-        for leg in legs
+        Cell(heading(f"{name}{SUBSCRIPTS[leg]}", unit), hint=_HINTS.get(name, ""))
+        for leg in LEGS
         for name, unit in units.items()
     )
     found = []
     for place, label in enumerate(labels):
-        own = [cell.replace("M_k", f"M{legs[0] + 1}") if one else cell for cell in label.cells]
         numbers = (
             _text(value, unit)
-            for leg in legs
+            for leg in LEGS
             for value, unit in zip(values[leg, place], units.values(), strict=True)
         )
-        found.append(replace(label, cells=(*own, *numbers)))
+        found.append(replace(label, cells=(*label.cells, *numbers)))
     return Table((*what, *head), tuple(found), caption, words=len(what))
+
+
+def of_leg(table: Table, leg: int) -> Table:
+    """Return one of these tables with the columns of a leg; where forces are from is a tooltip."""
+    width = (len(table.head) - table.words) // len(LEGS)
+    first = table.words + width * leg
+    chosen = table.columns(*range(min(table.words, 2)), *range(first, first + width))
+    rows = (
+        replace(row, cells=(row.cells[0].replace("M_k", f"M{leg + 1}"), *row.cells[1:]))
+        for row in chosen.rows
+    )
+    return replace(chosen, rows=tuple(rows))
 
 
 def _text(value: float, unit: str = "N") -> str:

@@ -12,6 +12,7 @@ from paminsa_viz.blocks.loads import (
     bars_table,
     joints_table,
     motion_blocks,
+    of_leg,
     until_text,
 )
 from paminsa_viz.explorer.core.frame import Frame
@@ -67,7 +68,7 @@ def joints(frame: Frame) -> str:
         return ""
     at, leg = instant(frame.state), frame.state.loads.settings.leg
     forces = forces_at(at)
-    table = joints_table(forces, sideways_at(at), [leg]).columns(0, 1, 3, 4, 5, 6)
+    table = of_leg(joints_table(forces, sideways_at(at)), leg)
     return render(
         "loads/joints.j2", table=table, color=ACTUATOR_COLORS[leg], axial=shown(forces.axial, "N")
     )
@@ -78,7 +79,7 @@ def bars(frame: Frame) -> str:
     if problem(frame):
         return ""
     view = frame.state.loads.settings
-    table = bars_table(*bars_at(instant(frame.state)), [view.leg])
+    table = of_leg(bars_table(*bars_at(instant(frame.state))), view.leg)
     return blocks_html("loads-bars", table, look="pv-drives", chosen=BARS.index(view.bar))
 
 
@@ -97,7 +98,7 @@ def motion(frame: Frame) -> str:
     return blocks_html(
         "loads-motion", *([Note(f"{until}.", "warn")] if until else []),
         Note(f"“{outcome.job.trajectory.name}”, leg {view.leg + 1}:"),
-        *motion_blocks(outcome.result, [view.leg]), bold=[1],
+        *(of_leg(table, view.leg) for table in motion_blocks(outcome.result)), bold=[1],
     )  # fmt: skip
 
 

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.blocks.excitation import limits_table
+from paminsa_viz.blocks.identification import identification_blocks
 from paminsa_viz.explorer.core import persistence, tab_store
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.planning import planned
@@ -27,6 +29,7 @@ from paminsa_viz.model import InvalidInput, PaminsaError, static_imbalance
 from paminsa_viz.plots.identification_series import log_charts
 from tests.support.desk import Desk
 from tests.support.raw_page import upload_messages
+from tests.support.tables import assert_parts
 from tests.support.tasks import delivered, finished
 
 PANEL = (*identify_panel.LOGS, *identify_panel.EXCITE)
@@ -58,6 +61,11 @@ def test_numbers_causes_checks_and_masses_are_told(found: State) -> None:
     assert " mm</td>" in causes
     assert not re.search(r"N m|\w_\w", re.sub("<[^>]*>", "", causes))
     assert "Payload" in identify_text.checks_html(frame)
+    blocks = identification_blocks(found.identification.result)  # type: ignore[arg-type]
+    for text in (numbers, causes):
+        assert_parts(text, blocks)
+    for made in (identify_text.checks_html, identify_text.masses_html):
+        assert_parts(made(frame), blocks)
     assert '<tr class="pv-muted"' in identify_text.masses_html(frame)
     assert "example_log_payload" in identify_text.logs_html(frame)
 
@@ -209,6 +217,7 @@ def test_motion_is_offered_with_its_limits_and_becomes_the_current_one() -> None
     text = identify_text.excitation_html(compute(state))
     assert "condition number" in text
     assert "pv-bad-text" not in text
+    assert_parts(text, [limits_table(actions.SEARCH.required(state, "", ""))])
     used = actions.use_excitation(state)
     motion = planned(used.document.motion, used.document.design).trajectory
     assert motion is not None
