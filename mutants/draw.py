@@ -78,8 +78,11 @@ def candidates(path: str, source: bytes) -> list[Mutant]:
     starts = [0]
     for line in lines:
         starts.append(starts[-1] + len(line))
-    found = []
-    for node, others in _changes(ast.parse(source)):
+    found, tree = [], ast.parse(source)
+    alike = set(_alike(tree))
+    for node, others in _changes(tree):
+        if node in alike:
+            continue
         assert node.end_lineno is not None
         assert node.end_col_offset is not None
         start = starts[node.lineno - 1] + node.col_offset
@@ -135,6 +138,22 @@ def _looked_into(node: ast.AST) -> Iterator[ast.AST]:
         for item in value if isinstance(value, list) else [value]:
             if isinstance(item, ast.AST):
                 yield item
+
+
+def _alike(tree: ast.AST) -> Iterator[ast.AST]:
+    """Yield what no test can tell changed, whatever is around it.
+
+    ``strict`` of ``zip`` is a check for mistakes in the source; for the -1 of ``reshape`` NumPy
+    takes any negative number.
+    """
+    for call in ast.walk(tree):
+        match call:
+            case ast.Call(ast.Name("zip")):
+                yield from (keyword.value for keyword in call.keywords)
+            case ast.Call(ast.Attribute(attr="reshape")):
+                for part in ast.walk(call):
+                    if isinstance(part, ast.UnaryOp) and ast.unparse(part) == "-1":
+                        yield part.operand
 
 
 def _others(node: ast.expr) -> Iterator[ast.expr]:

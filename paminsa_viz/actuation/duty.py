@@ -287,12 +287,10 @@ def _passages(
     duty: Duty, analysis: TrajectoryAnalysis, static: Array, slower: float
 ) -> list[DutyMotion]:
     """Return a motion as the four actuators see it."""
-    own_speed, torque = analysis.solved.speed, analysis.torque
+    own_speed, friction = analysis.solved.speed, analysis.design.actuator_friction
     speed, growth = own_speed / slower, analysis.solved.actuator_acceleration / slower**2
-    if slower != 1.0:
-        friction = analysis.design.actuator_friction
-        dynamic = torque - friction_torque(friction, own_speed) - static
-        torque = static + dynamic / slower**2 + friction_torque(friction, speed)
+    dynamic = analysis.torque - friction_torque(friction, own_speed) - static
+    torque = static + dynamic / slower**2 + friction_torque(friction, speed)
     signals = load_signals(torque, growth, speed)
     times = duty.trajectory.t
     t, count, dwell = slower * (times - times[0]), float(duty.repeats), float(duty.dwell)

@@ -22,8 +22,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.actuation.drive_table import DriveTable
-from paminsa_viz.actuation.duty import ActuatorLoad, Signal
+from paminsa_viz.actuation.catalog import Catalog
+from paminsa_viz.actuation.drive_table import DriveTable, drive_table
+from paminsa_viz.actuation.duty import ActuatorLoad, DutyCycle, Signal
 from paminsa_viz.actuation.sizing import envelope_share, rms_torque
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arrays import Array
@@ -63,6 +64,26 @@ class RatioIntervals:
     def feasible(self) -> NDArray[np.bool_]:
         """Where there are any."""
         return self.low <= self.high
+
+
+@dataclass(frozen=True)
+class GearRatios:
+    """Gear ratios with which a motor of a catalog can drive an actuator.
+
+    Attributes:
+        actuator: Its name.
+        motor: The motor, for M4 with the screw or belt behind its gear.
+        low, high: Ends of the ratios; None where there is none.
+        scanned: Whether they were found by a scan.
+        gaps: Whether ratios between the ends are not feasible.
+    """
+
+    actuator: str
+    motor: str
+    low: float | None
+    high: float | None
+    scanned: bool
+    gaps: bool
 
 
 @kinds_checked
@@ -242,3 +263,40 @@ def _edge(load: ActuatorLoad, part: DriveTable, good: float, bad: float) -> floa
         else:
             bad = middle
     return good
+
+
+def catalog_ratios(
+    cycle: DutyCycle, catalog: Catalog, *, inertia_ratio: float = np.inf
+) -> list[GearRatios]:
+    """Return the gear ratios of every motor for every actuator, for a gear without inertia.
+
+    Args:
+        cycle: What the actuators have to do.
+        catalog: The motors, and the screws and belts of M4, whose inertia is left out too.
+        inertia_ratio: Largest inertia of the robot over that of the motor, at the motor's shaft.
+
+    Raises:
+        CatalogError: If the catalog has no motor, or no screw or belt.
+    """
+    catalog.pairs(3)  # says what the catalog lacks
+    screws = catalog.transmissions
+    found: list[GearRatios] = []
+    for j, load in enumerate(cycle.loads):
+        bare = catalog.motors if j < 3 else catalog.motors * len(screws)
+        leads = [1.0] * len(bare)
+        names = [motor.name for motor in bare]
+        table = drive_table(bare)
+        if j == 3:
+            each = [screw for screw in screws for _ in catalog.motors]
+            leads = [2 * np.pi / screw.lead for screw in each if screw.lead is not None]
+            names = [f"{a}, {b.name}" for a, b in zip(names, each, strict=True)]
+            table.efficiency[:] = [screw.lead_efficiency for screw in each]
+            table.holds[:] |= [screw.holds for screw in each]
+        ends = ratio_intervals(load, table, inertia_ratio=inertia_ratio)
+        for i, (name, lead) in enumerate(zip(names, leads, strict=True)):
+            low, high = (
+                float(end[i]) / lead if ends.feasible[i] else None for end in (ends.low, ends.high)
+            )
+            scanned, gaps = bool(ends.scanned[i]), bool(ends.gaps[i])
+            found.append(GearRatios(load.name, name, low, high, scanned, gaps))
+    return found

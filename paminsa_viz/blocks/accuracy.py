@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, shown
 from paminsa_viz.model.accuracy import NO_DEVIATIONS, DriveAccuracy
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.precision.drive_errors import DriveErrors
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import (
@@ -19,7 +23,16 @@ from paminsa_viz.precision.manufacture import (
     manufactured_pose,
     tolerance_errors,
 )
-from paminsa_viz.studies.metrics import RegionResults, error_rows, region_errors, statistics
+from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
+from paminsa_viz.studies.metrics import (
+    STATISTICS_OF,
+    Region,
+    RegionErrors,
+    RegionResults,
+    error_rows,
+    region_errors,
+    statistics,
+)
 from paminsa_viz.units import format_value
 
 ERRORS = (
@@ -227,3 +240,70 @@ def own_legs(design: Design, pose: ArrayLike) -> Note:
         "With drives set for equal legs, the design's own put the platform off by "
         f"{', '.join(texts)}."
     )
+
+
+def accuracy_data(
+    design: Design, here: DriveErrors, region: Region, over: RegionErrors
+) -> dict[str, Any]:
+    """Return the errors by the drives, at a pose and over a region, for JSON, in SI units."""
+    names = ("median", "p95", "largest")
+    return {
+        "design": design.name,
+        "half_widths": dict(zip(ACTUATORS, design.accuracy.half_widths, strict=True)),
+        "deviations": dict(zip(ACTUATORS, design.accuracy.deviations, strict=True)),
+        "pose": here.pose,
+        "bounded": here.ok,
+        "reason": here.reason(),
+        "errors": {
+            _key(row.name): {kind: getattr(row, kind)[0] for kind in STATISTICS_OF}
+            for row in error_rows(here)
+        },
+        "region": {
+            **record(region, "radius_m", "theta_rad", "z_m"),
+            "poses": over.poses,
+            "unbounded": {bound.word: count for bound, count in over.unbounded.items()},
+            "errors": {
+                _key(row.name): {
+                    kind: dict(zip(names, statistics(getattr(row, kind)), strict=True))
+                    for kind in STATISTICS_OF
+                }
+                for row in over.rows
+            },
+        },
+    }  # fmt: skip
+
+
+def _key(name: str) -> str:
+    """Return the name of a row for JSON, with its SI unit."""
+    return {"xy": "horizontal_m", "θ": "theta_rad"}.get(name, f"{name}_m")
+
+
+def manufacture_data(
+    design: Design, pose: tuple[float, ...], robots: MonteCarlo | None
+) -> dict[str, Any]:
+    """Return the errors by manufacture at a pose, and those of robots drawn at random."""
+    errors, actual = tolerance_errors(design, pose), manufactured_pose(design, pose)
+    keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in SIX_COORDINATES]
+
+    def named(values: Array) -> dict[str, float]:
+        return dict(zip(keys, values, strict=True))
+
+    data: dict[str, Any] = {
+        "worst": named(errors.worst),
+        "clearance": named(errors.clearance),
+        "rms": named(errors.rms),
+        "worst_horizontal_m": errors.horizontal,
+        "worst_tilt_rad": errors.tilt,
+        "shares": {
+            key: {length.name: share for length, share in zip(LENGTHS, row, strict=True)}
+            for key, row in zip(keys, errors.shares, strict=True)
+        },
+        "actual": named(actual.coordinates),
+        "actual_reason": actual.reason(),
+    }
+    if robots:
+        data["robots"] = {
+            "count": len(robots.errors), "seed": robots.seed, "solved": robots.solved,
+            "rms": named(robots.rms), "p95": named(robots.quantile(0.95)),
+        }  # fmt: skip
+    return data

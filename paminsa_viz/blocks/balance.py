@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from paminsa_viz.balancing import Optimum, balance, whole_mass
+from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import (
     Block,
     Note,
@@ -188,3 +191,18 @@ def _changes(found: Optimum) -> tuple[Row, ...]:
 
 def _tidy(value: float) -> str:
     return number(0.0 if abs(value) <= 1e-12 else value, 6)
+
+
+def optimum_data(found: Optimum) -> dict[str, Any]:
+    """Return goals, changes, active bounds and the certificate, for JSON."""
+    after = found.after
+    return {
+        "values": found.values,
+        "changes": {path: {"before": a, "after": b} for path, a, b in changed_masses(found)},
+        "counterweights": [
+            vars(weight) | {"room": clearance_text(after.geometry, weight)}
+            for weight in after.counterweights
+        ],
+        "active_bounds": found.active,
+        **record(found, "objective", "lower_bound", "gap", "seconds"),
+    }

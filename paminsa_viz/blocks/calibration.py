@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
+
+import numpy as np
 
 from paminsa_viz.blocks.accuracy import ERRORS, ORDER
+from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, rows, shown
+from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.precision.calibration import KNOWN, Calibration, describe
 from paminsa_viz.precision.calibration_plan import CalibrationPlan
 from paminsa_viz.precision.calibration_problem import COUNT
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
+from paminsa_viz.precision.measurements import PredictionErrors
+from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
 from paminsa_viz.units import MM, display_unit, fixed, format_value, interval_text, number
 
 MOST_COMBINATIONS = 10
@@ -157,3 +164,36 @@ def poses_table(plan: CalibrationPlan) -> Table:
         for place, (pose, readings) in enumerate(zip(asked.poses, asked.actuators, strict=True), 1)
     )
     return Table(("", *units), rows(*cells), "Poses to measure, in mm and degrees.", literal=True)
+
+
+def calibration_data(found: Calibration, source: str) -> dict[str, Any]:
+    """Return everything as data for JSON, in SI units."""
+    names = [f"{leg}.{length.name}_{length.unit}" for leg in LEG_NAMES for length in LENGTHS]
+    keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in SIX_COORDINATES]
+
+    def errors(values: PredictionErrors) -> dict[str, Any]:
+        sizes = {kind: getattr(values, kind) for kind in ("rms", "largest")}
+        return {"poses": values.poses} | {
+            kind: dict(zip(keys, each, strict=False)) for kind, each in sizes.items()
+        }
+
+    return {
+        "design": found.start.name,
+        "log": source,
+        **record(found, "improved", "rank", "singular_values", "noise_m"),
+        "fitted": {"before": errors(found.before), "after": errors(found.after)},
+        "held_back": {"before": errors(found.before_held), "after": errors(found.after_held)},
+        "combinations": [
+            {"leading": describe(item)}
+            | record(item, "singular_value", "value_m", "half_width_m")
+            | {
+                "weights": {
+                    name: weight
+                    for name, weight in zip(names, item.weights.ravel(), strict=True)
+                    if np.abs(weight) > 1e-6
+                }
+            }
+            for item in found.combinations
+        ],
+        "deviations": dict(zip(names, deviation_array(found.design).ravel(), strict=True)),
+    }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from typing import Any
 
 import numpy as np
 
@@ -84,3 +85,41 @@ def nearest_kinds(found: Clearance) -> list[tuple[tuple[str, str], int, float]]:
         counts[one, other] += 1
         least[one, other] = min(float(distance), least.get((one, other), np.inf))
     return [(kinds, count, least[kinds]) for kinds, count in counts.most_common()]
+
+
+def clearance_data(
+    design: Design, pose: Any, groups: dict[PairGroup, Clearance], here: Clearance,
+    over: Clearance | None, required: float,
+) -> dict[str, Any]:  # fmt: skip
+    """Return the nearest bodies at a pose and over many, for JSON, in SI units."""
+
+    def entry(found: Clearance) -> dict[str, Any] | None:
+        if found.pair < 0:
+            return None
+        return {
+            "bodies": found.pairs[int(found.pair)],
+            "distance_m": found.least,
+            "points_m": found.points,
+        }
+
+    data = {
+        "design": design.name,
+        "pose": pose,
+        "required_m": required,
+        "least": entry(here),
+        "groups": {group.value: entry(found) for group, found in groups.items()},
+    }
+    if over is None:
+        return data
+    reached = over.least[np.isfinite(over.least)]
+    return data | {
+        "poses": {
+            "drawn": over.least.size,
+            "reached": len(reached),
+            "below": np.sum(reached < required),
+            "nearest": [
+                {"bodies": kinds, "poses": count, "least_m": least}
+                for kinds, count, least in nearest_kinds(over)
+            ],
+        }
+    }

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
+from paminsa_viz.actuation.catalog import Catalog
 from paminsa_viz.actuation.duty import ActuatorLoad, Duty, DutyCycle, duty_cycle
+from paminsa_viz.actuation.ratios import GearRatios
 from paminsa_viz.actuation.selection import DriveFigures, Selection, size_design
-from paminsa_viz.blocks.kinds import Block, Cell, CellKind, Note, Row, Table
-from paminsa_viz.blocks.kinds import rows as table_rows
+from paminsa_viz.blocks.data import record
+from paminsa_viz.blocks.kinds import Block, Cell, CellKind, Note, Row, Table, rows
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.palette import ACTUATOR_COLORS
@@ -29,7 +32,7 @@ def drives_blocks(analysis: TrajectoryAnalysis) -> list[Block]:
         for name, drive, color in zip(ACTUATORS, design.drives, ACTUATOR_COLORS, strict=True)
         if drive is not None
     ]
-    rows = tuple(
+    values = tuple(
         Row(
             (
                 name, drive.summary, number(drive.ratio, 4),
@@ -48,7 +51,7 @@ def drives_blocks(analysis: TrajectoryAnalysis) -> list[Block]:
             "below measures each drive on the load without its own inertia; its efficiency acts by "
             "the direction of the power."
         ),
-        Table(head, rows, "Drives of the design.", words=2, literal=True),
+        Table(head, values, "Drives of the design.", words=2, literal=True),
     ]
     if analysis.check.first is not None:
         text = "The robot cannot run the trajectory, so they are not measured."
@@ -109,25 +112,25 @@ def selection_blocks(
 
 def figures_table(caption: str, figures: list[tuple[str, DriveFigures]]) -> Table:
     """Return drives with their figures on a load; those that break a limit are marked."""
-    rows = tuple(
+    lines = tuple(
         Row((name, *figure_cells(one)), "plain" if one.feasible else "marked")
         for name, one in figures
     )
-    return Table(FIGURES_HEAD, rows, caption, words=2, literal=True)
+    return Table(FIGURES_HEAD, lines, caption, words=2, literal=True)
 
 
 def own_table(design: Design, figures: Sequence[DriveFigures | None]) -> Table:
     """Return the drives of a design with their figures on a load, or without."""
-    rows = []
+    lines = []
     for name, drive, one, color in zip(
         ACTUATORS, design.drives, figures, ACTUATOR_COLORS, strict=True
     ):
         text = "none" if drive is None else drive.name or drive.summary
         cells = (text, "", NONE) if one is None else figure_cells(one, good="ok")
         kind = "plain" if one is None or one.feasible else "marked"
-        rows.append(Row((name, *cells), kind, color))
+        lines.append(Row((name, *cells), kind, color))
     caption = "The design's own drives, at the motor's shaft."
-    return Table(FIGURES_HEAD, tuple(rows), caption, words=2, literal=True)
+    return Table(FIGURES_HEAD, tuple(lines), caption, words=2, literal=True)
 
 
 def facts_table(one: DriveFigures) -> Table:
@@ -157,7 +160,7 @@ def facts_table(one: DriveFigures) -> Table:
         ("gear ratio", f"{drive.gear_ratio:g}", fit),
         ("one count", count, "of the encoder"),
     ]
-    return Table(("",) * 3, table_rows(*cells), literal=True)
+    return Table(("",) * 3, rows(*cells), literal=True)
 
 
 def figure_cells(one: DriveFigures, *, good: CellKind = "plain") -> tuple[str, ...]:
@@ -189,3 +192,63 @@ def _load(load: ActuatorLoad) -> tuple[str, ...]:
         f"{number(load.top_speed, 3)} {speed}", format_value(load.top_power, "W", 3),
         format_value(load.inertia, inertia, 3),
     )  # fmt: skip
+
+
+def ratio_table(found: list[GearRatios]) -> Table:
+    """Return the gear ratios that motors can have for each actuator."""
+    cells = (
+        (
+            one.actuator, one.motor,
+            "none" if one.low is None or one.high is None
+            else f"{number(one.low)} to {number(one.high)}",
+            "by scan, with gaps" if one.gaps else "by scan" if one.scanned else "",
+        )
+        for one in found
+    )  # fmt: skip
+    return Table(("", "Motor", "Gear ratio", ""), rows(*cells), words=4)
+
+
+def selection_data(
+    design: Design, catalog: Catalog, found: Selection, listed: int, advice: tuple[str, ...]
+) -> dict[str, Any]:
+    """Return the loads, the drives that the catalog has for them, and the design's own, for JSON.
+
+    Args:
+        design: The robot.
+        catalog: The catalog.
+        found: The feasible drives.
+        listed: How many of each list.
+        advice: Of each actuator, what would make a drive feasible; empty where one is.
+    """
+    return {
+        "design": design.name,
+        "catalog": catalog.name,
+        "motions": [
+            record(duty.trajectory, "name", "duration_s") | record(duty, "repeats", "dwell_s")
+            for duty in found.cycle.duties
+        ],
+        "feasible": found.feasible,
+        "actuators": [
+            record(load, "name", "peak", "rms", "top_speed", "top_power_W", "inertia")
+            | {
+                "pairs": len(found.sizings[j].table),
+                "feasible": len(found.rows[j]),
+                "advice": advice[j],
+                "drives": [_figures(one) for one in found.figures(j, listed)],
+            }
+            for j, load in enumerate(found.cycle.loads)
+        ],
+        "own": [one and _figures(one) for one in size_design(found.cycle, design)],
+    }
+
+
+def _figures(one: DriveFigures) -> dict[str, Any]:
+    drive = one.drive
+    return {
+        **record(drive, "name", "gear_ratio", "lead_m", "mass_kg", "cost"),
+        "margin": 1 - one.use, "feasible_gear_ratios": one.ratios,
+        **record(
+            one, "feasible", "limit", "rms_Nm", "peak_Nm", "top_speed_rad_s", "top_power_W",
+            "envelope", "inertia_ratio", "thermal",
+        ),
+    }  # fmt: skip

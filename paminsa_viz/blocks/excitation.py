@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
+from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table
 from paminsa_viz.identification.excitation import Excitation, KeptLimit
+from paminsa_viz.model.design import Design
 from paminsa_viz.units import NONE, format_value, number
 
 
@@ -46,3 +49,15 @@ def _cells(row: KeptLimit) -> tuple[str, ...]:
     value = format_value(row.value, row.unit, 3)
     used = Cell(share, kind="plain" if row.kept else "bad")
     return row.name, value, limit, f"{number(row.t, 3)} s", used
+
+
+def excitation_data(design: Design, found: Excitation) -> dict[str, Any]:
+    """Return how the motion was found and its limits, for JSON, in SI units."""
+    return {
+        "design": design.name,
+        **record(found.settings, "period_s", "harmonics"),
+        "duration_s": found.plan.duration,
+        "log_det_random": found.random_log_det,
+        **record(found, "parameters", "log_det", "random", "evaluations", "seconds"),
+        "limits": [row._asdict() | {"kept": row.kept} for row in found.limits],
+    }

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
-from typing import Literal
+from pathlib import Path
+from typing import Any, Literal
 
+from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import Block, Figure, Note, Row, Table, heading, rows
 from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.findings import Findings
 from paminsa_viz.identification.results import Estimate, Identity
+from paminsa_viz.identification.validation import PayloadEstimate
 from paminsa_viz.model.drive import ACTUATORS, TORQUE_UNITS
 from paminsa_viz.units import display_unit, format_value, interval_text, number
 
@@ -163,3 +167,55 @@ def masses_table(findings: Findings) -> Table:
         "design."
     )
     return Table(("", "Mass or inertia", "Nearest", "Design", ""), tuple(found), caption, words=2)
+
+
+def identification_data(found: Findings, written: Sequence[Path]) -> dict[str, Any]:
+    """Return everything as data for JSON, in SI units."""
+    one, check = found.identification, found.validation
+    log = one.log
+    return {
+        "design": one.design.name,
+        "log": {"rows": len(log.t)} | record(log, "name", "rate_Hz", "duration_s"),
+        "notes": one.notes,
+        "parameters": [
+            record(item, "symbol", "value", "half_width_95", "known", "reason")
+            | record(item.parameter, "label", "unit", "design")
+            for item in one.estimates
+        ],
+        "identity": record(one.identity, "value_N", "half_width_N", "z", "holds"),
+        "residual_rms": one.noise,
+        "masses": [
+            record(item.parameter, "path", "unit") | {
+                "design": item.prior, "nearest": item.value,
+                "deviation_given_the_design": item.deviation, "known": item.told,
+            }
+            for item in found.nearest.masses
+        ],
+        "misfit": found.nearest.misfit,
+        "causes": [_cause_data(item) for item in found.causes.ranked],
+        "named": [_cause_data(item) for item in found.causes.named],
+        "unseen": found.causes.unseen,
+        "validation": check and {
+            "log": check.log.name, "residual_rms": check.residual, "own_rms": check.own,
+            "ratio": check.ratio,
+        },
+        "payload": found.payload and _payload_data(found.payload),
+        "files": written,
+    }  # fmt: skip
+
+
+def _cause_data(item: Cause) -> dict[str, Any]:
+    keys = ("unit", "value", "half_width_95", "p_value", "explains", "detectable")
+    return {"cause": item.label, "nearly_as_much": item.alike} | record(item, *keys)
+
+
+def _payload_data(item: PayloadEstimate) -> dict[str, Any]:
+    gain = item.gain
+    return {
+        **record(item, "mass_kg", "half_width_kg", "known_kg"),
+        "with_drift_of_F4": {
+            "mass_kg": item.free_mass, "half_width_kg": item.free_half_width,
+            **record(item, "drift_N", "drift_half_width_N"),
+        },
+        "gain": None if gain is None else {"value": gain[0], "half_width": gain[1]},
+    }  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,10 +28,16 @@ from paminsa_viz.elastostatics.bar_loads import (
     arm_tip,
     utilization,
 )
-from paminsa_viz.elastostatics.joint_forces import JOINTS, JointForces, joint_forces
+from paminsa_viz.elastostatics.joint_forces import (
+    JOINTS,
+    NEEDS_STIFFNESS,
+    JointForces,
+    joint_forces,
+)
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
 from paminsa_viz.elastostatics.sideways import SidewaysForces, sideways_forces
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.trajectory import TrajectoryAnalysis
@@ -191,3 +198,70 @@ def _text(value: float, unit: str = "N") -> str:
     if math.isinf(value):
         return ""
     return shown(0.0 if abs(value) < ROUNDING else value, unit)
+
+
+def pose_data(
+    design: Design, pose: Any, forces: JointForces, sideways: SidewaysForces
+) -> dict[str, Any]:
+    """Return the forces at rest in a pose, for JSON, in SI units."""
+    use = utilization(forces)
+    return {
+        "design": design.name,
+        "pose": pose,
+        "torque": forces.torque,
+        "axial_N": forces.axial,
+        "sideways": NEEDS_STIFFNESS,
+        "legs": [
+            {
+                "joints": {
+                    joint.key: {
+                        "on": joint.on, "by": joint.by,
+                        "force_N": forces.force[leg, index],
+                        "moment_Nm": forces.moment[leg, index],
+                        "sideways_N": sideways.force[leg, index],
+                        "sideways_moments_Nm": sideways.moment[leg, index],
+                    }
+                    for index, joint in enumerate(JOINTS)
+                },
+                "bars": {
+                    bar: dict(
+                        zip(COMPONENTS, loads.extremes()[leg], strict=True),
+                        utilization=use[leg, number],
+                    )
+                    for number, (bar, loads) in enumerate(all_bar_loads(forces).items())
+                },
+            }
+            for leg in range(3)
+        ],
+    }  # fmt: skip
+
+
+def motion_data(found: MotionLoads) -> dict[str, Any]:
+    """Return the loads on a motion, for JSON, in SI units."""
+    use = found.utilization.max(axis=0)
+    return {
+        "design": found.design.name,
+        "trajectory": found.trajectory.name,
+        "legs": [
+            {
+                "joints": {
+                    joint.key: {
+                        "peak_N": found.peak[leg, index],
+                        "peak_t_s": found.peak_time[leg, index],
+                        "rms_N": found.rms[leg, index],
+                        "equivalent_N": found.equivalent[leg, index],
+                        "travel": found.travel[leg, index],
+                    }
+                    for index, joint in enumerate(JOINTS)
+                },
+                "bars": {
+                    bar: dict(
+                        zip(COMPONENTS, found.bar_peak[leg, number], strict=True),
+                        utilization=use[leg, number],
+                    )
+                    for number, bar in enumerate(BARS)
+                },
+            }
+            for leg in range(3)
+        ],
+    }

@@ -5,15 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
-from paminsa_viz.blocks.kinds import Block, Note, Row, Table
+from paminsa_viz.blocks.data import record
+from paminsa_viz.blocks.kinds import Block, Note, Row, Table, rows
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.design import Design
-from paminsa_viz.quantities.requirement_text import requirement_label
+from paminsa_viz.quantities import QUANTITIES
+from paminsa_viz.quantities.requirement_text import ascii_unit, requirement_label, requirement_text
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.proof.evidence import Evidence, Proof, Verdict
 from paminsa_viz.synthesis.proof.families import Method
-from paminsa_viz.synthesis.proof.largest import largest_workspace
+from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace
 from paminsa_viz.synthesis.volume.causes import CauseKind
 from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck, check_requirements
 from paminsa_viz.synthesis.volume.conflict import Conflict, VolumeRelaxation
@@ -84,7 +87,7 @@ def workspace_text(workspace: Workspace) -> str:
 
 def _checks(check: RequirementsCheck, requirements: Requirements, text: Text) -> list[Block]:
     low, high = (format_value(end, "rad") for end in requirements.theta)
-    rows = []
+    found = []
     for item in check.items:
         pose = NONE if item.pose is None else format_pose(item.pose)
         label = item.label
@@ -93,7 +96,7 @@ def _checks(check: RequirementsCheck, requirements: Requirements, text: Text) ->
         margin = format_value(item.margin, item.unit, 3) if math.isfinite(item.margin) else NONE
         verdict = "holds" if item.holds else item.reason or "broken"
         cells = (label, verdict, format_value(item.value, item.unit), margin, pose)
-        rows.append(Row(cells, "plain" if item.holds else "marked"))
+        found.append(Row(cells, "plain" if item.holds else "marked"))
     caption = f"Worst values {_OVER[check.over]}, from θ {low} to {high}."
     head = ("Requirement", "Verdict", "Worst value", "Margin", "Pose")
     blocks: list[Block] = []
@@ -104,7 +107,7 @@ def _checks(check: RequirementsCheck, requirements: Requirements, text: Text) ->
     verdict = Note("All requirements hold.", "ok")
     if not check.holds:
         verdict = Note("A requirement is broken.", "bad")
-    return [*blocks, Table(head, tuple(rows), caption, words=2), verdict]
+    return [*blocks, Table(head, tuple(found), caption, words=2), verdict]
 
 
 def _volume(volume: Volume, text: Text) -> list[Block]:
@@ -234,3 +237,161 @@ def _worst(item: Evidence) -> str:
     proven = item.method is not Method.SAMPLED and item.verdict is Verdict.PROVEN
     sign = ("≤ " if bound.low is None else "≥ ") if proven else ""
     return sign + format_value(item.bound, unit)
+
+
+def check_data(
+    design: Design, requirements: Requirements, found: RequirementsCheck, conflict: Conflict | None
+) -> dict[str, Any]:
+    """Return the check for other programs, in SI units."""
+    bounds = requirements.bounds
+    data: dict[str, Any] = {
+        "design": design.name,
+        "holds": found.holds,
+        "over": found.over.name.lower(),
+        "theta": requirements.theta,
+        "center": found.center,
+        "items": [
+            {
+                "requirement": item.label
+                if item.requirement is None
+                else requirement_text(bounds[item.requirement]),
+                "worst": item.value,
+                **record(item, "unit", "margin", "pose", "holds", "reason"),
+            }
+            for item in found.items
+        ],
+    }
+    if (volume := found.volume) is not None:
+        data["volume"] = {
+            "reachable_m3": volume.reachable_volume,
+            "nodes": volume.cause.shape,
+            "shares": {cause.word: share for cause, share in volume.shares().items()},
+            **record(
+                volume,
+                "volume_m3",
+                "error_m3",
+                "utilization",
+                "home_inside",
+                "cell_m",
+                "headings",
+                "removed_alone",
+                "removed_last",
+            ),
+        }
+    if conflict is not None:
+        data["conflict"] = {
+            "requirements": conflict.requirements,
+            "relaxations": [
+                {
+                    **record(item, "requirement", "by"),
+                    "low": None if item.relaxed is None else item.relaxed.low,
+                    "high": None if item.relaxed is None else item.relaxed.high,
+                }
+                for item in conflict.relaxations
+            ],
+        }
+    return data
+
+
+def proof_blocks(
+    design: Design, requirements: Requirements, proof: Proof, text: Text = requirement_label
+) -> list[Block]:
+    """Return what a proof over the required workspace came to, and what it rests on."""
+    kind = "ok" if proof.verdict is Verdict.PROVEN else "bad"
+    blocks: list[Block] = [
+        Note(f"{design.name}, {_place(requirements)}: {verdict_text(proof)}", kind),
+        evidence_table(proof, text),
+    ]
+    if proof.pose is not None:
+        blocks.append(Note(f"broken at {format_pose(proof.pose)}"))
+    effort = f"{proof.boxes:,} boxes, {proof.seconds:.1f} s; {len(proof.remaining):,} open"
+    return [*blocks, Note(effort)]
+
+
+def largest_blocks(
+    design: Design, requirements: Requirements, found: LargestWorkspace,
+    text: Text = requirement_label,
+) -> list[Block]:  # fmt: skip
+    """Return the largest proven workspace, what ends it, and what its proof rests on."""
+    if found.workspace is None:
+        undecided = found.proof.verdict is Verdict.UNDECIDED
+        why = "undecided in this time" if undecided else "none"
+        return [Note(f"{design.name}, largest workspace: {why}{_cause(found, text)}", "bad")]
+    place = _place(replace(requirements, workspace=found.workspace))
+    limit = workspace_text(replace(found.workspace, size=found.limit))
+    blocks: list[Block] = [
+        Note(f"{design.name}, largest proven workspace: {place}", "ok"),
+        Note(f"gap {format_value(found.gap, 'm', 3)} to {limit}{_cause(found, text)}"),
+        evidence_table(found.proof, text),
+        Note(f"{found.boxes:,} boxes, {found.seconds:.1f} s"),
+    ]
+    if found.proof.sampled:
+        blocks.append(Note("what is only sampled is not proven", "warn"))
+    return blocks
+
+
+def _place(requirements: Requirements) -> str:
+    assert requirements.workspace is not None
+    low, high = (format_value(angle, "rad") for angle in requirements.theta)
+    return f"{workspace_text(requirements.workspace)}, θ {low} to {high}"
+
+
+def _cause(found: LargestWorkspace, text: Text) -> str:
+    if found.cause == "home":
+        return ": no path from home to its center"
+    if found.cause == "volume":
+        return ": no position meets all requirements"
+    name = found.cause if found.requirement is None else text(found.requirement)
+    if not name:
+        return ""
+    place = "" if found.pose is None else f" breaks at {format_pose(found.pose)}"
+    return f": {name}{place}"
+
+
+def quantities_table() -> Table:
+    """Return the quantities that can be bounded, and the units of their bounds."""
+    cells = ((key, ascii_unit(entry.display), entry.title) for key, entry in QUANTITIES.items())
+    return Table(("Quantity", "Unit", ""), rows(*cells), words=3)
+
+
+def proof_data(proof: Proof) -> dict[str, Any]:
+    """Return a proof for other programs, in SI units."""
+    region = proof.region
+    return {
+        "verdict": proof.verdict.name.lower(),
+        **record(region, "shape", "center_m", "theta_rad"),
+        "size_m": [2 * half for half in region.half],
+        "evidence": [
+            {
+                "requirement": _evidence_text(item),
+                "method": item.method.name.lower(),
+                "verdict": item.verdict.name.lower(),
+                **record(item, "margin", "pose", "boxes"),
+            }
+            for item in proof.evidence
+        ],
+        "path_from_home": proof.path,
+        "open_boxes": len(proof.remaining),
+        **record(proof, "boxes", "seconds"),
+    }
+
+
+def _evidence_text(item: Evidence) -> str:
+    return item.name if item.requirement is None else requirement_text(item.requirement)
+
+
+def largest_data(design: Design, found: LargestWorkspace) -> dict[str, Any]:
+    """Return the largest proven workspace for other programs, in SI units."""
+    return {
+        "design": design.name,
+        "found": found.workspace is not None,
+        **record(found, "gap_m", "limit_m", "cause"),
+        "broken": None if found.requirement is None else requirement_text(found.requirement),
+        "pose_outside": found.pose,
+        **proof_data(replace(found.proof, boxes=found.boxes, seconds=found.seconds)),
+    }
+
+
+def quantities_data() -> dict[str, Any]:
+    """Return the quantities that can be bounded for other programs."""
+    return {entry.key: record(entry, "symbol", "unit", "title") for entry in QUANTITIES.values()}

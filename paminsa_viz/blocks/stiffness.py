@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffne
 from paminsa_viz.elastostatics.leg_frame import contacts
 from paminsa_viz.elastostatics.stiffness import (
     SHARE_LABELS,
+    SHARES,
     Compensation,
     PlatformStiffness,
     compensate,
@@ -259,3 +261,37 @@ def compensation_text(moved: Compensation) -> str:
 def _rounded(values: Array) -> Array:
     """Return values with zeros for what is rounding beside the largest."""
     return np.where(np.abs(values) < 1e-9 * np.abs(values).max(), 0.0, values)
+
+
+DATA_KEYS = ("x_N_per_m", "y_N_per_m", "z_N_per_m", "about_x_Nm_per_rad", "about_y_Nm_per_rad",
+        "about_z_Nm_per_rad")  # fmt: skip
+
+
+def stiffness_data(design: Design, found: PlatformStiffness, *, shear: bool) -> dict[str, Any]:
+    """Return the stiffness at a pose, for JSON, in SI units."""
+    moved = compensate(design, found.pose, shear=shear)
+    axes, directions = found.ellipsoid()
+    alone = drive_stiffness(design, found.pose)
+    return {
+        "design": design.name,
+        "pose": found.pose,
+        "shear": shear,
+        "stiffness": {key: found.along(i) for i, key in enumerate(DATA_KEYS)}
+        | {"horizontal_N_per_m": found.horizontal, "tilt_Nm_per_rad": found.tilt},
+        "matrix": found.matrix,
+        "drives_alone": alone,
+        "ellipsoid": {"axes_m_per_N": axes, "directions": directions.T},
+        "wrench": load_wrench(design, found.pose),
+        "deflection": moved.deflection,
+        "compensation": dict(zip(ACTUATORS, moved.actuators, strict=True)),
+        "residual_tilt_rad": moved.tilt,
+        "contacts": contacts(design, found.pose).touching(),
+        "natural_frequencies_Hz": {
+            "whole robot": robot_modes(design, found.pose, shear=shear).frequencies,
+            "drives alone": drive_modes(design, found.pose).frequencies,
+        },
+        "shares": {
+            name: dict(zip(SHARES, share, strict=True))
+            for name, share in strain_cases(design, found.pose, shear=shear).items()
+        },
+    }

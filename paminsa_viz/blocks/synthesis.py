@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
 
+from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import Block, Note, Row, Table, rows
 from paminsa_viz.blocks.requirements import (
     evidence_table,
@@ -12,7 +15,7 @@ from paminsa_viz.blocks.requirements import (
     workspace_text,
 )
 from paminsa_viz.model.design import Design, stated_parameters
-from paminsa_viz.quantities.requirement_text import requirement_label
+from paminsa_viz.quantities.requirement_text import requirement_label, requirement_text
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis import (
     ObjectiveLimit,
@@ -27,7 +30,7 @@ from paminsa_viz.synthesis.answer.prices import RequirementPrice
 from paminsa_viz.synthesis.search.buildability import OVERLAP_ALLOWED
 from paminsa_viz.synthesis.search.case_conflict import CaseConflict
 from paminsa_viz.synthesis.search.front import DesignFront
-from paminsa_viz.units import NONE, format_value, number, percent_change
+from paminsa_viz.units import NONE, format_ascii, format_value, number, percent_change
 
 BoundText = Callable[[Requirement | ObjectiveLimit], str]
 """A requirement or a limit as text."""
@@ -243,3 +246,129 @@ def _lengths(before: Design, after: Design) -> tuple[Row, ...]:
             values = (format_value(value, item.unit or "1") for value in (old, new))
             found.append((item.symbol, item.label, *values, percent_change(old, new)))
     return rows(*found)
+
+
+def synthesis_data(result: SynthesisResult, seconds: float) -> dict[str, Any]:
+    """Return the answer as data for JSON, in SI units."""
+    case = result.case
+    return {
+        "case": case.name,
+        "feasible": result.feasible,
+        "objective": {"key": case.objective, "value": result.objective},
+        "regime": result.regime,
+        "refused": {regime.value: reason for regime, reason in result.refused.items()},
+        "seed": case.seed,
+        "seconds": round(seconds, 3),
+        **record(result, "trials", "poses"),
+        "workspace_center_m": result.workspace.center,
+        "overlap_allowed": not case.clear,
+        "buildability": buildability_data(result),
+        "design": {
+            item.path: result.design.value(item.path)
+            for item in stated_parameters(result.design)
+        },
+        "requirements": [
+            {
+                "text": bound_text(item.bound), "worst": item.value,
+                **record(item, "margin", "active"),
+            }
+            for item in result.outcomes
+        ],
+        "relaxed": [
+            {"text": bound_text(item.bound)} | record(item, "nearest", "change")
+            for item in result.relaxed
+        ],
+        "proof": result.proof and result.proof.verdict,
+    }  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class AnswerChecks:
+    """What was asked for besides an answer; None for what was not."""
+
+    prices: tuple[RequirementPrice, ...] | None
+    built: BuildYield | None
+    mujoco: MujocoCheck | str | None
+    conflict: CaseConflict | None
+
+
+def answer_blocks(result: SynthesisResult, found: AnswerChecks) -> list[Block]:
+    """Return them, and the masses and springs that were chosen."""
+    blocks = inner_blocks(result)
+    if found.prices is not None:
+        blocks += price_blocks(result, found.prices)
+    if found.built is not None:
+        blocks += yield_blocks(found.built)
+    if found.mujoco is not None:
+        blocks += mujoco_blocks(found.mujoco)
+    if found.conflict is not None:
+        blocks += conflict_blocks(found.conflict, bound_text)
+    return blocks
+
+
+def checks_data(result: SynthesisResult, found: AnswerChecks) -> dict[str, Any]:
+    """Return them as data for JSON, in SI units."""
+    data: dict[str, Any] = {}
+    if result.inner is not None:
+        inner = result.inner
+        data["inner"] = {
+            "goal": inner.goal, "value": inner.objective, "lower_bound": inner.lower_bound,
+            "counterweights": [
+                record(weight, "place", "mass_kg") for weight in inner.design.counterweights
+            ],
+            "springs": [
+                {"first": spring.first.name, "second": spring.second.name}
+                | record(spring, "stiffness_N_per_m", "free_length_m")
+                for spring in inner.springs
+            ],
+            "active": inner.active,
+        }  # fmt: skip
+    if found.prices is not None:
+        data["prices"] = found.prices
+    if found.built is not None:
+        data["built"] = {
+            **vars(found.built.fraction), "missed": found.built.missed, "worst": found.built.worst
+        }  # fmt: skip
+    if isinstance(found.mujoco, str):
+        data["mujoco"] = {"passed": None, "reason": found.mujoco}
+    elif found.mujoco is not None:
+        data["mujoco"] = record(found.mujoco, "version", "passed", "difference", "rows", "left_out")
+    if found.conflict is not None:
+        items = [bound_text(item) for item in found.conflict.items]
+        data["conflict"] = {"items": items, "proven": found.conflict.proven}
+    return data
+
+
+def front_data(case: SynthesisCase, front: DesignFront, seconds: float) -> dict[str, Any]:
+    """Return a front as data for JSON, in SI units."""
+    return {
+        "case": case.name, "overlap_allowed": not case.clear, "seed": case.seed,
+        "seconds": round(seconds, 3),
+        **record(front, "objectives", "dominated", "searches", "failed", "canceled"),
+        "points": [
+            {
+                "values": point.values,
+                "numbers": {p: point.result.design.value(p) for p in case.paths if "geometry" in p},
+                "workspace_center_m": point.result.workspace.center,
+                "buildability": buildability_data(point.result),
+            }
+            for point in front.points
+        ],
+    }  # fmt: skip
+
+
+def buildability_data(result: SynthesisResult) -> dict[str, Any] | None:
+    """Return whether the robot and the reference can be built, as data for JSON, in SI units."""
+    if result.buildability is None:
+        return None
+    robot, reference = (one.data() for one in result.buildability)
+    return {"robot": robot, "reference": reference}
+
+
+def bound_text(bound: Requirement | ObjectiveLimit) -> str:
+    """Return a requirement or a limit as text."""
+    if isinstance(bound, Requirement):
+        return requirement_text(bound)
+    objective = find_objective(bound.objective)
+    sign = ">=" if objective.largest else "<="
+    return f"{objective.key} {sign} {format_ascii(bound.most, objective.unit)}"

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import (
     Block,
     Figure,
@@ -15,8 +18,16 @@ from paminsa_viz.blocks.kinds import (
     rows,
     series_figure,
 )
+from paminsa_viz.files.published_table import PublishedTorques
 from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
-from paminsa_viz.trajectory import TrajectoryAnalysis, escape_inertia
+from paminsa_viz.trajectory import (
+    PathEvent,
+    ShortestMotion,
+    ShortestStretch,
+    Simulation,
+    TrajectoryAnalysis,
+    escape_inertia,
+)
 from paminsa_viz.units import format_value
 
 if TYPE_CHECKING:
@@ -128,3 +139,144 @@ def _crossings(analysis: TrajectoryAnalysis) -> Table:
         "along it, against the inertia t_sᵀ M t_s only."
     )
     return Table(head, rows(*found), text)
+
+
+def shortest_note(found: ShortestStretch) -> Note:
+    """Return what the duration of a shortest motion follows from."""
+    return Note(f"shortest duration, {found.explanation}")
+
+
+def reference_note(reference: TrajectoryAnalysis) -> Note:
+    """Return whether another design can run the motion too."""
+    first = reference.check.first
+    verdict = "can run it too" if first is None else f"fails {first.explanation}"
+    return Note(f'reference "{reference.design.name}": {verdict}', "bad" if first else "ok")
+
+
+def published_differences(
+    analysis: TrajectoryAnalysis, table: PublishedTorques
+) -> list[dict[str, Any] | None]:
+    """Return how far computed torques are from a table's, for each actuator; None without any."""
+    off = table.differences(analysis.trajectory.t, analysis.torque)
+    found: list[dict[str, Any] | None] = []
+    for j in range(4):
+        known = np.isfinite(off[:, j])
+        if not known.any():
+            found.append(None)
+            continue
+        part = off[known, j]
+        found.append(
+            {
+                "rows": int(known.sum()),
+                "largest_difference": float(np.abs(part).max()),
+                "rms_difference": float(np.sqrt(np.mean(part**2))),
+                "largest_published": float(np.abs(table.torque[known, j]).max()),
+            }
+        )
+    return found
+
+
+def published_notes(analysis: TrajectoryAnalysis, table: PublishedTorques) -> list[Note]:
+    """Return how far computed torques are from published ones, an actuator a sentence."""
+    notes = []
+    for j, row in enumerate(published_differences(analysis, table)):
+        name = f"published {table.name}, {ACTUATORS[j]}"
+        if row is None:
+            notes.append(Note(f"{name}: no value at a time of this motion", "warn"))
+            continue
+        largest, rms, size = (
+            format_value(row[key], TORQUE_UNITS[j], 3)
+            for key in ("largest_difference", "rms_difference", "largest_published")
+        )
+        text = f"computed off by at most {largest}, RMS {rms}, of {size} at {row['rows']} times"
+        notes.append(Note(f"{name}: {text}"))
+    return notes
+
+
+def simulation_notes(simulation: Simulation) -> list[Note]:
+    """Return how far a simulated robot was off the motion, and what its solution drifted by."""
+    units = ("m", "m", "rad", "m")
+    errors = np.abs(simulation.error).max(axis=0)
+    x, y, theta, z = (
+        format_value(float(e), unit, 3) for e, unit in zip(errors, units, strict=True)
+    )
+    notes = [
+        Note(
+            f"simulated with {simulation.controller.control.value}, payload "
+            f"{format_value(simulation.design.payload.mass, 'kg')}: largest errors x {x}, y {y}, "
+            f"θ {theta}, z {z}; at the end {format_value(simulation.distance[-1], 'm', 3)} from "
+            "its place"
+        )
+    ]
+    if simulation.stopped is not None:
+        notes.append(Note(f"it stopped {simulation.stopped.explanation}", "bad"))
+    drift = float(np.abs(simulation.energy_drift).max())
+    return [*notes, Note(f"energy drift of the solution: {format_value(drift, 'J', 3)}")]
+
+
+def trajectory_data(analysis: TrajectoryAnalysis) -> dict[str, Any]:
+    """Return a motion, whether it can be run, and its torques, for JSON, in SI units."""
+    t, check = analysis.trajectory, analysis.check
+    return {
+        "design": analysis.design.name,
+        "knee": analysis.solved.geometry.knee.value,
+        "trajectory": {"samples": t.size, **record(t, "name", "kind", "duration_s", "notes")},
+        "failure": _failure(check.first),
+        "closest": _event(check.closest),
+        "actuators": _actuators(analysis),
+    }
+
+
+def shortest_data(found: ShortestStretch) -> dict[str, Any]:
+    """Return what the duration of a shortest motion follows from."""
+    data = record(found, "quantity", "limit", "unit", "t_s")
+    if isinstance(found, ShortestMotion):
+        data |= {"stretched_s": found.stretched, "note": found.note}
+    return data
+
+
+def compared_data(analysis: TrajectoryAnalysis) -> dict[str, Any]:
+    """Return the torques of another analysis of the same motion."""
+    return {
+        "design": analysis.design.name,
+        "failure": _failure(analysis.check.first),
+        "actuators": _actuators(analysis),
+    }
+
+
+def simulation_data(simulation: Simulation) -> dict[str, Any]:
+    """Return a simulation for JSON, in SI units."""
+    return {
+        "controller": simulation.controller.control.value,
+        "bandwidth_Hz": simulation.controller.bandwidth,
+        "payload_kg": simulation.design.payload.mass,
+        "end_t_s": simulation.t[-1],
+        "stopped": _failure(simulation.stopped),
+        "largest_distance_m": simulation.distance.max(),
+        "end_distance_m": simulation.distance[-1],
+        "largest_error": np.abs(simulation.error).max(axis=0),
+        "energy_drift_J": np.abs(simulation.energy_drift).max(),
+    }
+
+
+def _event(event: PathEvent) -> dict[str, Any]:
+    return {
+        "t_s": event.t,
+        "limit": event.limit.word,
+        "leg": event.leg + 1 if event.leg >= 0 else None,
+        "margin_m": event.margin,
+        "pose": event.pose,
+    }
+
+
+def _failure(event: PathEvent | None) -> dict[str, Any] | None:
+    return None if event is None else {**_event(event), "explanation": event.explanation}
+
+
+def _actuators(analysis: TrajectoryAnalysis) -> list[dict[str, Any]]:
+    names = zip(ACTUATORS, TORQUE_UNITS, SPEED_UNITS, strict=True)
+    return [
+        {"name": name, "unit": unit, "speed_unit": speed_unit}
+        | {key: getattr(summary, load) for load, key, *_ in LOADS}
+        for (name, unit, speed_unit), summary in zip(names, analysis.summary, strict=False)
+    ]

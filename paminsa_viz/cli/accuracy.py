@@ -3,36 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import tyro
 
-from paminsa_viz.blocks.accuracy import drive_blocks, manufacture_blocks
+from paminsa_viz.blocks.accuracy import (
+    accuracy_data,
+    drive_blocks,
+    manufacture_blocks,
+    manufacture_data,
+)
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, RegionFlags
-from paminsa_viz.cli.output import print_blocks, print_json, record
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.cli.output import print_blocks, print_json
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.reach import home_pose, require_reachable
-from paminsa_viz.precision.drive_errors import DriveErrors, drive_errors
-from paminsa_viz.precision.leg_lengths import LENGTHS
+from paminsa_viz.precision.drive_errors import drive_errors
 from paminsa_viz.precision.manufacture import (
-    MonteCarlo,
-    manufactured_pose,
     monte_carlo,
-    tolerance_errors,
 )
-from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
 from paminsa_viz.studies.metrics import (
-    STATISTICS_OF,
-    Region,
-    RegionErrors,
     RegionResults,
-    error_rows,
     region_errors,
-    statistics,
 )
 from paminsa_viz.units import format_pose
 
@@ -93,8 +86,8 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
         if self.robots:
             drawn = monte_carlo(design, pose, robots=self.robots, seed=self.seed)
         if self.json:
-            data = _data(design, here, region, region_errors(over))
-            more = {"manufacture": _manufacture_data(design, pose, drawn)}
+            data = accuracy_data(design, here, region, region_errors(over))
+            more = {"manufacture": manufacture_data(design, pose, drawn)}
             print_json(data | more if self.manufacture else data)
         else:
             print(f'design "{design.name}", {format_pose(pose, ascii_only=True)}')
@@ -126,66 +119,3 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
 
 
 FLAGS = Accuracy
-
-
-def _data(design: Design, here: DriveErrors, region: Region, over: RegionErrors) -> dict[str, Any]:
-    names = ("median", "p95", "largest")
-    return {
-        "design": design.name,
-        "half_widths": dict(zip(ACTUATORS, design.accuracy.half_widths, strict=True)),
-        "deviations": dict(zip(ACTUATORS, design.accuracy.deviations, strict=True)),
-        "pose": here.pose,
-        "bounded": here.ok,
-        "reason": here.reason(),
-        "errors": {
-            _key(row.name): {kind: getattr(row, kind)[0] for kind in STATISTICS_OF}
-            for row in error_rows(here)
-        },
-        "region": {
-            **record(region, "radius_m", "theta_rad", "z_m"),
-            "poses": over.poses,
-            "unbounded": {bound.word: count for bound, count in over.unbounded.items()},
-            "errors": {
-                _key(row.name): {
-                    kind: dict(zip(names, statistics(getattr(row, kind)), strict=True))
-                    for kind in STATISTICS_OF
-                }
-                for row in over.rows
-            },
-        },
-    }  # fmt: skip
-
-
-def _key(name: str) -> str:
-    """Return the name of a row for JSON, with its SI unit."""
-    return {"xy": "horizontal_m", "θ": "theta_rad"}.get(name, f"{name}_m")
-
-
-def _manufacture_data(
-    design: Design, pose: tuple[float, ...], robots: MonteCarlo | None
-) -> dict[str, Any]:
-    errors, actual = tolerance_errors(design, pose), manufactured_pose(design, pose)
-    keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in SIX_COORDINATES]
-
-    def named(values: Array) -> dict[str, float]:
-        return dict(zip(keys, values, strict=True))
-
-    data: dict[str, Any] = {
-        "worst": named(errors.worst),
-        "clearance": named(errors.clearance),
-        "rms": named(errors.rms),
-        "worst_horizontal_m": errors.horizontal,
-        "worst_tilt_rad": errors.tilt,
-        "shares": {
-            key: {length.name: share for length, share in zip(LENGTHS, row, strict=True)}
-            for key, row in zip(keys, errors.shares, strict=True)
-        },
-        "actual": named(actual.coordinates),
-        "actual_reason": actual.reason(),
-    }
-    if robots:
-        data["robots"] = {
-            "count": len(robots.errors), "seed": robots.seed, "solved": robots.solved,
-            "rms": named(robots.rms), "p95": named(robots.quantile(0.95)),
-        }  # fmt: skip
-    return data

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import tyro
 
@@ -23,12 +23,11 @@ from paminsa_viz.balancing import (
     optimize,
     paper_changes,
 )
-from paminsa_viz.blocks.balance import changed_masses, optimum_blocks
+from paminsa_viz.blocks.balance import optimum_blocks, optimum_data
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
-from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written, record
+from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.meshes.loads import clearance_text
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.trajectory import ImpossibleTrajectory, solve_trajectory
@@ -126,7 +125,7 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
             comment = f"Balanced by {MADE_BY}."
             save_design(replace(found.after, name=self.out.stem[:100]), self.out, comment=comment)
         if self.json:
-            print_json(_report(found))
+            print_json(optimum_data(found))
         else:
             print_blocks(optimum_blocks(found))
             print_written([] if self.out is None else [self.out])
@@ -169,17 +168,3 @@ def _on_motion(flags: BalanceFlags, design: Design, changes: Changes) -> Optimum
     if flags.max_added is not None:
         limits.append((AddedMass(), flags.max_added))
     return optimize(design, changes, MOTION_GOALS[flags.goal](solved), limits=limits)
-
-
-def _report(found: Optimum) -> dict[str, Any]:
-    after = found.after
-    return {
-        "values": found.values,
-        "changes": {path: {"before": a, "after": b} for path, a, b in changed_masses(found)},
-        "counterweights": [
-            vars(weight) | {"room": clearance_text(after.geometry, weight)}
-            for weight in after.counterweights
-        ],
-        "active_bounds": found.active,
-        **record(found, "objective", "lower_bound", "gap", "seconds"),
-    }

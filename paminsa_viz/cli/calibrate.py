@@ -4,26 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-import numpy as np
 import tyro
 
-from paminsa_viz.blocks.calibration import MOST_COMBINATIONS, calibration_blocks
+from paminsa_viz.blocks.calibration import MOST_COMBINATIONS, calibration_blocks, calibration_data
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
-from paminsa_viz.cli.output import print_blocks, print_json, print_written, record
+from paminsa_viz.cli.output import print_blocks, print_json, print_written
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.measurements import measurement_table, read_measurements
 from paminsa_viz.files.tables import save_table, table_endings
-from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.model.kinematics import inverse_kinematics
-from paminsa_viz.precision.calibration import Calibration, calibrate, describe
+from paminsa_viz.precision.calibration import calibrate
 from paminsa_viz.precision.calibration_problem import measuring_poses
-from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
-from paminsa_viz.precision.measurements import InvalidMeasurement, Measurements, PredictionErrors
-from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
+from paminsa_viz.precision.measurements import InvalidMeasurement, Measurements
 from paminsa_viz.version import MADE_BY
 
 DESCRIPTION = """\
@@ -82,7 +78,7 @@ class Calibrate(JsonFlags, DesignFlags):
             row = table.first_row + error.index
             raise TableFileError(str(self.log), error.problem, row=row) from error
         if self.json:
-            print_json(_data(found, str(self.log)))
+            print_json(calibration_data(found, str(self.log)))
         else:
             print(f'design "{found.start.name}"')
             print_blocks(calibration_blocks(found, None if self.all else MOST_COMBINATIONS))
@@ -112,35 +108,3 @@ class Calibrate(JsonFlags, DesignFlags):
 
 
 FLAGS = Calibrate
-
-
-def _data(found: Calibration, source: str) -> dict[str, Any]:
-    names = [f"{leg}.{length.name}_{length.unit}" for leg in LEG_NAMES for length in LENGTHS]
-    keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in SIX_COORDINATES]
-
-    def errors(values: PredictionErrors) -> dict[str, Any]:
-        sizes = {kind: getattr(values, kind) for kind in ("rms", "largest")}
-        return {"poses": values.poses} | {
-            kind: dict(zip(keys, each, strict=False)) for kind, each in sizes.items()
-        }
-
-    return {
-        "design": found.start.name,
-        "log": source,
-        **record(found, "improved", "rank", "singular_values", "noise_m"),
-        "fitted": {"before": errors(found.before), "after": errors(found.after)},
-        "held_back": {"before": errors(found.before_held), "after": errors(found.after_held)},
-        "combinations": [
-            {"leading": describe(item)}
-            | record(item, "singular_value", "value_m", "half_width_m")
-            | {
-                "weights": {
-                    name: weight
-                    for name, weight in zip(names, item.weights.ravel(), strict=True)
-                    if np.abs(weight) > 1e-6
-                }
-            }
-            for item in found.combinations
-        ],
-        "deviations": dict(zip(names, deviation_array(found.design).ravel(), strict=True)),
-    }

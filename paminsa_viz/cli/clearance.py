@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import tyro
 
-from paminsa_viz.blocks.clearance import by_group, nearest_kinds, pose_blocks, region_blocks
-from paminsa_viz.clearance import Clearance, PairGroup, clearance
+from paminsa_viz.blocks.clearance import (
+    by_group,
+    clearance_data,
+    pose_blocks,
+    region_blocks,
+)
+from paminsa_viz.clearance import clearance
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
 from paminsa_viz.cli.output import print_blocks, print_json
@@ -69,7 +74,7 @@ class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
         here = clearance(design, pose)
         over = clearance(design, self._drawn(design)) if self.poses else None
         if self.json:
-            print_json(_data(design, pose, groups, here, over, required))
+            print_json(clearance_data(design, pose, groups, here, over, required))
         else:
             print_blocks(pose_blocks(groups, here, required))
             if over is not None:
@@ -114,39 +119,3 @@ class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
 
 
 FLAGS = ClearanceFlags
-
-
-def _data(
-    design: Design, pose: Any, groups: dict[PairGroup, Clearance], here: Clearance,
-    over: Clearance | None, required: float,
-) -> dict[str, Any]:  # fmt: skip
-    def entry(found: Clearance) -> dict[str, Any] | None:
-        if found.pair < 0:
-            return None
-        return {
-            "bodies": found.pairs[int(found.pair)],
-            "distance_m": found.least,
-            "points_m": found.points,
-        }
-
-    data = {
-        "design": design.name,
-        "pose": pose,
-        "required_m": required,
-        "least": entry(here),
-        "groups": {group.value: entry(found) for group, found in groups.items()},
-    }
-    if over is None:
-        return data
-    reached = over.least[np.isfinite(over.least)]
-    return data | {
-        "poses": {
-            "drawn": over.least.size,
-            "reached": len(reached),
-            "below": np.sum(reached < required),
-            "nearest": [
-                {"bodies": kinds, "poses": count, "least_m": least}
-                for kinds, count, least in nearest_kinds(over)
-            ],
-        }
-    }

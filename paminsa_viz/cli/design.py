@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any
 
 import tyro
 
-from paminsa_viz.blocks.kinds import Table
-from paminsa_viz.blocks.kinds import rows as plain_rows
+from paminsa_viz.blocks.design import (
+    changes_text,
+    difference_blocks,
+    difference_data,
+    values_data,
+    values_table,
+)
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import JsonFlags, check_output
 from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_file import load_design, save_design
-from paminsa_viz.files.design_schema import CHOICE_MEANINGS, CHOICES, KEYS, choice
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.model.design import APPENDIX_4, Design
-from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.version import MADE_BY
 
 DESCRIPTION = """\
@@ -53,11 +55,7 @@ class CheckDesigns:
                 print_error(error)
                 code = 2
                 continue
-            count = sum(a != b for _, _, a, b, _ in _rows(APPENDIX_4, design))
-            count += len(design.counterweights)
-            count += sum(drive is not None for drive in design.drives)
-            changed = f"{count} value{' differs' if count == 1 else 's differ'} from Appendix 4"
-            print(f'{file}: fine, "{design.name}", {changed if count else "as Appendix 4"}')
+            print(f'{file}: fine, "{design.name}", {changes_text(design)}')
         return code
 
 
@@ -72,28 +70,10 @@ class Show(JsonFlags):
         """Print the table."""
         design = _load(self.file)
         if self.json:
-            values = {key.path: design.value(key.parameter.path) for key in KEYS}
-            facts: dict[str, Any] = {
-                "name": design.name,
-                "knee": design.geometry.knee.value,
-                "load_frame": design.load.frame.value,
-                "values": values,
-                "counterweights": _weights(design),
-            }
-            print_json(facts | ({"drives": _drives(design)} if any(design.drives) else {}))
-            return 0
-        print(design.name)
-        rows = [(table, name, _text(v), what) for table, name, v, _, what in _rows(design, design)]
-        rows += [
-            ("counterweights", "mass_kg", _text(weight.mass), weight.place)
-            for weight in design.counterweights
-        ]
-        rows += [
-            ("drives", actuator, "", drive.summary)
-            for actuator, drive in zip(ACTUATORS, design.drives, strict=True)
-            if drive is not None
-        ]
-        print_blocks([Table(("",) * 4, plain_rows(*rows), words=4)])
+            print_json(values_data(design))
+        else:
+            print(design.name)
+            print_blocks([values_table(design)])
         return 0
 
 
@@ -127,44 +107,12 @@ class Diff(JsonFlags):
     def run(self) -> int:
         """Print the table."""
         files = (None, self.file) if self.other is None else (self.file, self.other)
-        first, second = designs = tuple(map(_load, files))
-        changed = [row for row in _rows(first, second) if row[2] != row[3]]
-        weighted = first.counterweights != second.counterweights
-        driven = first.drives != second.drives
+        first, second = map(_load, files)
         if self.json:
-            facts: dict[str, Any] = {"first": first.name, "second": second.name}
-            facts["differences"] = {
-                f"{table}.{name}" if table else name: {"first": a, "second": b}
-                for table, name, a, b, _ in changed
-            }
-            if weighted:
-                weights = map(_weights, designs)
-                facts["counterweights"] = dict(zip(("first", "second"), weights, strict=True))
-            if driven:
-                facts["drives"] = {"first": _drives(first), "second": _drives(second)}
-            print_json(facts)
-            return 0
-        if not changed and not weighted and not driven:
-            print("the designs have the same values")
-            return 0
-        head = ("", "", *(str(file or APPENDIX_4.name) for file in files), "Change", "")
-        rows = []
-        for table, name, a, b, what in changed:
-            change = ""
-            if isinstance(a, float) and isinstance(b, float) and a != 0 and abs(a + b) < math.inf:
-                change = f"{100 * (b / a - 1):+.3g} %"
-            rows.append((table, name, _text(a), _text(b), change, what))
-        if weighted:
-            held = [
-                "; ".join(f"{w.mass:.6g} kg on {w.place}" for w in design.counterweights) or "-"
-                for design in designs
-            ]
-            rows.append(("counterweights", "", *held, "", ""))
-        for actuator, *pair in zip(ACTUATORS, first.drives, second.drives, strict=True):
-            if pair[0] != pair[1]:
-                texts = ["-" if drive is None else drive.summary for drive in pair]
-                rows.append(("drives", actuator, *texts, "", ""))
-        print_blocks([Table(head, plain_rows(*rows), words=6)])
+            print_json(difference_data(first, second))
+        else:
+            names = [str(file or APPENDIX_4.name) for file in files]
+            print_blocks(difference_blocks(first, second, (names[0], names[1])))
         return 0
 
 
@@ -175,38 +123,6 @@ FLAGS: Any = (
     | Annotated[Diff, tyro.conf.subcommand("diff")]
 )
 
-Row: TypeAlias = tuple[str, str, float | str, float | str, str]
-
-
-def _rows(first: Design, second: Design) -> list[Row]:
-    """Return table, key, both values and the meaning of everything that a design file holds."""
-    rows: list[Row] = []
-    for key in KEYS:
-        parameter = key.parameter
-        values = (first.value(parameter.path), second.value(parameter.path))
-        rows.append((key.table, key.name, *values, f"{parameter.symbol}, {parameter.label}"))
-    for table, name in CHOICES:
-        last = max(place for place, row in enumerate(rows) if row[0] == table)
-        words = [choice(design, table, name).value for design in (first, second)]
-        rows.insert(last + 1, (table, name, *words, CHOICE_MEANINGS[name]))
-    return rows
-
-
-def _text(value: float | str) -> str:
-    if isinstance(value, str):
-        return value
-    return f"{value:.10g}" if math.isfinite(value) else "rigid"
-
 
 def _load(file: Path | None) -> Design:
     return APPENDIX_4 if file is None else load_design(file)
-
-
-def _weights(design: Design) -> list[Any]:
-    return list(design.counterweights)
-
-
-def _drives(design: Design) -> dict[str, Any]:
-    """Return the drives by actuator, for JSON."""
-    pairs = zip(ACTUATORS, design.drives, strict=True)
-    return {name: drive for name, drive in pairs if drive is not None}

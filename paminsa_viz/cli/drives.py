@@ -4,25 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import tyro
 
 from paminsa_viz.actuation.catalog import Catalog, generic_catalog, load_catalog
-from paminsa_viz.actuation.drive_table import drive_table
 from paminsa_viz.actuation.duty import Duty, DutyCycle, duty_cycle
-from paminsa_viz.actuation.ratios import ratio_intervals
-from paminsa_viz.actuation.selection import DriveFigures, Selection, select_drives, size_design
+from paminsa_viz.actuation.ratios import catalog_ratios
+from paminsa_viz.actuation.selection import select_drives
 from paminsa_viz.actuation.sizing import Order
-from paminsa_viz.blocks.drives import cycle_text, selection_blocks
-from paminsa_viz.blocks.kinds import Table, rows
+from paminsa_viz.blocks.drives import cycle_text, ratio_table, selection_blocks, selection_data
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
-from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written, record
+from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.trajectory_table import read_trajectory
-from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.design import Geometry
 from paminsa_viz.trajectory import PRESET, ImpossibleTrajectory, Trajectory
 from paminsa_viz.version import MADE_BY
 
@@ -83,11 +81,13 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
             return 1
         if self.ratios:
             return self._print_ratios(cycle, catalog)
-        most = np.inf if self.inertia_ratio is None else self.inertia_ratio
-        found = select_drives(cycle, catalog, order=self.order, inertia_ratio=most, same=self.same)
+        found = select_drives(
+            cycle, catalog, order=self.order, inertia_ratio=self._inertia_ratio, same=self.same
+        )
         advice = tuple(found.advice(j) for j in range(4))
         if self.json:
-            print_json(self._data(design, catalog, found, advice))
+            data = selection_data(design, catalog, found, self.rows, advice)
+            print_json(data | {"order": self.order})
         else:
             print(f'design "{design.name}", catalog {catalog.name}: {cycle_text(cycle)}\n')
             print_blocks(selection_blocks(design, found, self.rows, advice))
@@ -114,71 +114,18 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
             return [Duty(self.given_motion(geometry), 1.0, self.dwell)]
         return [Duty(_motion(name, geometry), count, dwell) for name, count, dwell in self.cycle]
 
-    def _data(
-        self, design: Design, catalog: Catalog, found: Selection, advice: tuple[str, ...]
-    ) -> dict[str, Any]:
-        return {
-            "design": design.name,
-            "catalog": catalog.name,
-            "motions": [
-                record(duty.trajectory, "name", "duration_s") | record(duty, "repeats", "dwell_s")
-                for duty in found.cycle.duties
-            ],
-            "order": self.order,
-            "feasible": found.feasible,
-            "actuators": [
-                record(load, "name", "peak", "rms", "top_speed", "top_power_W", "inertia")
-                | {
-                    "pairs": len(found.sizings[j].table),
-                    "feasible": len(found.rows[j]),
-                    "advice": advice[j],
-                    "drives": [_facts(one) for one in found.figures(j, self.rows)],
-                }
-                for j, load in enumerate(found.cycle.loads)
-            ],
-            "own": [one and _facts(one) for one in size_design(found.cycle, design)],
-        }  # fmt: skip
-
     def _print_ratios(self, cycle: DutyCycle, catalog: Catalog) -> int:
-        catalog.pairs(3)  # says what the catalog lacks
-        screws = catalog.transmissions
-        data: list[dict[str, Any]] = []
-        for j, load in enumerate(cycle.loads):
-            bare = catalog.motors if j < 3 else catalog.motors * len(screws)
-            leads = [1.0] * len(bare)
-            names = [motor.name for motor in bare]
-            table = drive_table(bare)
-            if j == 3:
-                each = [screw for screw in screws for _ in catalog.motors]
-                leads = [2 * np.pi / screw.lead for screw in each if screw.lead is not None]
-                names = [f"{a}, {b.name}" for a, b in zip(names, each, strict=True)]
-                table.efficiency[:] = [screw.lead_efficiency for screw in each]
-                table.holds[:] |= [screw.holds for screw in each]
-            most = np.inf if self.inertia_ratio is None else self.inertia_ratio
-            found = ratio_intervals(load, table, inertia_ratio=most)
-            data += [
-                {
-                    "actuator": load.name, "motor": names[i],
-                    "low": found.low[i] / leads[i] if found.feasible[i] else None,
-                    "high": found.high[i] / leads[i] if found.feasible[i] else None,
-                    "scanned": found.scanned[i], "gaps": found.gaps[i],
-                }
-                for i in range(len(bare))
-            ]  # fmt: skip
+        found = catalog_ratios(cycle, catalog, inertia_ratio=self._inertia_ratio)
         if self.json:
-            print_json({"ratios": data})
+            print_json({"ratios": found})
         else:
-            cells = (
-                (
-                    row["actuator"], row["motor"],
-                    "none" if row["low"] is None else f"{row['low']:.4g} to {row['high']:.4g}",
-                    "by scan, with gaps" if row["gaps"] else "by scan" if row["scanned"] else "",
-                )
-                for row in data
-            )  # fmt: skip
-            print_blocks([Table(("", "Motor", "Gear ratio", ""), rows(*cells), words=4)])
-        fits = {row["actuator"] for row in data if row["low"] is not None}
+            print_blocks([ratio_table(found)])
+        fits = {one.actuator for one in found if one.low is not None}
         return 0 if len(fits) == 4 else 1
+
+    @property
+    def _inertia_ratio(self) -> float:
+        return np.inf if self.inertia_ratio is None else self.inertia_ratio
 
 
 FLAGS = Drives
@@ -190,15 +137,3 @@ def _motion(name: str, geometry: Geometry) -> Trajectory:
     if not name.lower().endswith((".csv", ".npz")):
         raise UsageError(f"--cycle {name}: a table, or one of {', '.join(PRESET)}, is needed")
     return read_trajectory(Path(name))
-
-
-def _facts(one: DriveFigures) -> dict[str, Any]:
-    drive = one.drive
-    return {
-        **record(drive, "name", "gear_ratio", "lead_m", "mass_kg", "cost"),
-        "margin": 1 - one.use, "feasible_gear_ratios": one.ratios,
-        **record(
-            one, "feasible", "limit", "rms_Nm", "peak_Nm", "top_speed_rad_s", "top_power_W",
-            "envelope", "inertia_ratio", "thermal",
-        ),
-    }  # fmt: skip

@@ -4,27 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import tyro
 
 from paminsa_viz.actuation import actuator_limits
-from paminsa_viz.blocks.excitation import excitation_blocks
+from paminsa_viz.blocks.excitation import excitation_blocks, excitation_data
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
-from paminsa_viz.cli.output import (
-    print_began,
-    print_blocks,
-    print_error,
-    print_json,
-    print_written,
-    record,
-)
+from paminsa_viz.cli.output import print_began, print_blocks, print_error, print_json, print_written
 from paminsa_viz.files.identification_table import excitation_table
 from paminsa_viz.files.tables import save_table, table_endings
 from paminsa_viz.identification import (
-    Excitation,
     ExcitationLimits,
     ExcitationSettings,
     NoExcitation,
@@ -104,7 +96,7 @@ class Excite(JsonFlags, DesignFlags):
         if self.out is not None:
             save_table(excitation_table(design, found, self.rate), self.out)
         if self.json:
-            print_json(_data(design, found) | {"file": self.out})
+            print_json(excitation_data(design, found) | {"file": self.out})
         else:
             print_blocks(excitation_blocks(found))
             print_written([] if self.out is None else [self.out])
@@ -135,14 +127,3 @@ class Excite(JsonFlags, DesignFlags):
 
 
 FLAGS = Excite
-
-
-def _data(design: Design, found: Excitation) -> dict[str, Any]:
-    return {
-        "design": design.name,
-        **record(found.settings, "period_s", "harmonics"),
-        "duration_s": found.plan.duration,
-        "log_det_random": found.random_log_det,
-        **record(found, "parameters", "log_det", "random", "evaluations", "seconds"),
-        "limits": [row._asdict() | {"kept": row.kept} for row in found.limits],
-    }

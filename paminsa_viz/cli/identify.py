@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import tyro
 
-from paminsa_viz.blocks.identification import identification_blocks
+from paminsa_viz.blocks.identification import identification_blocks, identification_data
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Pose, pose_si
-from paminsa_viz.cli.output import print_blocks, print_json, print_written, record
+from paminsa_viz.cli.output import print_blocks, print_json, print_written
 from paminsa_viz.files.atomic import make_folder, write_bytes
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.example_logs import given_log
 from paminsa_viz.files.identification_table import estimate_table, residual_table
 from paminsa_viz.files.tables import save_table
-from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.columns import IdentificationSettings
 from paminsa_viz.identification.findings import Findings, investigate
 from paminsa_viz.identification.log import Log
-from paminsa_viz.identification.validation import PayloadEstimate
 
 DESCRIPTION = """\
 Find masses, balance and friction of the built robot from a log of positions and torques.
@@ -104,7 +101,7 @@ class Identify(JsonFlags, DesignFlags):
         )  # fmt: skip
         written = [] if self.out is None else self._write(self.out, found)
         if self.json:
-            print_json(_data(found, written))
+            print_json(identification_data(found, written))
         else:
             print(f'design "{design.name}"')
             print_blocks(identification_blocks(found))
@@ -128,55 +125,3 @@ class Identify(JsonFlags, DesignFlags):
 
 
 FLAGS = Identify
-
-
-def _data(found: Findings, written: Sequence[Path]) -> dict[str, Any]:
-    """Return everything as data for JSON, in SI units."""
-    one, check = found.identification, found.validation
-    log = one.log
-    return {
-        "design": one.design.name,
-        "log": {"rows": len(log.t)} | record(log, "name", "rate_Hz", "duration_s"),
-        "notes": one.notes,
-        "parameters": [
-            record(item, "symbol", "value", "half_width_95", "known", "reason")
-            | record(item.parameter, "label", "unit", "design")
-            for item in one.estimates
-        ],
-        "identity": record(one.identity, "value_N", "half_width_N", "z", "holds"),
-        "residual_rms": one.noise,
-        "masses": [
-            record(item.parameter, "path", "unit") | {
-                "design": item.prior, "nearest": item.value,
-                "deviation_given_the_design": item.deviation, "known": item.told,
-            }
-            for item in found.nearest.masses
-        ],
-        "misfit": found.nearest.misfit,
-        "causes": [_cause_data(item) for item in found.causes.ranked],
-        "named": [_cause_data(item) for item in found.causes.named],
-        "unseen": found.causes.unseen,
-        "validation": check and {
-            "log": check.log.name, "residual_rms": check.residual, "own_rms": check.own,
-            "ratio": check.ratio,
-        },
-        "payload": found.payload and _payload_data(found.payload),
-        "files": written,
-    }  # fmt: skip
-
-
-def _cause_data(item: Cause) -> dict[str, Any]:
-    keys = ("unit", "value", "half_width_95", "p_value", "explains", "detectable")
-    return {"cause": item.label, "nearly_as_much": item.alike} | record(item, *keys)
-
-
-def _payload_data(item: PayloadEstimate) -> dict[str, Any]:
-    gain = item.gain
-    return {
-        **record(item, "mass_kg", "half_width_kg", "known_kg"),
-        "with_drift_of_F4": {
-            "mass_kg": item.free_mass, "half_width_kg": item.free_half_width,
-            **record(item, "drift_N", "drift_half_width_N"),
-        },
-        "gain": None if gain is None else {"value": gain[0], "half_width": gain[1]},
-    }  # fmt: skip

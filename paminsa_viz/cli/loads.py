@@ -4,29 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import tyro
 
-from paminsa_viz.blocks.loads import motion_blocks, pose_blocks
+from paminsa_viz.blocks.loads import motion_blocks, motion_data, pose_blocks, pose_data
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PoseFlags, check_output
 from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
-from paminsa_viz.elastostatics.bar_loads import COMPONENTS, all_bar_loads, utilization
 from paminsa_viz.elastostatics.joint_forces import (
-    JOINTS,
-    NEEDS_STIFFNESS,
-    JointForces,
     joint_forces,
 )
-from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
-from paminsa_viz.elastostatics.sideways import SidewaysForces, sideways_forces
+from paminsa_viz.elastostatics.motion_loads import motion_loads
+from paminsa_viz.elastostatics.sideways import sideways_forces
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.loads_table import bar_table, bearing_table, joint_table, motion_loads_table
 from paminsa_viz.files.tables import DataTable, save_table, table_endings
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.reach import home_pose, require_reachable, status_words
 from paminsa_viz.trajectory import ImpossibleTrajectory, analyze
 from paminsa_viz.units import format_pose
@@ -97,7 +92,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
             return 1
         sideways = sideways_forces(design, pose)
         if self.json:
-            print_json(_pose_data(design, pose, forces, sideways))
+            print_json(pose_data(design, pose, forces, sideways))
         else:
             print(format_pose(pose, ascii_only=True))
             print_blocks(pose_blocks(forces, sideways))
@@ -115,7 +110,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
                 print_error(ImpossibleTrajectory(first))
             return 1
         if self.json:
-            print_json(_motion_data(found))
+            print_json(motion_data(found))
         else:
             t = found.trajectory
             print(f'motion "{t.name}", {t.t[-1] - t.t[0]:.3g} s')
@@ -128,68 +123,3 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
 
 
 FLAGS = Loads
-
-
-def _pose_data(
-    design: Design, pose: Any, forces: JointForces, sideways: SidewaysForces
-) -> dict[str, Any]:
-    use = utilization(forces)
-    return {
-        "design": design.name,
-        "pose": pose,
-        "torque": forces.torque,
-        "axial_N": forces.axial,
-        "sideways": NEEDS_STIFFNESS,
-        "legs": [
-            {
-                "joints": {
-                    joint.key: {
-                        "on": joint.on, "by": joint.by,
-                        "force_N": forces.force[leg, index],
-                        "moment_Nm": forces.moment[leg, index],
-                        "sideways_N": sideways.force[leg, index],
-                        "sideways_moments_Nm": sideways.moment[leg, index],
-                    }
-                    for index, joint in enumerate(JOINTS)
-                },
-                "bars": {
-                    bar: dict(
-                        zip(COMPONENTS, loads.extremes()[leg], strict=True),
-                        utilization=use[leg, number],
-                    )
-                    for number, (bar, loads) in enumerate(all_bar_loads(forces).items())
-                },
-            }
-            for leg in range(3)
-        ],
-    }  # fmt: skip
-
-
-def _motion_data(found: MotionLoads) -> dict[str, Any]:
-    use = found.utilization.max(axis=0)
-    return {
-        "design": found.design.name,
-        "trajectory": found.trajectory.name,
-        "legs": [
-            {
-                "joints": {
-                    joint.key: {
-                        "peak_N": found.peak[leg, index],
-                        "peak_t_s": found.peak_time[leg, index],
-                        "rms_N": found.rms[leg, index],
-                        "equivalent_N": found.equivalent[leg, index],
-                        "travel": found.travel[leg, index],
-                    }
-                    for index, joint in enumerate(JOINTS)
-                },
-                "bars": {
-                    bar: dict(
-                        zip(COMPONENTS, found.bar_peak[leg, number], strict=True),
-                        utilization=use[leg, number],
-                    )
-                    for number, bar in enumerate(BARS)
-                },
-            }
-            for leg in range(3)
-        ],
-    }

@@ -5,24 +5,22 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 import numpy as np
 import tyro
-from numpy.typing import NDArray
 
-from paminsa_viz.blocks.kinds import Table, rows
+from paminsa_viz.blocks.maps import maps_blocks, maps_data
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import ComparedDesignFlags, FilesFlags
 from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import write_bytes
-from paminsa_viz.files.columns import TORQUES as TORQUE_NAMES
-from paminsa_viz.files.published_table import PublishedMap, read_published_map
+from paminsa_viz.files.published_table import read_published_map
 from paminsa_viz.files.tables import table_bytes, table_endings
-from paminsa_viz.model import Design, solve_field, static_torques, xy_grid
-from paminsa_viz.model.reach import Limit, home_pose, status_words
-from paminsa_viz.model.singular_limit import CONDITION_LIMIT, counting
+from paminsa_viz.model import Design
+from paminsa_viz.model.reach import Limit, home_pose
+from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 from paminsa_viz.plots.map_table import map_table
 from paminsa_viz.plots.map_values import (
     COARSE,
@@ -36,7 +34,7 @@ from paminsa_viz.plots.map_values import (
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import QUANTITIES, TORQUES, affordable_cells, selections
-from paminsa_viz.units import MM, NONE, format_ascii, number, si_unit
+from paminsa_viz.units import MM, format_ascii
 
 DESCRIPTION = """\
 Map what the actuators have to hold at rest, over all positions x, y at one angle and one height:
@@ -152,13 +150,12 @@ class Map(FilesFlags, ComparedDesignFlags):
                     width_mm=self.width, dpi=self.dpi, published=published,
                 )  # fmt: skip
             write_bytes(path, content)
-        facts = _report(self, data)
-        if published is not None:
-            facts["published"] = off_published(design, data, published)
+        facts = maps_data(data, self.quantities, self.max_condition, published)
         if self.json:
-            print_json(facts)
+            print_json(facts | {"files": self.out})
         else:
-            _print(self, data, facts)
+            print_blocks(maps_blocks(data, facts))
+            print_written(self.out)
         if not (data.status == Limit.OK).any():
             z = format_ascii(data.z, "m", 6)
             problem = f"no position can be reached at {self.theta:g}° and z = {z}"
@@ -196,104 +193,3 @@ def scales_of(flags: Map, data: MapData, sample: MapData) -> tuple[Scale, ...]:
     if ends:
         choice = replace(choice, low=ends[0], high=ends[1])
     return choose_scales(data, choice, sample)
-
-
-def _report(flags: Map, data: MapData) -> dict[str, Any]:
-    """Return what the maps hold as data for JSON, in SI units."""
-    reached = data.status == Limit.OK
-    leg = np.full(data.status.shape, -1, np.int8) if data.leg is None else data.leg
-    words, cells = np.unique(status_words(data.status, leg), return_counts=True)
-    cell = float((data.x[1] - data.x[0]) * (data.y[1] - data.y[0]))
-    names = list(flags.quantities)
-    counts = _counting(data, flags.max_condition)
-    return {
-        "design": data.design.name,
-        "reference": data.reference and data.reference.name,
-        "knee": data.design.geometry.knee.value,
-        "theta_rad": data.theta,
-        "z_m": data.z,
-        "cells": [data.x.size, data.y.size],
-        "reached_area_m2": cell * int(reached.sum()),
-        "singular_radius_m": data.singular_radius,
-        "cells_by_status": dict(zip(words.tolist(), cells.tolist(), strict=True)),
-        "unit": si_unit(data.unit),
-        "max_condition": flags.max_condition,
-        "counting_cells": int(counts.sum()),
-        "maps": {
-            name: _numbers(values, counts) for name, values in zip(names, data.values, strict=True)
-        },
-        "files": flags.out,
-    }
-
-
-def off_published(
-    design: Design, data: MapData, published: PublishedMap
-) -> dict[str, dict[str, float | int]]:
-    """Return by how much computed torques are off published ones, by columns that have any.
-
-    Largest and RMS differences over the positions that can be reached [N m, N].
-    """
-    rest = np.broadcast_to([data.theta, data.z], published.position.shape)
-    off = static_torques(design, np.hstack([published.position, rest])) - published.torque
-    found: dict[str, dict[str, float | int]] = {}
-    for name, column in zip(TORQUE_NAMES, off.T, strict=True):
-        known = column[np.isfinite(column)]
-        if known.size:
-            found[name] = {
-                "positions": known.size,
-                "largest_difference": float(np.abs(known).max()),
-                "rms_difference": float(np.sqrt(np.mean(known**2))),
-            }
-    return found
-
-
-def _counting(data: MapData, limit: float) -> NDArray[np.bool_]:
-    """Return which cells are not too close to a singularity, for a difference of both designs."""
-    grid = xy_grid(data.x, data.y, data.theta, data.z)
-    designs = [data.design] if data.reference is None else [data.design, data.reference]
-    return np.all([counting(solve_field(d.geometry, grid), limit) for d in designs], axis=0)
-
-
-def _numbers(values: np.ndarray, counts: NDArray[np.bool_]) -> dict[str, float | None]:
-    """Return extremes, and percentiles of the size, over the cells that count."""
-    known = values[counts & np.isfinite(values)]
-    if not known.size:
-        return dict.fromkeys(("least", "largest", "median_size", "p90_size"))
-    median, most = np.percentile(np.abs(known), (50, 90))
-    return {
-        "least": float(known.min()),
-        "largest": float(known.max()),
-        "median_size": float(median),
-        "p90_size": float(most),
-    }
-
-
-def _print(flags: Map, data: MapData, facts: dict[str, Any]) -> None:
-    design, reference = facts["design"], facts["reference"]
-    minus = f' minus "{reference}"' if reference else ""
-    print(f'design "{design}"{minus}, {data.design.geometry.knee.label}')
-    factor, unit = data.display
-    print(
-        f"theta = {flags.theta:g}°, z = {format_ascii(data.z, 'm', 6)}, "
-        f"{data.x.size} x {data.y.size} cells"
-    )
-    size = "|tau|" if flags.quantities == TORQUES else "size"
-    cells = (
-        (name, *(NONE if v is None else number(v * factor) for v in found.values()))
-        for name, found in facts["maps"].items()
-    )
-    head = (f"[{unit}]" if unit else "", "Least", "Largest", f"Median {size}", f"90 % of {size} <")
-    print_blocks([Table(head, rows(*cells), literal=True)])
-    counted, limit = facts["counting_cells"], f"{flags.max_condition:g}"
-    print(
-        f"over the {counted} cells that count: not too close to a singularity "
-        f"(condition number at most {limit}, 10 mm to a stretched or folded leg)"
-    )
-    area, radius = facts["reached_area_m2"], facts["singular_radius_m"]
-    print(f"reached: {area:.4g} m²; singular circle: radius {format_ascii(radius, 'm')}")
-    for name, off in facts.get("published", {}).items():
-        print(
-            f"{name} - published: {off['largest_difference']:.4g} at most, "
-            f"{off['rms_difference']:.4g} RMS over {off['positions']} positions"
-        )
-    print_written(flags.out)

@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import json
-import math
-import os
 import re
 import sys
 from collections.abc import Iterable, Sequence
-from dataclasses import fields, is_dataclass
-from enum import Enum
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from paminsa_viz.blocks.data import plain
 from paminsa_viz.blocks.kinds import Block, Note, Table
 from paminsa_viz.errors import one_line
 from paminsa_viz.files.atomic import open_atomically
@@ -57,14 +52,14 @@ def _print_step(done: float, /, *, step: str, **_: Any) -> None:
 
 
 def print_json(facts: dict[str, Any], *, signed: bool = True) -> None:
-    """Print facts as JSON, see `record`; a number that is not finite becomes null.
+    """Print facts as JSON, see `blocks.data`; a number that is not finite becomes null.
 
     Args:
         facts: What a command found; arrays, enumerations, paths and records may be in it.
         signed: Whether the program that found them is named first.
     """
     made_by = {"made_by": MADE_BY} if signed else {}
-    text = json.dumps(_plain(made_by | facts), indent=2, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(plain(made_by | facts), indent=2, ensure_ascii=False, allow_nan=False)
     print(text)
 
 
@@ -96,8 +91,15 @@ def ascii_numbers(text: str) -> str:
     """Return a text whose numbers every terminal and program reads: ``-1.2e-13``, ``<= 3``."""
     exponents = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
     text = re.sub(r"·10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)", lambda found: f"e{found[1].translate(exponents)}", text)
-    for sign, plain in {"−": "-", "±": "+-", "≤": "<=", "≥": ">=", "⌀": "d", NONE: "-"}.items():
-        text = text.replace(sign, plain)
+    for sign, ascii_ in {
+        "−": "-",
+        "±": "+-",
+        "≤": "<=",
+        "≥": ">=",
+        "⌀": "d",
+        NONE: "-",
+    }.items():
+        text = text.replace(sign, ascii_)
     return text
 
 
@@ -119,46 +121,3 @@ def _print_rows(
             for place, (cell, width) in enumerate(zip(row, widths, strict=True))
         ]
         print((" " * indent + "  ".join(cells)).rstrip())
-
-
-UNITS = ("m", "rad", "s", "Hz", "kg", "N", "Nm", "N_per_m", "W", "J", "rad_s", "m3", "95")
-"""Endings of keys in JSON that name the unit of a value, or its confidence [%]."""
-
-
-def record(result: object, *keys: str) -> dict[str, Any]:
-    """Return attributes of a result for JSON, by keys that end in the unit of the value.
-
-    Args:
-        result: What a command found.
-        keys: Names of attributes, with one of `UNITS` behind: ``"noise_m"`` is its ``noise``.
-
-    Raises:
-        AttributeError: If the result has no such attribute.
-    """
-    return {key: getattr(result, _attribute(result, key)) for key in keys}
-
-
-def _attribute(result: object, key: str) -> str:
-    known = (key.removesuffix(f"_{unit}") for unit in UNITS)
-    return next((name for name in (key, *known) if hasattr(result, name)), key)
-
-
-def _plain(value: Any) -> Any:
-    """Return a value as JSON has it: arrays as lists, enumerations by their value, paths as texts,
-    records as objects, None in place of numbers that JSON does not have.
-    """
-    if isinstance(value, Enum):
-        return value.value
-    if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
-    if isinstance(value, os.PathLike):
-        return os.fspath(value)
-    if is_dataclass(value) and not isinstance(value, type):
-        return {item.name: _plain(getattr(value, item.name)) for item in fields(value)}
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

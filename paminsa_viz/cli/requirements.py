@@ -2,33 +2,41 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import tyro
 
-from paminsa_viz.blocks.kinds import Table, rows
-from paminsa_viz.blocks.requirements import check_blocks
-from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import JsonFlags, check_output
-from paminsa_viz.cli.largest import Largest, Prove
-from paminsa_viz.cli.output import print_blocks, print_json, print_written, record
-from paminsa_viz.cli.requirement_flags import RequirementFlags
-from paminsa_viz.files.atomic import write_bytes
-from paminsa_viz.model.design import Design
-from paminsa_viz.quantities import QUANTITIES
-from paminsa_viz.quantities.requirement_text import (
-    EXAMPLE,
-    ascii_unit,
-    requirement_text,
+from paminsa_viz.blocks.requirements import (
+    check_blocks,
+    check_data,
+    largest_blocks,
+    largest_data,
+    proof_blocks,
+    proof_data,
+    quantities_data,
+    quantities_table,
 )
-from paminsa_viz.quantities.requirements import Requirements
-from paminsa_viz.synthesis.volume.check import RequirementsCheck, check_requirements
-from paminsa_viz.synthesis.volume.conflict import Conflict, smallest_conflict
+from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Point, check_output
+from paminsa_viz.cli.output import print_blocks, print_json, print_written
+from paminsa_viz.files.atomic import write_bytes
+from paminsa_viz.files.design_file import load_content
+from paminsa_viz.model.design import Design
+from paminsa_viz.quantities.requirement_text import EXAMPLE, parse_requirement, requirement_text
+from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
+from paminsa_viz.synthesis.proof.certificate import prove
+from paminsa_viz.synthesis.proof.evidence import Verdict
+from paminsa_viz.synthesis.proof.largest import largest_workspace
+from paminsa_viz.synthesis.proof.regions import Growth
+from paminsa_viz.synthesis.volume.check import check_requirements
+from paminsa_viz.synthesis.volume.conflict import smallest_conflict
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE
 from paminsa_viz.synthesis.volume.solve import solve_volume
 from paminsa_viz.synthesis.volume.surface import VOLUME_FORMATS, volume_bytes
+from paminsa_viz.units import MM
 
 DESCRIPTION = """\
 Requirements: bounds on quantities, headings and a workspace, of a design file or as text.
@@ -47,6 +55,147 @@ be reachable and free of singularities with every heading. See docs/requirements
 
 Exit code of check: 0 all requirements hold; 1 one is broken, or the volume is empty; 2 a wrong
 argument or file."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RequirementFlags(DesignFlags):
+    """The robot and what it is needed for."""
+
+    file: Annotated[Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")] = None
+    """Design file with its requirements; Appendix 4 if left out."""
+    require: Annotated[tuple[str, ...], tyro.conf.arg(metavar="TEXT")] = ()
+    """A requirement on top of the file's; may be given several times."""
+    theta: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="FROM TO")] = None
+    """Headings that count [degrees], instead of the file's."""
+    cylinder: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="DIAMETER HEIGHT")] = None
+    """A cylinder that has to fit [mm], instead of the file's workspace."""
+    box: Annotated[Point | None, tyro.conf.arg(metavar="X Y Z")] = None
+    """A box that has to fit [mm], instead of the file's workspace."""
+    center: Annotated[tuple[str, str, str] | None, tyro.conf.arg(metavar="X Y Z")] = None
+    """Center of the workspace [mm]; 'free' for a coordinate that is to be found. 0 0 free if left
+    out."""
+
+    def given(self) -> tuple[Design, Requirements]:
+        """Return the design and its requirements.
+
+        Raises:
+            UsageError: If flags exclude each other or a number is none.
+            DesignFileError: If the file cannot be read or is refused.
+        """
+        if self.file is not None and self.design is not None:
+            raise UsageError("FILE and --design exclude each other")
+        path = self.file or self.design
+        design = replace(self, design=path).given_design()
+        given = None if path is None else load_content(path).requirements
+        return design, self._requirements(given or Requirements())
+
+    def _requirements(self, given: Requirements) -> Requirements:
+        bounds = (*given.bounds, *map(parse_requirement, self.require))
+        low, high = given.theta
+        if self.theta is not None:
+            low, high = map(math.radians, self.theta)
+        return Requirements(bounds, (low, high), self._workspace(given.workspace))
+
+    def _workspace(self, given: Workspace | None) -> Workspace | None:
+        if self.cylinder is not None and self.box is not None:
+            raise UsageError("--cylinder and --box exclude each other")
+        if self.cylinder is None and self.box is None:
+            if self.center is None:
+                return given
+            if given is None:
+                raise UsageError("--center needs --cylinder or --box")
+            return replace(given, center=self._center())
+        if self.cylinder is not None:
+            diameter, height = (extent / MM for extent in self.cylinder)
+            size = (diameter, diameter, height)
+            return Workspace(WorkspaceShape.CYLINDER, size, self._center())
+        assert self.box is not None
+        x, y, z = (extent / MM for extent in self.box)
+        return Workspace(WorkspaceShape.BOX, (x, y, z), self._center())
+
+    def _center(self) -> tuple[float | None, float | None, float | None]:
+        if self.center is None:
+            return 0.0, 0.0, None
+        found = []
+        for word in self.center:
+            try:
+                found.append(None if word == "free" else float(word) / MM)
+            except ValueError:
+                raise UsageError(f"--center: a number or 'free' is needed, not {word!r}") from None
+        x, y, z = found
+        return x, y, z
+
+
+_GROWTH = {"all": Growth.ALL, "horizontal": Growth.HORIZONTAL, "vertical": Growth.VERTICAL}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prove(JsonFlags, RequirementFlags):
+    """Prove that all requirements hold over the workspace, or find a pose where one does not.
+
+    Its center has to be given. Exit code 1 if one is broken or undecided; one that can only be
+    sampled, see docs/largest-workspace.md, is named and does not change it."""
+
+    time: Annotated[float, tyro.conf.arg(metavar="S")] = 15.0
+    """Time after which to answer that it is undecided."""
+
+    def run(self) -> int:
+        """Prove and print."""
+        design, requirements = self.given()
+        _check_time(self.time)
+        if requirements.workspace is None:
+            raise UsageError("a workspace is needed: --cylinder or --box, or that of a design file")
+        if None in requirements.workspace.center:
+            raise UsageError("--center: a proof needs three numbers; 'largest' finds a center")
+        proof = prove(design, requirements, time_limit=self.time)
+        if self.json:
+            print_json({"design": design.name, **proof_data(proof)})
+        else:
+            print_blocks(proof_blocks(design, requirements, proof, requirement_text))
+        return 0 if proof.verdict is Verdict.PROVEN else 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Largest(JsonFlags, RequirementFlags):
+    """Find the largest workspace of a shape over which all requirements are proven.
+
+    The sizes of --cylinder or --box are its proportions. Exit code 1 if there is none."""
+
+    grow: Literal["all", "horizontal", "vertical"] = "all"
+    """Which extents grow; the others are kept."""
+    tolerance: Annotated[float, tyro.conf.arg(metavar="MM")] = 1.0
+    """Gap between what is proven and a pose that breaks a requirement, at which to stop."""
+    time: Annotated[float, tyro.conf.arg(metavar="S")] = 15.0
+    """Time after which to stop; the gap is then what it is."""
+    both_sides: bool = False
+    """A free height may be on the other side of the guides than home."""
+
+    def run(self) -> int:
+        """Search and print."""
+        design, requirements = self.given()
+        _check_time(self.time)
+        if not (math.isfinite(self.tolerance) and self.tolerance > 0.0):
+            raise UsageError(f"--tolerance: a number above 0 is needed, not {self.tolerance}")
+        if requirements.workspace is None:
+            raise UsageError("a shape is needed: --cylinder or --box, or that of a design file")
+        found = largest_workspace(
+            design,
+            requirements,
+            growth=_GROWTH[self.grow],
+            tolerance=self.tolerance / MM,
+            time_limit=self.time,
+            both_sides=self.both_sides,
+        )
+        if self.json:
+            print_json(largest_data(design, found))
+        else:
+            print_blocks(largest_blocks(design, requirements, found, requirement_text))
+        return 1 if found.workspace is None else 0
+
+
+def _check_time(time: float) -> None:
+    if not (math.isfinite(time) and time > 0.0):
+        raise UsageError(f"--time: a number of seconds above 0 is needed, not {time}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +238,7 @@ class CheckRequirements(JsonFlags, RequirementFlags):
         if volume is not None and not found.holds:
             conflict = smallest_conflict(volume, requirements.workspace)
         if self.json:
-            print_json(_data(design, requirements, found, conflict))
+            print_json(check_data(design, requirements, found, conflict))
         else:
             print(design.name)
             print_blocks(check_blocks(requirements, found, conflict, requirement_text))
@@ -109,16 +258,9 @@ class Quantities(JsonFlags):
     def run(self) -> int:
         """Print them."""
         if self.json:
-            print_json(
-                {
-                    entry.key: record(entry, "symbol", "unit", "title")
-                    for entry in QUANTITIES.values()
-                },
-                signed=False,
-            )
-            return 0
-        cells = ((key, ascii_unit(entry.display), entry.title) for key, entry in QUANTITIES.items())
-        print_blocks([Table(("Quantity", "Unit", ""), rows(*cells), words=3)])
+            print_json(quantities_data(), signed=False)
+        else:
+            print_blocks([quantities_table()])
         return 0
 
 
@@ -128,57 +270,3 @@ FLAGS: Any = (
     | Annotated[Prove, tyro.conf.subcommand("prove")]
     | Annotated[Quantities, tyro.conf.subcommand("quantities")]
 )
-
-
-def _data(
-    design: Design, requirements: Requirements, found: RequirementsCheck, conflict: Conflict | None
-) -> dict[str, Any]:
-    """Return the check for other programs, in SI units."""
-    bounds = requirements.bounds
-    data: dict[str, Any] = {
-        "design": design.name,
-        "holds": found.holds,
-        "over": found.over.name.lower(),
-        "theta": requirements.theta,
-        "center": found.center,
-        "items": [
-            {
-                "requirement": item.label
-                if item.requirement is None
-                else requirement_text(bounds[item.requirement]),
-                "worst": item.value,
-                **record(item, "unit", "margin", "pose", "holds", "reason"),
-            }
-            for item in found.items
-        ],
-    }
-    if (volume := found.volume) is not None:
-        data["volume"] = {
-            "reachable_m3": volume.reachable_volume,
-            "nodes": volume.cause.shape,
-            "shares": {cause.word: share for cause, share in volume.shares().items()},
-            **record(
-                volume,
-                "volume_m3",
-                "error_m3",
-                "utilization",
-                "home_inside",
-                "cell_m",
-                "headings",
-                "removed_alone",
-                "removed_last",
-            ),
-        }
-    if conflict is not None:
-        data["conflict"] = {
-            "requirements": conflict.requirements,
-            "relaxations": [
-                {
-                    **record(item, "requirement", "by"),
-                    "low": None if item.relaxed is None else item.relaxed.low,
-                    "high": None if item.relaxed is None else item.relaxed.high,
-                }
-                for item in conflict.relaxations
-            ],
-        }
-    return data

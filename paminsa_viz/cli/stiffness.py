@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import tyro
 
-from paminsa_viz.blocks.stiffness import sections_table, stiffness_blocks, strain_cases
+from paminsa_viz.blocks.stiffness import (
+    sections_table,
+    stiffness_blocks,
+    stiffness_data,
+)
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
 from paminsa_viz.cli.output import print_blocks, print_json
 from paminsa_viz.elastostatics.beams import tube_fits
-from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
-from paminsa_viz.elastostatics.leg_frame import contacts
 from paminsa_viz.elastostatics.stiffness import (
-    SHARES,
-    PlatformStiffness,
-    compensate,
-    load_wrench,
     platform_stiffness,
 )
-from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.reach import home_pose, require_reachable
 from paminsa_viz.units import format_pose
 
@@ -43,9 +39,6 @@ not measured: give the sections of your own bars. See docs/stiffness.md.
 
 Exit code: 0 done; 1 the pose is singular, where nothing has a compliance; 2 a wrong argument or
 file, or a pose out of reach."""
-
-KEYS = ("x_N_per_m", "y_N_per_m", "z_N_per_m", "about_x_Nm_per_rad", "about_y_Nm_per_rad",
-        "about_z_Nm_per_rad")  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,7 +72,7 @@ class Stiffness(JsonFlags, PoseFlags, DesignFlags):
                 print(f"{design.name}, {place}: no compliance; {reason}")
             return 1
         if self.json:
-            print_json(_data(design, found, shear=self.shear))
+            print_json(stiffness_data(design, found, shear=self.shear))
         else:
             print(f"{design.name}, {format_pose(pose, ascii_only=True)}")
             print_blocks(stiffness_blocks(design, found, shear=self.shear))
@@ -96,32 +89,3 @@ class Stiffness(JsonFlags, PoseFlags, DesignFlags):
 
 
 FLAGS = Stiffness
-
-
-def _data(design: Design, found: PlatformStiffness, *, shear: bool) -> dict[str, Any]:
-    moved = compensate(design, found.pose, shear=shear)
-    axes, directions = found.ellipsoid()
-    alone = drive_stiffness(design, found.pose)
-    return {
-        "design": design.name,
-        "pose": found.pose,
-        "shear": shear,
-        "stiffness": {key: found.along(i) for i, key in enumerate(KEYS)}
-        | {"horizontal_N_per_m": found.horizontal, "tilt_Nm_per_rad": found.tilt},
-        "matrix": found.matrix,
-        "drives_alone": alone,
-        "ellipsoid": {"axes_m_per_N": axes, "directions": directions.T},
-        "wrench": load_wrench(design, found.pose),
-        "deflection": moved.deflection,
-        "compensation": dict(zip(ACTUATORS, moved.actuators, strict=True)),
-        "residual_tilt_rad": moved.tilt,
-        "contacts": contacts(design, found.pose).touching(),
-        "natural_frequencies_Hz": {
-            "whole robot": robot_modes(design, found.pose, shear=shear).frequencies,
-            "drives alone": drive_modes(design, found.pose).frequencies,
-        },
-        "shares": {
-            name: dict(zip(SHARES, share, strict=True))
-            for name, share in strain_cases(design, found.pose, shear=shear).items()
-        },
-    }

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,6 +12,7 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
+from paminsa_viz.blocks.sweep import sweep_blocks, sweep_data
 from paminsa_viz.cli.arguments import UsageError, command_line
 from paminsa_viz.cli.flags import (
     DesignFlags,
@@ -20,8 +22,7 @@ from paminsa_viz.cli.flags import (
     RegionFlags,
     check_output,
 )
-from paminsa_viz.cli.output import print_error, print_json
-from paminsa_viz.cli.sweep_report import print_report, progress_bar, report
+from paminsa_viz.cli.output import print_blocks, print_error, print_json
 from paminsa_viz.interrupts import on_interrupt
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
@@ -127,7 +128,7 @@ class Sweep(JsonFlags, RegionFlags, MotionFlags, DesignFlags):
         def stopped() -> str:
             return f"stopped after {latest.rows} of {study.size} rows; the same command resumes it"
 
-        with on_interrupt(stopped), progress_bar(study.size) as show:
+        with on_interrupt(stopped), _progress_bar(study.size) as show:
             try:
                 with _workers(self, study) as workers:
                     run_study(
@@ -139,9 +140,9 @@ class Sweep(JsonFlags, RegionFlags, MotionFlags, DesignFlags):
                 return 1
         seconds = time.monotonic() - started
         if self.json:
-            print_json(report(self.out, latest, seconds))
+            print_json(sweep_data(self.out, latest, seconds))
         else:
-            print_report(self.out, latest, seconds)
+            print_blocks(sweep_blocks(self.out, latest, seconds))
         return 0
 
 
@@ -223,3 +224,35 @@ def _workers(flags: Sweep, study: Study) -> AbstractContextManager[Workers]:
         return cluster(flags.dask)
     small = flags.jobs is None and study.work < WORTH_PROCESSES
     return processes(1 if small else flags.jobs)
+
+
+@contextmanager
+def _progress_bar(total: int) -> Iterator[Callable[[StudySummary], None]]:
+    """Show a bar while the work goes on, to people: not to files and other programs."""
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
+        task = bar.add_task("designs", total=total)
+
+        def show(summary: StudySummary) -> None:
+            bar.update(task, completed=summary.rows)
+            if summary.rows == summary.found:
+                bar.reset(task, completed=summary.rows)  # what was there says nothing of the speed
+
+        yield show

@@ -12,22 +12,24 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import tyro
 
-from paminsa_viz.blocks.synthesis import front_blocks, synthesis_blocks
-from paminsa_viz.cli.arguments import UsageError, command_line
-from paminsa_viz.cli.flags import JsonFlags, MotionFlags, check_output
-from paminsa_viz.cli.output import print_blocks, print_json, print_written, record, write_report
-from paminsa_viz.cli.synthesize_answer import (
-    AnswerFlags,
+from paminsa_viz.blocks.synthesis import (
+    AnswerChecks,
     answer_blocks,
     bound_text,
-    buildability_data,
     checks_data,
+    front_blocks,
     front_data,
-    numbered,
+    synthesis_blocks,
+    synthesis_data,
 )
+from paminsa_viz.cli.arguments import UsageError, command_line
+from paminsa_viz.cli.flags import JsonFlags, MotionFlags, check_output
+from paminsa_viz.cli.output import print_blocks, print_json, print_written, write_report
+from paminsa_viz.engines import EngineMissing
+from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.interrupts import on_interrupt
-from paminsa_viz.model.design import Design, stated_parameters
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import Requirements
@@ -40,6 +42,10 @@ from paminsa_viz.synthesis import (
     find_objective,
     synthesize,
 )
+from paminsa_viz.synthesis.answer.checks import AnswerMargins, build_yield
+from paminsa_viz.synthesis.answer.engine_check import MujocoCheck, check_by_mujoco
+from paminsa_viz.synthesis.answer.prices import requirement_prices
+from paminsa_viz.synthesis.search.case_conflict import case_conflict
 from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case
 from paminsa_viz.synthesis.search.checkpoint import Checkpoint
 from paminsa_viz.synthesis.search.front import design_front
@@ -68,6 +74,70 @@ With --checkpoint the search is written down as it goes, and the same command re
 
 Exit code: 0 a robot that meets all requirements; 1 none was found, with the reason and the nearest
 requirements that can be met; 2 a wrong argument or file; 130 stopped with Ctrl-C."""
+
+PERCENT = 100.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class AnswerFlags:
+    """What to say besides the answer."""
+
+    prices: bool = False
+    """What each active requirement costs: the search again near the answer, with it moved."""
+    built: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Build so many robots within tolerances: the part of them that meets all requirements."""
+    mass_tolerance: Annotated[float, tyro.conf.arg(metavar="%")] = 2.0
+    """Tolerance of each mass to either side [%]; those of lengths are the design's."""
+    mujoco: bool = False
+    """Check torques and forces in MuJoCo."""
+    conflict: bool = False
+    """Where no robot meets the requirements, look for the fewest that contradict."""
+    front: Annotated[tuple[str, ...], tyro.conf.arg(metavar="OBJECTIVE")] = ()
+    """An objective of a front: robots of which none is better than another in all of them, instead
+    of one; at least twice. --out FILE.toml writes them to FILE-1.toml, FILE-2.toml ..."""
+    points: int = 8
+    """Points of the front."""
+
+    def check_flags(self) -> None:
+        """Refuse what cannot be.
+
+        Raises:
+            UsageError: If two flags exclude each other, or a number is not possible.
+        """
+        if self.built is not None and self.built < 1:
+            raise UsageError(f"--built {self.built}: at least one robot is needed")
+        if not 0 <= self.mass_tolerance < PERCENT:
+            raise UsageError("--mass-tolerance: at least 0 % and below 100 % is needed")
+        if self.front and (self.prices or self.built or self.mujoco or self.conflict):
+            raise UsageError("--front excludes --prices, --built, --mujoco and --conflict")
+
+    def checks(self, result: SynthesisResult, workers: Workers) -> AnswerChecks:
+        """Return what the flags ask for."""
+        ok = result.feasible
+        return AnswerChecks(
+            requirement_prices(result, workers=workers) if ok and self.prices else None,
+            build_yield(
+                result.design, AnswerMargins.of(result), samples=self.built, workers=workers,
+                seed=result.case.seed, mass_tolerance=self.mass_tolerance / PERCENT,
+            )
+            if ok and self.built
+            else None,
+            _mujoco(result) if ok and self.mujoco else None,
+            case_conflict(result.case, workers=workers) if self.conflict and not ok else None,
+        )  # fmt: skip
+
+
+def _mujoco(result: SynthesisResult) -> MujocoCheck | str:
+    """Return what MuJoCo says, or why it has no such robot."""
+    try:
+        return check_by_mujoco(result.design, AnswerMargins.of(result))
+    except (EngineMissing, InvalidDesign) as error:
+        return str(error)
+
+
+def _numbered(path: Path, number: int) -> Path:
+    """Return the file of a point of a front."""
+    return path.with_name(f"{path.stem}-{number}{path.suffix}")
 
 
 if TYPE_CHECKING:
@@ -131,7 +201,7 @@ class Synthesize(AnswerFlags, JsonFlags):
             seconds = time.monotonic() - started
             checks = self.checks(result, workers)
         if self.json:
-            print_json(_data(result, seconds) | checks_data(result, checks))
+            print_json(synthesis_data(result, seconds) | checks_data(result, checks))
         else:
             print(f"{case.name}: {seconds:.1f} s, seed {case.seed}")
             print_blocks([*synthesis_blocks(result, bound_text), *answer_blocks(result, checks)])
@@ -179,7 +249,7 @@ class Synthesize(AnswerFlags, JsonFlags):
             print_blocks(front_blocks(case, front))
         for number, point in enumerate(front.points, 1):
             if self.out is not None:
-                self._save(point.result, numbered(self.out, number))
+                self._save(point.result, _numbered(self.out, number))
         return 0 if front.points else 1
 
     def _case(self) -> SynthesisCase:
@@ -234,37 +304,3 @@ def _progress_line(
             )
 
         yield show
-
-
-def _data(result: SynthesisResult, seconds: float) -> dict[str, Any]:
-    """Return the answer as data for JSON, in SI units."""
-    case = result.case
-    return {
-        "case": case.name,
-        "feasible": result.feasible,
-        "objective": {"key": case.objective, "value": result.objective},
-        "regime": result.regime,
-        "refused": {regime.value: reason for regime, reason in result.refused.items()},
-        "seed": case.seed,
-        "seconds": round(seconds, 3),
-        **record(result, "trials", "poses"),
-        "workspace_center_m": result.workspace.center,
-        "overlap_allowed": not case.clear,
-        "buildability": buildability_data(result),
-        "design": {
-            item.path: result.design.value(item.path)
-            for item in stated_parameters(result.design)
-        },
-        "requirements": [
-            {
-                "text": bound_text(item.bound), "worst": item.value,
-                **record(item, "margin", "active"),
-            }
-            for item in result.outcomes
-        ],
-        "relaxed": [
-            {"text": bound_text(item.bound)} | record(item, "nearest", "change")
-            for item in result.relaxed
-        ],
-        "proof": result.proof and result.proof.verdict,
-    }  # fmt: skip

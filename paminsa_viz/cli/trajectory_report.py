@@ -8,29 +8,35 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from paminsa_viz.blocks.trajectory import LOADS, trajectory_blocks
+from paminsa_viz.blocks.trajectory import (
+    compared_data,
+    published_differences,
+    published_notes,
+    reference_note,
+    shortest_data,
+    shortest_note,
+    simulation_data,
+    simulation_notes,
+    trajectory_blocks,
+    trajectory_data,
+)
 from paminsa_viz.cli import command_module
-from paminsa_viz.cli.output import print_blocks, print_error, print_written, record
+from paminsa_viz.cli.output import print_blocks, print_error, print_written
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.errors import FileError
 from paminsa_viz.files.published_table import PublishedTorques
 from paminsa_viz.files.tables import table_bytes, table_endings
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
-from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.series import EngineTorques, FigureKind
 from paminsa_viz.trajectory import (
     ImpossibleTrajectory,
     PathEvent,
-    ShortestMotion,
     ShortestStretch,
     Simulation,
     TrajectoryAnalysis,
 )
-from paminsa_viz.units import format_ascii
 
 PAGE = ".html"
 """Ending of the file in which the motion is played."""
@@ -71,39 +77,18 @@ class SimulationStopped(PaminsaError):
         super().__init__(f"the simulation stopped {event.explanation}")
 
 
-def _law(quickest: ShortestStretch) -> dict[str, Any]:
-    """Return what a motion with the best law says beyond that."""
-    if not isinstance(quickest, ShortestMotion):
-        return {}
-    return {"stretched_s": quickest.stretched, "note": quickest.note}
-
-
 def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
     """Return everything as data for JSON, in SI units."""
-    analysis, check = results.analysis, results.analysis.check
-    t = analysis.trajectory
-    quickest = results.quickest
+    quickest, published = results.quickest, results.published
     return {
-        "design": analysis.design.name,
-        "knee": analysis.solved.geometry.knee.value,
-        "trajectory": {
-            "samples": t.size,
-            **record(t, "name", "kind", "duration_s", "notes"),
-        },
+        **trajectory_data(results.analysis),
         "ok": not results.problems,
         "problems": [str(problem) for problem in results.problems],
-        "failure": _failure(check.first),
-        "closest": _event(check.closest),
-        "shortest": quickest
-        and {
-            **record(quickest, "quantity", "limit", "unit", "t_s"),
-            **_law(quickest),
-        },
-        "actuators": _actuators(analysis),
-        "reference": results.reference and _other(results.reference),
-        "printed": results.printed and _other(results.printed),
-        "published": results.published and _published(results, results.published),
-        "simulation": results.simulation and _simulation(results.simulation),
+        "shortest": quickest and shortest_data(quickest),
+        "reference": results.reference and compared_data(results.reference),
+        "printed": results.printed and compared_data(results.printed),
+        "published": published and published_differences(results.analysis, published),
+        "simulation": results.simulation and simulation_data(results.simulation),
         "files": written,
     }
 
@@ -113,118 +98,17 @@ def print_report(results: Results, written: Sequence[Path]) -> None:
     analysis = results.analysis
     print(f'design "{analysis.design.name}", {analysis.solved.geometry.knee.label}')
     if results.quickest is not None:
-        print(f"shortest duration, {results.quickest.explanation}")
+        print_blocks([shortest_note(results.quickest)])
     others = {"reference": results.reference, "as published": results.printed}
-    print_blocks(trajectory_blocks(analysis, others))
+    blocks = trajectory_blocks(analysis, others)
     if results.reference is not None:
-        first = results.reference.check.first
-        verdict = "can run it too" if first is None else f"fails {first.explanation}"
-        print(f'reference "{results.reference.design.name}": {verdict}')
+        blocks.append(reference_note(results.reference))
     if results.published is not None:
-        _print_published(results, results.published)
+        blocks += published_notes(analysis, results.published)
     if results.simulation is not None:
-        _print_simulation(results.simulation)
+        blocks += simulation_notes(results.simulation)
+    print_blocks(blocks)
     print_written(written)
-
-
-def _event(event: PathEvent) -> dict[str, Any]:
-    return {
-        "t_s": event.t,
-        "limit": event.limit.word,
-        "leg": event.leg + 1 if event.leg >= 0 else None,
-        "margin_m": event.margin,
-        "pose": event.pose,
-    }
-
-
-def _failure(event: PathEvent | None) -> dict[str, Any] | None:
-    return None if event is None else {**_event(event), "explanation": event.explanation}
-
-
-def _actuators(analysis: TrajectoryAnalysis) -> list[dict[str, Any]]:
-    names = zip(ACTUATORS, TORQUE_UNITS, SPEED_UNITS, strict=True)
-    return [
-        {"name": name, "unit": unit, "speed_unit": speed_unit}
-        | {key: getattr(summary, load) for load, key, *_ in LOADS}
-        for (name, unit, speed_unit), summary in zip(names, analysis.summary, strict=False)
-    ]
-
-
-def _other(analysis: TrajectoryAnalysis) -> dict[str, Any]:
-    return {
-        "design": analysis.design.name,
-        "failure": _failure(analysis.check.first),
-        "actuators": _actuators(analysis),
-    }
-
-
-def _simulation(simulation: Simulation) -> dict[str, Any]:
-    return {
-        "controller": simulation.controller.control.value,
-        "bandwidth_Hz": simulation.controller.bandwidth,
-        "payload_kg": simulation.design.payload.mass,
-        "end_t_s": simulation.t[-1],
-        "stopped": _failure(simulation.stopped),
-        "largest_distance_m": simulation.distance.max(),
-        "end_distance_m": simulation.distance[-1],
-        "largest_error": np.abs(simulation.error).max(axis=0),
-        "energy_drift_J": np.abs(simulation.energy_drift).max(),
-    }
-
-
-def _published(results: Results, table: PublishedTorques) -> list[dict[str, Any] | None]:
-    """Return how far the computed torques are from a table's, for each actuator it has."""
-    off = table.differences(results.analysis.trajectory.t, results.analysis.torque)
-    found: list[dict[str, Any] | None] = []
-    for j in range(4):
-        known = np.isfinite(off[:, j])
-        if not known.any():
-            found.append(None)
-            continue
-        part = off[known, j]
-        found.append(
-            {
-                "rows": int(known.sum()),
-                "largest_difference": float(np.abs(part).max()),
-                "rms_difference": float(np.sqrt(np.mean(part**2))),
-                "largest_published": float(np.abs(table.torque[known, j]).max()),
-            }
-        )
-    return found
-
-
-def _print_published(results: Results, table: PublishedTorques) -> None:
-    for j, row in enumerate(_published(results, table)):
-        if row is None:
-            print(f"published {table.name}, {ACTUATORS[j]}: no value at a time of this motion")
-            continue
-        largest, rms, size = (
-            format_ascii(row[key], TORQUE_UNITS[j], 3)
-            for key in ("largest_difference", "rms_difference", "largest_published")
-        )
-        print(
-            f"published {table.name}, {ACTUATORS[j]}: computed off by at most {largest}, RMS "
-            f"{rms}, of {size} at {row['rows']} times"
-        )
-
-
-def _print_simulation(simulation: Simulation) -> None:
-    x, y, theta, z = (
-        format_ascii(float(value), unit, 3)
-        for value, unit in zip(
-            np.abs(simulation.error).max(axis=0), ("m", "m", "rad", "m"), strict=True
-        )
-    )
-    print(
-        f"simulated with {simulation.controller.control.value}, payload "
-        f"{simulation.design.payload.mass:.4g} kg: largest errors x {x}, "
-        f"y {y}, theta {theta}, z {z}; at the end "
-        f"{format_ascii(simulation.distance[-1], 'm', 3)} from its place"
-    )
-    if simulation.stopped is not None:
-        print(f"it stopped {simulation.stopped.explanation}")
-    drift = float(np.abs(simulation.energy_drift).max())
-    print(f"energy drift of the solution: {format_ascii(drift, 'J', 3)}")
 
 
 def write_files(

@@ -23,8 +23,8 @@ def shown(value: object) -> str:
     if isinstance(value, int) and value.bit_length() > 200:
         return "a number of very many digits"
     text = repr(value) if isinstance(value, (str, int, float)) else f"{value}"
-    text = printable(text)
-    return text if len(text) <= SHOWN_CHARACTERS else text[: SHOWN_CHARACTERS - 4] + "...'"
+    text, end = printable(text), "...'" if isinstance(value, str) else "..."
+    return text if len(text) <= SHOWN_CHARACTERS else text[: SHOWN_CHARACTERS - len(end)] + end
 
 
 class FileError(PaminsaError):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from datetime import datetime
+from typing import Any
 
 from paminsa_viz.blocks.kinds import Fact, Note, Row, Table
 from paminsa_viz.engines.verification import Verification
@@ -24,7 +25,6 @@ def claims_html(found: Verification, claims: Sequence[MeasuredClaim], made: date
         made: When.
     """
     sections = [claims_section(claims), verification_section(found)]
-    holding = sum(one.holds for one in claims)
     word, kind = ("passed", "ok") if found.passed else ("failed", "bad")
     return template().render(
         kind="verification",
@@ -36,8 +36,8 @@ def claims_html(found: Verification, claims: Sequence[MeasuredClaim], made: date
         ],
         opening=[
             Fact(
-                "Claims", f"{holding} of {len(claims)} hold", "measured in this run",
-                "ok" if holding == len(claims) else "bad",
+                "Claims", f"{_holding(claims)} of {len(claims)} hold", "measured in this run",
+                "ok" if _holding(claims) == len(claims) else "bad",
             ),
             Fact("Engines", word, f"largest difference {number(found.worst, 2)}", kind),
         ],
@@ -78,3 +78,24 @@ def _row(one: MeasuredClaim) -> Row:
         f"± {shown(claim.allowed, 2)}", "holds" if one.holds else "FAILS",
     )  # fmt: skip
     return Row(cells, "plain" if one.holds else "marked")
+
+
+def _holding(claims: Sequence[MeasuredClaim]) -> int:
+    return sum(one.holds for one in claims)
+
+
+def holding_text(claims: Sequence[MeasuredClaim]) -> str:
+    """Return how many claims hold, as a sentence."""
+    return f"{_holding(claims)} of {len(claims)} claims of the documentation hold"
+
+
+def claims_data(claims: Sequence[MeasuredClaim]) -> list[dict[str, Any]]:
+    """Return the claims for JSON, in SI units."""
+    return [
+        {
+            "page": one.claim.page, "claim": one.claim.text, "check": one.claim.check,
+            "measured": one.value, "stated": one.claim.stated,
+            "allowed": one.claim.allowed, "unit": one.claim.unit, "holds": one.holds,
+        }
+        for one in claims
+    ]  # fmt: skip

@@ -7,7 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from paminsa_viz.actuation.catalog import CatalogError, generic_catalog, load_catalog, read_catalog
+from paminsa_viz.actuation.catalog import (
+    LARGEST_CATALOG,
+    MOST_ROWS,
+    CatalogError,
+    generic_catalog,
+    load_catalog,
+    read_catalog,
+)
 from paminsa_viz.actuation.duty import Duty, duty_cycle
 from paminsa_viz.actuation.sizing import size_drives
 from paminsa_viz.model import APPENDIX_4
@@ -15,6 +22,7 @@ from paminsa_viz.trajectory import PRESETS
 
 HEAD = "kind,name,source,rotor_inertia_g_cm2,rated_torque_mNm,peak_torque_Nm,rated_speed_rpm,"
 HEAD += "top_speed_rad_per_s,envelope_rpm_Nm,gear_ratio,efficiency,brake"
+BELL = "o\x07ne"
 MOTOR = "motor,one,own measurement,30,320,0.95,3000,600,0 0.95; 3000 0.95; 6000 0.4,,,yes"
 
 
@@ -70,8 +78,15 @@ def test_the_shipped_catalog_is_generic_and_drives_every_preset() -> None:
         (f"{HEAD}\ngear,two,x,,,,,,,50,1.2,", 2, "efficiency", "at most 1"),
         (f"{HEAD}\ngear,two,x,,,,,,,0,0.9,", 2, "gear_ratio", "above 0"),
         (f"{HEAD}\nscrew,two,x,,,,,,,,,", 2, "lead", "lead_mm"),
+        ("x" * (LARGEST_CATALOG + 1), None, None, "is larger than 5 MB"),
+        ("\n".join([HEAD, *[MOTOR] * MOST_ROWS]), None, None, f"has more than {MOST_ROWS} rows"),
+        (f'{HEAD}\nmotor,"one', None, None, "is no CSV: "),
+        (HEAD.replace("envelope_rpm_Nm", "envelop_rpm_Nm"), 1, "envelop_rpm_Nm", "envelope_rpm_Nm"),
+        (f"{HEAD}\n{MOTOR.replace('one', BELL)}", 2, "name", "one line of printable text"),
+        (f"{HEAD}\n{MOTOR.replace('one', 201 * 'o')}", 2, "name", "at most 200 characters"),
+        (f"{HEAD}\n{MOTOR.replace('one', ' ')}", 2, "name", "a name is needed"),
     ],
-    ids=range(23),
+    ids=range(30),
 )
 def test_impossible_catalogs_are_refused_in_one_line(
     text: str, row: int | None, column: str | None, told: str

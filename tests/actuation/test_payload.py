@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from paminsa_viz.actuation.payload import payload_change, payload_time_scaling
+from paminsa_viz.actuation.payload import _Torques, payload_change, payload_time_scaling
 from paminsa_viz.balancing import balance
 from paminsa_viz.engines.poses import workspace_poses
 from paminsa_viz.errors import InvalidInput
@@ -45,6 +45,24 @@ def test_at_the_time_scaling_the_motion_itself_changes_by_the_share(key: str) ->
         quicker = payload_change(APPENDIX_4, plan.sample(500), 5.0, 0.99 * slower)
         assert getattr(quicker, reading) > 0.05
         assert getattr(payload_change(APPENDIX_4, plan.sample(500), 5.0, 20.0), reading) < 0.05
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_readings_are_those_of_the_actuator_that_changes_most(seed: int) -> None:
+    """Torques with the payload may be larger or smaller; slower, the dynamic part is less."""
+    rng = np.random.default_rng(seed)
+    t = np.cumsum(rng.uniform(0.1, 0.2, 50))
+    gravity, bare = rng.normal(size=(2, 50, 3))
+    full = bare * rng.choice([0.5, 1.5], 3) + 0.1 * rng.normal(size=(50, 3))
+    for slower in (0.5, 1.0, 3.0):
+        one, two = (gravity + part / slower**2 for part in (bare, full))
+        changes = []
+        for a, b in zip(one.T, two.T, strict=True):
+            peak, mean = max(abs(a)), np.sqrt(np.trapezoid(a**2, t) / np.trapezoid(b**2, t))
+            changes.append((max(abs(b - a)) / peak, abs(max(abs(b)) / peak - 1), abs(1 / mean - 1)))
+        found = _Torques(t, gravity, bare, full).change(slower)
+        assert found[:2] == pytest.approx(np.max(changes, axis=0)[:2], rel=1e-12)
+        assert found.rms == pytest.approx(max(change[2] for change in changes), rel=0.1)
 
 
 def test_a_balanced_robot_has_no_such_scaling() -> None:

@@ -106,6 +106,37 @@ def test_disc_is_the_largest_in_the_force_polygon(design: Design) -> None:
             assert use[0] <= 1 + 1e-8
 
 
+@DESIGNS
+def test_faces_are_where_their_actuator_is_at_its_limit(design: Design) -> None:
+    for pose in poses(6, 3):
+        found = wrench_polytope(design, pose)
+        np.testing.assert_allclose(found.rows.T @ found.center, found.torque, atol=1e-9)
+        left = (found.torque[:, None] - found.rows.T @ found.vertices.T) / found.limits[:, None]
+        np.testing.assert_allclose(np.abs(left), 1.0)
+        normals, distances = found.normals
+        at = found.vertices / [1.0, 1.0, found.length] @ normals.T
+        for face, name in enumerate(found.faces):
+            on = np.isclose(at[:, face], distances[face], rtol=1e-9)
+            sign = 1.0 if "+" in name else -1.0
+            np.testing.assert_array_equal(on, left[int(name[1]) - 1] * sign > 0)
+        assert found.holds
+        assert distances[found.limiting_face] == distances.min() > 0
+        most = np.abs(found.vertices[:, 2]).max()
+        assert len(found.section(0.1 * most)) > 2
+        assert found.section(1.01 * most).shape == (0, 2)
+
+
+def test_a_robot_that_does_not_hold_itself_has_zero_outside() -> None:
+    pose, weak = poses(7, 1)[0], replace(SERVO, rated_torque=1e-3)
+    torque = np.abs(static_torques(DRIVEN, pose)[:3])
+    found = wrench_polytope(replace(DRIVEN, drives=(weak, weak, weak, SCREW)), pose)
+    assert (torque > found.limits).any()
+    assert not found.holds
+    assert found.normals[1].min() < 0
+    just = replace(found, limits=np.abs(found.torque))
+    assert just.holds
+
+
 def test_capability_is_where_pushing_in_mujoco_meets_a_limit() -> None:
     from paminsa_viz.engines.mujoco_model import MujocoRobot
 

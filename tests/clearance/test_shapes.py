@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from paminsa_viz.clearance.nearest import BOX, CYLINDER, PRISM
-from paminsa_viz.clearance.shapes import shapes_of
+from paminsa_viz.clearance.shapes import _common_rod, shapes_of
 from paminsa_viz.clearance.solids import WORLD, Body, BodyPart, Primitive
 from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.meshes import bodies as drawn
@@ -19,6 +19,8 @@ from paminsa_viz.meshes import loads
 from paminsa_viz.meshes.part import MeshPart, fixed_part
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Counterweight, Design, KneeBranch, Payload
+from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.model.parameters import BAR_ENDS
 from tests.clearance.pairs_of_solids import outside, random_solid
 from tests.support.samples import random_design, with_knee
 
@@ -83,6 +85,8 @@ def test_payload_and_counterweights_are_enclosed(knee: KneeBranch) -> None:
     bodies = shapes_of(design).bodies
     payload = next(body for body in bodies if body.part is BodyPart.PAYLOAD)
     assert beyond(payload, drum).max() < 1e-6
+    low, high = payload.solids[0].extent
+    np.testing.assert_allclose([drum.min(axis=0), drum.max(axis=0)], [low, high], atol=2e-3)
     for number, weight in enumerate(design.counterweights, 1):
         points = surface(loads.counterweight(design.geometry, weight))
         body = next(b for b in bodies if b.name == f"counterweight {number} of leg 2")
@@ -116,6 +120,25 @@ def test_no_solid_of_the_frame_is_much_larger_than_what_is_drawn_in_it(knee: Kne
             low, high = solid.extent
             loose = np.concatenate([inside.min(axis=0) - low, high - inside.max(axis=0)])
             assert loose.max() < FRAME_LOOSE, (body.name, number)
+
+
+def test_pins_go_through_what_is_mounted_around_their_joint() -> None:
+    """The platform around joints 5; a counterweight around the joints at the ends of its bar."""
+    weights = tuple(Counterweight(bar, joints[0], 0.1, 1.0) for bar, joints in BAR_ENDS.items())
+    bodies = shapes_of(replace(APPENDIX_4, counterweights=weights)).bodies
+    points = inverse_kinematics(APPENDIX_4.geometry, (0.02, 0.01, 0.1, -0.5)).points
+    mounted = [body for body in bodies if body.part is BodyPart.COUNTERWEIGHT]
+    assert len(mounted) == 3 * len(weights)
+    for body in mounted:
+        first, last = (points[joint][0] for joint in BAR_ENDS[body.frame.rpartition("/")[2]])
+        length = np.linalg.norm(last - first)
+        detour = {
+            joint: np.linalg.norm(at[0] - first) + np.linalg.norm(last - at[0]) - length
+            for joint, at in points.items()
+        }
+        assert set(body.joints) == {joint for joint, more in detour.items() if more < 1e-9}
+    around = {body.key: body.joints for body in bodies if body.joints}
+    assert {k: v for k, v in around.items() if "weight" not in k} == {"platform": (5,)}
 
 
 def test_shapes_follow_from_geometry_payload_and_counterweights_alone() -> None:
@@ -162,3 +185,18 @@ def test_extent_and_rod_of_a_turned_solid_hold_its_surface(kind: str, seed: int)
     assert off.max() <= radius + 1e-12
     if kind != "prism":  # whose corners are not all as far out as its half sides
         assert off.max() >= radius * (1 - 1e-3)
+
+
+def test_the_capsule_about_a_body_lies_along_its_longest_solid() -> None:
+    """A bar with a pin across: as long as the bar, and as wide as the pin reaches."""
+    bar = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.01]
+    pin = [0.3, -0.02, 0.0, 0.3, 0.05, 0.0, 0.004]
+    for order in ([bar, pin], [pin, bar]):
+        rod = _common_rod(np.array(order))
+        assert sorted([rod[0], rod[3]]) == pytest.approx([0.0, 1.0])
+        assert [*rod[1:3], *rod[4:6]] == pytest.approx([0.0] * 4)
+        assert rod[6] == pytest.approx(0.05 + 0.004)
+    balls = np.array([[0.1, 0.2, 0.3] * 2 + [0.05], [0.1, 0.2, 0.7] * 2 + [0.02]])
+    about = _common_rod(balls)
+    assert sorted([about[2], about[5]]) == pytest.approx([0.3, 0.7])
+    assert about[6] == pytest.approx(0.05)

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from paminsa_viz.blocks import Note, Row, Table
-from paminsa_viz.cli.output import UNITS, print_blocks, print_json, record
+from paminsa_viz.blocks.data import UNITS, record
+from paminsa_viz.cli.output import print_blocks, print_json
 
 
 class Kind(Enum):

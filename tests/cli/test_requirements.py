@@ -147,7 +147,7 @@ def test_largest_proven_workspace_with_its_gap(capsys) -> None:
     code, out, err = run("requirements", capsys, *words)
     assert (code, err) == (0, "")
     assert "largest proven workspace: cylinder d 3" in out
-    assert "× 400 mm about x 0 mm, y 0 mm, z -600 mm, theta -30° to 30°" in out
+    assert "× 400 mm about x 0 mm, y 0 mm, z -600 mm, θ -30° to 30°" in out
     assert "condition <= 10 breaks at x" in out
     data = run_json("requirements", capsys, *words)
     assert data["found"]
@@ -166,7 +166,7 @@ def test_largest_workspace_that_does_not_exist_gives_exit_code_1(capsys) -> None
 def test_proof_of_a_workspace(capsys) -> None:
     code, out, err = run("requirements", capsys, "prove", *PROVABLE, *CENTERED)
     assert (code, err) == (0, "")
-    assert "about x 0 mm, y 0 mm, z -600 mm, theta -30° to 30°: proven" in out
+    assert "about x 0 mm, y 0 mm, z -600 mm, θ -30° to 30°: proven" in out
     code, out, _ = run(
         "requirements", capsys, "prove", *PROVABLE, "--require", "|tau_1| <= 1 N m", *CENTERED
     )
@@ -178,7 +178,7 @@ def test_what_is_only_sampled_is_not_called_proven(capsys) -> None:
     words = ("prove", "--require", "condition <= 10", "--require", "error_x <= 100 um", *CENTERED)
     code, out, _ = run("requirements", capsys, *words)
     assert code == 0
-    assert "theta 0° to 0°: proven, but for requirements that are only sampled\n" in out
+    assert "θ 0° to 0°: proven, but for requirements that are only sampled\n" in out
 
 
 def test_a_workspace_beyond_all_reach_is_answered_at_once(capsys) -> None:

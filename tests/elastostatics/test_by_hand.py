@@ -5,10 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from paminsa_viz.elastostatics.beams import tube_fits
 from paminsa_viz.elastostatics.leg_frame import leg_frame
 from paminsa_viz.elastostatics.stiffness import leg_compliance, platform_stiffness
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.model.parameters import BAR_ENDS
+from paminsa_viz.model.reach import home_pose
 from tests.elastostatics.robots import elastic_design
 
 HEIGHTS = (-0.35, -0.6, -0.8)
@@ -94,3 +97,49 @@ def test_vertical_compliance_of_a_leg_in_the_plane_of_its_arm(seed: int, height:
     whole = platform_stiffness(design, pose).compliance
     lifted = (compliance + 3 * k**2 / e.drive_linear) / 3
     assert whole[2, 2] == pytest.approx(lifted, rel=1e-9)
+
+
+def test_a_design_whose_bars_are_tubes_is_its_tubes() -> None:
+    """Mass and inertias of hollow cylinders, by sums over thin rings; then twice as heavy bars."""
+    design = elastic_design(4, soft_joints=False)
+    own = design.elastic
+    points = inverse_kinematics(design.geometry, home_pose(design.geometry)).points
+    numbers: dict[str, float | None] = {}
+    lengths = {}
+    for bar, (first, last) in BAR_ENDS.items():
+        length = float(np.linalg.norm(points[last][0] - points[first][0]))
+        edges = np.linspace(getattr(own, f"{bar}_inner"), getattr(own, f"{bar}_outer"), 2001) / 2
+        radius, rings = (edges[1:] + edges[:-1]) / 2, np.pi * np.diff(edges**2)
+        mass = own.density * length * float(rings.sum())
+        axial = own.density * length * float(rings @ radius**2)
+        lengths[bar.upper()] = length
+        numbers |= {
+            f"links.{bar}": mass,
+            f"inertias.{bar}_axial": axial,
+            f"inertias.{bar}_transverse": axial / 2 + mass * length**2 / 12,
+        }
+    twice = {path: 2 * value for path, value in numbers.items() if value is not None}
+    for factor, found in (
+        (1.0, tube_fits(design.vary(numbers))),
+        (2.0, tube_fits(design.vary(twice))),
+    ):
+        assert [fit.bar for fit in found] == sorted(lengths)
+        for fit in found:
+            bar, length = fit.bar.lower(), lengths[fit.bar]
+            mass, axial, across = (
+                numbers[path]
+                for path in (f"links.{bar}", f"inertias.{bar}_axial", f"inertias.{bar}_transverse")
+            )
+            assert fit.length == pytest.approx(length)
+            assert fit.mass == pytest.approx(mass)
+            assert (fit.mass_ratio, fit.axial_ratio, fit.transverse_ratio) == pytest.approx(
+                (factor, 1.0, 1.0), rel=1e-5
+            )
+            assert (fit.axial, fit.transverse) == pytest.approx(
+                (factor * axial, factor * across), rel=1e-5
+            )
+            assert fit.slender == pytest.approx(factor * mass * length**2 / 12)
+            assert fit.slender_ratio == pytest.approx(across / (mass * length**2 / 12))
+    light = design.vary({"links.b4": 0.0, "inertias.b4_transverse": 0.0, "inertias.b4_axial": 0.0})
+    fit = next(fit for fit in tube_fits(light) if fit.bar == "B4")
+    assert np.isnan([fit.slender_ratio, fit.transverse_ratio, fit.axial_ratio]).all()

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from paminsa_viz.elastostatics.bar_loads import bar_loads, bar_stress, utilization
-from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
+from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS, joint_forces
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.grids import Grid, solve_field
@@ -110,6 +112,52 @@ def test_a_motions_own_load_acts_and_a_failing_motion_ends_early() -> None:
     assert found.trajectory.size == analysis.check.until
     assert np.isfinite(found.peak).all()
     assert motion_loads(analyze(APPENDIX_4, replace(far, pose=far.pose + 9.0))) is None
+
+
+def test_samples_without_a_force_are_left_out(
+    moved: MotionLoads, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As next to a planned crossing; of a motion of such samples alone nothing is known."""
+    trajectory = moved.trajectory.take(np.arange(0, moved.trajectory.size, 50))
+    analysis = analyze(APPENDIX_4, trajectory)
+    lost = trajectory.pose[[2, 5]]
+
+    def flawed(design, pose, *rates, load=None):
+        near = (pose[:, None] == lost).all(axis=-1).any(axis=-1)
+        return replace(joint_forces(design, pose, *rates, load=load), status=near.astype(np.uint8))
+
+    monkeypatch.setattr(sys.modules[motion_loads.__module__], "joint_forces", flawed)
+    found = motion_loads(analysis)
+    kept = np.delete(np.arange(trajectory.size), [2, 5])
+    assert found is not None
+    np.testing.assert_array_equal(found.trajectory.t, trajectory.t[kept])
+    states = trajectory.pose, trajectory.velocity, trajectory.acceleration
+    every = joint_forces(APPENDIX_4, *states).magnitude
+    np.testing.assert_allclose(found.magnitude, every[kept], rtol=1e-12)
+    lost = trajectory.pose
+    assert motion_loads(analysis) is None
+
+
+def test_bars_have_their_largest_loads_of_the_whole_motion(moved: MotionLoads) -> None:
+    short = replace(moved, trajectory=(part := moved.trajectory.take(np.arange(0, 500, 100))),
+        forces=joint_forces(APPENDIX_4, part.pose, part.velocity, part.acceleration))  # fmt: skip
+    for number, bar in enumerate(BARS):
+        values = bar_loads(short.forces, bar).extremes()
+        np.testing.assert_array_equal(short.bars[..., number, :], values)
+        largest = short.bar_peak[:, number]
+        np.testing.assert_array_equal(np.abs(largest), np.abs(values).max(axis=0))
+        assert ((values == largest).any(axis=0)).all()  # with their sign
+    np.testing.assert_array_equal(short.utilization, utilization(short.forces))
+
+
+def test_joints_have_names_and_others_are_refused(moved: MotionLoads) -> None:
+    assert [joint.name for joint in JOINTS[:2]] == ["M_k", "guide"]
+    assert JOINTS[JOINT_INDEX["9"]].name == "joint 9"
+    np.testing.assert_array_equal(
+        moved.forces.of("9"), moved.forces.force[..., JOINT_INDEX["9"], :]
+    )
+    with pytest.raises(InvalidInput, match=r"joint: there is no '6'"):
+        moved.forces.of("6")
 
 
 def test_stress_is_that_of_dense_samples() -> None:

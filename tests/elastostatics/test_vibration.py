@@ -185,6 +185,18 @@ def test_lost_poses_have_no_frequency() -> None:
     assert np.isnan(first_frequencies(pushed, np.array([0.08, 0.05, 0.6, -0.5])))
 
 
+def test_all_modes_are_of_one_pose_that_weight_does_not_push_away() -> None:
+    with pytest.raises(InvalidInput, match=r"pose: one pose \(4,\) is needed; got \(3, 4\)"):
+        robot_modes(APPENDIX_4, POSES)
+    heavy = replace(APPENDIX_4, payload=Payload(mass=1e4, height=20.0))
+    for count in (1, 6):
+        pushed = robot_modes(heavy, POSES[1], count)
+        assert not pushed.ok
+        assert np.isnan(pushed.frequencies).all()
+        assert np.isnan(pushed.shapes).all()
+        assert pushed.shapes.shape[1] == len(pushed.frequencies) == count
+
+
 def test_batches_give_what_single_poses_give() -> None:
     whole = first_frequencies(APPENDIX_4, POSES.reshape(3, 1, 4))
     single = [float(first_frequencies(APPENDIX_4, pose)) for pose in POSES]

@@ -11,7 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from paminsa_viz.files.atomic import open_atomically, write_bytes, write_files
+from paminsa_viz.files.atomic import (
+    check_writable,
+    make_folder,
+    open_atomically,
+    write_bytes,
+    write_files,
+    write_folder,
+)
 from paminsa_viz.files.errors import FileError
 
 
@@ -158,3 +165,36 @@ def test_one_who_writes_the_same_file_meanwhile_is_left_alone(tmp_path) -> None:
         assert path.read_text() == "meanwhile"
     assert path.read_text() == "last"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_what_cannot_be_written_is_known_before(tmp_path: Path, monkeypatch) -> None:
+    (tmp_path / "a.txt").write_text("old")
+    (tmp_path / "folder").mkdir()
+    os.mkfifo(tmp_path / "pipe")
+    for name in ("a.txt", "new.txt"):
+        check_writable(tmp_path / name)
+    for name, words in (
+        ("none/a.txt", "its folder does not exist"),
+        ("folder", "it is a folder"),
+        ("pipe", "it is not a regular file"),
+        ("a.txt/b.txt", "cannot be written: not a directory"),
+        ("a\0b", "cannot be written: "),
+    ):
+        with pytest.raises(FileError, match=words):
+            check_writable(tmp_path / name)
+    assert (tmp_path / "a.txt").read_text() == "old"
+    monkeypatch.setattr(os, "access", lambda path, mode: False)
+    with pytest.raises(FileError, match="its folder allows no new file"):
+        check_writable(tmp_path / "new.txt")
+
+
+def test_folders_are_made_with_those_that_they_are_in(tmp_path: Path) -> None:
+    make_folder(tmp_path / "a" / "b")
+    make_folder(tmp_path / "a" / "b")
+    assert (tmp_path / "a" / "b").is_dir()
+    (tmp_path / "file").write_text("")
+    with pytest.raises(FileError, match="cannot be written: "):
+        make_folder(tmp_path / "file" / "c")
+    written = write_folder(tmp_path / "kit", {"a.txt": "one", "sub/b.bin": b"two"})
+    assert written == [tmp_path / "kit" / "a.txt", tmp_path / "kit" / "sub" / "b.bin"]
+    assert [path.read_bytes() for path in written] == [b"one", b"two"]

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import io
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from paminsa_viz.files.errors import TableFileError
-from paminsa_viz.files.published_table import parse_published
+from paminsa_viz.files.published_table import (
+    parse_published,
+    parse_published_map,
+    read_published,
+    read_published_map,
+)
 
 
 def parsed(text: str):  # type: ignore[no-untyped-def]
@@ -57,3 +63,30 @@ def test_the_row_that_goes_back_in_time_is_named(place: int) -> None:
         parsed(f"# a comment\nt_s,tau1_Nm\n{rows}")
     assert caught.value.row == place + 3  # the comment and the header are rows 1 and 2
     assert caught.value.column == "t_s"
+
+
+def test_values_over_positions_are_in_the_rows_of_the_table(tmp_path: Path) -> None:
+    text = "y_mm,tau3_Nm,x_mm,f4_kN\n20,1,10,2\n-40,3,30,4\n"
+    found = parse_published_map(io.StringIO(text, newline=""), "map.csv")
+    np.testing.assert_allclose(found.position, [[0.01, 0.02], [0.03, -0.04]])
+    nan = np.nan
+    np.testing.assert_allclose(found.torque, [[nan, nan, 1, 2000], [nan, nan, 3, 4000]])
+    path = tmp_path / "fig3.csv"
+    path.write_text(text)
+    again = read_published_map(path)
+    assert (found.name, again.name) == ("map", "fig3")
+    np.testing.assert_array_equal(again.torque, found.torque)
+    for text, message in (
+        ("x_m,y_m,tau1_Nm\n", "at least one row"),
+        ("x_m,y_m\n0,0\n", "at least one of tau1_Nm"),
+        ("x_m,tau1_Nm\n0,0\n", "column y_m: the column is missing"),
+    ):
+        with pytest.raises(TableFileError, match=message):
+            parse_published_map(io.StringIO(text, newline=""), "map.csv")
+
+
+def test_a_file_is_read_as_its_text(tmp_path: Path) -> None:
+    path = tmp_path / "fig6.csv"
+    path.write_text("t_s,f4_N\n0,1\n1,2\n")
+    assert read_published(path).name == "fig6"
+    np.testing.assert_array_equal(read_published(path).torque[:, 3], [1.0, 2.0])

@@ -9,10 +9,26 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.columns import ACCELERATION, POSE, POSES, VELOCITY
 from paminsa_viz.files.errors import TableFileError
-from paminsa_viz.files.table_reader import LONGEST_ROW, TableBlock, TableReader, open_table
-from paminsa_viz.files.tables import csv_rows
+from paminsa_viz.files.table_reader import (
+    LONGEST_ROW,
+    TableBlock,
+    TableReader,
+    open_table,
+    uploaded_table,
+)
+from paminsa_viz.files.tables import (
+    DataTable,
+    csv_rows,
+    save_table,
+    table_bytes,
+    table_csv,
+    table_endings,
+    table_npz,
+    table_text,
+)
 from paminsa_viz.files.trajectory_table import parse_trajectory, read_trajectory
 
 ALL = POSES.columns
@@ -201,3 +217,66 @@ def test_numbers_are_written_with_all_their_digits_and_nan_as_nothing(rows) -> N
     assert [[float(cell) for cell in line[:2]] for line in lines[:-1]] == rows
     assert [line[2] for line in lines] == words.tolist()
     assert lines[-1] == ["", "7.0", "stretched:leg2"]
+
+
+TABLE = DataTable(
+    {"name": np.array(["a", "b"]), "value_N": np.array([0.1, np.nan])}, {"made by": "a test"}
+)
+
+
+def test_a_table_is_written_in_the_format_of_the_files_ending(tmp_path) -> None:
+    assert table_endings() == (".csv", ".npz")
+    for kind, content in (("csv", table_csv(TABLE)), ("npz", table_npz(TABLE))):
+        assert table_bytes(TABLE, kind)[:100] == content[:100]
+        path = tmp_path / f"table.{kind.upper()}"
+        save_table(TABLE, path)
+        assert path.stat().st_size == len(content)
+    with np.load(tmp_path / "table.NPZ") as arrays:
+        assert arrays["name"].tolist() == ["a", "b"]
+        assert str(arrays["provenance"]) == '{"made by": "a test"}'
+    with pytest.raises(InvalidInput, match="kind: csv or npz is needed, not 'txt'"):
+        save_table(TABLE, tmp_path / "table.txt")
+
+
+def test_a_table_for_the_clipboard_has_tabs_between_its_cells() -> None:
+    lines = table_text(TABLE).splitlines()
+    assert lines == [*table_csv(TABLE).decode().splitlines()[:-3], "name\tvalue_N", "a\t0.1", "b\t"]
+
+
+def test_an_uploaded_table_is_read_as_a_file_is(tmp_path) -> None:
+    content = f"\ufeff{HEAD}\r\n0,0,0,-0.5\r\n".encode()
+    path = tmp_path / "in.csv"
+    path.write_bytes(content)
+    with open_table(path) as lines:
+        assert lines.read() == uploaded_table("in.csv", content).read()
+    for bad, words in ((b"", "is empty, or larger"), (b"\xff\xfea", "is UTF-16")):
+        check_refused(uploaded_table, "in.csv", bad).problem.index(words)
+
+
+def test_a_table_may_take_only_so_long_to_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = iter(np.arange(0.0, 100.0, 0.4))
+    monkeypatch.setattr("paminsa_viz.files.table_reader.time.monotonic", lambda: next(clock))
+    text = f"{HEAD}\n" + "0,0,0,-0.5\n" * 9
+
+    def rows(timeout: float | None) -> int:
+        table = TableReader(io.StringIO(text, newline=""), POSES, "in.csv", timeout)
+        return sum(len(block.cells) for block in table.blocks())
+
+    assert rows(None) == rows(5.0) == 9  # ten lines of 0.4 s
+    found = check_refused(rows, 3.0)
+    assert found.problem == "takes longer than 3 s to read; thin it out"
+
+
+@pytest.mark.parametrize(("most", "rows", "passes"), [(3, 3, True), (3, 4, False)])
+def test_a_table_has_only_so_many_rows(most: int, rows: int, passes: bool) -> None:
+    text = f"# a comment\n{HEAD}\n" + "0,0,0,-0.5\n" * rows
+    table = TableReader(io.StringIO(text, newline=""), POSES, "in.csv")
+    if passes:
+        first, columns = table.read_all(most, "poses")
+        assert (first, columns["z_m"].tolist()) == (3, [-0.5] * rows)
+    else:
+        assert check_refused(table.read_all, most, "poses").problem == (
+            "there are more than 3 poses; thin them out"
+        )
+    empty = TableReader(io.StringIO(f"{HEAD}\n", newline=""), POSES, "in.csv")
+    assert empty.read_all(1)[0] == 0

@@ -25,9 +25,11 @@ from paminsa_viz.model import (
     Design,
     Friction,
     KneeBranch,
+    LoadCase,
     inverse_dynamics,
     inverse_kinematics,
 )
+from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.lumped import mass_vector
 from paminsa_viz.model.reach import home_pose
 from tests.support.identification_logs import moved_unseen, simulated
@@ -126,6 +128,81 @@ def test_masses_that_no_motion_tells_apart_change_no_estimate() -> None:
         assert second.known == first.known
 
 
+def test_what_is_known_of_loads_and_unequal_rotors_is_taken_off() -> None:
+    one, two, three = (
+        Drive("d", rotor_inertia=inertia, gear_ratio=20.0) for inertia in (1e-4, 3e-4, 8e-4)
+    )
+    load = LoadCase(20.0, -10.0, -30.0, moment_z=3.0)
+    design = replace(RUBBING, drives=(one, two, three, None), load=load)
+    log = simulated(1, design, rate=250.0, noise_seed=None)
+    assert np.abs(errors(identify(design, log, QUICK), design)).max() < 0.01
+    for other in (
+        replace(design, load=LoadCase()),
+        replace(design, drives=(two, two, two, None)),
+        replace(design, drives=(three, two, one, None)),
+    ):
+        assert np.abs(errors(identify(other, log, QUICK), other)).max() > 0.05
+
+
+def test_what_is_not_fitted_has_no_estimate_and_takes_nothing_of_the_rest() -> None:
+    """A robot without friction, of which less is fitted in turn."""
+    log = simulated(1, APPENDIX_4, rate=250.0, noise_seed=None)
+    every = {"viscous": "b_v", "coulomb": "c", "offsets": "offset "}
+    for name, left_out in every.items():
+        found = identify(APPENDIX_4, log, replace(QUICK, **{name: False}))
+        symbols = [item.symbol for item in found.estimates]
+        for symbol in every.values():
+            count = sum(one.removeprefix(symbol).lstrip("M").isdigit() for one in symbols)
+            assert count == (0 if symbol == left_out else 3 + (symbol != "offset "))
+        assert np.abs(errors(found, APPENDIX_4)).max() < 0.02
+    assert len(symbols) == 11 + 8
+
+
+def test_short_logs_and_torques_with_the_wrong_sign_are_noted() -> None:
+    log = simulated(1, RUBBING, rate=200.0)
+    short = identify(
+        APPENDIX_4, make_log(log.t[:1200], log.position[:1200], log.torque[:1200]), QUICK
+    )
+    assert any("the log is 6 s long; 20 s or more are advised" in note for note in short.notes)
+    assert not any("advised" in note for note in identify(APPENDIX_4, log, QUICK).notes)
+    first = identify(APPENDIX_4, log, QUICK).notes[0]
+    assert "half at 10 Hz" in first
+    assert "38 blocks of 0.5 s" in first  # 19.1 s are left after filtering
+
+
+def test_a_log_without_a_long_enough_piece_or_whose_legs_do_not_meet_is_refused() -> None:
+    log = simulated(1, RUBBING, rate=200.0)
+    kept = np.concatenate([np.arange(start, start + 180) for start in range(0, 3600, 200)])
+    pieces = make_log(log.t[kept], log.position[kept], log.torque[kept], split=True)
+    with pytest.raises(InvalidLog, match=r"a piece without gaps of at least .* s is needed"):
+        identify(APPENDIX_4, pieces, QUICK)
+    apart = log.position.copy()
+    apart[:, :3] = [0.0, 2.0, 4.5]
+    with pytest.raises(InvalidLog, match=r"row 1: no pose of the platform fits"):
+        identify(APPENDIX_4, make_log(log.t, apart, log.torque), QUICK)
+    with pytest.raises(InvalidLog, match=r"no .* s in a row can be used: no pose"):
+        identify(APPENDIX_4, make_log(log.t, apart, log.torque, split=True), QUICK)
+    with pytest.raises(InvalidLog, match="a log needs at least 10 rows; there are 9"):
+        make_log(log.t[:9], log.position[:9], log.torque[:9])
+    with pytest.raises(PaminsaError, match=r"position: shape \(3999, 4\) where \(4000, 4\) is"):
+        make_log(log.t, log.position[1:], log.torque)
+
+
+def test_numbers_that_move_with_the_cut_off_are_named() -> None:
+    """Torques that grow with frequency, as those of a compliant gear do."""
+    log = simulated(1, RUBBING, rate=250.0, noise_seed=None)
+    bent = np.gradient(np.gradient(log.torque, axis=0), axis=0) * log.rate**2
+    middle = slice(2, -2)
+    grown = (log.torque + 2e-3 * bent)[middle]
+    notes = identify(APPENDIX_4, make_log(log.t[middle], log.position[middle], grown)).notes
+    assert notes[1].startswith("between 6.67 Hz and 15 Hz results move by more than 2 standard")
+    assert "c1 (" in notes[1]
+    assert "b_1 (" not in notes[1]
+    settings = IdentificationSettings(cut_off=30.0)
+    slow = identify(APPENDIX_4, simulated(1, RUBBING, rate=125.0), settings)
+    assert slow.notes[1] == "the log does not allow 45 Hz for comparison"
+
+
 def test_a_gap_changes_little() -> None:
     log = simulated(1, RUBBING)
     kept = np.r_[0:9000, 9010 : len(log.t)]
@@ -179,7 +256,7 @@ def test_a_log_needs_a_turn_of_a_hundredth_or_a_lift_of_a_millimeter() -> None:
     def moving(*travel: float) -> Signals:
         return replace(signals, samples=signals.samples._replace(position=part * travel))
 
-    for enough in ((0.0, 0.0101, 0.0, 0.0), (0.0101, 0.0, 0.0, 9e-4), (0.0, 0.0, 0.0, 1.01e-3)):
+    for enough in ((0.0, 0.01, 0.0, 0.0), (0.0101, 0.0, 0.0, 9e-4), (0.0, 0.0, 0.0, 1e-3)):
         require_motion(moving(*enough))
     for little in ((0.0099, 0.0099, 0.0099, 9.9e-4), (0.0, 0.0, 0.0, 0.0)):
         with pytest.raises(InvalidLog, match="hardly moves"):

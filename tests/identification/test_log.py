@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.files.errors import TableFileError
-from paminsa_viz.files.logs import log_table, parse_log
-from paminsa_viz.files.tables import table_csv
+from paminsa_viz.files.logs import parse_log
 from paminsa_viz.identification import InvalidLog, identify, log_poses, make_log
 from paminsa_viz.identification.filtering import filter_log
 from paminsa_viz.identification.log_poses import follow_pose
@@ -29,34 +27,6 @@ def signals() -> list[Any]:
 
 def read(text: str, **options: Any) -> Any:
     return parse_log(io.StringIO(text, newline=""), "robot.csv", **options)
-
-
-def test_a_written_log_is_read_again_in_any_unit_and_order(signals: list[Any]) -> None:
-    log = make_log(*signals)
-    text = table_csv(log_table(log)).decode()
-    again = read(text)
-    np.testing.assert_array_equal(again.torque, log.torque)
-    np.testing.assert_array_equal(again.position, log.position)
-    assert again.rate == pytest.approx(RATE)
-    t, position, torque = signals
-    rows = np.column_stack([position[:, 3] * 1e3, np.degrees(position[:, :3]), torque / 2.0, t])
-    head = "Z_mm,theta1_deg,theta2_deg,theta3_deg,current1_A,current2_A,current3_A,current4_A,t_s\n"
-    stream = io.StringIO()
-    np.savetxt(stream, rows, delimiter=",", fmt="%.17g")
-    other = read(head + stream.getvalue(), gains=(2.0, 2.0, 2.0, 2.0))
-    np.testing.assert_allclose(other.position, log.position, rtol=1e-13)
-    np.testing.assert_allclose(other.torque, log.torque, rtol=1e-13)
-    with pytest.raises(TableFileError, match="currents need gains"):
-        read(head + stream.getvalue())
-
-
-def test_missing_columns_are_named() -> None:
-    with pytest.raises(TableFileError, match="column Z_m: the column is missing"):
-        read("t_s,theta1_rad,theta2_rad,theta3_rad\n0,0,0,0\n")
-    with pytest.raises(TableFileError, match="torques are missing"):
-        read("t_s,theta1_rad,theta2_rad,theta3_rad,Z_m\n0,0,0,0,0\n")
-    with pytest.raises(TableFileError, match="with torque columns come"):
-        read("t_s,theta1_rad,theta2_rad,theta3_rad,Z_m,torque1_Nm\n0,0,0,0,0,0\n")
 
 
 @pytest.mark.parametrize(
@@ -93,17 +63,6 @@ def test_samples_know_their_rows_where_rows_are_left_out_or_resampled(signals: l
     uneven = make_log(t, *signals[1:], first_row=10)
     rows = np.array([uneven.row(index) for index in range(len(uneven.t))])
     assert np.abs(uneven.t - t[rows - 10]).max() < 1.4 / RATE  # never further than the next row
-
-
-def test_degrees_read_as_radians_are_refused_with_the_row_of_the_file(signals: list[Any]) -> None:
-    signals[1][:, :3] = np.degrees(signals[1][:, :3])
-    text = io.StringIO()
-    np.savetxt(text, np.column_stack(signals), delimiter=",")
-    head = "# a comment\nt_s,theta1_rad,theta2_rad,theta3_rad,Z_m,"
-    head += "torque1_Nm,torque2_Nm,torque3_Nm,force4_N\n"
-    row = 3 + int(np.flatnonzero((np.abs(signals[1][:, :3]) > 2 * np.pi).any(axis=1))[0])
-    with pytest.raises(TableFileError, match=rf"row {row}, column theta\d_rad.*degrees"):
-        read(head + text.getvalue())
 
 
 def test_a_gap_is_refused_or_splits_and_is_never_closed_up(signals: list[Any]) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given
+from hypothesis import strategies as st
 
 from paminsa_viz.balancing import Changes, MassRange, TrajectoryPeak, optimize
 from paminsa_viz.engines.mujoco_model import MujocoRobot
@@ -148,6 +149,64 @@ def test_the_envelope_in_force_ends_at_peak_torque_and_top_speed() -> None:
     assert limited == ((0.0, 1.25), (300.0, 1.25), (450.0, 1.25), (500.0, 1.0))
     assert Drive(peak_torque=1.0, top_speed=9.0).corners == ((0.0, 1.0), (9.0, 1.0))
     assert Drive().output_limits == (math.inf, math.inf, math.inf)
+
+
+@given(seed=st.integers(0, 10_000))
+def test_the_envelope_in_force_is_the_least_of_its_limits_at_every_speed(seed: int) -> None:
+    """And no line cuts into it; where it is concave the lines are the envelope itself."""
+    rng = np.random.default_rng(seed)
+    speeds = np.concatenate([[0.0], np.cumsum(rng.uniform(10.0, 100.0, rng.integers(1, 5)))])
+    torques = rng.uniform(0.1, 3.0, len(speeds))
+    if rng.uniform() < 0.5:
+        torques = np.sort(torques)[::-1]
+    peak = rng.choice([math.inf, rng.uniform(0.2, 3.0)])
+    top = rng.choice([math.inf, rng.uniform(0.2, 1.2) * speeds[-1]])
+    drive = Drive(
+        envelope=tuple(zip(speeds.tolist(), torques.tolist(), strict=True)),
+        peak_torque=None if math.isinf(peak) else float(peak),
+        top_speed=None if math.isinf(top) else float(top),
+    )
+    at, most = np.transpose(drive.corners)
+    assert (at[0], at[-1]) == (0.0, pytest.approx(min(top, speeds[-1])))
+    assert (np.diff(at) > 0).all()
+    w = np.linspace(0.0, at[-1], 400)
+    expected = np.minimum(np.interp(w, speeds, torques), peak)
+    np.testing.assert_allclose(np.interp(w, at, most), expected, rtol=1e-9)
+    assert drive.output_limits.peak == pytest.approx(most.max())
+    assert drive.output_limits.speed == at[-1]
+    below = np.min([a - s * w for a, s in drive.lines], axis=0)
+    assert (below <= expected * (1 + 1e-9)).all()
+    assert below[0] == pytest.approx(expected[0])
+    falls = -np.diff(most) / np.diff(at)
+    if (np.diff(falls) >= 0).all():
+        np.testing.assert_allclose(below, expected, rtol=1e-9)
+    else:
+        assert len(drive.lines) == 1
+        assert np.isclose(below, np.interp(w, at, most), rtol=0.1)[1:].any()
+
+
+def test_a_drive_says_its_ratio_its_screw_and_whether_it_holds() -> None:
+    assert ROTARY.summary == "motor, gear, 100:1"
+    assert SCREW.summary == "axis, 2:1, screw 10 mm"
+    assert Drive(gear_ratio=3.5).summary == "3.5:1"
+    assert Drive().lines == ((math.inf, 0.0),)
+    assert Drive(peak_torque=2.0).lines == ((2.0, 0.0),)
+    assert not SCREW.holds
+    assert replace(SCREW, brake=True).holds
+    assert replace(SCREW, lead_efficiency=0.3).holds
+    assert not replace(SCREW, lead_efficiency=0.3, transmission="belt").holds
+    assert replace(ROTARY, encoder_counts=1000).resolution == pytest.approx(2 * math.pi / 1e5)
+    assert ROTARY.resolution is None
+
+
+def test_gear_limits_are_at_the_actuator() -> None:
+    gear = replace(
+        SCREW, gear_peak_torque=5.0, gear_rated_torque=2.0, gear_top_speed=100.0, rated_torque=9.0
+    )
+    lever = 2 * math.pi / 0.01 * 0.9  # force of a torque at the gear's output
+    assert gear.gear_limits == pytest.approx((5 * lever, 2 * lever, 100.0 / gear.ratio))
+    assert gear.output_limits == pytest.approx(gear.gear_limits)
+    assert ROTARY.gear_limits == (math.inf,) * 3
 
 
 def test_limits_at_the_actuator() -> None:

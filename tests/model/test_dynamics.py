@@ -37,8 +37,8 @@ from paminsa_viz.model import (
     unit_torques,
 )
 from paminsa_viz.model import regressor as module
-from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.model.regressor import regressor_torques
+from paminsa_viz.model.lumped import MASS_PATHS, EnergyTerms, term_factors
+from paminsa_viz.model.regressor import leg_unit_terms, regressor_torques
 from paminsa_viz.trajectory import point_to_point, simulate
 from tests.model import paper
 from tests.support import samples
@@ -218,6 +218,32 @@ def test_one_regressor_serves_all_masses(case: Case, other: int) -> None:
     assert_close(torque, y @ c, 1e-13)
     expected = inverse_dynamics(design, *states).torque
     assert_close(torque, expected, 1e-11)
+
+
+@given(case=cases())
+def test_terms_of_the_legs_add_up_to_the_regressor(case: Case) -> None:
+    """And a turn by a third of a circle makes each leg the next one."""
+    states = case.states()
+    terms = leg_unit_terms(case.geometry, *states)
+    assert terms.shape == (*states[0].shape[:-1], 4, 3, len(EnergyTerms._fields) - 2)
+    c = np.array(term_factors(case.design))
+    legs = terms.sum(axis=-2) @ c[:-2]
+    y = torque_regressor(case.geometry, *states, gravity=case.design.gravity)
+    without = lumped_coefficients(case.design)
+    without[-2:] = 0.0
+    assert_close(legs, y @ without, 1e-11)
+    turned = [values.copy() for values in states]
+    turn = 2 * np.pi / 3
+    cosine, sine = np.cos(turn), np.sin(turn)
+    for values in turned:
+        values[..., 0], values[..., 1] = (
+            cosine * values[..., 0] - sine * values[..., 1],
+            sine * values[..., 0] + cosine * values[..., 1],
+        )
+    after = leg_unit_terms(case.geometry, *turned)
+    following = np.array([1, 2, 0])
+    assert_close(after[..., following, :, :][..., following, :], terms[..., :3, :, :], 1e-9)
+    assert_close(after[..., 3, following, :], terms[..., 3, :, :], 1e-9)
 
 
 @PROTOTYPES

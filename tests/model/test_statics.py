@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,6 +27,8 @@ from paminsa_viz.model import (
     xy_grid,
 )
 from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.model.parameters import Counterweight
+from paminsa_viz.model.statics import imbalance_parts
 from paminsa_viz.quantities import QUANTITIES
 from tests import oracle
 from tests.support.cases import BOTH, Case, assert_close, assert_within, cases
@@ -112,6 +115,22 @@ def test_the_parts_add_up(case: Case) -> None:
     kg = case.geometry.magnification * case.design.gravity
     assert_within(parts.platform[:, 3], np.full(8, kg * case.design.platform.mass), 1e-10)
     assert_within(parts.payload[:, 3], np.full(8, kg * case.design.payload.mass), 1e-10)
+
+
+@given(case=cases())
+def test_parts_of_the_imbalance_are_what_is_lost_without_their_mass(case: Case) -> None:
+    weights = (Counterweight("b8", 8, 0.1, 1.5), Counterweight("b3", 7, -0.05, 0.4))
+    design = replace(case.design, counterweights=weights)
+    parts = imbalance_parts(design)
+    whole = static_imbalance(design)
+    assert sum(parts.values()) == pytest.approx(whole)
+    assert set(parts) == {*MASS_PATHS, "counterweights.0.mass", "counterweights.1.mass"}
+    for path, part in parts.items():
+        if path.startswith(("joints.", "links.", "counterweights.")):
+            without = static_imbalance(design.vary({path: 0.0}))
+            assert part == pytest.approx(whole - without, abs=1e-9), path
+        else:
+            assert part == 0.0
 
 
 @settings(max_examples=8)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, Payload, inverse_jacobian, solve_field, static_torques
 from paminsa_viz.model.grids import Field, Grid
 from paminsa_viz.model.kinematics import LEG_AXES
@@ -16,7 +17,14 @@ from paminsa_viz.model.load import LoadCase
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.precision import Bound, field_drive_errors
 from paminsa_viz.precision.manufacture import manufactured_pose
-from paminsa_viz.quantities import QUANTITIES, affordable_cells
+from paminsa_viz.quantities import (
+    QUANTITIES,
+    affordable_cells,
+    families,
+    find,
+    formulas,
+    selections,
+)
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
 
 LOADED = replace(APPENDIX_4, load=LoadCase(force_x=7.0, force_z=-30.0))
@@ -200,3 +208,39 @@ def test_clearances_have_a_sign_and_a_bound() -> None:
     found = [item for item in QUANTITIES.values() if item.family == "clearance"]
     assert len(found) > 3
     assert all(item.signed and item.bounded for item in found)
+
+
+def test_quantities_are_found_by_key_family_and_choice() -> None:
+    assert [item.key for item in find(["f_4", "condition"])] == ["f_4", "condition"]
+    with pytest.raises(InvalidInput, match=r"there is no quantity 'conditon'; .*condition"):
+        find(["f_4", "conditon"])
+    by_family = families()
+    assert [item for items in by_family.values() for item in items] == sorted(
+        QUANTITIES.values(), key=lambda item: list(by_family).index(item.family)
+    )
+    assert all(item.family == name for name, items in by_family.items() for item in items)
+    assert {"tau_1", "tau_2", "tau_3"} == set(selections()["torques"])
+    assert set(selections()) == {"torques", *QUANTITIES}
+    assert all(selections()[key] == (key,) for key in QUANTITIES)
+    assert len(formulas()) == len(set(formulas()))
+    assert set(formulas()) == {item.formula for item in QUANTITIES.values()}
+
+
+def test_poses_that_no_robot_holds_or_can_be_assembled_in_say_so() -> None:
+    """Drives that are much too soft; and legs that are not as long as they should be."""
+    field = solved(-0.5)
+    soft = replace(APPENDIX_4, elastic=replace(APPENDIX_4.elastic, drive_rotary=1.0))
+    pushed = replace(soft, payload=Payload(mass=20.0))
+    item = QUANTITIES["frequency_1"]
+    assert item.missing is not None
+    empty = np.isnan(item.over(field, pushed))
+    assert empty.any()
+    found = item.missing(field, pushed)
+    assert [bool(found.texts[code]) for code in found.code.ravel()] == empty.ravel().tolist()
+    crooked = APPENDIX_4.vary({"leg1.bar_94": -0.42})
+    item = QUANTITIES["deviation_x"]
+    assert item.missing is not None
+    empty = np.isnan(item.over(field, crooked))
+    assert empty.any()
+    found = item.missing(field, crooked)
+    assert [bool(found.texts[code]) for code in found.code.ravel()] == empty.ravel().tolist()

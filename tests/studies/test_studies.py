@@ -134,6 +134,12 @@ def test_a_row_says_why_there_are_no_numbers(tmp_path) -> None:
     cells = dict(zip(study.columns, study.row(0), strict=True))
     assert (cells["status"], cells["reached_share"]) == ("not-reached", "0.0")
     assert cells["peak_torque_Nm"] == cells["worst_condition"] == ""
+    assert replace(study, indices=("transmission",)).row(0)[-3:] == ("", "", "")
+    near = replace(SMALL, region=replace(SMALL.region, max_condition=1.0))
+    cells = dict(zip(near.columns, near.row(4), strict=True))
+    assert (cells["status"], cells["usable_share"]) == ("not-usable", "0.0")
+    assert float(cells["reached_share"]) > 0
+    assert cells["peak_torque_Nm"] == cells["rms_torque_Nm"] == ""
     axis = DesignAxis("geometry.magnification", (0.5, 3.0))
     study = replace(MOVED, variation=DesignGrid((axis,)))
     assert study.row(0)[:3] == ("0", "0.5", "impossible:geometry.magnification")
@@ -157,8 +163,9 @@ def test_bars_follow_their_lengths_and_masses_that_vary_do_not() -> None:
     [
         (lambda: DesignAxis("links.b33", (1.0,)), "did you mean links.b3"),
         (lambda: DesignAxis("links.b3", ()), "links.b3"),
-        (lambda: DesignAxis("links.b3", (np.nan,)), "links.b3"),
+        (lambda: DesignAxis("links.b3", (1.0, np.nan)), "links.b3"),
         (lambda: DesignRange("links.b3", 1.0, 1.0), "links.b3"),
+        (lambda: DesignRange("links.b3", 1.0, np.inf), "links.b3"),
         (lambda: DesignRange.around(APPENDIX_4, "payload.mass", 0.1), "payload.mass: is 0"),
         (lambda: DesignGrid(()), "at least one"),
         (lambda: DesignGrid(GRID.axes * 2), "varies twice"),
@@ -167,7 +174,9 @@ def test_bars_follow_their_lengths_and_masses_that_vary_do_not() -> None:
         (lambda: Region(0.0, (0.0,), (0.0,)), "radius"),
         (lambda: Region(0.1, (), (0.0,)), "theta"),
         (lambda: Region(0.1, (0.0,), (np.inf,)), "z"),
-        (lambda: Region(0.1, (0.0,), (0.0,), cells=1), "cells"),
+        (lambda: Region(0.1, (0.0, np.nan), (0.0,)), "theta"),
+        (lambda: Region(0.1, (0.0,), (0.0,), cells=1), "2 to 1000 cells are possible, not 1"),
+        (lambda: Region(0.1, (0.0,), (0.0,), cells=1001), "2 to 1000 cells are possible"),
         (lambda: Region(0.1, (0.0,), (0.0,), max_condition=0.5), "max_condition"),
         (lambda: processes(0).__enter__(), "jobs"),
     ],
@@ -176,6 +185,15 @@ def test_bars_follow_their_lengths_and_masses_that_vary_do_not() -> None:
 def test_impossible_requests_are_rejected(make, place) -> None:
     with pytest.raises(InvalidInput, match=place):
         make()
+
+
+def test_what_is_just_possible_is_taken() -> None:
+    assert Region(0.1, (0.0,), (0.0,), cells=2, max_condition=1.0).grid().size == 4
+    assert Region(0.1, (0.0,), (0.0,), cells=1000).cells == 1000
+    ranges = RANDOM.variation.ranges
+    assert RandomDesigns(ranges, 1, 0).size == 1
+    low = APPENDIX_4.geometry.base_radius
+    assert (ranges[1].low, ranges[1].high) == pytest.approx((0.5 * low, 1.5 * low))
 
 
 def test_global_indices_are_mean_least_and_spread_over_the_region() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +17,10 @@ from paminsa_viz.model import (
     Counterweight,
     InvalidInput,
     KneeBranch,
+    LoadCase,
+    LoadFrame,
 )
+from paminsa_viz.model.drive import Drive
 from paminsa_viz.studies import (
     DesignGrid,
     Workers,
@@ -26,7 +30,10 @@ from paminsa_viz.studies import (
     run_study,
 )
 from paminsa_viz.studies.metrics import samples_hash
+from paminsa_viz.studies.running import PART, Extremes, WorkersLost
+from paminsa_viz.studies.study import SAMPLE_WORK
 from paminsa_viz.trajectory import Trajectory
+from paminsa_viz.trajectory.sampled import Locus, Passage
 from tests.studies.studies import GRID, MOTION, MOVED, NAMES, RANDOM, SMALL
 
 
@@ -126,7 +133,79 @@ def test_the_summary_of_a_finished_table_is_that_of_its_rows(expected, tmp_path)
         assert found.largest == max(values.values()) == values[found.largest_row]
 
 
+@pytest.mark.parametrize("parts", [0, 2])
+def test_a_run_ends_where_its_progress_says_so(parts: int, tmp_path) -> None:
+    seen: list[int] = []
+
+    def enough(done: float, *, summary) -> bool:
+        seen.append(summary.rows)
+        return len(seen) > parts
+
+    study = replace(RANDOM, trajectory=None)
+    summary = run_study(study, tmp_path / "a.csv", progress=enough)
+    assert seen == [PART * part for part in range(parts + 1)]
+    assert summary.rows == len(read(tmp_path / "a.csv")) == PART * parts
+
+
+def test_workers_that_die_are_named_and_their_rows_are_left_to_be_resumed(tmp_path) -> None:
+    class Dying(Workers):
+        def in_order(self, function, items):
+            for number, item in enumerate(items):
+                if number == 1:
+                    raise BrokenProcessPool
+                yield function(item)
+
+    with pytest.raises(WorkersLost, match=rf"{PART} of 40 rows are written, and the same command"):
+        run_study(replace(RANDOM, trajectory=None), tmp_path / "a.csv", Dying())
+    assert len(read(tmp_path / "a.csv")) == PART
+
+
+def test_extremes_are_of_the_first_rows_that_have_them() -> None:
+    found = Extremes()
+    assert (found.least_row, found.largest_row) == (-1, -1)
+    assert np.isnan([found.least, found.largest]).all()
+    for row, value in ((3, 2.0), (5, 2.0), (7, -1.0), (8, -1.0), (9, 2.5), (11, 2.5)):
+        found.add(row, value)
+    assert found == Extremes(-1.0, 2.5, 7, 9)
+
+
+def test_the_work_of_a_study_is_that_of_its_poses_and_samples() -> None:
+    for study in (SMALL, MOVED):
+        assert replace(study, trajectory=None).work == study.size * study.region.grid().size
+    samples = MOTION.size
+    more = MOVED.work - replace(MOVED, trajectory=None).work
+    assert more == SAMPLE_WORK * samples * MOVED.size
+
+
+def test_the_head_of_a_table_says_what_the_rows_follow_from() -> None:
+    head = MOVED.provenance("paminsa-viz sweep")
+    assert (head["command"], head["rows"], head["designs"]) == (
+        "paminsa-viz sweep",
+        "40",
+        "random, seed 1",
+    )
+    assert head["vary geometry.base_radius [m]"] == "0.15 to 0.7"
+    assert head["scale bars"] == "no"
+    region = MOVED.region
+    assert list(map(float, head["region theta [rad]"].split())) == list(region.theta)
+    assert list(map(float, head["region z [m]"].split())) == list(region.z)
+    assert (float(head["region radius [m]"]), int(head["region cells"])) == (region.radius, 8)
+    assert float(head["largest condition number"]) == region.max_condition
+    assert head["motion"].endswith(f"{MOTION.size} samples in {MOTION.duration:g} s")
+    head = replace(SMALL, scale_bars=True).provenance()
+    assert (head["designs"], head["scale bars"]) == ("grid", "yes")
+    assert head["vary geometry.coupler_length [m]"] == "3 values, 0.1 to 0.63"
+    assert "command" not in head
+    assert "motion" not in head
+    assert all(metric.meaning == head[metric.column] for metric in SMALL.metrics)
+
+
 def test_every_difference_makes_another_table() -> None:
+    crossings = [
+        Passage(0.1, Locus.CIRCLE),
+        Passage(0.1, Locus.ROTATION),
+        Passage(0.2, Locus.CIRCLE),
+    ]
     others = [
         replace(SMALL, design=APPENDIX_4.vary({"links.b4": 0.5})),
         replace(SMALL, design=replace(APPENDIX_4, counterweights=(Counterweight("b3", 7, 0.1),))),
@@ -140,6 +219,15 @@ def test_every_difference_makes_another_table() -> None:
         replace(SMALL, trajectory=replace(MOTION, velocity=2 * MOTION.velocity)),
         replace(SMALL, trajectory=replace(MOTION, load=np.zeros((MOTION.size, 6)))),
         replace(SMALL, trajectory=replace(MOTION, load=np.ones((MOTION.size, 6)))),
+        *(replace(SMALL, trajectory=replace(MOTION, passages=(at,))) for at in crossings),
+        *(
+            replace(SMALL, design=replace(APPENDIX_4, load=LoadCase(force_x=1.0, frame=frame)))
+            for frame in LoadFrame
+        ),
+        replace(SMALL, design=replace(APPENDIX_4, drives=(Drive("d"), None, None, None))),
+        replace(SMALL, design=replace(APPENDIX_4, drives=(None, Drive("d"), None, None))),
+        replace(SMALL, design=APPENDIX_4.vary({"accuracy.resolution_rotary": 1e-3})),
+        replace(SMALL, design=APPENDIX_4.vary({"accuracy.resolution_rotary": 2e-3})),
     ]
     marks = {study.fingerprint for study in (SMALL, *others)}
     assert len(marks) == 1 + len(others)

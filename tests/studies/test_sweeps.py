@@ -13,7 +13,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.model import APPENDIX_4, Design, Grid, Limit, check_reach
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    Grid,
+    Limit,
+    check_reach,
+    measure_singularity,
+    static_torques,
+)
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.studies.sweeps import sweep
 from tests.support.cases import Case, cases
@@ -102,6 +110,24 @@ def test_singular_poses_do_not_count() -> None:
     assert (summary.counts[Limit.SINGULAR], summary.counts[Limit.OK]) == (1, 1)
     assert summary.largest["max_torque"] < 100
     assert summary.largest_at["max_torque"] == (0.1, 0.0, 0.0, -0.5)
+
+
+@pytest.mark.parametrize("block", [7, 2**20])
+def test_poses_near_a_singularity_do_not_count_if_so_asked(block: int) -> None:
+    """A grid through the singular circle; figures and place of those that count by themselves."""
+    grid = Grid.over(FIXED, theta=[0.0, 0.4], x=np.linspace(-0.3, 0.31, 20), y=[0.0, 0.1])
+    pose = grid.poses().reshape(-1, 4)
+    ok = check_reach(APPENDIX_4.geometry, pose).ok
+    near = measure_singularity(APPENDIX_4.geometry, pose).condition
+    torque = np.abs(static_torques(APPENDIX_4, pose)[:, :3]).max(axis=1)
+    counts = ok & (near <= 5.0)
+    assert 0 < counts.sum() < ok.sum()
+    found = sweep(APPENDIX_4, grid, max_condition=5.0, block=block)
+    assert found.counts[Limit.OK] == ok.sum()
+    assert found.largest == {"max_torque": pytest.approx(torque[counts].max(), rel=1e-9)}
+    assert found.mean["max_torque"] == pytest.approx(torque[counts].mean(), rel=1e-9)
+    place = pose[counts][torque[counts].argmax()]
+    assert found.largest_at["max_torque"] == tuple(place)
 
 
 _MEASURE = """

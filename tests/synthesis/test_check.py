@@ -12,11 +12,17 @@ from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.reach import check_reach
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques
+from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
-from paminsa_viz.synthesis.volume.check import Over, check_requirements
+from paminsa_viz.synthesis.volume.check import Over, _refined, check_requirements
 from paminsa_viz.synthesis.volume.grid import COARSE, Resolution
 from paminsa_viz.synthesis.volume.solve import solve_volume
-from paminsa_viz.synthesis.volume.workspace import best_center, sample_workspace
+from paminsa_viz.synthesis.volume.workspace import (
+    Samples,
+    best_center,
+    sample_workspace,
+    worst_over,
+)
 from tests.synthesis.robots import TURN, needs
 
 CYLINDER = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.3), (0.0, 0.0, -0.55))
@@ -103,6 +109,62 @@ def test_free_center_is_chosen_where_the_workspace_fits() -> None:
     assert found.holds
     high = replace(tall, center=(0.0, 0.0, -0.25))
     assert not check_requirements(APPENDIX_4, replace(requirements, workspace=high)).holds
+
+
+def test_a_free_center_is_moved_to_where_no_step_is_better() -> None:
+    """Of the least margin over the size of its bound, of lengths over that of B4 and B8."""
+    g = APPENDIX_4.geometry
+    tall = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.4), (0.01, None, None))
+    requirements = over(tall, "max_torque <= 15 N m", "condition <= 10")
+
+    def least(center: tuple[float, float, float]) -> float:
+        at = replace(requirements, workspace=replace(tall, center=center))
+        reach, singular, torque, condition = check_requirements(APPENDIX_4, at).items
+        lengths = min(reach.margin, singular.margin) / (g.crank_length + g.coupler_length)
+        return min(lengths, torque.margin / 15.0, condition.margin / 10.0)
+
+    start = (0.01, 0.05, -0.4)
+    x, y, z = _refined(APPENDIX_4, requirements, start, 0.05)
+    assert x == 0.01
+    best = least((x, y, z))
+    assert best > least(start) + 0.01
+    for step in (-0.02, 0.02):
+        assert least((x, y + step, z)) <= best + 1e-3
+        assert least((x, y, z + step)) <= best + 1e-3
+
+
+def test_what_takes_long_is_looked_at_in_fewer_poses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As many as the budget allows, with the whole outline and more than one heading."""
+    taken: dict[str, tuple[Samples, np.ndarray]] = {}
+
+    def noted(design, bound, index, samples, theta):
+        taken[bound.quantity] = samples, theta
+        return worst_over(design, bound, index, samples, theta)
+
+    monkeypatch.setattr("paminsa_viz.synthesis.volume.check.worst_over", noted)
+    texts = ("condition <= 10", "frequency_1 >= 1 Hz", "clearance >= -1000 mm")
+    check_requirements(APPENDIX_4, over(CYLINDER, *texts))
+    poses = {key: len(s.positions) * len(s.z) * len(t) for key, (s, t) in taken.items()}
+    for key, count in poses.items():
+        assert QUANTITIES[key].cost * count <= COARSE.budget
+        samples, theta = taken[key]
+        assert np.hypot(*samples.positions.T).max() == pytest.approx(0.1)
+        assert (theta[0], theta[-1]) == (-TURN, TURN)
+    assert poses["frequency_1"] < poses["clearance"] == poses["condition"]
+
+
+def test_a_robot_that_takes_no_pose_with_every_heading_says_so() -> None:
+    requirements = replace(needs("condition <= 10", "f_4 <= 450"), theta=(-math.pi, math.pi))
+    found = check_requirements(APPENDIX_4.vary({"geometry.guide_stroke": 0.05}), requirements)
+    assert not found.holds
+    assert found.center is None
+    assert len(found.items) == 4
+    assert not found.items[0].holds
+    for index, item in enumerate(found.items[2:]):
+        assert (item.requirement, item.pose, item.holds) == (index, None, False)
+        assert math.isnan(item.value)
+        assert item.margin == -math.inf
+        assert item.reason == "no pose can be taken with every heading"
 
 
 def test_best_center_is_the_deepest_of_all_nodes() -> None:

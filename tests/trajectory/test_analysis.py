@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -19,7 +21,9 @@ from paminsa_viz.model import (
     inverse_kinematics,
     torque_breakdown,
 )
+from paminsa_viz.model.drive import Drive
 from paminsa_viz.trajectory import (
+    PRESET,
     analyze,
     chain,
     circle,
@@ -29,6 +33,7 @@ from paminsa_viz.trajectory import (
     via_points,
 )
 from paminsa_viz.trajectory.integrals import rms, running_integral, time_weights
+from paminsa_viz.trajectory.solved import _with_unsolved, solve_trajectory
 from tests.support.cases import Case, assert_close, cases
 from tests.support.samples import with_knee
 from tests.trajectory.plans import ALL_PRESETS, FRICTION, A, B, C, preset_plan
@@ -97,6 +102,50 @@ def test_kept_solution_serves_other_masses(change: str, misprints: Misprint) -> 
     assert not np.allclose(kept.torque, before.torque, rtol=1e-3)
     most = 1e-13 * np.abs(fresh.torque).max(axis=0)
     assert_parts_agree(kept.breakdown, fresh.breakdown, most)
+
+
+def test_a_solution_serves_another_gravity_and_drives() -> None:
+    """Also where the legs' lifts are moved by it; with parts that add up."""
+    samples = preset_plan(PRESET["paper-like"], KneeBranch.LOWER).sample(RATE)
+    motion = samples.pose, samples.velocity, samples.acceleration
+    servo = Drive("servo", rotor_inertia=2e-4, gear_ratio=50.0, viscous=1e-3, coulomb=0.02)
+    axis = Drive("axis", rotor_inertia=1e-4, transmission="screw", lead=0.01)
+    driven = replace(ROUGH, drives=(servo, servo, replace(servo, gear_ratio=20.0), axis))
+    solved = solve_trajectory(APPENDIX_4.geometry, samples, gravity=9.81)
+    for design in (driven, replace(driven, gravity=3.7), replace(APPENDIX_4, gravity=25.0)):
+        exact = inverse_dynamics(design, *motion).torque
+        size = np.abs(exact).max(axis=0)
+        assert_close(solved.torques(design), exact, 1e-11)
+        without = inverse_dynamics(design.without_friction(), *motion).torque
+        assert_close(solved.torques(design, friction=False), without, 1e-11)
+        parts, expected = solved.breakdown(design), torque_breakdown(design, *motion)
+        assert (np.abs(parts.total - exact) <= 1e-11 * size).all()
+        assert_parts_agree(parts, expected, 1e-11 * size.max())
+
+
+def test_a_sample_within_rounding_of_a_limit_is_the_first_failure_there() -> None:
+    samples = preset_plan(PRESET["paper-like"], KneeBranch.LOWER).sample(RATE)
+    solved = solve_trajectory(APPENDIX_4.geometry, samples)
+    assert solved.check.first is None
+    unsolved = np.zeros(samples.size, bool)
+    unsolved[[30, 50]] = True
+    found = _with_unsolved(solved.check, samples, unsolved)
+    assert found.first is not None
+    assert (found.first.t, found.first.limit, found.first.leg) == (
+        samples.t[30],
+        Limit.SINGULAR,
+        -1,
+    )
+    assert found.first.pose == tuple(samples.pose[30])
+    assert found.until == 30
+    np.testing.assert_array_equal(found.status == Limit.SINGULAR, unsolved)
+    later = np.zeros(samples.size, bool)
+    later[60] = True
+    again = _with_unsolved(found, samples, later)
+    assert (again.first, again.until) == (found.first, 30)
+    earlier = np.zeros(samples.size, bool)
+    earlier[5] = True
+    assert _with_unsolved(found, samples, earlier).until == 5
 
 
 def test_a_kept_solution_serves_nothing_else() -> None:

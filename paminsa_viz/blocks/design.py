@@ -1,0 +1,212 @@
+"""Designs: their values with symbols and units, and in what two of them differ."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypeAlias
+
+from paminsa_viz.blocks.kinds import Block, Note, Row, Table, rows
+from paminsa_viz.files.design_schema import (
+    CHOICE_MEANINGS,
+    CHOICES,
+    KEY_OF,
+    KEYS,
+    DesignKey,
+    choice,
+)
+from paminsa_viz.model.design import APPENDIX_4, Design, stated_parameters
+from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.palette import ACTUATOR_COLORS
+from paminsa_viz.units import NONE, format_value, number, percent_change
+
+GROUPS: dict[str, str] = {
+    "geometry": "Lengths",
+    "joints": "Masses of joints, one leg",
+    "links": "Masses of links, one leg",
+    "inertias": "Moments of inertia of links, one leg",
+    "platform": "Platform",
+    "payload": "Payload",
+    "friction": "Friction of the actuators",
+    "load": "External load on the platform",
+    "": "Surroundings",
+    "accuracy": "Accuracy of the drives",
+    "leg1": "Deviations of leg 1",
+    "leg2": "Deviations of leg 2",
+    "leg3": "Deviations of leg 3",
+    "tolerances": "Tolerances and clearances",
+    "elastic": "Material, sections and stiffnesses",
+}
+"""Tables of a design file and their headings."""
+
+_UNUSED = ("friction", "load", "payload")
+"""Groups that are left out while all their values are those of Appendix 4."""
+
+Entry: TypeAlias = tuple[str, str, float | str, float | str, str]
+"""Table and key of a design file, the values of two designs, and what it means."""
+
+
+def design_blocks(design: Design) -> list[Block]:
+    """Return the values of a design, marked where Appendix 4 differs, and its counterweights."""
+    stated = [KEY_OF[parameter.path] for parameter in stated_parameters(design)]
+    differing = {
+        key
+        for key in stated
+        if design.value(key.parameter.path) != APPENDIX_4.value(key.parameter.path)
+    }
+    values: list[Row] = []
+    for table, heading in GROUPS.items():
+        keys = [key for key in stated if key.table == table]
+        if not keys or (table in _UNUSED and differing.isdisjoint(keys)):
+            continue
+        values.append(Row((heading,), "group"))
+        values += [_row(design, key, key in differing) for key in keys]
+    blocks: list[Block] = [Note(_summary(design, len(differing)))]
+    if differing:
+        head = ("Symbol", "Quantity", "Value", "Appendix 4", "Change")
+        blocks.append(Table(head, tuple(values), "Values that differ are marked.", words=2))
+    else:
+        blocks.append(Table(("Symbol", "Quantity", "Value"), tuple(values), words=2))
+    if design.counterweights:
+        blocks.append(_counterweights(design))
+    return blocks
+
+
+def _summary(design: Design, changed: int) -> str:
+    extra, driven = len(design.counterweights), any(design.drives)
+    if not changed and not extra:
+        text = "All values are those of the paper's Appendix 4"
+        return f"{text}{', which has no drives' if driven else ''}."
+    text = (
+        f"{changed} value{' differs' if changed == 1 else 's differ'} from the paper's Appendix 4"
+    )
+    if extra:
+        text += f"; every leg carries {extra} counterweight{'' if extra == 1 else 's'}"
+    return text + ("; it has drives." if driven else ".")
+
+
+def _row(design: Design, key: DesignKey, differs: bool) -> Row:
+    parameter = key.parameter
+    now, before = design.value(parameter.path), APPENDIX_4.value(parameter.path)
+    texts = [
+        "rigid" if math.isinf(value) else format_value(value, parameter.unit, 6)
+        for value in (now, before)
+    ]
+    cells = (parameter.symbol, parameter.label, texts[0])
+    if not differs:
+        return Row(cells)
+    return Row((*cells, texts[1], percent_change(before, now)), "marked")
+
+
+def _counterweights(design: Design) -> Table:
+    rows = tuple(
+        Row((weight.place, format_value(weight.mass, "kg", 5)), color=ACTUATOR_COLORS[3])
+        for weight in design.counterweights
+    )
+    return Table(("Counterweight", "Mass, each leg"), rows, "Counterweights, on every leg.")
+
+
+def changes_text(design: Design) -> str:
+    """Return how many entries of a design file differ from Appendix 4's."""
+    count = sum(a != b for _, _, a, b, _ in _entries(APPENDIX_4, design))
+    count += len(design.counterweights)
+    count += sum(drive is not None for drive in design.drives)
+    if not count:
+        return "as Appendix 4"
+    return f"{count} value{' differs' if count == 1 else 's differ'} from Appendix 4"
+
+
+def values_table(design: Design) -> Table:
+    """Return every entry of a design file, in SI units."""
+    found = [
+        (table, name, _text(value), what)
+        for table, name, value, _, what in _entries(design, design)
+    ]
+    found += [
+        ("counterweights", "mass_kg", _text(weight.mass), weight.place)
+        for weight in design.counterweights
+    ]
+    found += [
+        ("drives", actuator, "", drive.summary)
+        for actuator, drive in zip(ACTUATORS, design.drives, strict=True)
+        if drive is not None
+    ]
+    return Table(("",) * 4, rows(*found), words=4)
+
+
+def values_data(design: Design) -> dict[str, Any]:
+    """Return the same for JSON."""
+    facts: dict[str, Any] = {
+        "name": design.name,
+        "knee": design.geometry.knee.value,
+        "load_frame": design.load.frame.value,
+        "values": {key.path: design.value(key.parameter.path) for key in KEYS},
+        "counterweights": design.counterweights,
+    }
+    return facts | ({"drives": _drives(design)} if any(design.drives) else {})
+
+
+def difference_blocks(first: Design, second: Design, names: tuple[str, str]) -> list[Block]:
+    """Return in what the files of two designs differ, in SI units, with a name for each."""
+    found = []
+    for table, name, a, b, what in _changed(first, second):
+        change = ""
+        if isinstance(a, float) and isinstance(b, float) and a != 0 and abs(a + b) < math.inf:
+            change = f"{number(100 * (b / a - 1), 3, sign=True)} %"
+        found.append((table, name, _text(a), _text(b), change, what))
+    if first.counterweights != second.counterweights:
+        held = [
+            "; ".join(f"{w.mass:.6g} kg on {w.place}" for w in design.counterweights) or NONE
+            for design in (first, second)
+        ]
+        found.append(("counterweights", "", *held, "", ""))
+    for actuator, *pair in zip(ACTUATORS, first.drives, second.drives, strict=True):
+        if pair[0] != pair[1]:
+            texts = [NONE if drive is None else drive.summary for drive in pair]
+            found.append(("drives", actuator, *texts, "", ""))
+    if not found:
+        return [Note("the designs have the same values")]
+    return [Table(("", "", *names, "Change", ""), rows(*found), words=6)]
+
+
+def difference_data(first: Design, second: Design) -> dict[str, Any]:
+    """Return the same for JSON."""
+    facts: dict[str, Any] = {"first": first.name, "second": second.name}
+    facts["differences"] = {
+        f"{table}.{name}" if table else name: {"first": a, "second": b}
+        for table, name, a, b, _ in _changed(first, second)
+    }
+    if first.counterweights != second.counterweights:
+        facts["counterweights"] = {"first": first.counterweights, "second": second.counterweights}
+    if first.drives != second.drives:
+        facts["drives"] = {"first": _drives(first), "second": _drives(second)}
+    return facts
+
+
+def _entries(first: Design, second: Design) -> list[Entry]:
+    """Return table, key, both values and the meaning of everything that a design file holds."""
+    found: list[Entry] = []
+    for key in KEYS:
+        parameter = key.parameter
+        values = (first.value(parameter.path), second.value(parameter.path))
+        found.append((key.table, key.name, *values, f"{parameter.symbol}, {parameter.label}"))
+    for table, name in CHOICES:
+        last = max(place for place, row in enumerate(found) if row[0] == table)
+        words = [choice(design, table, name).value for design in (first, second)]
+        found.insert(last + 1, (table, name, *words, CHOICE_MEANINGS[name]))
+    return found
+
+
+def _changed(first: Design, second: Design) -> list[Entry]:
+    return [entry for entry in _entries(first, second) if entry[2] != entry[3]]
+
+
+def _text(value: float | str) -> str:
+    if isinstance(value, str):
+        return value
+    return f"{value:.10g}" if math.isfinite(value) else "rigid"
+
+
+def _drives(design: Design) -> dict[str, Any]:
+    """Return the drives by actuator."""
+    pairs = zip(ACTUATORS, design.drives, strict=True)
+    return {name: drive for name, drive in pairs if drive is not None}

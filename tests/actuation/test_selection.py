@@ -1,0 +1,157 @@
+"""Drives chosen from a catalog: in order, the same for three, and what is missing if none fits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from paminsa_viz.actuation.catalog import generic_catalog
+from paminsa_viz.actuation.duty import Duty, DutyCycle, duty_cycle
+from paminsa_viz.actuation.ratios import ratio_intervals
+from paminsa_viz.actuation.selection import Selection, cloud, figures, select_drives, size_design
+from paminsa_viz.actuation.sizing import fitting_time, size_drives
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.trajectory import PRESET
+from tests.actuation.motor_loads import motor_torque
+
+
+@cache
+def cycle(slower: float = 1.0, payload: float = 0.0) -> DutyCycle:
+    """An arch so many times as long, with so heavy a payload."""
+    plan = PRESET["arch"].build(APPENDIX_4.geometry)
+    motion = plan.lasting(slower * plan.duration).sample(200 / slower)
+    return duty_cycle(APPENDIX_4.vary({"payload.mass": payload}), [Duty(motion)])
+
+
+@cache
+def selection(same: bool = False) -> Selection:
+    return select_drives(cycle(), generic_catalog(), same=same)
+
+
+def test_figures_are_those_of_the_motors_own_torque_and_speed() -> None:
+    found = selection()
+    for actuator in (0, 3):
+        load, sizing = found.cycle.loads[actuator], found.sizings[actuator]
+        for index in (int(found.rows[actuator][0]), int(np.flatnonzero(~sizing.feasible)[0])):
+            given = figures(sizing, index)
+            drive = sizing.table.drive(index)
+            (torque,) = motor_torque(load, drive, np.array([drive.ratio]))
+            speed = drive.ratio * load.signals[4]
+            np.testing.assert_allclose(cloud(load, drive), [speed, torque], rtol=1e-9, atol=1e-12)
+            assert given.drive == drive
+            assert given.feasible == (given.use <= 1.0)
+            assert given.peak == pytest.approx(np.abs(torque).max())
+            assert given.top_speed == pytest.approx(np.abs(speed).max())
+            assert given.top_power == pytest.approx(np.abs(torque * speed).max())
+            assert given.limit == sizing.limit(index)
+            assert (given.rms, given.envelope) == (sizing.rms[index], sizing.envelope[index])
+            assert given.inertia_ratio == pytest.approx(
+                load.inertia / (drive.inertia * drive.ratio**2)
+            )
+            lead = drive.ratio / drive.gear_ratio
+            interval = ratio_intervals(load, sizing.table[index : index + 1])
+            if interval.feasible[0]:
+                ends = interval.low[0] / lead, interval.high[0] / lead
+                assert given.ratios == pytest.approx(ends)
+            else:
+                assert np.isnan(given.ratios).all()
+
+
+def test_the_first_feasible_drives_are_a_designs() -> None:
+    found = selection()
+    assert found.feasible
+    assert not any(found.advice(actuator) for actuator in range(4))
+    for actuator, drive in enumerate(found.drives):
+        first, second = found.figures(actuator, 2)
+        assert drive == first.drive
+        assert first.feasible
+        assert second.feasible
+        rows = found.rows[actuator]
+        assert (np.diff(found.sizings[actuator].table.mass[rows]) >= 0).all()
+        np.testing.assert_array_equal(
+            np.sort(rows), np.flatnonzero(found.sizings[actuator].feasible)
+        )
+    design = found.design(APPENDIX_4)
+    assert design.drives == found.drives
+    sized = size_design(found.cycle, design)
+    for actuator, own in enumerate(sized):
+        assert own is not None
+        assert own.use == pytest.approx(found.figures(actuator, 1)[0].use)
+    assert size_design(found.cycle, APPENDIX_4) == (None,) * 4
+
+
+def test_the_same_drive_for_three_is_feasible_on_all_of_them() -> None:
+    found = selection(same=True)
+    rows = found.rows[0]
+    common = np.all([sizing.feasible for sizing in found.sizings[:3]], axis=0)
+    np.testing.assert_array_equal(np.sort(rows), np.flatnonzero(common))
+    for other in found.rows[1:3]:
+        np.testing.assert_array_equal(other, rows)
+    np.testing.assert_array_equal(found.rows[3], selection().rows[3])
+    assert len(set(found.drives[:3])) == 1
+    by_use = select_drives(found.cycle, generic_catalog(), order="margin", same=True)
+    worst = np.max([sizing.use for sizing in by_use.sizings[:3]], axis=0)
+    assert (np.diff(worst[by_use.rows[0]]) >= 0).all()
+
+
+@pytest.mark.parametrize(("slower", "payload"), [(0.05, 0.0), (1.0, 10_000.0)])
+def test_advice_where_no_drive_fits_is_how_much_slower_one_does(
+    slower: float, payload: float
+) -> None:
+    """A motion that is too fast, and one with a payload that no motor lifts however slowly."""
+    found = select_drives(cycle(slower, payload), generic_catalog())
+    lacking = [actuator for actuator in range(4) if not len(found.rows[actuator])]
+    assert lacking
+    assert not found.feasible
+    for actuator in lacking:
+        sizing = found.sizings[actuator]
+        assert found.drives[actuator] is None
+        assert found.figures(actuator, 3) == []
+        text = found.advice(actuator)
+        nearest = figures(sizing, int(np.argmin(sizing.use)))
+        before, _, after = text.partition(f"the nearest is {nearest.drive.name}, whose ")
+        assert before == "no drive fits; "
+        share = float(after.removeprefix(f"{nearest.limit} is ").split()[0])
+        assert share == pytest.approx(100 * sizing.use.min(), rel=1e-3)
+        factor = fitting_time(found.cycle, actuator, sizing.table)
+        assert np.isfinite(factor) == (payload == 0.0 or actuator < 3)
+        if np.isfinite(factor):
+            assert text.endswith(f"motions {factor:.3f} times as long make one fit")
+            for share, fits in ((1.001, True), (0.99, False)):
+                slow = cycle(share * factor * slower, payload).loads[actuator]
+                assert size_drives(slow, sizing.table).feasible.any() == fits
+        else:
+            assert text.endswith("no slower motion makes one fit")
+    own = generic_catalog().pairs(0).drive(0)
+    kept = replace(APPENDIX_4, drives=(own, own, own, None))
+    assert found.design(kept).drives[lacking[0]] == kept.drives[lacking[0]]
+
+
+def test_advice_where_each_of_three_has_a_drive_but_not_the_same() -> None:
+    nothing = np.empty(0, np.intp)
+    found = replace(selection(), rows=(nothing,) * 3 + selection().rows[3:])
+    assert found.advice(1).endswith("M1, M2 and M3 have feasible drives, but none in common")
+
+
+def test_a_table_without_drives_and_orders_that_are_none_are_refused() -> None:
+    load, table = cycle().loads[0], selection().sizings[0].table
+    with pytest.raises(InvalidInput, match="table: at least one drive is needed"):
+        size_drives(load, table[:0])
+    for ratio in (0.0, -1.0, np.nan):
+        with pytest.raises(InvalidInput, match="inertia_ratio: a number above 0 is needed"):
+            size_drives(load, table, inertia_ratio=ratio)
+    with pytest.raises(InvalidInput, match="order: mass, cost or margin is needed, not 'use'"):
+        select_drives(cycle(), generic_catalog(), order="use")  # type: ignore[arg-type]
+
+
+def test_the_inertia_ratio_is_a_limit_like_others() -> None:
+    load, table = cycle().loads[0], selection().sizings[0].table
+    free = size_drives(load, table)
+    limit = float(np.median(free.inertia_ratio[free.feasible]))
+    limited = size_drives(load, table, inertia_ratio=limit)
+    np.testing.assert_array_equal(limited.feasible, free.feasible & (free.inertia_ratio <= limit))
+    assert 0 < limited.feasible.sum() < free.feasible.sum()

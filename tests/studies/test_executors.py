@@ -1,0 +1,97 @@
+"""Work given to others: in order, a few tasks ahead, none left behind; who the workers are."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import Executor, Future
+from typing import Any
+
+import pytest
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.studies import Workers, processes
+from paminsa_viz.studies.executors import _cores, _start_quiet_tracker, here
+
+
+class Lazy(Executor):
+    """An executor that does nothing until a result is waited for."""
+
+    def __init__(self) -> None:
+        self.most = 0
+        self.given: list[Future[Any]] = []
+
+    def submit(self, fn, /, *args, **kwargs):
+        future = _Waited(lambda: fn(*args, **kwargs))
+        self.given.append(future)
+        self.most = max(self.most, sum(not one.done() for one in self.given))
+        return future
+
+
+class _Waited(Future[Any]):
+    def __init__(self, work) -> None:
+        super().__init__()
+        self._work = work
+
+    def result(self, timeout: float | None = None) -> Any:
+        if not self.done():
+            self.set_result(self._work())
+        return super().result(timeout)
+
+
+@pytest.mark.parametrize(("count", "items"), [(1, 10), (2, 10), (2, 4), (3, 0)])
+def test_results_come_in_order_with_three_tasks_of_each_worker_in_hand(
+    count: int, items: int
+) -> None:
+    executor = Lazy()
+    found = Workers(executor, count).in_order(lambda item: item**2, range(items))
+    assert list(found) == [item**2 for item in range(items)]
+    assert executor.most == min(3 * count, items)
+
+
+def test_tasks_that_nobody_waits_for_are_canceled() -> None:
+    executor = Lazy()
+    found = Workers(executor, 2).in_order(lambda item: item, range(10))
+    assert next(found) == 0
+    found.close()
+    assert [one.cancelled() for one in executor.given] == [False, *[True] * 5]
+
+
+def test_one_process_is_this_one() -> None:
+    with processes(1) as workers:
+        assert workers is here
+        assert (workers.executor, workers.count) == (None, 1)
+        assert list(workers.in_order(str, [1, 2])) == ["1", "2"]
+
+
+@pytest.mark.parametrize("count", [0, -1])
+def test_fewer_than_one_process_is_refused(count: int) -> None:
+    with pytest.raises(InvalidInput, match=f"jobs: one process at least is needed, not {count}"):
+        processes(count).__enter__()
+
+
+def test_cores_are_those_that_this_process_may_use(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda pid: {1, 5, 7}, raising=False)
+    assert _cores() == 3
+    monkeypatch.delattr(os, "sched_getaffinity")
+    for known, expected in ((6, 6), (None, 1)):
+        monkeypatch.setattr(os, "cpu_count", lambda known=known: known)
+        assert _cores() == expected
+
+
+@pytest.mark.parametrize("before", [None, "error"])
+def test_warnings_of_children_are_as_before(
+    monkeypatch: pytest.MonkeyPatch, before: str | None
+) -> None:
+    seen: list[str | None] = []
+    monkeypatch.delenv("PYTHONWARNINGS", raising=False)
+    if before is not None:
+        monkeypatch.setenv("PYTHONWARNINGS", before)
+    monkeypatch.setattr(
+        "paminsa_viz.studies.executors.resource_tracker.ensure_running",
+        lambda: seen.append(os.environ.get("PYTHONWARNINGS")),
+    )
+    _start_quiet_tracker()
+    assert seen == [
+        "ignore:resource_tracker" if before is None else f"{before},ignore:resource_tracker"
+    ]
+    assert os.environ.get("PYTHONWARNINGS") == before

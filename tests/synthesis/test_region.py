@@ -1,0 +1,149 @@
+"""The required poses in closed form against many of them; samples of a workspace."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.model import APPENDIX_4, check_reach, inverse_kinematics, measure_singularity
+from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
+from paminsa_viz.synthesis.search.region import (
+    SPARSE,
+    TRIAL,
+    Density,
+    extent,
+    farthest,
+    ray,
+    reach_margins,
+    sample,
+    spans,
+)
+from tests.support.samples import random_design
+
+SEEDS = st.integers(0, 10_000)
+SHAPES = st.sampled_from(WorkspaceShape)
+
+
+def workspace(shape: WorkspaceShape, seed: int, far: float = 0.1) -> Workspace:
+    """A workspace near the z-axis or off it, of any proportions."""
+    rng = np.random.default_rng(seed)
+    width, depth, height = rng.uniform(0.05, 0.3, 3)
+    depth = width if shape is WorkspaceShape.CYLINDER else depth
+    x, y = rng.uniform(-far, far, 2)
+    return Workspace(shape, (width, depth, height), (x, y, -0.6))
+
+
+def positions(space: Workspace, seed: int, count: int = 4000) -> Any:
+    """Positions in it, many of them on its outline and at its corners (n, 2)."""
+    rng = np.random.default_rng(seed)
+    unit = np.clip(rng.uniform(-1.5, 1.5, (count, 2)), -1.0, 1.0)
+    if space.shape is WorkspaceShape.CYLINDER:
+        turn = rng.uniform(0.0, 2 * np.pi, count)
+        unit = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+        unit *= np.sqrt(rng.uniform(0.0, 2.0, (count, 1))).clip(0.0, 1.0)
+    x, y, _ = space.center
+    return 0.5 * unit * space.size[:2] + [x, y]
+
+
+@given(shape=SHAPES, seed=SEEDS)
+def test_extents_and_rays_are_those_of_many_positions(shape: WorkspaceShape, seed: int) -> None:
+    space = workspace(shape, seed)
+    at = positions(space, seed)
+    size = max(space.size)
+    assert farthest(space) == pytest.approx(np.hypot(*at.T).max(), abs=1e-2 * size)
+    assert farthest(space) >= np.hypot(*at.T).max() - 1e-12
+    for turn in np.random.default_rng(seed).uniform(0.0, 2 * np.pi, 4):
+        direction = np.array([np.cos(turn), np.sin(turn)])
+        most = (at @ direction).max()
+        assert most - 1e-12 <= extent(space, direction) <= most + 1e-2 * size
+        found = ray(space, direction)
+        off = np.abs(np.array(space.center[:2], float)) if shape is WorkspaceShape.BOX else None
+        half = 0.5 * np.array(space.size[:2])
+        inside = (off <= half).all() if off is not None else np.hypot(*space.center[:2]) <= half[0]
+        assert (found > 0) == inside
+        if inside:
+            middle = np.array(space.center[:2], float)
+            for share, within in ((0.999, True), (1.001, False)):
+                away = np.abs(share * found * direction - middle)
+                out = np.hypot(*away) / half[0] if off is None else (away / half).max()
+                assert (out <= 1.0) == within
+    assert ray(replace(space, center=(1.0, 0.0, -0.6)), np.array([1.0, 0.0])) == 0.0
+    assert ray(replace(space, center=(0.0, -1.0, -0.6)), np.array([0.0, -1.0])) == 0.0
+
+
+@given(shape=SHAPES, seed=SEEDS)
+def test_margins_of_reach_are_the_least_of_many_poses(shape: WorkspaceShape, seed: int) -> None:
+    """None is smaller, and one is hardly larger; each robot at a height of its own."""
+    rng = np.random.default_rng(seed + 99_999)
+    designs = [random_design(np.random.default_rng(seed + i)) for i in range(2)]
+    designs = [designs[0], designs[1].with_knee(designs[0].geometry.knee)]
+    geometries = [design.geometry for design in designs]
+    first = workspace(shape, seed, 0.05)
+    spaces = [
+        replace(first, center=(*first.center[:2], z * g.knee.sign * -1))
+        for z, g in zip((0.5, 0.7), geometries, strict=True)
+    ]
+    theta = (-0.3, 0.4)
+    found = spans(geometries, spaces, theta)
+    margins = reach_margins(geometries, found)
+    at = positions(first, seed, 6000)
+    turn = np.clip(rng.uniform(-0.5, 0.6, len(at)), *theta)
+    for row, (geometry, space) in enumerate(zip(geometries, spaces, strict=True)):
+        z = space.center[2] + 0.5 * space.size[2] * np.clip(rng.uniform(-2, 2, len(at)), -1, 1)
+        pose = np.column_stack([at, turn, z])
+        least = check_reach(geometry, pose).margins.min(axis=(0, 1))
+        assert (least >= margins[row] - 1e-9).all()
+        assert least == pytest.approx(margins[row], abs=5e-3)
+        solved = inverse_kinematics(geometry, pose)
+        above = (geometry.knee.sign * solved.points[5][..., 2]).max()
+        assert above == pytest.approx(found.beyond[row], abs=1e-9)
+
+
+def test_finer_samples_hold_the_coarse_ones() -> None:
+    assert Density(6, 3, 3, 5).finer(3) == Density(18, 7, 7, 13)
+    box = workspace(WorkspaceShape.BOX, 1)
+    for space in (box, workspace(WorkspaceShape.CYLINDER, 1)):
+        coarse, fine = (sample(space, (-0.3, 0.4), d) for d in (TRIAL, TRIAL.finer(2)))
+        for name in ("theta", "share"):
+            few, many = getattr(coarse, name), getattr(fine, name)
+            assert np.isclose(few[:, None], many).any(axis=1).all()
+        assert (coarse.theta[0], coarse.theta[-1]) == (-0.3, 0.4)
+        assert (coarse.share[0], coarse.share[-1]) == (-0.5, 0.5)
+        outline = fine.within[: 3 * TRIAL.finer(2).around]
+        gap = np.linalg.norm(coarse.within[:, None] - fine.within, axis=-1).min(axis=1)
+        assert gap[: 3 * TRIAL.around].max() < 1e-9
+        size = np.abs(outline).max(axis=1) if space is box else np.hypot(*outline.T)
+        assert size == pytest.approx(1.0)
+        assert coarse.poses == len(coarse.within) * len(coarse.theta) * len(coarse.share)
+        placed = coarse.place(coarse.within, space)
+        assert placed.mean(axis=0) == pytest.approx(space.center[:2], abs=0.02)
+        half = 0.5 * np.array(space.size[:2])
+        assert np.abs(placed - space.center[:2]).max(axis=0) == pytest.approx(half, rel=0.02)
+
+
+@pytest.mark.parametrize("theta", [(-0.4, 0.4), (0.0, 0.4), (0.2, 0.2)])
+def test_poses_that_are_alike_are_left_out_and_no_others(theta: tuple[float, float]) -> None:
+    """The largest condition number over the whole workspace is that of the part."""
+    centered = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.2), (0.0, 0.0, -0.6))
+    geometry = APPENDIX_4.geometry
+    for space in (centered, replace(centered, center=(0.03, 0.0, -0.6))):
+        few, every = (sample(space, theta, SPARSE, alike=alike) for alike in (True, False))
+        assert (few.poses < every.poses) == (space is centered)
+        worst = []
+        for found in (few, every):
+            at = found.place(found.within, space)
+            pose = np.zeros((len(found.theta), len(at), 4))
+            pose[..., :2], pose[..., 2], pose[..., 3] = at, found.theta[:, None], -0.6
+            worst.append(measure_singularity(geometry, pose).condition.max())
+        assert worst[0] == pytest.approx(worst[1], rel=1e-9)
+        assert len(few.theta) == (
+            1 if theta[0] == theta[1] else 2 if theta[0] < 0 and space is centered else 3
+        )
+    np.testing.assert_allclose(
+        every.turns, np.transpose([np.cos(every.theta), np.sin(every.theta)])
+    )
