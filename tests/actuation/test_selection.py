@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from decimal import Decimal, getcontext
 from functools import cache
 
 import numpy as np
 import pytest
 
 from paminsa_viz.actuation.catalog import generic_catalog
-from paminsa_viz.actuation.duty import Duty, DutyCycle, duty_cycle
-from paminsa_viz.actuation.ratios import ratio_intervals
+from paminsa_viz.actuation.drive_table import drive_table
+from paminsa_viz.actuation.duty import ActuatorLoad, Duty, DutyCycle, duty_cycle
+from paminsa_viz.actuation.ratios import catalog_ratios, ratio_intervals
 from paminsa_viz.actuation.selection import Selection, cloud, figures, select_drives, size_design
-from paminsa_viz.actuation.sizing import fitting_time, size_drives
+from paminsa_viz.actuation.sizing import _weights, fitting_time, size_drives
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model.drive import Drive
 from paminsa_viz.trajectory import PRESET
 from tests.actuation.motor_loads import motor_torque
 
@@ -155,3 +158,48 @@ def test_the_inertia_ratio_is_a_limit_like_others() -> None:
     limited = size_drives(load, table, inertia_ratio=limit)
     np.testing.assert_array_equal(limited.feasible, free.feasible & (free.inertia_ratio <= limit))
     assert 0 < limited.feasible.sum() < free.feasible.sum()
+
+
+def test_ratios_of_a_catalog_are_those_at_which_its_motors_begin_and_cease_to_fit() -> None:
+    """Behind a gear without inertia; for M4 with each of the screws and belts."""
+    catalog = generic_catalog()
+    two = replace(catalog, motors=catalog.motors[::3], transmissions=catalog.transmissions[:2])
+    found = catalog_ratios(cycle(), two)
+    assert len(found) == len(two.motors) * (3 + 2)
+    count = 0
+    for item in found:
+        actuator = int(item.actuator[1]) - 1
+        name, _, last = item.motor.partition(", ")
+        motor = next(motor for motor in two.motors if motor.name == name)
+        if actuator == 3:
+            screw = next(screw for screw in two.transmissions if screw.name == last)
+            motor = replace(
+                motor, transmission=screw.transmission, lead=screw.lead, brake=screw.holds,
+                lead_efficiency=screw.lead_efficiency,
+            )  # fmt: skip
+        load = cycle().loads[actuator]
+        assert item.actuator == load.name
+
+        def fits(ratio: float, motor: Drive = motor, load: ActuatorLoad = load) -> bool:
+            return bool(size_drives(load, drive_table([replace(motor, gear_ratio=ratio)])).feasible)
+
+        if item.low is None or item.high is None or item.scanned:
+            continue
+        count += 1
+        assert fits(1.001 * item.low)
+        assert fits(0.999 * item.high)
+        assert not fits(0.99 * item.low)
+        assert not fits(1.01 * item.high)
+    assert count > 10
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-6, 5e-5, 9e-5, 1.1e-4, 1e-2, 1.0, 30.0])
+def test_weights_of_a_step_are_those_of_linear_heat(size: float) -> None:
+    """1 - e^-s is what both ends weigh together, 1 - (1 - e^-s) / s what the later one does."""
+    getcontext().prec = 50
+    s = Decimal(size)
+    fade, here, there = _weights(np.array([size]))
+    later = 1 - (1 - (-s).exp()) / s
+    assert fade[0] == pytest.approx(float((-s).exp()), rel=1e-14)
+    assert there[0] == pytest.approx(float(later), rel=1e-8)
+    assert here[0] == pytest.approx(float(1 - (-s).exp() - later), rel=1e-6)

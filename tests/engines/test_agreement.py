@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from paminsa_viz.engines import EngineMissing, why_missing
-from paminsa_viz.engines.closed_loop import ClosedLoopRobot
+from paminsa_viz.engines.closed_loop import ClosedLoopRobot, _solve
 from paminsa_viz.engines.missing import is_installed
 from paminsa_viz.engines.mujoco_model import MujocoRobot
 from paminsa_viz.engines.pinocchio_model import PinocchioRobot
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
+from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.dynamics import inverse_dynamics
+from paminsa_viz.model.load import LoadCase, LoadFrame
 from paminsa_viz.model.statics import static_torques
 from tests import oracle
 from tests.support import samples
@@ -53,6 +56,63 @@ def test_dynamic_torques(engine: Engine, design: Design) -> None:
     found = engine(design).inverse_dynamics(*states)
     assert worst(found, oracle.inverse_dynamics(design, *states)) < SHARP
     assert worst(inverse_dynamics(design, *states).torque, found) < SHARP
+
+
+@pytest.mark.parametrize("frame", list(LoadFrame))
+def test_loads_and_wrenches_on_top_of_them(engine: Engine, frame: LoadFrame) -> None:
+    """With drives, whose rotors turn with the legs; every component of a wrench off the center."""
+    load = LoadCase(
+        30.0, -20.0, -80.0, 2.0, -3.0, 4.0, point_x=0.05, point_y=-0.03, point_z=0.02, frame=frame
+    )
+    servo = Drive("servo", rotor_inertia=1e-4, gear_ratio=50.0)
+    axis = Drive("axis", rotor_inertia=2e-5, transmission="screw", lead=0.01)
+    design = replace(RANDOM, load=load, drives=(servo, None, servo, axis))
+    states = samples.random_states(np.random.default_rng(2), design, 20)
+    robot = engine(design)
+    assert worst(robot.inverse_dynamics(*states), inverse_dynamics(design, *states).torque) < SHARP
+    extra = np.random.default_rng(3).normal(size=(20, 6)) * 20
+    found = robot.inverse_dynamics(*states, load=extra)
+    names = ("force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z")
+    for row, wrench in enumerate(extra):
+        more = {
+            f"load.{n}": design.value(f"load.{n}") + w for n, w in zip(names, wrench, strict=True)
+        }
+        exact = inverse_dynamics(design.vary(more), *(part[row] for part in states)).torque
+        np.testing.assert_allclose(found[row], exact, rtol=1e-9, atol=1e-8)
+    # one wrench serves every state; without the design's own load it is the only one
+    plain = engine(replace(design, load=LoadCase(frame=frame)))
+    assert worst(plain.static_torques(states[0]), static_torques(plain.design, states[0])) < SHARP
+
+
+def test_a_stack_with_a_singular_system_has_nan_there_alone() -> None:
+    matrix = np.stack([2.0 * np.eye(3), np.zeros((3, 3)), np.diag([1.0, 2.0, 4.0])])
+    found = _solve(matrix, np.ones((3, 3, 2)))
+    assert found.shape == (3, 3, 2)
+    np.testing.assert_array_equal(found[0], 0.5)
+    assert np.isnan(found[1]).all()
+    np.testing.assert_allclose(found[2, :, 1], [1.0, 0.5, 0.25])
+
+
+def test_a_state_has_the_robots_pose_and_one_out_of_reach_none(engine: Engine) -> None:
+    robot = engine(APPENDIX_4)
+    pose, rate = np.array([0.05, -0.02, 0.3, -0.55]), np.array([0.1, 0.2, -0.3, 0.4])
+    q, v = robot.state(pose, rate)
+    np.testing.assert_allclose(robot.pose(q), pose, atol=1e-12)
+    ahead, _ = robot.state(pose + 1e-6 * rate, rate)
+    behind, _ = robot.state(pose - 1e-6 * rate, rate)
+    np.testing.assert_allclose((ahead - behind) / 2e-6, v, atol=1e-6)
+    with pytest.raises(PaminsaError, match="the bars cannot close at x = 5000 mm"):
+        robot.state([5.0, 0.0, 0.0, -0.5], rate)
+
+
+def test_a_model_of_another_robot_is_refused(engine: Engine) -> None:
+    robot = engine(APPENDIX_4)
+    names = robot._names
+    robot._set_order(reversed(names))
+    with pytest.raises(InvalidInput, match=r"model: its joints are not those of this robot \(door"):
+        robot._set_order([*names, "door"])
+    with pytest.raises(InvalidInput, match="model: its joints are not"):
+        robot._set_order(names[1:])
 
 
 @BOTH

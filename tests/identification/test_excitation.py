@@ -136,6 +136,21 @@ def test_information_is_that_of_measured_torques() -> None:
     assert info.rank == 22
 
 
+def test_columns_are_the_torques_of_one_of_each_parameter_over_the_noise() -> None:
+    info = information(samples=16)
+    info.noise = np.array([0.1, 0.2, 0.5, 5.0])
+    values = info.at(info.states(some_motion(info)))
+    columns = info._columns(values) * info.noise[:, None]
+    masses = columns[..., :11]
+    fitted = np.linalg.lstsq(masses.reshape(-1, 11), (values.regressor @ info._c).ravel())[0]
+    np.testing.assert_allclose(masses @ fitted, values.regressor @ info._c, atol=1e-9)
+    for place, one in enumerate(np.eye(4)):
+        expected = [values.speed * one, np.tanh(values.speed / info._coulomb_speed) * one]
+        expected += [np.broadcast_to(one, values.speed.shape)] if place < 3 else []
+        for kind, torque in enumerate(expected):
+            np.testing.assert_allclose(columns[..., 11 + 4 * kind + place], torque, atol=1e-12)
+
+
 @pytest.mark.parametrize("seed", [None, 3])
 def test_random_motions_are_as_large_as_the_limits_allow(seed) -> None:
     design = ROBOT if seed is None else random_design(np.random.default_rng(seed))

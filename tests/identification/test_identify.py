@@ -17,6 +17,7 @@ from paminsa_viz.identification import (
     identify,
     make_log,
 )
+from paminsa_viz.identification.estimate import RESOLUTION
 from paminsa_viz.identification.filtering import Signals
 from paminsa_viz.identification.identify import filtered, require_motion
 from paminsa_viz.identification.log_poses import log_poses
@@ -248,6 +249,22 @@ def test_logs_with_wrong_torques_are_refused_or_noted() -> None:
     assert any("sign of force4" in note for note in found.notes)
 
 
+def test_a_torque_that_changes_less_than_sensors_resolve_never_changes() -> None:
+    """Measured by the largest torque or force of the log, not by its own."""
+    log = simulated(1, RUBBING, rate=200.0)
+    signals = filtered(log, APPENDIX_4, QUICK, log_poses(APPENDIX_4.geometry, log))
+    least = RESOLUTION * np.abs(signals.torque).max()
+    for share, moves in ((0.99, False), (1.01, True)):
+        torque = signals.torque.copy()
+        torque[:, 1] = np.linspace(0.0, share * least, len(torque))
+        changed = replace(signals, torque=torque)
+        if moves:
+            require_motion(changed)
+        else:
+            with pytest.raises(InvalidLog, match="torque of M2 never changes"):
+                require_motion(changed)
+
+
 def test_a_log_needs_a_turn_of_a_hundredth_or_a_lift_of_a_millimeter() -> None:
     log = simulated(1, RUBBING, rate=200.0)
     signals = filtered(log, APPENDIX_4, QUICK, log_poses(APPENDIX_4.geometry, log))
@@ -266,7 +283,10 @@ def test_a_log_needs_a_turn_of_a_hundredth_or_a_lift_of_a_millimeter() -> None:
 @pytest.mark.parametrize(
     ("words", "call"),
     [
-        ("cut_off", lambda log: identify(APPENDIX_4, log, IdentificationSettings(cut_off=80.0))),
+        (
+            "cut_off: above 0 and at most 50 Hz is needed, not 50.1",
+            lambda log: identify(APPENDIX_4, log, IdentificationSettings(cut_off=50.1)),
+        ),
         ("block", lambda log: IdentificationSettings(block=-1.0)),
         ("start", lambda log: identify(APPENDIX_4, log, start=(0.0, 0.0, 0.0))),
         ("gravity", lambda log: identify(replace(APPENDIX_4, gravity=0.0), log)),

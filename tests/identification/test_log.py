@@ -89,6 +89,20 @@ def test_uneven_rows_are_resampled_and_that_is_stated(signals: list[Any]) -> Non
     np.testing.assert_allclose(log.position, exact, atol=1e-6)
 
 
+@pytest.mark.parametrize("late", [0.3, -0.3])
+def test_one_row_too_late_or_too_early_is_uneven_by_as_much(
+    signals: list[Any], late: float
+) -> None:
+    t, position, torque = signals
+    t[100] += late / RATE
+    (note,) = make_log(t, position, torque).notes
+    assert float(note.partition("up to ")[2].split()[0]) == pytest.approx(
+        1e3 * 0.3 / RATE, rel=1e-2
+    )
+    t[100] -= 0.98 * late / RATE
+    assert make_log(t, position, torque).notes == ()
+
+
 def test_segments_of_a_resampled_log_begin_behind_its_gaps(signals: list[Any]) -> None:
     """Three pieces of uneven rows: each begins where the step between samples is a gap."""
     kept = np.r_[0:300, 330:500, 520:800]

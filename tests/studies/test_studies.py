@@ -34,10 +34,11 @@ from paminsa_viz.studies import (
     processes,
     run_study,
 )
-from paminsa_viz.studies.metrics import RegionResults
+from paminsa_viz.studies.metrics import RUNS, RegionResults, measure_motion
 from paminsa_viz.trajectory import analyze
 from tests.studies.studies import GRID, MOTION, MOVED, NAMES, RANDOM, SMALL
 from tests.support.samples import random_design, with_knee
+from tests.trajectory.crossings import BALANCED, LINE, TEN, shortest
 
 pytestmark = pytest.mark.slow
 
@@ -226,3 +227,14 @@ def test_the_default_region_is_at_the_home_pose() -> None:
     for knee in KneeBranch:
         design = APPENDIX_4.with_knee(knee)
         assert default_region(design).z == (home_pose(design.geometry)[3],)
+
+
+def test_a_sweep_takes_a_planned_crossing_for_its_own_design_alone() -> None:
+    samples = shortest(BALANCED, LINE, TEN).plan.sample(1000.0)
+    word, _, values = measure_motion(BALANCED, samples)
+    assert word == RUNS
+    assert values[0] == pytest.approx(10.0, rel=1e-2)
+    word, t, values = measure_motion(APPENDIX_4, samples)
+    assert word == "singular"
+    assert t == samples.passages[0].t
+    assert np.isnan(values).all()

@@ -3,15 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
-from paminsa_viz.synthesis import Effort, Regime, SearchRange, SynthesisCase, synthesize
-from paminsa_viz.synthesis.answer.prices import AT_END, _bound, _requirables, requirement_prices
+from paminsa_viz.synthesis import (
+    Effort,
+    ObjectiveLimit,
+    Regime,
+    SearchRange,
+    SynthesisCase,
+    synthesize,
+)
+from paminsa_viz.synthesis.answer.prices import (
+    AT_END,
+    _bound,
+    _limit,
+    _requirables,
+    requirement_prices,
+)
 from paminsa_viz.synthesis.search.outer import refined
+from paminsa_viz.synthesis.search.result import outcomes_of
 
 HEIGHT, RADIUS = 0.2, 0.1
 
@@ -151,6 +166,28 @@ def test_the_end_of_a_requirement_that_is_reached_moves(bound, value, end, tight
     assert moved == replace(item, **end)
 
 
+def test_limits_of_other_objectives_move_and_only_what_is_active_is_asked():
+    """A limit on what is minimized is tightened downward, one on what is maximized upward."""
+    limits = (ObjectiveLimit("footprint", 0.5), ObjectiveLimit("volume", 0.2))
+    result = synthesize(one_length(effort=Effort(1, 4)), relax=False)
+    case = replace(result.case, limits=limits)
+    for index, (tighter, unit) in enumerate(((-1.0, "m"), (1.0, "m^3"))):
+        found = _limit(case, index)
+        assert (found.tighter, found.bound) == (tighter, limits[index].most)
+        assert found.unit == unit
+        moved = found.moved(0.3).limits
+        assert moved[index] == replace(limits[index], most=0.3)
+        assert moved[1 - index] == limits[1 - index]
+    (bound,) = result.outcomes
+    names = [case.requirements.bounds[0].entry.title, *(_limit(case, i).label for i in range(2))]
+    outcomes = tuple(replace(bound, value=value) for value in (29.9, 0.5, 0.2))
+    for active in ((True, False, False), (False, True, False), (False, False, True)):
+        rows = tuple(replace(o, active=a) for o, a in zip(outcomes, active, strict=True))
+        items = list(_requirables(replace(result, case=case, outcomes=rows), [0.5]))
+        asked = [item.label for item in items if item.label in names]
+        assert asked == [names[active.index(True)]]
+
+
 def test_a_search_near_an_answer_may_start_late():
     # as many generations as the search would look for progress over, and more
     late = one_length(effort=Effort(200, 5))
@@ -164,3 +201,27 @@ def test_an_answer_that_fails_has_no_prices():
     space = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.2), (0.0, 0.0, -3.0))
     failing = one_length(requirements=Requirements((), (0.0, 0.0), space), effort=Effort(1, 4))
     assert requirement_prices(synthesize(failing, relax=False)) == ()
+
+
+def test_outcomes_are_active_within_a_share_of_their_bound():
+    """Of 0.5 %, of the clearance within half a millimeter; of a range the nearer side counts."""
+    bounds = (
+        Requirement("condition", high=10.0), Requirement("f_4", low=-100.0, high=400.0),
+        Requirement("clearance", low=0.001),
+    )  # fmt: skip
+    case = one_length(allow_overlap=False, limits=(ObjectiveLimit("volume", 0.2),))
+    case = replace(case, requirements=replace(case.requirements, bounds=bounds))
+    items = (*case.requirements.bounds, *case.limits)
+
+    def active(*values: float) -> list[bool]:
+        rows = outcomes_of(case, SimpleNamespace(values=np.array(values)))
+        for row, item, value in zip(rows, items, values, strict=True):
+            assert row.bound == item
+            np.testing.assert_equal(row.margin, float(item.margin(value)))
+        return [row.active for row in rows]
+
+    assert active(9.951, 398.1, 0.00149, 0.2009) == [True] * 4
+    assert active(9.949, 397.9, 0.00151, 0.2011) == [False] * 4
+    assert active(10.049, -99.6, 0.00051, 0.1991) == [True] * 4
+    assert active(10.051, -99.4, 0.00049, 0.1989) == [False] * 4
+    assert active(*[np.nan] * 4) == [False] * 4

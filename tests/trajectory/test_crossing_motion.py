@@ -14,7 +14,6 @@ from paminsa_viz.model import (
     mass_matrix,
     platform_wrench,
 )
-from paminsa_viz.studies.metrics import RUNS, measure_motion
 from paminsa_viz.trajectory import (
     SINGULAR_CLEARANCE,
     Controller,
@@ -126,14 +125,3 @@ def test_another_robot_on_a_planned_crossing_needs_torques_without_bound() -> No
         assert load.excess > 5.0
         sampled = np.abs(analysis.torque[np.abs(samples.t - load.t) < 1e-3, :3]).max()
         assert sampled > 0.5 * load.excess
-
-
-def test_a_sweep_takes_a_planned_crossing_for_its_own_design_alone() -> None:
-    samples = shortest(BALANCED, LINE, TEN).plan.sample(1000.0)
-    word, _, values = measure_motion(BALANCED, samples)
-    assert word == RUNS
-    assert values[0] == pytest.approx(10.0, rel=1e-2)
-    word, t, values = measure_motion(APPENDIX_4, samples)
-    assert word == "singular"
-    assert t == samples.passages[0].t
-    assert np.isnan(values).all()
