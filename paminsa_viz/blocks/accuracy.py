@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, SupportsFloat
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -94,7 +94,7 @@ _KEYS = {"x": "x", "y": "y", "xy": "horizontal", "z": "z", "θ": "theta"}
 
 
 def _row(
-    name: str, unit: str, values: Iterable[float], kinds: Sequence[str] = (), key: str = ""
+    name: str, unit: str, values: Iterable[SupportsFloat], kinds: Sequence[str] = (), key: str = ""
 ) -> Row:
     """Return a row of errors.
 
@@ -159,7 +159,7 @@ def manufacture_blocks(
     return [*tolerance_blocks(found), *drawn, *own]
 
 
-def tolerance_blocks(found: ToleranceErrors) -> list[Block]:
+def tolerance_blocks(found: ToleranceErrors) -> list[Table | Note]:
     """Return the errors by tolerances and clearances at a pose, or that there are none."""
     if not np.isfinite(found.worst).all():
         text = "the pose is singular, or the loops of the legs do not close"
@@ -207,7 +207,7 @@ def _dominating(found: ToleranceErrors, index: int) -> str:
     return ", ".join(" ".join(row.cells) for row in shares_table(found, index).rows[:MOST_LENGTHS])
 
 
-def robots_blocks(robots: MonteCarlo) -> list[Block]:
+def robots_blocks(robots: MonteCarlo) -> list[Table | Note]:
     """Return the errors of robots that were drawn at random."""
     half, most, nearly_all = (robots.quantile(share) for share in (0.5, 0.95, 0.997))
     rows = []
@@ -218,7 +218,7 @@ def robots_blocks(robots: MonteCarlo) -> list[Block]:
     count, lost = len(robots.errors), int((~robots.ok).sum())
     head = (f"{count} robots, seed {robots.seed}", "50 %", "95 %", "99.7 %", "RMS")
     caption = "Errors of robots drawn at random within the tolerances."
-    blocks: list[Block] = [
+    blocks: list[Table | Note] = [
         Table(head, tuple(rows), caption),
         Note("Errors that this share of the robots does not exceed.", "muted"),
     ]

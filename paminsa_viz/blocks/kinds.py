@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal, Self, TypeAlias
+from typing import TYPE_CHECKING, Literal, Self, SupportsFloat, TypeAlias
 
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.units import display_unit, fixed, number
@@ -222,7 +222,7 @@ def heading(name: str, unit: str) -> str:
     return f"{name} [{shown}]" if shown else name
 
 
-def shown(value: float, unit: str, digits: int = 3) -> str:
+def shown(value: SupportsFloat, unit: str, digits: int = 3) -> str:
     """Return a number of an SI unit below or beside a `heading`, with zeros at its end.
 
     It has as many significant digits, and below a million all of those before the point.
@@ -233,7 +233,7 @@ def shown(value: float, unit: str, digits: int = 3) -> str:
     return number(scaled, digits, padded=True)
 
 
-def aligned(values: Sequence[float], unit: str, digits: int = 3) -> tuple[str, ...]:
+def aligned(values: Iterable[SupportsFloat], unit: str, digits: int = 3) -> tuple[str, ...]:
     """Return numbers of an SI unit with the decimals that the largest of them has by `shown`."""
     scaled = [float(value) * display_unit(unit).factor for value in values]
     size = max((abs(value) for value in scaled if math.isfinite(value)), default=0.0)

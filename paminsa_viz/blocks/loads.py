@@ -147,7 +147,8 @@ def joints_table(forces: JointForces, sideways: Array | None) -> Table:
 def bars_table(inner: ArrayLike, use: ArrayLike) -> Table:
     """Return the largest loads (3 legs, bars, 3) in the bars, and their utilization (3, bars)."""
     values = np.concatenate([np.asarray(inner), np.asarray(use)[..., None]], axis=-1)
-    units = dict(zip((*COMPONENTS, "σ/R_p"), ("N", "N", "N m", "1:%"), strict=True))
+    units: dict[str, str] = dict(zip(COMPONENTS, ("N", "N", "N m"), strict=True))
+    units["σ/R_p"] = "1:%"
     caption = "Largest forces N, V and moments M along the bars, and stress over yield stress."
     labels = rows(*((BAR_NAMES[bar],) for bar in BARS))
     return _of_legs(caption, ("Bar",), labels, units, values)
