@@ -16,6 +16,13 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.precision.drive_errors import DriveErrors
+from paminsa_viz.precision.error_rows import (
+    STATISTICS_OF,
+    RegionErrors,
+    error_rows,
+    region_errors,
+    statistics,
+)
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import (
     MonteCarlo,
@@ -24,15 +31,7 @@ from paminsa_viz.precision.manufacture import (
     tolerance_errors,
 )
 from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
-from paminsa_viz.studies.metrics import (
-    STATISTICS_OF,
-    Region,
-    RegionErrors,
-    RegionResults,
-    error_rows,
-    region_errors,
-    statistics,
-)
+from paminsa_viz.studies.region import Region, RegionResults
 from paminsa_viz.units import format_value
 
 ERRORS = (
@@ -53,7 +52,8 @@ MOST_LENGTHS = 4
 
 def drive_blocks(here: DriveErrors, over: RegionResults) -> list[Block]:
     """Return the errors that the drives of a design leave at a pose and over a region."""
-    region, errors = over.region, region_errors(over)
+    region = over.region
+    errors = region_errors(over.field, over.design.accuracy, over.reached)
     wide = []
     for row in errors.rows:
         values = (*statistics(row.worst), statistics(row.linear)[0], statistics(row.rms)[0])

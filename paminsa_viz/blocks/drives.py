@@ -35,7 +35,7 @@ def drives_blocks(analysis: TrajectoryAnalysis) -> list[Block]:
     values = tuple(
         Row(
             (
-                name, drive.summary, number(drive.ratio, 4),
+                name, drive.summary, f"{number(drive.ratio, 4)}{' rad/m' if name == 'M4' else ''}",
                 format_value(drive.reflected_inertia, "kg" if name == "M4" else "kg m^2", 3),
                 NONE if drive.rated_torque is None else format_value(drive.rated_torque, "N m", 3),
                 NONE if drive.peak_torque is None else format_value(drive.peak_torque, "N m", 3),

@@ -235,7 +235,8 @@ def _load_torques(entries: Array, grid: Grid, load: LoadCase) -> Array:
         theta = grid.axes[index][1].reshape(-1, *[1] * (len(names) - index - 1))
     fx, fy, moment, _ = np.moveaxis(generalized_force(load, theta), -1, 0)
     j = entries.reshape(3, 3, *grid.shape)
-    return -(j[0] * fx + j[1] * fy + j[2] * moment)
+    with np.errstate(invalid="ignore"):  # at singular poses, where a force may be zero
+        return -(j[0] * fx + j[1] * fy + j[2] * moment)
 
 
 def _evaluate(

@@ -9,7 +9,6 @@ the tests alone.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -26,6 +25,8 @@ from paminsa_viz.model.regressor import regressor_torques, torque_regressor
 from paminsa_viz.model.singularity import escape_twist, singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_imbalance, static_torques
 from paminsa_viz.precision import nominal_lengths, solve_pose
+from paminsa_viz.report.claim import Claim, MeasuredClaim
+from paminsa_viz.report.worked_claims import WORKED
 from paminsa_viz.trajectory import (
     PRESET,
     MotionLimits,
@@ -47,52 +48,10 @@ LINE = ([0.1, 0.0, 0.2, -0.5], [0.36, 0.02, 0.5, -0.5])
 """Its line."""
 
 
-@dataclass(frozen=True)
-class Claim:
-    """A number of the documentation and its check.
-
-    Attributes:
-        page: The page of the documentation.
-        text: What it says.
-        check: How it is worked out here.
-        unit: Unit of the figure; empty for a ratio or a difference in parts.
-        allowed: The figure that is allowed at most, or, with ``stated``, how far off it may be.
-        measure: Returns the figure.
-        stated: The figure that the page states; None where the claim is that it is about zero.
-    """
-
-    page: str
-    text: str
-    check: str
-    unit: str
-    allowed: float
-    measure: Callable[[], float]
-    stated: float | None = None
-
-
-@dataclass(frozen=True)
-class MeasuredClaim:
-    """A claim with the figure that was just measured.
-
-    Attributes:
-        claim: The claim.
-        value: The figure; NaN where there is none.
-    """
-
-    claim: Claim
-    value: float
-
-    @property
-    def holds(self) -> bool:
-        """Whether the claim holds."""
-        aim = 0.0 if self.claim.stated is None else self.claim.stated
-        return bool(abs(self.value - aim) <= self.claim.allowed)
-
-
 def measured_claims() -> Iterator[MeasuredClaim]:
     """Yield the claims, each measured now."""
     for claim in CLAIMS:
-        yield MeasuredClaim(claim, float(claim.measure()))
+        yield MeasuredClaim(claim, claim.measure())
 
 
 def _poses() -> Array:
@@ -451,5 +410,6 @@ CLAIMS: tuple[Claim, ...] = (
         5e-3,
         _between_samples,
     ),
+    *WORKED,
 )
-"""The claims, in the order of the page."""
+"""The claims; the page groups them."""

@@ -6,9 +6,12 @@ from collections.abc import Sequence
 from datetime import datetime
 from typing import Any
 
+import numpy as np
+
 from paminsa_viz.blocks.kinds import Fact, Note, Row, Table
 from paminsa_viz.engines.verification import Verification
-from paminsa_viz.report.claims import MeasuredClaim
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.report.claim import MeasuredClaim
 from paminsa_viz.report.page import COLORS, template
 from paminsa_viz.report.request import Section
 from paminsa_viz.report.sections import verification_section
@@ -69,15 +72,21 @@ def claims_section(claims: Sequence[MeasuredClaim]) -> Section:
 def _row(one: MeasuredClaim) -> Row:
     claim = one.claim
 
-    def shown(value: float, digits: int) -> str:
-        return f"{number(value, digits)} {claim.unit}".strip()
-
-    stated = "0" if claim.stated is None else shown(claim.stated, 4)
+    several = isinstance(claim.stated, tuple)
+    stated = "0" if claim.stated is None else _shown(claim.stated, 4, claim.unit)
+    allowed = (
+        f"{number(100 * claim.allowed, 2)} %" if several else _shown(claim.allowed, 2, claim.unit)
+    )
     cells = (
-        claim.text, claim.check, shown(one.value, 4 if claim.stated else 2), stated,
-        f"± {shown(claim.allowed, 2)}", "holds" if one.holds else "FAILS",
+        claim.text, claim.check, _shown(one.value, 4 if claim.stated else 2, claim.unit), stated,
+        f"± {allowed}", "holds" if one.holds else "FAILS",
     )  # fmt: skip
     return Row(cells, "plain" if one.holds else "marked")
+
+
+def _shown(figures: float | tuple[float, ...] | Array, digits: int, unit: str) -> str:
+    text = ", ".join(number(float(figure), digits) for figure in np.atleast_1d(figures))
+    return f"{text} {unit}".rstrip()
 
 
 def _holding(claims: Sequence[MeasuredClaim]) -> int:

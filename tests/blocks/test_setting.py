@@ -1,0 +1,69 @@
+"""Blocks as text and HTML: whole tables, every cell in both, and no number where there is none."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from datetime import UTC, datetime
+from html import unescape
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.blocks.kinds import Block, Note, Table
+from paminsa_viz.cli.output import ascii_numbers, print_blocks
+from paminsa_viz.model.singularity import singular_rotation
+from paminsa_viz.report.page import COLORS, template
+from paminsa_viz.report.request import Section
+from paminsa_viz.units import NONE, symbols_html
+from tests.blocks.test_units import PARAMETERS, POSE, SUBJECTS, robot
+
+NO_NUMBER = re.compile(r"\b(nan|NaN|None|inf)\b")
+
+
+def blocks_of(subject: str, pose: Sequence[float], shift: float = 0.0) -> list[Block]:
+    design, motion = robot()
+    motion = replace(motion, pose=motion.pose + shift)
+    return list(SUBJECTS[subject](design, motion, np.array(pose), 1.0))
+
+
+def html_of(blocks: Sequence[Block]) -> str:
+    text = template().render(
+        kind="report", title="", design="", lines=[], opening=[], colors=COLORS, version="",
+        sections=[(1, Section("one", "One", tuple(blocks)))], made=f"{datetime.now(UTC)}",
+    )  # fmt: skip
+    return unescape(re.sub(r"\s+", " ", text))
+
+
+@pytest.mark.parametrize("subject", PARAMETERS)
+def test_every_cell_is_in_the_text_and_in_the_page(subject: str, capsys: Any) -> None:
+    blocks = [b for b in blocks_of(subject, POSE) if isinstance(b, (Note, Table))]
+    print_blocks(blocks)
+    printed, page = capsys.readouterr().out, html_of(blocks)
+    for block in blocks:
+        if isinstance(block, Note):
+            assert ascii_numbers(block.text) in printed
+            continue
+        assert ascii_numbers(block.caption) in printed
+        for row in block.rows:
+            assert len(row.cells) <= len(block.head)
+            for cell in row.cells:
+                assert not NO_NUMBER.search(cell), (block.caption, row.cells)
+                assert ascii_numbers(cell) in printed
+                assert cell in page or unescape(symbols_html(cell)) in page, cell
+
+
+@pytest.mark.parametrize("subject", [one for one in PARAMETERS if one.values[0] != "simulation"])
+def test_what_has_no_value_is_a_dash_or_a_reason(subject: str) -> None:
+    """At a singular pose, with a motion that is out of reach from its start."""
+    design, _ = robot()
+    singular = (0.0, 0.0, singular_rotation(design.geometry), -0.5)
+    for block in blocks_of(subject, singular, shift=3.0):
+        texts = [block.text] if isinstance(block, Note) else []
+        if isinstance(block, Table):
+            texts = [cell for row in block.rows for cell in row.cells]
+        for text in texts:
+            assert not NO_NUMBER.search(text), text
+            assert not re.search(rf"{NONE} ?(m|N|°|W|kg|%)", text), text
