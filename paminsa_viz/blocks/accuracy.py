@@ -14,6 +14,13 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.precision.drive_errors import Bound, DriveErrors
+from paminsa_viz.precision.error_rows import (
+    STATISTICS_OF,
+    RegionErrors,
+    error_rows,
+    region_errors,
+    statistics,
+)
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import (
     MonteCarlo,
@@ -22,15 +29,7 @@ from paminsa_viz.precision.manufacture import (
     tolerance_errors,
 )
 from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
-from paminsa_viz.studies.metrics import (
-    STATISTICS_OF,
-    Region,
-    RegionErrors,
-    RegionResults,
-    error_rows,
-    region_errors,
-    statistics,
-)
+from paminsa_viz.studies.region import Region, RegionResults
 from paminsa_viz.units import format_value
 
 ERROR_UNITS = (
@@ -45,7 +44,8 @@ MOST_LENGTHS = 4
 
 def drive_blocks(here: DriveErrors, over: RegionResults) -> list[Block]:
     """Return the errors that the drives of a design leave at a pose and over a region."""
-    region, errors = over.region, region_errors(over)
+    region = over.region
+    errors = region_errors(over.field, over.design.accuracy, over.reached)
     at, wide = [], []
     for row, rows in zip(error_rows(here), errors.rows, strict=True):
         name = "position" if row.name == "xy" else row.name

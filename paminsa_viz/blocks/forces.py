@@ -16,7 +16,8 @@ from paminsa_viz.model.grids import Grid, solve_field
 from paminsa_viz.model.load import center_wrench
 from paminsa_viz.model.statics import load_torques
 from paminsa_viz.quantities import find
-from paminsa_viz.studies.metrics import RegionResults, default_region, global_indices
+from paminsa_viz.studies.metrics import global_indices
+from paminsa_viz.studies.region import RegionResults, default_region
 from paminsa_viz.units import format_value
 
 KEYS = (

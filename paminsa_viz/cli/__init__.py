@@ -64,6 +64,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             program itself then, whose process Ctrl-C ends.
     """
     if arguments is None:
+        # before NumPy is imported: its threads of small linear algebra wait for each other
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         interrupts.exit_on_interrupt(COMMAND)
         if isinstance(sys.stdout, TextIOWrapper):  # a code page may lack letters such as theta
             sys.stdout.reconfigure(errors="replace")

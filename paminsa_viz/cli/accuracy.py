@@ -20,13 +20,11 @@ from paminsa_viz.cli.output import print_blocks, print_json
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import home_pose, require_reachable
 from paminsa_viz.precision.drive_errors import drive_errors
+from paminsa_viz.precision.error_rows import region_errors
 from paminsa_viz.precision.manufacture import (
     monte_carlo,
 )
-from paminsa_viz.studies.metrics import (
-    RegionResults,
-    region_errors,
-)
+from paminsa_viz.studies.region import RegionResults
 from paminsa_viz.units import format_pose
 
 DESCRIPTION = """\
@@ -86,7 +84,8 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
         if self.robots:
             drawn = monte_carlo(design, pose, robots=self.robots, seed=self.seed)
         if self.json:
-            data = accuracy_data(design, here, region, region_errors(over))
+            errors = region_errors(over.field, design.accuracy, over.reached)
+            data = accuracy_data(design, here, region, errors)
             more = {"manufacture": manufacture_data(design, pose, drawn)}
             print_json(data | more if self.manufacture else data)
         else:

@@ -22,7 +22,7 @@ from paminsa_viz.trajectory import PRESET, Trajectory
 from paminsa_viz.units import MM
 
 if TYPE_CHECKING:
-    from paminsa_viz.studies.metrics import Region
+    from paminsa_viz.studies.region import Region
 
     PresetName: TypeAlias = str
 else:
@@ -140,7 +140,7 @@ class RegionFlags:
         Raises:
             InvalidInput: If a number is not possible.
         """
-        from paminsa_viz.studies.metrics import default_region  # late: few commands need it
+        from paminsa_viz.studies.region import default_region  # late: few commands need it
 
         region = default_region(design)
         return replace(

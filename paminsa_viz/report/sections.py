@@ -30,7 +30,7 @@ from paminsa_viz.precision.drive_errors import drive_errors
 from paminsa_viz.precision.measurements import Measurements
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.report.request import ReportRequest, Section
-from paminsa_viz.studies.metrics import RegionResults, default_region
+from paminsa_viz.studies.region import RegionResults, default_region
 from paminsa_viz.synthesis import SynthesisResult
 from paminsa_viz.trajectory import TrajectoryAnalysis
 

@@ -7,20 +7,24 @@ the work is done.
 
 from __future__ import annotations
 
-from paminsa_viz.studies.executors import Workers, cluster, here, processes
-from paminsa_viz.studies.metrics import (
-    METRICS,
-    MOTION_METRICS,
-    Metric,
-    Region,
-    default_region,
-    measure_design,
-    measure_motion,
-)
-from paminsa_viz.studies.running import Extremes, StudySummary, run_study
-from paminsa_viz.studies.study import Study
-from paminsa_viz.studies.sweeps import SweepSummary, sweep, sweep_blocks
-from paminsa_viz.studies.variations import DesignAxis, DesignGrid, DesignRange, RandomDesigns
+from typing import TYPE_CHECKING
+
+from paminsa_viz.late import late_names
+
+if TYPE_CHECKING:
+    from paminsa_viz.studies.executors import Workers, cluster, here, processes
+    from paminsa_viz.studies.metrics import (
+        METRICS,
+        MOTION_METRICS,
+        Metric,
+        measure_design,
+        measure_motion,
+    )
+    from paminsa_viz.studies.region import Region, default_region
+    from paminsa_viz.studies.running import Extremes, StudySummary, run_study
+    from paminsa_viz.studies.study import Study
+    from paminsa_viz.studies.sweeps import SweepSummary, sweep, sweep_blocks
+    from paminsa_viz.studies.variations import DesignAxis, DesignGrid, DesignRange, RandomDesigns
 
 __all__ = [
     "METRICS",
@@ -46,3 +50,5 @@ __all__ = [
     "sweep",
     "sweep_blocks",
 ]
+
+__getattr__ = late_names(__name__)

@@ -7,138 +7,25 @@ loads, or where it fails and why.
 from __future__ import annotations
 
 import hashlib
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paminsa_viz.balancing.changes import whole_mass
-from paminsa_viz.checks import require_positive
-from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.grids import Field, Grid, solve_field
-from paminsa_viz.model.reach import Limit, home_pose, status_words
-from paminsa_viz.model.singular_limit import CONDITION_LIMIT, counting
+from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_imbalance
-from paminsa_viz.precision.drive_errors import Bound, DriveErrors, field_drive_errors
 from paminsa_viz.quantities import Quantity, find
+from paminsa_viz.studies.region import Region, RegionResults
 from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, analyze
 from paminsa_viz.units import si_unit
 
 Results = TypeVar("Results")
-
-MOST_CELLS = 1000
-"""Most cells along a side."""
-
-
-@dataclass(frozen=True)
-class Region:
-    """The poses that designs are measured over: a disc of positions, at some angles and heights.
-
-    Attributes:
-        radius: Of the disc about the center [m].
-        theta: Angles of the platform [rad].
-        z: Heights of the platform [m].
-        cells: Positions along the disc's diameter.
-        max_condition: Largest condition number of a pose whose torques count, see
-            `paminsa_viz.model.singular_limit`.
-
-    Raises:
-        InvalidInput: If a number is not possible.
-    """
-
-    radius: float
-    theta: tuple[float, ...]
-    z: tuple[float, ...]
-    cells: int = 40
-    max_condition: float = CONDITION_LIMIT
-
-    def __post_init__(self) -> None:
-        require_positive(self.radius, "radius", "a length above 0")
-        for name, values in (("theta", self.theta), ("z", self.z)):
-            if not values or not np.isfinite(values).all():
-                raise InvalidInput(name, "one finite number at least is needed")
-        if not 2 <= self.cells <= MOST_CELLS:
-            raise InvalidInput("cells", f"2 to {MOST_CELLS} cells are possible, not {self.cells}")
-        if not self.max_condition >= 1:
-            raise InvalidInput("max_condition", "1 is the least condition number there is")
-
-    def grid(self) -> Grid:
-        """Return the poses, (theta, z, y, x); those outside the disc are for `inside` to drop."""
-        side = self.radius * ((2 * np.arange(self.cells) + 1) / self.cells - 1)
-        return Grid.over((0.0, 0.0, 0.0, 0.0), theta=self.theta, z=self.z, y=side, x=side)
-
-    def inside(self, grid: Grid) -> np.ndarray:
-        """Return which positions (y, x) of the grid lie in the disc."""
-        x, y = grid.axes[3][1], grid.axes[2][1]
-        return np.hypot(x[None, :], y[:, None]) <= self.radius
-
-
-@of_design
-def default_region(design: Design) -> Region:
-    """Return half the base radius about the center, at 0 and 30 degrees, at the home height."""
-    height = home_pose(design.geometry)[3]
-    return Region(design.geometry.base_radius / 2, (0.0, float(np.radians(30))), (height,))
-
-
-@dataclass(frozen=True)
-class RegionResults:
-    """A design solved over a region; the masks have the shape of the grid, (theta, z, y, x).
-
-    Attributes:
-        design, region: The robot and the poses.
-        base_mass: What the added mass is counted from [kg].
-    """
-
-    design: Design
-    region: Region
-    base_mass: float = 0.0
-
-    @cached_property
-    def field(self) -> Field:
-        """The solved grid."""
-        return solve_field(self.design.geometry, self.region.grid(), threads=1)
-
-    @cached_property
-    def inside(self) -> NDArray[np.bool_]:
-        """Where a pose belongs to the region."""
-        return np.broadcast_to(self.region.inside(self.field.grid), self.field.status.shape)
-
-    @cached_property
-    def reached(self) -> NDArray[np.bool_]:
-        """Where a pose of the region can be reached."""
-        return self.inside & (self.field.status == Limit.OK)
-
-    @cached_property
-    def usable(self) -> NDArray[np.bool_]:
-        """Where it is not too close to a singularity either."""
-        return self.reached & counting(self.field, self.region.max_condition)
-
-    @cached_property
-    def torques(self) -> Array:
-        """Static torques of the usable poses, (4, n) [N m, N]."""
-        return self.field.torques(self.design)[:, self.usable]
-
-    @cached_property
-    def conditions(self) -> Array:
-        """Condition numbers of the poses that can be reached, (n,)."""
-        return self.field.condition[self.reached]
-
-    def values(self, quantity: Quantity) -> Array:
-        """Return a quantity at the poses that can be reached and have a value, (n,) [SI]."""
-        values = quantity.over(self.field, self.design)[self.reached]
-        return values[~np.isnan(values)]
-
-    def share(self, poses: NDArray[np.bool_]) -> float:
-        """Return the share of the region's poses that a mask holds."""
-        return int(poses.sum()) / int(self.inside.sum())
 
 
 @dataclass(frozen=True)
@@ -303,79 +190,3 @@ def samples_hash(trajectory: Trajectory) -> str:
     if trajectory.passages:
         found.update(repr([(t, locus.name) for t, locus in trajectory.passages]).encode())
     return found.hexdigest()[:32]
-
-
-# ------------------------------------------------------------------- errors from the drives as rows
-
-
-class ErrorRow(NamedTuple):
-    """Errors of one coordinate.
-
-    Attributes:
-        name: Coordinate, ``"xy"`` for the distance in the plane.
-        unit: SI unit and the one to show it in.
-        worst, linear, rms: (n,) errors as of `DriveErrors`, [m or rad]; NaN where there is none.
-    """
-
-    name: str
-    unit: str
-    worst: Array
-    linear: Array
-    rms: Array
-
-
-def error_rows(found: DriveErrors) -> tuple[ErrorRow, ...]:
-    """Return the errors of x, y, in the plane, of z and theta."""
-
-    def row(name: str, unit: str, index: int) -> ErrorRow:
-        parts = (found.worst, found.linear, found.rms)
-        return ErrorRow(name, unit, *(np.atleast_1d(part[..., index]).ravel() for part in parts))
-
-    plane = (found.horizontal, found.linear_horizontal, found.rms_horizontal)
-    return (
-        row("x", "m:um", 0),
-        row("y", "m:um", 1),
-        ErrorRow("xy", "m:um", *(np.atleast_1d(part).ravel() for part in plane)),
-        row("z", "m:um", 3),
-        row("θ", "rad:arcsec", 2),
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class RegionErrors:
-    """Errors over the poses of a region that can be reached.
-
-    Attributes:
-        rows: Errors of each coordinate, (n,) each.
-        poses: n.
-        unbounded: How many poses have no bound, by the reason.
-    """
-
-    rows: tuple[ErrorRow, ...]
-    poses: int
-    unbounded: dict[Bound, int]
-
-
-def region_errors(results: RegionResults) -> RegionErrors:
-    """Return the errors from the drives over a region."""
-    found = field_drive_errors(results.field, results.design.accuracy)
-    here = results.reached
-    rows = tuple(
-        row._replace(**{name: getattr(row, name)[here.ravel()] for name in STATISTICS_OF})
-        for row in error_rows(found)
-    )
-    counts = Counter(Bound(code) for code in found.status[here].tolist())
-    return RegionErrors(rows, int(here.sum()), {b: counts[b] for b in Bound if b and counts[b]})
-
-
-STATISTICS_OF = ("worst", "linear", "rms")
-"""Kinds of errors of an `ErrorRow`."""
-
-
-def statistics(values: Array) -> tuple[float, float, float]:
-    """Return median, 95th percentile and largest of what is no NaN; NaN where nothing is."""
-    known = values[~np.isnan(values)]
-    if not known.size:
-        return np.nan, np.nan, np.nan
-    median, most = np.percentile(known, (50, 95))
-    return float(median), float(most), float(known.max())

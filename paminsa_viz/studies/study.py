@@ -25,12 +25,12 @@ from paminsa_viz.studies.metrics import (
     METRICS,
     MOTION_METRICS,
     Metric,
-    Region,
     global_indices,
     measure_design,
     measure_motion,
     samples_hash,
 )
+from paminsa_viz.studies.region import Region
 from paminsa_viz.studies.variations import DesignGrid, RandomDesigns
 from paminsa_viz.trajectory import Trajectory
 from paminsa_viz.version import MADE_BY

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +17,7 @@ from paminsa_viz.identification import (
     optimize_excitation,
 )
 from paminsa_viz.identification.excitation import amplitudes, kept_limits
-from paminsa_viz.identification.excitation_search import random_motions
+from paminsa_viz.identification.excitation_search import ROUNDING, Search, random_motions, shrunk
 from paminsa_viz.identification.information import LIMITED, Information
 from paminsa_viz.identification.multi_sine import MultiSineFamily
 from paminsa_viz.model import (
@@ -29,6 +30,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.design import PARAMETERS
 from paminsa_viz.model.reach import check_reach
 from paminsa_viz.model.singularity import measure_singularity
+from paminsa_viz.progress import go_on
 from paminsa_viz.trajectory import Plan, preset_center
 from paminsa_viz.trajectory.check import check_path
 from tests.support.samples import random_design
@@ -259,3 +261,42 @@ def test_periods_are_the_pieces_of_a_multi_sine() -> None:
     for periods in (1, 2, 5):
         breaks = info.family.curve(some_motion(info), periods=periods).breaks
         np.testing.assert_allclose(breaks * periods, np.arange(periods + 1), atol=1e-12)
+
+
+def test_a_motion_that_is_too_large_is_shrunk_to_where_a_limit_is_reached() -> None:
+    info = information(samples=64)
+    small = 0.2 * some_motion(info)
+    assert info.worst_room(small) > ROUNDING
+    assert shrunk(info, small) is small
+    large = 20.0 * small
+    found = shrunk(info, large)
+    share = found / large
+    assert np.ptp(share) < 1e-12
+    assert ROUNDING <= info.worst_room(found) < 1e-3
+    assert info.worst_room(1.001 * found) < ROUNDING
+
+
+def test_gain_is_of_log_det_and_narrows_intervals_by_its_root_for_each_parameter() -> None:
+    settings = ExcitationSettings(period=PERIOD, evaluations=0, random=4)
+    found = optimize_excitation(ROBOT, limits_of(ROBOT), settings)
+    better = replace(found, log_det=found.random_log_det + 44.0, parameters=22)
+    assert better.gain == pytest.approx(44.0)
+    # det M grows by e^44, that is each of 22 by e^2, and a standard error falls with the root
+    assert better.narrowing == pytest.approx(np.e)
+    assert found.parameters == 22
+
+
+def test_nothing_goes_on_when_no_evaluation_or_no_time_is_left() -> None:
+    info = information(samples=64)
+    start = 0.05 * some_motion(info)
+
+    def evaluations(settings: ExcitationSettings, begin: float = 0.0) -> int:
+        search = Search(info, settings, time.monotonic() - begin, go_on)
+        search.run(np.array([start]))
+        assert search.over
+        return search.evaluations
+
+    few = ExcitationSettings(period=PERIOD, evaluations=7, random=1)
+    assert evaluations(few) == 7
+    assert evaluations(replace(few, evaluations=0)) == 0
+    assert evaluations(replace(few, seconds=5.0), begin=5.1) == 0

@@ -13,7 +13,8 @@ from paminsa_viz.plots.hover import reasons
 from paminsa_viz.plots.map_table import map_table, value_columns
 from paminsa_viz.plots.map_values import MapData, difference, map_data, workspace_field
 from paminsa_viz.plots.ranges import choose_scales
-from paminsa_viz.studies.metrics import RegionResults, default_region, global_indices
+from paminsa_viz.studies.metrics import global_indices
+from paminsa_viz.studies.region import RegionResults, default_region
 
 THETA = singular_rotation(APPENDIX_4.geometry) - 0.1
 COARSE = replace(APPENDIX_4, accuracy=DriveAccuracy(resolution_rotary=2e-3))

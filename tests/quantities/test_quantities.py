@@ -10,7 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model import APPENDIX_4, Payload, inverse_jacobian, solve_field, static_torques
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Payload,
+    inverse_jacobian,
+    solve_field,
+    static_torques,
+)
 from paminsa_viz.model.grids import Field, Grid
 from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.load import LoadCase
@@ -25,7 +31,12 @@ from paminsa_viz.quantities import (
     formulas,
     selections,
 )
-from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
+from paminsa_viz.quantities.requirements import (
+    Requirement,
+    Requirements,
+    Workspace,
+    WorkspaceShape,
+)
 
 LOADED = replace(APPENDIX_4, load=LoadCase(force_x=7.0, force_z=-30.0))
 X, Y = np.linspace(-0.1, 0.12, 3), np.linspace(-0.08, 0.1, 4)
@@ -244,3 +255,52 @@ def test_poses_that_no_robot_holds_or_can_be_assembled_in_say_so() -> None:
     assert empty.any()
     found = item.missing(field, crooked)
     assert [bool(found.texts[code]) for code in found.code.ravel()] == empty.ravel().tolist()
+
+
+def test_values_of_a_grid_are_those_of_its_poses_alone() -> None:
+    """Of every quantity, and where it has none for a reason of its own, with the same reason."""
+    design = LOADED.vary({"leg1.bar_94": 1e-4, "payload.mass": 2.0})
+    x, y = [-0.1, 0.02, 0.11], [-0.05, 0.06]
+    field = solve_field(design.geometry, Grid.over((0.0, 0.0, 0.2, -0.5), y=y, x=x))
+    places = [(0, 2), (1, 0)]
+    alone = [
+        solve_field(design.geometry, Grid.over((0.0, 0.0, 0.2, -0.5), y=[y[i]], x=[x[j]]))
+        for i, j in places
+    ]
+    for key, item in QUANTITIES.items():
+        values = item.over(field, design)
+        assert values.shape == field.status.shape, key
+        for place, single in zip(places, alone, strict=True):
+            found = item.over(single, design)[0, 0]
+            assert values[place] == pytest.approx(found, rel=1e-6, abs=1e-12, nan_ok=True), key
+            if item.missing is not None:
+                every, own = item.missing(field, design), item.missing(single, design)
+                assert every.texts[every.code[place]] == own.texts[own.code[0, 0]]
+        if key != "clearance_counterweights":  # which it has not
+            assert np.isfinite(values).any(), key
+
+
+def test_quantities_are_signed_if_they_have_both_signs_and_no_others() -> None:
+    """But for the force of M4, of whose natural center nothing is known: it lifts."""
+    crooked = {"leg1.bar_94": 1e-3, "leg2.bar_94": -1e-3, "leg3.joint_height": 1e-3}
+    far = np.linspace(-0.3, 0.3, 5)
+    found: dict[str, set[int]] = {key: set() for key in QUANTITIES}
+    for design in (LOADED.vary(crooked), APPENDIX_4.vary({"leg1.bar_94": -1e-3})):
+        field = solve_field(design.geometry, Grid.over((0.0, 0.0, 0.2, -0.45), y=far, x=far))
+        for key, item in QUANTITIES.items():
+            values = item.over(field, design)[field.status == Limit.OK]
+            found[key] |= set(np.sign(values[np.isfinite(values)]).astype(int).tolist())
+    both = {key for key, signs in found.items() if {-1, 1} <= signs} - {"f_4"}
+    signed = {key for key, item in QUANTITIES.items() if item.signed}
+    assert both <= signed
+    assert all(key.startswith("clearance") for key in signed - both)
+
+
+def test_requirements_hold_at_the_heading_of_zero_unless_they_say_otherwise() -> None:
+    own = Requirement("condition", high=3.0, theta=(0.1, 0.2))
+    plain = Requirement("condition", high=3.0)
+    assert Requirements().theta == (0.0, 0.0)
+    asked = Requirements((own, plain), (-0.3, 0.4))
+    assert (asked.headings(own), asked.headings(plain)) == ((0.1, 0.2), (-0.3, 0.4))
+    assert [bound.size for bound in (plain, Requirement("f_4", low=-200.0, high=300.0))] == [3, 200]
+    assert Requirement("clearance", low=0.0).size == 1.0

@@ -9,14 +9,14 @@ import pytest
 
 from paminsa_viz.model import APPENDIX_4, check_reach, singular_rotation
 from paminsa_viz.precision.drive_errors import Bound, drive_errors
-from paminsa_viz.studies import Region
-from paminsa_viz.studies.metrics import (
+from paminsa_viz.precision.error_rows import (
     STATISTICS_OF,
-    RegionResults,
     error_rows,
     region_errors,
     statistics,
 )
+from paminsa_viz.studies import Region
+from paminsa_viz.studies.region import RegionResults
 
 FOLD = singular_rotation(APPENDIX_4.geometry)
 REGION = Region(0.3, (-0.2, FOLD - 1e-4), (-0.5, -0.9), cells=6)
@@ -48,7 +48,8 @@ def test_errors_over_a_region_are_those_of_its_poses() -> None:
     pose = np.stack([x, y, theta, z], axis=-1)[np.hypot(x, y) <= 0.3]
     pose = pose[check_reach(APPENDIX_4.geometry, pose).ok]
     one_by_one = drive_errors(APPENDIX_4.geometry, APPENDIX_4.accuracy, pose)
-    found = region_errors(RegionResults(APPENDIX_4, REGION))
+    over = RegionResults(APPENDIX_4, REGION)
+    found = region_errors(over.field, APPENDIX_4.accuracy, over.reached)
     assert found.poses == len(pose) < theta.size
     for row, expected in zip(found.rows, error_rows(one_by_one), strict=True):
         for kind in STATISTICS_OF:

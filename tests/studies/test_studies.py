@@ -34,7 +34,8 @@ from paminsa_viz.studies import (
     processes,
     run_study,
 )
-from paminsa_viz.studies.metrics import RUNS, RegionResults, measure_motion
+from paminsa_viz.studies.metrics import RUNS, measure_motion
+from paminsa_viz.studies.region import RegionResults
 from paminsa_viz.trajectory import analyze
 from tests.studies.studies import GRID, MOTION, MOVED, NAMES, RANDOM, SMALL
 from tests.support.samples import random_design, with_knee

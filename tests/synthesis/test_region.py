@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4, check_reach, inverse_kinematics, measure_singularity
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
+from paminsa_viz.synthesis.search.extremes import Extent
 from paminsa_viz.synthesis.search.region import (
     SPARSE,
     TRIAL,
@@ -147,3 +148,67 @@ def test_poses_that_are_alike_are_left_out_and_no_others(theta: tuple[float, flo
     np.testing.assert_allclose(
         every.turns, np.transpose([np.cos(every.theta), np.sin(every.theta)])
     )
+
+
+@given(shape=SHAPES, seed=SEEDS)
+def test_poses_outside_move_to_the_boundary_and_others_stay(
+    shape: WorkspaceShape, seed: int
+) -> None:
+    space = workspace(shape, seed)
+    own = Extent(space, (-0.2, 0.3))
+    rng = np.random.default_rng(seed)
+    inside = np.column_stack([
+        positions(space, seed, 200), rng.uniform(-0.2, 0.3, 200),
+        -0.6 + space.size[2] * rng.uniform(-0.5, 0.5, 200),
+    ])  # fmt: skip
+    np.testing.assert_allclose(own.clipped(inside), inside, atol=1e-15)
+    anywhere = inside + rng.normal(size=(200, 4)) * 0.3
+    found = own.clipped(anywhere)
+    np.testing.assert_allclose(own.clipped(found), found, atol=1e-12)
+    # convex, so that the nearest place is the one from which nothing inside is toward the pose
+    for part in (slice(0, 2), slice(2, 3), slice(3, 4)):
+        away = (anywhere - found)[:, None, part]
+        toward = inside[None, :, part] - found[:, None, part]
+        assert (np.sum(away * toward, axis=-1) <= 1e-12).all()
+
+
+@pytest.mark.parametrize("shape", list(WorkspaceShape))
+def test_samples_and_random_poses_fill_the_workspace(shape: WorkspaceShape) -> None:
+    space = workspace(shape, 3)
+    own = Extent(space, (-0.2, 0.3))
+    assert own.heights == pytest.approx((-0.6 - space.size[2] / 2, -0.6 + space.size[2] / 2))
+    drawn = own.random(20_000, seed=1)
+    np.testing.assert_allclose(own.clipped(drawn), drawn, atol=1e-12)
+    share = (drawn[:, [0, 1, 3]] - np.array([*space.center[:2], -0.6])) / np.array(space.size)
+    turned = (drawn[:, 2] + 0.2) / 0.5 - 0.5
+    # second moments of a disc and of a box of width 1
+    flat = 1 / 16 if shape is WorkspaceShape.CYLINDER else 1 / 12
+    moments = (*(share**2).mean(axis=0), (turned**2).mean())
+    assert moments == pytest.approx((flat, flat, 1 / 12, 1 / 12), rel=0.03)
+    assert np.abs(share.mean(axis=0)).max() < 0.01
+    found = own.samples(SPARSE)
+    np.testing.assert_allclose(own.clipped(found), found, atol=1e-12)
+    assert (found[:, 2].min(), found[:, 2].max()) == pytest.approx((-0.2, 0.3))
+    assert (found[:, 3].min(), found[:, 3].max()) == pytest.approx(own.heights)
+    half = 0.5 * np.array(space.size[:2])
+    reach = np.abs(found[:, :2] - np.array(space.center[:2])).max(axis=0)
+    assert reach == pytest.approx(half, rel=0.15)
+
+
+def test_a_part_between_two_heights() -> None:
+    own = Extent(workspace(WorkspaceShape.BOX, 4), (-0.2, 0.3))
+    low, high = own.heights
+    middle = 0.5 * (low + high)
+    assert own.within(None) is own
+    for asked, kept in (
+        ((low - 1, high + 1), (low, high)), ((middle, 1.0), (middle, high)),
+        ((-2.0, middle), (low, middle)),
+    ):  # fmt: skip
+        part = own.within(asked)
+        assert part is not None
+        assert part.heights == pytest.approx(kept)
+        assert part.workspace.size[:2] == own.workspace.size[:2]
+        assert part.workspace.center[:2] == own.workspace.center[:2]
+        assert part.theta == own.theta
+    for asked in ((high, high + 1), (low - 1, low), (middle, middle)):
+        assert own.within(asked) is None

@@ -11,9 +11,11 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4, Design, Geometry, check_reach, singular_radius
 from paminsa_viz.model.kinematics import LEG_AXES
-from paminsa_viz.quantities.requirements import WorkspaceShape
+from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
+from paminsa_viz.synthesis.proof.evidence import Evidence, Method, Verdict
 from paminsa_viz.synthesis.proof.regions import (
     PoseRegion,
+    RegionMargins,
     freedom,
     from_unit,
     lowest,
@@ -127,3 +129,43 @@ def test_a_turn_past_the_singular_rotation_is_found() -> None:
             WorkspaceShape.BOX, (0, 0, -0.6), (0.01, 0.01, 0.01), (0.0, np.radians(degrees))
         )
         assert (region_margins(g, region).turn > 0) is holds
+
+
+def test_a_region_holds_or_names_its_first_limit() -> None:
+    """Of a circle and a turn the singularity, else of the legs the one that is nearest."""
+    reach = np.array([[0.5, 0.4, 0.3, 0.2], [0.6, 0.11, 0.3, 0.4], [0.5, 0.4, 0.1, 0.2]])
+    found = RegionMargins(reach, 0.2, 0.3)
+    assert found.least_reach == 0.1
+    for least, holds in ((-1.0, True), (0.0, True), (0.0999, True), (0.1, False), (0.2, False)):
+        assert found.holds(least) is holds
+        assert found.cause(least) == ("" if holds else "guide:leg3")
+    for place, cause in (
+        ((0, 0), "stretched:leg1"), ((1, 1), "folded:leg2"), ((2, 2), "guide:leg3"),
+        ((1, 3), "axis:leg2"),
+    ):  # fmt: skip
+        for value in (0.0, -0.5):
+            short = reach.copy()
+            short[place] = value
+            assert not RegionMargins(short, 0.2, 0.3).holds()
+            assert RegionMargins(short, 0.2, 0.3).cause() == cause
+            assert RegionMargins(short, 0.0, 0.3).cause() == "singular"
+    for circle, turn in ((0.0, 0.3), (0.2, 0.0), (-0.1, 0.3), (0.2, -0.1)):
+        singular = RegionMargins(reach, circle, turn)
+        assert not singular.holds()
+        assert singular.cause() == "singular"
+
+
+def test_what_is_known_of_a_requirement_has_the_bound_that_its_margin_stands_for() -> None:
+    upper, lower = Requirement("condition", high=5.0), Requirement("clearance", low=0.002)
+    pose = np.array([0.1, 0.2, 0.3, -0.5])
+    found = Evidence.of(upper, Method.CLOSED_FORM, Verdict.PROVEN, 0.5, pose, 7)
+    assert (found.key, found.bound, found.boxes) == (upper, 4.5, 7)
+    assert found.pose == tuple(pose)
+    found = Evidence.of(lower, Method.CLOSED_FORM, Verdict.REFUTED, -0.005)
+    assert (found.bound, found.pose) == (pytest.approx(-0.003), None)
+    both = Evidence.of(
+        Requirement("f_4", low=1.0, high=2.0), Method.CLOSED_FORM, Verdict.PROVEN, 0.1
+    )
+    assert np.isnan(both.bound)
+    plain = Evidence("singularity", Method.CLOSED_FORM, Verdict.PROVEN, 0.3)
+    assert (plain.key, plain.bound) == ("singularity", 0.3)

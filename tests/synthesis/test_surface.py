@@ -189,3 +189,18 @@ def test_requirement_of_other_headings_or_heights_does_not_count() -> None:
     assert not cause_slice(APPENDIX_4, needs("condition <= 1 for theta 0..20"), *at).broken.any()
     assert not cause_slice(APPENDIX_4, needs("condition <= 1 for z -900..-600"), *at).broken.any()
     assert cause_slice(APPENDIX_4, needs("condition <= 1 for z -900..-500"), *at).broken.any()
+
+
+def test_areas_of_the_causes_are_those_of_their_faces(surface: VolumeSurface) -> None:
+    mesh = trimesh.Trimesh(surface.vertices, surface.faces, process=False)
+    areas = surface.areas()
+    assert sum(areas.values()) == pytest.approx(mesh.area, rel=1e-9)
+    assert list(areas.values()) == sorted(areas.values(), reverse=True)
+    assert len(areas) > 2
+    for code in np.unique(surface.face_cause):
+        own = mesh.area_faces[surface.face_cause == code].sum()
+        assert areas[surface.causes[code]] == pytest.approx(own, rel=1e-9)
+    cause = surface.cause[surface.faces]
+    for face, own in zip(cause[::50], surface.face_cause[::50], strict=True):
+        values, counts = np.unique(face, return_counts=True)
+        assert own == (values[counts.argmax()] if counts.max() > 1 else face[0])

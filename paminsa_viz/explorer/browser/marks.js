@@ -62,6 +62,7 @@
     [".pv-heading", 1, "heading"],
     [".pv-layers", 1, "hidden"],
     [".pv-button-row", 1, "hidden"],
+    ["[data-paminsa-address]", 1, "hidden"],
     [".pv-button-row", 2, "button-row"],
     [".pv-layers", 2, "layers"],
     [".pv-map-caption", 1, "map-caption"],

@@ -524,7 +524,6 @@
   const followLink = (code) => window.paminsaLinks?.follow(code);
   const copyLink = (code) => copy("Link", window.paminsaLinks?.to(code) || code);
   const focusInput = (names) => window.paminsaNames?.focus(names);
-  const showPicture = (place, address) => window.paminsaPictures?.set(place, address);
   const showPlace = (place) => window.paminsaCursor?.show(place);
   const showPiece = (places) => window.paminsaCursor?.showPiece(places);
   const renderOnDemand = (animation) => window.paminsaDrawing?.renderOnDemand(animation);
@@ -532,6 +531,5 @@
   window.paminsa = {
     stop, whole, tour, copy, focusInput, send, save, openTab, setTitle, showTime, showLegend,
     renderOnDemand, releaseTheme, openLink, followLink, copyLink, answerTyped, showPlace, showPiece,
-    showPicture,
   };
 }

@@ -3,7 +3,8 @@
  *
  * viser makes an image of the page anew for each of its pictures, and decodes it twice. Here an
  * image stays, with its last picture until the next is ready; a place that is made again, as in a
- * panel that was folded, gets it back.
+ * panel that was folded, gets it back. The picture comes as the content of a text: texts do not wait
+ * for the next drawing of the 3D view, as calls of functions do, and ask for none.
  */
 (() => {
   "use strict";
@@ -12,10 +13,9 @@
     const address = newest.get(image.dataset.paminsaPicture);
     if (address && image.getAttribute("src") !== address) image.src = address;
   };
-  const set = (place, address) => {
-    newest.set(place, address);
-    for (const image of document.querySelectorAll("[data-paminsa-picture]")) show(image);
-  };
   window.paminsaMarks.watch("[data-paminsa-picture]", show);
-  window.paminsaPictures = { set };
+  window.paminsaMarks.watch("[data-paminsa-address]", ({ dataset }) => {
+    newest.set(dataset.paminsaPlace, dataset.paminsaAddress);
+    for (const image of document.querySelectorAll("[data-paminsa-picture]")) show(image);
+  });
 })();

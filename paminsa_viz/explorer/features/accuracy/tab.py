@@ -28,7 +28,7 @@ from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.accuracy import BITS, EncoderSettings, bits_of, count_of
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import DriveAccuracy
-from paminsa_viz.studies.metrics import error_rows
+from paminsa_viz.precision.error_rows import error_rows
 from paminsa_viz.units import display_unit
 
 MAPS = {

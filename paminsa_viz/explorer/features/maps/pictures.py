@@ -77,12 +77,13 @@ class MapPicture:
             inputs: Where the inputs go.
         """
         gui = session.client.gui
-        self._gui, self._bridge, self._store, self._slots = gui, session.bridge, store, slots
+        self._gui, self._store, self._slots = gui, store, slots
         self._name, self._quantities = name, quantities
         self.scales: tuple[Scale, ...] = ()
         self.data: MapData | None = None
         gui.add_html(marker(name, inputs))
         gui.add_html(render("maps/picture.j2", name=name))
+        self._address = gui.add_html("")
         self._markers = gui.add_html("")
         self._place = gui.add_folder(None)
         self._hover: Any = None
@@ -120,7 +121,8 @@ class MapPicture:
 
             self._live = LiveMaps()
         picture = self._live.draw(data, scales, width, ratio, path, COLUMNS, state.theme)
-        self._bridge.call("showPicture", self._name, picture_url(picture, exact=not dragging))
+        address = picture_url(picture, exact=not dragging)
+        self._address.content = render("maps/address.j2", name=self._name, address=address)
         self.data, self.scales = data, scales
         self._layout = map_layout(data, scales, width, PAGE_EM, columns=COLUMNS)
         self._mark(state)

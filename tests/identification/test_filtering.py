@@ -1,0 +1,86 @@
+"""Filters and differences of logs: exact on polynomials, halved at the cut-off, thinned out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from paminsa_viz.identification import log_poses, make_log
+from paminsa_viz.identification.estimate import half_widths, normal_blocks, solve
+from paminsa_viz.identification.filtering import (
+    _FIRST,
+    _REACH,
+    _SECOND,
+    OVERSAMPLING,
+    _difference,
+    _rates,
+    filter_log,
+    thinning_for,
+)
+from paminsa_viz.model import APPENDIX_4
+from tests.identification.test_estimate import random_columns
+from tests.support.identification_logs import clean_signals
+
+
+@pytest.mark.parametrize("degree", range(7))
+def test_differences_of_sixth_order_are_exact_on_polynomials(degree: int) -> None:
+    x = np.arange(-8.0, 9.0)
+    curve = np.polynomial.Polynomial(np.random.default_rng(degree).normal(size=degree + 1) / 50)
+    for order, weights in ((1, _FIRST), (2, _SECOND)):
+        found = _difference(np.stack([curve(x), 2 * curve(x)], axis=1), weights)
+        expected = curve.deriv(order)(x[_REACH:-_REACH])
+        scale = np.abs(curve(x)).max()
+        np.testing.assert_allclose(found, np.stack([expected, 2 * expected], 1), atol=1e-12 * scale)
+
+
+def test_rates_do_not_reach_over_gaps() -> None:
+    segment = np.repeat([0, 1], [20, 15])
+    values = np.where(segment == 0, np.arange(35.0), 100.0 - 2.0 * np.arange(35.0))[:, None]
+    found = _rates(values, segment)[:, 0]
+    expected = np.where(segment == 0, 1.0, -2.0)
+    for begin, end in ((0, 20), (20, 35)):
+        expected[begin : begin + _REACH] = expected[end - _REACH : end] = 0.0
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def test_as_many_samples_are_kept_as_the_band_needs() -> None:
+    assert thinning_for(10.0 * OVERSAMPLING, 10.0) == 1
+    assert thinning_for(39.9 * OVERSAMPLING, 10.0) == 3
+    assert thinning_for(40.0 * OVERSAMPLING, 10.0) == 4
+    assert thinning_for(1.0, 10.0) == 1
+
+
+@pytest.mark.parametrize("thinning", [1, 2])
+def test_torques_are_halved_at_the_cut_off_and_keep_their_rate_below_it(thinning: int) -> None:
+    """Forward and backward: no delay; four times the cut-off is as good as gone."""
+    t, position, torque = clean_signals(1, duration=10.0, rate=400.0)
+    waves = {frequency: np.sin(2 * np.pi * frequency * t) for frequency in (1.0, 8.0, 32.0)}
+    for place, wave in enumerate(waves.values()):
+        torque = np.column_stack([torque[:, :place], wave, torque[:, place + 1 :]])
+    log = make_log(t, position, torque)
+    pose, pieces = log_poses(APPENDIX_4.geometry, log)
+    found = filter_log(
+        log, APPENDIX_4.geometry, pose, pieces,
+        cut_off=8.0, transition_speed=0.01, thinning=thinning,
+    )  # fmt: skip
+    assert found.step == pytest.approx(thinning / 400.0)
+    for place, (frequency, gain) in enumerate(((1.0, 1.0), (8.0, 0.5), (32.0, 0.0))):
+        phase = 2 * np.pi * frequency * found.t
+        np.testing.assert_allclose(found.torque[:, place], gain * np.sin(phase), atol=0.02)
+        rate = gain * 2 * np.pi * frequency * np.cos(phase)
+        np.testing.assert_allclose(found.torque_rate[:, place], rate, atol=0.04 * 2 * np.pi * 8.0)
+
+
+def test_correlated_noise_widens_intervals_as_much_as_it_counts_less() -> None:
+    """Each sample four times over, noise and all, is a quarter of the samples that it seems."""
+    columns, x, numbers = random_columns(4, samples=600)
+    torque = columns @ x + np.random.default_rng(1).standard_normal((600, 4))
+    once = solve(normal_blocks(columns, torque, numbers))
+    often = [np.repeat(part, 4, axis=0) for part in (columns, torque, numbers)]
+    four = solve(normal_blocks(*often))
+    assert once.widening == pytest.approx(1.0, abs=0.4)
+    assert four.widening == pytest.approx(2.0 * once.widening, rel=1e-6)
+    np.testing.assert_allclose(four.deviation(np.eye(5)), once.deviation(np.eye(5)), rtol=1e-6)
+    # Student's t at 97.5 % of two and of many degrees of freedom
+    assert half_widths(3) == pytest.approx(4.30265, rel=1e-5)
+    assert half_widths(100_000) == pytest.approx(1.95996, rel=1e-4)

@@ -1,0 +1,109 @@
+"""Numbers of causes against least squares with each of them, and the words of results."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.stats import t as student
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.identification import IdentificationSettings
+from paminsa_viz.identification.cause_columns import PossibleCause
+from paminsa_viz.identification.causes import SIGNIFICANCE, Cause, _size, _tried
+from paminsa_viz.identification.columns import FitParameter
+from paminsa_viz.identification.estimate import normal_blocks, solve
+from paminsa_viz.identification.results import IDENTITY_Z, Estimate, Identification, Identity
+from tests.identification.test_estimate import random_columns
+
+CAUSE = Cause("gain of M1", "", 0, 0.1, 0.05, 0.5, 0.2, 0.3, 0.3)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_cause_has_the_size_and_share_of_a_fit_with_its_column(seed: int) -> None:
+    """With intervals of a jackknife, whose p values count how many causes were tried."""
+    base, x, numbers = random_columns(seed)
+    rng = np.random.default_rng(seed + 50)
+    extra = rng.standard_normal((240, 4, 3))
+    extra[..., 2] = base[..., 0] + 0.5 * base[..., 3]  # what the model has already
+    torque = base @ x + 0.5 * extra[..., 0] + rng.standard_normal((240, 4))
+    solution = solve(normal_blocks(base, torque, numbers))
+    candidates = [PossibleCause(f"c{i}", "", i, 1.0, extra[..., i]) for i in range(3)]
+    found = _tried(
+        SimpleNamespace(solution=solution, settings=IdentificationSettings()),  # type: ignore[arg-type]
+        normal_blocks(np.concatenate([base, extra], axis=-1), torque, numbers),
+        list(range(5)), {f"c{i}": 5 + i for i in range(3)}, candidates,
+    )  # fmt: skip
+    rows = np.concatenate([base, extra], axis=-1) / solution.noise[:, None]
+    right = torque / solution.noise
+
+    def fit(columns: list[int], part: np.ndarray) -> tuple[np.ndarray, float]:
+        matrix, y = rows[part][..., columns].reshape(-1, len(columns)), right[part].ravel()
+        numbers = np.linalg.lstsq(matrix, y)[0]
+        return numbers, float(((y - matrix @ numbers) ** 2).sum())
+
+    every = np.arange(240)
+    own = [0, 1, 2, 3, 4]
+    _, residual = fit(own, every)
+    blocks = numbers.max() + 1
+    critical = student.isf(0.5 * SIGNIFICANCE / 3, blocks - 1)
+    for place, cause in enumerate(found[:2]):
+        values, left = fit([*own, 5 + place], every)
+        kept = [np.flatnonzero(numbers != number) for number in range(blocks)]
+        without = [fit([*own, 5 + place], part)[0][-1] for part in kept]
+        error = np.sqrt((blocks - 1) / blocks * ((without - np.mean(without)) ** 2).sum())
+        assert cause.value == pytest.approx(values[-1], rel=1e-6)
+        assert cause.explains == pytest.approx((residual - left) / residual, rel=1e-6)
+        assert cause.half_width == pytest.approx(solution.quantile * error, rel=1e-6)
+        assert cause.detectable == pytest.approx(critical * error, rel=1e-6)
+        chance = 3 * 2 * student.sf(abs(values[-1]) / error, blocks - 1)
+        assert cause.p_value == pytest.approx(min(1.0, chance), rel=1e-6)
+        assert (cause.leg, cause.significant) == (place, chance < SIGNIFICANCE)
+    assert found[0].significant
+    assert (found[2].value, found[2].explains, found[2].p_value) == (0.0, 0.0, 1.0)
+    assert (found[2].half_width, found[2].detectable) == (np.inf, np.inf)
+
+
+def test_a_cause_says_what_it_may_as_well_be() -> None:
+    assert CAUSE.text == "gain of M1"
+    for alike, words in (
+        (("delay",), "delay explains nearly as much"),
+        (("delay", "spring"), "delay and spring explain nearly as much"),
+        (("delay", "spring", "zero"), "delay, spring and zero explain nearly as much"),
+    ):
+        assert replace(CAUSE, alike=alike).text == f"most like gain of M1 ({words})"
+    bar = replace(CAUSE, label="leg 2: B4 heavier", leg=2, alike=("leg 2: B8 heavier",))
+    assert bar.text == "leg 2; most like B4 heavier (B8 heavier explains nearly as much)"
+    assert replace(CAUSE, p_value=0.999 * SIGNIFICANCE).significant
+    assert not replace(CAUSE, p_value=SIGNIFICANCE).significant
+    assert CAUSE.visible  # a plausible size would just be named
+    assert not replace(CAUSE, detectable=0.301).visible
+    assert _size(replace(CAUSE, detectable=0.0123)) == "1.2 %"
+    assert _size(replace(CAUSE, detectable=0.0123, unit="rad")) == "0.012 rad"
+    assert _size(replace(CAUSE, detectable=np.inf)) == "any size"
+
+
+def test_an_estimate_says_why_it_is_unknown_and_the_identity_whether_it_holds() -> None:
+    parameter = FitParameter("b_1", "N", "weight", "base", 25.0, 2.5, "any motion")
+    item = Estimate(parameter, 24.0, 1.0, True)
+    assert (item.symbol, item.low, item.high, item.reason) == ("b_1", 23.0, 25.0, "")
+    wide = replace(item, half_width=3.0, known=False)
+    assert wide.reason == "the interval is wider than ± 2.5; any motion would tell it"
+    lost = replace(item, half_width=np.inf, known=False)
+    assert lost.reason == "the motion does not excite it; any motion would tell it"
+    found = SimpleNamespace(estimates=(item, wide))
+    found.unknown = Identification.unknown.fget(found)  # type: ignore[attr-defined]
+    assert found.unknown == (wide,)
+    assert Identification.advice.fget(found) == (  # type: ignore[attr-defined]
+        "unknown, with what would tell it: b_1 (any motion)"
+    )
+    found.unknown = ()
+    assert Identification.advice.fget(found) == ""  # type: ignore[attr-defined]
+    assert Identification.estimate(found, "b_1") is item  # type: ignore[arg-type]
+    with pytest.raises(InvalidInput, match="symbol: there is no 'b_2'; there are b_1, b_1"):
+        Identification.estimate(found, "b_2")  # type: ignore[arg-type]
+    for z, holds in ((0.999, True), (-0.999, True), (1.0, False), (-1.0, False)):
+        assert Identity(0.1, 0.2, z * IDENTITY_Z).holds is holds
+    assert Identity(np.nan, np.inf, np.nan).holds is None
