@@ -54,6 +54,11 @@ def test_an_encoder_zero_is_named_with_its_size(actuator: int) -> None:
     found = causes(position + shift, torque)
     assert found.named[0].label == f"encoder zero of M{actuator + 1}"
     assert found.named[0].text == found.named[0].label  # nothing explains nearly as much
+    named = {cause.label: place for place, cause in enumerate(found.named, 1)}
+    assert [cause.named for cause in found.named] == list(named.values())
+    assert all(cause.named == named.get(cause.label, 0) for cause in found.ranked)
+    explained = [cause.explains for cause in found.ranked]
+    assert explained == sorted(explained, reverse=True)
     assert np.degrees(found.named[0].value) == pytest.approx(0.5, abs=0.1)
 
 
