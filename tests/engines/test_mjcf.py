@@ -230,8 +230,32 @@ def test_simulated_motion_follows_the_calculated_torques(mujoco: Any, knee: Knee
     assert np.abs(wrong.drift).max() > 10 * np.abs(fine.drift).max()
 
 
+def test_a_robot_that_falls_is_played_until_it_strays(mujoco: Any) -> None:
+    """Without torques; and a motion of one instant is where it starts."""
+    times = np.linspace(0.0, 0.2, 21)
+    poses = np.tile([0.02, 0.01, 0.1, -0.5], (21, 1))
+    still = np.zeros((21, 4))
+    whole, part = (play(APPENDIX_4, times, poses, still, still, limit=m) for m in (np.inf, 0.02))
+    assert whole.until == 21
+    radius = APPENDIX_4.geometry.platform_radius
+    away = np.linalg.norm(whole.drift[:, [0, 1, 3]], axis=1) + radius * np.abs(whole.drift[:, 2])
+    np.testing.assert_allclose(whole.stray, away)
+    assert 0 < part.until < 21
+    assert part.until == 1 + np.flatnonzero(whole.stray > 0.02)[0]
+    kept = slice(part.until)
+    np.testing.assert_array_equal(part.poses[kept], whole.poses[kept])
+    np.testing.assert_array_equal(part.gap[kept], whole.gap[kept])
+    for rest in (part.poses, part.drift, part.stray, part.gap):
+        assert np.isnan(rest[part.until :]).all()
+    alone = play(APPENDIX_4, times[:1], poses[:1], still[:1], still[:1])
+    assert alone.until == 1
+    assert alone.stray[0] < 1e-9
+
+
 def test_play_names_unusable_input() -> None:
     pose = np.array([[0.0, 0.0, 0.0, -0.5]])
+    with pytest.raises(InvalidInput, match="times: increasing numbers are needed"):
+        play(APPENDIX_4, [], pose[:0], pose[:0], pose[:0])
     with pytest.raises(InvalidInput, match="torques"):
         play(APPENDIX_4, [0.0], pose, 0 * pose, pose[:, :3])
     two = np.repeat(pose, 2, axis=0)

@@ -24,7 +24,7 @@ from paminsa_viz.identification.base_parameters import (
     leg_base_regressor,
     mass_columns,
 )
-from paminsa_viz.identification.cause_columns import LENGTHS, SPRING, possible_causes
+from paminsa_viz.identification.causes import LENGTHS, SPRING, possible_causes
 from paminsa_viz.identification.identify import filtered
 from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.model import APPENDIX_4, Friction
@@ -54,6 +54,11 @@ def test_an_encoder_zero_is_named_with_its_size(actuator: int) -> None:
     found = causes(position + shift, torque)
     assert found.named[0].label == f"encoder zero of M{actuator + 1}"
     assert found.named[0].text == found.named[0].label  # nothing explains nearly as much
+    named = {cause.label: place for place, cause in enumerate(found.named, 1)}
+    assert [cause.named for cause in found.named] == list(named.values())
+    assert all(cause.named == named.get(cause.label, 0) for cause in found.ranked)
+    explained = [cause.explains for cause in found.ranked]
+    assert explained == sorted(explained, reverse=True)
     assert np.degrees(found.named[0].value) == pytest.approx(0.5, abs=0.1)
 
 

@@ -17,7 +17,14 @@ from paminsa_viz.identification import (
     optimize_excitation,
 )
 from paminsa_viz.identification.excitation import amplitudes, kept_limits
-from paminsa_viz.identification.excitation_search import ROUNDING, Search, random_motions, shrunk
+from paminsa_viz.identification.excitation_search import (
+    GROUP,
+    ROUNDING,
+    STAGES,
+    Search,
+    random_motions,
+    shrunk,
+)
 from paminsa_viz.identification.information import LIMITED, Information
 from paminsa_viz.identification.multi_sine import MultiSineFamily
 from paminsa_viz.model import (
@@ -30,7 +37,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.design import PARAMETERS
 from paminsa_viz.model.reach import check_reach
 from paminsa_viz.model.singularity import measure_singularity
-from paminsa_viz.progress import go_on
+from paminsa_viz.progress import Canceled, go_on
 from paminsa_viz.trajectory import Plan, preset_center
 from paminsa_viz.trajectory.check import check_path
 from tests.support.samples import random_design
@@ -300,3 +307,29 @@ def test_nothing_goes_on_when_no_evaluation_or_no_time_is_left() -> None:
     assert evaluations(few) == 7
     assert evaluations(replace(few, evaluations=0)) == 0
     assert evaluations(replace(few, seconds=5.0), begin=5.1) == 0
+
+
+def test_stages_go_on_with_the_best_motions_of_those_before() -> None:
+    """Of each group the best are improved further, and the next group is near the best of all."""
+    info = information(samples=64)
+    settings = ExcitationSettings(period=PERIOD, random=1)
+    stages: list[tuple[float, float]] = []
+
+    class Scripted(Search):
+        def _improve(self, start, sharpness, iterations):
+            if len(stages) == GROUP + sum(kept for _, _, kept in STAGES[:-1]):
+                raise Canceled
+            worth = -abs(float(start[0]) - 7.0)
+            stages.append((sharpness, float(start[0])))
+            return worth, start
+
+    starts = np.zeros((GROUP, info.family.size))
+    starts[:, 0] = np.random.default_rng(2).permutation(GROUP)
+    search = Scripted(info, settings, time.monotonic(), go_on)
+    search.run(starts)
+    assert search.over
+    left = list(starts[:, 0])
+    for sharpness, _, kept in STAGES:
+        tried = [first for own, first in stages if own == sharpness]
+        assert tried == left
+        left = sorted(left, key=lambda first: abs(first - 7.0))[:kept]

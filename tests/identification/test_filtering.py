@@ -5,19 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from paminsa_viz.identification import log_poses, make_log
+from paminsa_viz.identification import InvalidLog, log_poses, make_log
 from paminsa_viz.identification.estimate import half_widths, normal_blocks, solve
 from paminsa_viz.identification.filtering import (
     _FIRST,
     _REACH,
     _SECOND,
     OVERSAMPLING,
+    SETTLING,
+    Signals,
     _difference,
     _rates,
     filter_log,
     thinning_for,
 )
 from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model.reach import Limit, reach_status
 from tests.identification.test_estimate import random_columns
 from tests.support.identification_logs import clean_signals
 
@@ -84,3 +87,50 @@ def test_correlated_noise_widens_intervals_as_much_as_it_counts_less() -> None:
     # Student's t at 97.5 % of two and of many degrees of freedom
     assert half_widths(3) == pytest.approx(4.30265, rel=1e-5)
     assert half_widths(100_000) == pytest.approx(1.95996, rel=1e-4)
+
+
+@pytest.mark.parametrize("thinning", [1, 3])
+def test_a_piece_settles_at_both_ends_and_is_long_enough_or_refused(thinning: int) -> None:
+    """Two passes take `SETTLING` periods of the cut-off each, differences their reach twice."""
+    rate, cut_off = 400.0, 8.0
+    settle = round(2 * SETTLING / cut_off * rate / thinning)
+    least = (2 * settle + 4 * _REACH) * thinning
+    signals = clean_signals(1, duration=(least + 30) / rate, rate=rate)
+
+    def filtered(count: int) -> Signals:
+        log = make_log(*(part[:count] for part in signals))
+        pose, pieces = log_poses(APPENDIX_4.geometry, log)
+        return filter_log(
+            log, APPENDIX_4.geometry, pose, pieces,
+            cut_off=cut_off, transition_speed=0.01, thinning=thinning,
+        )  # fmt: skip
+
+    found = filtered(least + 30)
+    ends = (_REACH + (settle + _REACH) * thinning) / rate
+    assert found.t[0] == pytest.approx(ends, abs=1e-9)
+    assert found.t[-1] == pytest.approx((least + 29) / rate - ends, abs=1.5 * thinning / rate)
+    assert len(filtered(least + thinning).t) >= 1
+    with pytest.raises(InvalidLog, match=f"of at least {least / rate:.3g} s is needed"):
+        filtered(least)
+
+
+def test_a_filtered_motion_that_leaves_the_workspace_is_named_with_its_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    t, position, torque = clean_signals(1, duration=4.0, rate=200.0)
+    log = make_log(t, position, torque)
+    pose, pieces = log_poses(APPENDIX_4.geometry, log)
+    lost = []
+
+    def status(geometry, poses):
+        found, leg = reach_status(geometry, poses)
+        lost.append(len(found) // 2)
+        found[lost[0] : lost[0] + 5] = Limit.GUIDE
+        return found, leg
+
+    monkeypatch.setattr("paminsa_viz.identification.filtering.reach_status", status)
+    with pytest.raises(InvalidLog, match="the filtered motion is out of reach") as caught:
+        filter_log(
+            log, APPENDIX_4.geometry, pose, pieces, cut_off=8.0, transition_speed=0.01, thinning=1
+        )
+    assert float(str(caught.value).split()[1]) == pytest.approx(t[2 * _REACH + lost[0]], abs=1e-9)

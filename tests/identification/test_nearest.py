@@ -16,6 +16,7 @@ from paminsa_viz.identification import (
     identify,
     nearest_masses,
 )
+from paminsa_viz.identification.nearest import _prior_deviation
 from paminsa_viz.model import APPENDIX_4, Design, Friction
 from paminsa_viz.model.drive import Drive
 from tests.support.identification_logs import simulated
@@ -144,3 +145,15 @@ def test_one_difference_of_two_rotors_says_nothing_of_the_third() -> None:
         less = replace(found, estimates=tuple(e for e in found.estimates if e.symbol != hidden))
         after = nearest_masses(less).design.drive_inertia
         assert after == pytest.approx(design.drive_inertia, rel=1e-12)
+
+
+def test_a_mass_of_nothing_is_believed_to_be_a_tenth_of_those_like_it() -> None:
+    """Of the same group and unit: its spread is a share of that, of others of themselves."""
+    paths = ["links.b3", "links.b4", "links.b7", "joints.j3", "inertias.b3_axial"]
+    prior = np.array([0.0, 0.4, 0.8, 0.02, 0.0])
+    found = _prior_deviation(paths, prior, 0.3)
+    typical = 0.6  # the median of those above zero
+    expected = [0.1 * typical, 0.4, 0.8, 0.02, 0.1 * 0.8]  # no other inertia: the largest of all
+    np.testing.assert_allclose(found, 0.3 * np.array(expected))
+    tiny = _prior_deviation(["links.b3", "links.b4"], np.array([1e-3, 0.8]), 0.3)
+    np.testing.assert_allclose(tiny, [0.3 * 0.1 * (1e-3 + 0.8) / 2, 0.3 * 0.8])

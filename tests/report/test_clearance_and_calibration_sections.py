@@ -12,7 +12,7 @@ from paminsa_viz.clearance import clearance
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.precision.calibration import calibrate
 from paminsa_viz.precision.calibration_plan import plan_calibration
-from paminsa_viz.precision.simulated_measurements import simulated_measurements
+from paminsa_viz.precision.measurements import simulated_measurements
 from paminsa_viz.report.sections import calibration_section, clearance_section
 from paminsa_viz.trajectory import analyze, paper_like
 

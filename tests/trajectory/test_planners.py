@@ -223,6 +223,43 @@ def test_presets_run_on_robots_of_other_sizes(preset, knee, scale) -> None:
     np.testing.assert_allclose(plan.curve(ends), unscaled * [scale, scale, 1, scale], atol=1e-12)
 
 
+@pytest.mark.parametrize("knee", KneeBranch)
+@pytest.mark.parametrize("key", ["line", "arch"])
+def test_preset_line_and_arch_go_through_the_axis_from_one_side_to_the_other(key, knee) -> None:
+    geometry = with_knee(APPENDIX_4.geometry, knee)
+    plan, center = PRESET[key].build(geometry), preset_center(geometry)
+    start, middle, goal = plan.curve(np.array([0.0, 0.5, 1.0]))
+    np.testing.assert_allclose(start[:2] + goal[:2], 2 * center[:2], atol=1e-12)
+    assert start[3] == goal[3]
+    assert np.linalg.norm((goal - start)[:2]) > 0.5 * geometry.base_radius
+    np.testing.assert_allclose(middle[:2], center[:2], atol=1e-9)
+    if key == "line":
+        assert start[2] == goal[2]
+        assert start[3] == pytest.approx(center[3])
+    else:  # the arch turns from one side to the other, and is up in the middle
+        assert start[2] + goal[2] == pytest.approx(2 * center[2], abs=1e-12)
+        assert start[2] < center[2]
+        height = plan.curve(np.linspace(0, 1, 201))[:, 3]
+        assert height.max() - start[3] == pytest.approx(middle[3] - start[3], abs=1e-9)
+        assert middle[3] + start[3] == pytest.approx(2 * center[3])  # as far above as below
+
+
+def test_preset_waypoints_are_a_round_trip_over_all_coordinates() -> None:
+    plan = PRESET["waypoints"].build(APPENDIX_4.geometry)
+    center = preset_center(APPENDIX_4.geometry)
+    u = np.linspace(0.0, 1.0, 801)
+    pose = plan.curve(u) - center
+    np.testing.assert_allclose(pose[[0, -1]], 0.0, atol=1e-12)
+    size = APPENDIX_4.geometry.base_radius
+    for column, least in ((0, 0.4 * size), (1, 0.4 * size), (2, 0.5), (3, 0.2 * size)):
+        assert np.ptp(pose[:, column]) > least
+        assert pose[:, column].min() < 0 < pose[:, column].max()
+    # around the axis once, counterclockwise
+    away = np.hypot(*pose[:, :2].T) > 0.02
+    turn = np.unwrap(np.arctan2(pose[away, 1], pose[away, 0]))
+    assert 1.0 * np.pi < turn[-1] - turn[0] < 2.0 * np.pi
+
+
 def test_home() -> None:
     np.testing.assert_allclose(preset_center(APPENDIX_4.geometry), [0, 0, 0, -0.5], atol=1e-15)
     height = APPENDIX_4.geometry.platform_joint_height
