@@ -1,7 +1,7 @@
 """Precise numbers of the documentation come from somewhere that is run, or are said to be given.
 
-A block of a page that has a number of three digits or more is followed by a comment that says where
-it is from, unless a claim of `verify --report` states the number:
+A block of a page that has a number of three digits or more, or a time of milliseconds or less, is
+followed by a comment that says where it is from, unless a claim of `verify --report` states it:
 
     <!-- given: 552 1.75 -->                       an input, a standard, a reference
     <!-- printed by: paminsa-viz loads -->         a command or an example, run here
@@ -63,9 +63,13 @@ def value(number: str) -> float:
 
 
 def precise(text: str) -> tuple[str, ...]:
-    """Return numbers of three digits or more; zeros at the ends of whole ones do not count."""
-    found = []
-    for number in NUMBER.findall(NAMES.sub("", text)):
+    """Return numbers of three digits or more; zeros at the ends of whole ones do not count.
+
+    And times that a program would take, however few their digits.
+    """
+    text = NAMES.sub("", text)
+    found = re.findall(r"(?<![\w.])([\d.]+) [mµn]s\b", text)
+    for number in NUMBER.findall(text):
         digits = number.replace(",", "")
         digits = digits.replace(".", "") if "." in digits else digits.rstrip("0")
         year = re.fullmatch(r"(19|20)\d\d", number)

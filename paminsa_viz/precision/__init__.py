@@ -31,8 +31,8 @@ from paminsa_viz.precision.measurements import (
     coordinate_scales,
     predict,
     prediction_errors,
+    simulated_measurements,
 )
-from paminsa_viz.precision.simulated_measurements import simulated_measurements
 from paminsa_viz.precision.unequal_legs import (
     Closure,
     Sensitivities,

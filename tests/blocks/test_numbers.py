@@ -32,7 +32,7 @@ from paminsa_viz.model.statics import imbalance_parts, static_imbalance, static_
 from paminsa_viz.plots.map_values import map_data, workspace_field
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.studies import DesignAxis, DesignGrid, Study, processes, run_study
-from paminsa_viz.studies.metrics import default_region
+from paminsa_viz.studies.region import default_region
 from paminsa_viz.synthesis.volume.check import check_requirements
 from paminsa_viz.synthesis.volume.grid import Resolution
 from paminsa_viz.synthesis.volume.solve import solve_volume

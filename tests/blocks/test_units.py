@@ -37,7 +37,7 @@ from paminsa_viz.plots.map_values import map_data, workspace_field
 from paminsa_viz.precision.drive_errors import drive_errors
 from paminsa_viz.quantities import TORQUES
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
-from paminsa_viz.studies.metrics import RegionResults, default_region
+from paminsa_viz.studies.region import RegionResults, default_region
 from paminsa_viz.synthesis.volume.check import check_requirements
 from paminsa_viz.synthesis.volume.grid import Resolution
 from paminsa_viz.synthesis.volume.solve import solve_volume

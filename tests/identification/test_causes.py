@@ -24,7 +24,7 @@ from paminsa_viz.identification.base_parameters import (
     leg_base_regressor,
     mass_columns,
 )
-from paminsa_viz.identification.cause_columns import LENGTHS, SPRING, possible_causes
+from paminsa_viz.identification.causes import LENGTHS, SPRING, possible_causes
 from paminsa_viz.identification.identify import filtered
 from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.model import APPENDIX_4, Friction

@@ -24,7 +24,7 @@ from paminsa_viz.identification import (
     identify,
     make_log,
 )
-from paminsa_viz.identification.cause_columns import SPRING
+from paminsa_viz.identification.causes import SPRING
 from paminsa_viz.model import APPENDIX_4, Design, Friction, KneeBranch
 from paminsa_viz.trajectory import Trajectory
 from tests.support.identification_logs import multi_sine

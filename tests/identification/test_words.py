@@ -11,8 +11,7 @@ from scipy.stats import t as student
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification import IdentificationSettings
-from paminsa_viz.identification.cause_columns import PossibleCause
-from paminsa_viz.identification.causes import SIGNIFICANCE, Cause, _size, _tried
+from paminsa_viz.identification.causes import SIGNIFICANCE, Cause, PossibleCause, _size, _tried
 from paminsa_viz.identification.columns import FitParameter
 from paminsa_viz.identification.estimate import normal_blocks, solve
 from paminsa_viz.identification.results import IDENTITY_Z, Estimate, Identification, Identity

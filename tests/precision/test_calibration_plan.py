@@ -10,8 +10,7 @@ from paminsa_viz.model import APPENDIX_4, check_reach, inverse_kinematics
 from paminsa_viz.precision.calibration import calibrate
 from paminsa_viz.precision.calibration_plan import plan_calibration
 from paminsa_viz.precision.leg_lengths import deviation_array, with_deviations
-from paminsa_viz.precision.measurements import InvalidMeasurement, predict
-from paminsa_viz.precision.simulated_measurements import simulated_measurements
+from paminsa_viz.precision.measurements import InvalidMeasurement, predict, simulated_measurements
 from paminsa_viz.progress import Canceled
 
 NOISE = 2e-5
