@@ -175,7 +175,10 @@ _SCALED = {
 """Units of elastic data."""
 
 
-SHOWN_IN = {"m:um": DisplayUnit(1e6, "µm"), "rad:arcsec": DisplayUnit(ARCSEC, "″")}
+SHOWN_IN = {
+    "m:um": DisplayUnit(1e6, "µm"), "rad:arcsec": DisplayUnit(ARCSEC, "″"),
+    "rad:mrad": DisplayUnit(1e3, "mrad"), "1:%": DisplayUnit(100.0, "%"),
+}  # fmt: skip
 """SI units with another to show them in."""
 
 
@@ -189,8 +192,8 @@ def display_unit(unit: str) -> DisplayUnit:
     """Return the unit that shows an SI unit: mm for m, mm² for m², degrees for rad, MPa for Pa.
 
     Angular rates are in degrees as well; speeds and accelerations stay in meters, as drives and
-    limits are rated. An SI unit may name the one to show it in after a colon: ``"m:um"`` and
-    ``"rad:arcsec"`` are small lengths and angles.
+    limits are rated. An SI unit may name the one to show it in after a colon: ``"m:um"``,
+    ``"rad:arcsec"`` and ``"rad:mrad"`` are small lengths and angles, ``"1:%"`` is a share.
     """
     if ":" in unit:
         return SHOWN_IN[unit]

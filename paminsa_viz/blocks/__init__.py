@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from paminsa_viz.late import late_names
 
 if TYPE_CHECKING:
-    from paminsa_viz.blocks.kinds import Block, Fact, Figure, Listing, Note, Row, Table
+    from paminsa_viz.blocks.kinds import Block, Cell, Fact, Figure, Listing, Note, Row, Table
 
-__all__ = ["Block", "Fact", "Figure", "Listing", "Note", "Row", "Table"]
+__all__ = ["Block", "Cell", "Fact", "Figure", "Listing", "Note", "Row", "Table"]
 
 __getattr__ = late_names(__name__)

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Any, SupportsFloat
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.blocks.data import record
-from paminsa_viz.blocks.kinds import Block, Note, Row, Table
+from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, shown
 from paminsa_viz.model.accuracy import NO_DEVIATIONS, DriveAccuracy
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
-from paminsa_viz.precision.drive_errors import Bound, DriveErrors
+from paminsa_viz.precision.drive_errors import DriveErrors
 from paminsa_viz.precision.error_rows import (
     STATISTICS_OF,
     RegionErrors,
@@ -32,11 +34,17 @@ from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
 from paminsa_viz.studies.region import Region, RegionResults
 from paminsa_viz.units import format_value
 
-ERROR_UNITS = (
-    ("x", "m:um"), ("y", "m:um"), ("θ", "rad:arcsec"), ("z", "m:um"),
-    ("tilt about x", "rad:arcsec"), ("tilt about y", "rad:arcsec"),
+ERRORS = (
+    ("x", "m:um", "x"), ("y", "m:um", "y"), ("θ", "rad:arcsec", "theta"), ("z", "m:um", "z"),
+    ("tilt about x", "rad:arcsec", ""), ("tilt about y", "rad:arcsec", ""),
 )  # fmt: skip
-"""Names and units of `unequal_legs.SIX_COORDINATES`."""
+"""Names and units of `unequal_legs.SIX_COORDINATES`, and endings of the keys of quantities."""
+
+ORDER = (0, 1, 3, 2, 4, 5)
+"""The order that they are shown in: lengths, then angles."""
+
+LEAST_SHARE = 0.005
+"""Smallest share in a variance that is shown."""
 
 MOST_LENGTHS = 4
 """Lengths that are named for a coordinate."""
@@ -46,60 +54,99 @@ def drive_blocks(here: DriveErrors, over: RegionResults) -> list[Block]:
     """Return the errors that the drives of a design leave at a pose and over a region."""
     region = over.region
     errors = region_errors(over.field, over.design.accuracy, over.reached)
-    at, wide = [], []
-    for row, rows in zip(error_rows(here), errors.rows, strict=True):
-        name = "position" if row.name == "xy" else row.name
-        known = (row.worst[0], row.linear[0], row.rms[0])
-        spread = (*statistics(rows.worst), statistics(rows.linear)[0], statistics(rows.rms)[0])
-        for values, found in ((known, at), (spread, wide)):
-            texts = (format_value(float(value), row.unit, 3) for value in values)
-            found.append(Row((name, *texts)))
+    wide = []
+    for row in errors.rows:
+        values = (*statistics(row.worst), statistics(row.linear)[0], statistics(row.rms)[0])
+        wide.append(_row(row.name, row.unit, values))
     where = (
         f"{errors.poses} poses within {format_value(region.radius, 'm')} of the axis at θ "
         f"{', '.join(format_value(angle, 'rad') for angle in region.theta)} and z "
         f"{', '.join(format_value(z, 'm') for z in region.z)}"
     )
+    head = ("Errors from the drives", "Median", "95 %", "Largest", "Linear: median", "RMS: median")
+    caption = f"Of the exact errors, the estimates and the RMS over {where}."
     blocks: list[Block] = [
-        Note(_parts(over.design.accuracy)),
-        Table(
-            ("Error of", "Worst", "Linear", "RMS"), tuple(at),
-            "Errors from the drives at the pose: the largest by exact kinematics, the linear "
-            "estimate and the RMS.",
-        ),
-        Table(
-            ("Error of", "Median", "95 %", "Largest", "Linear: median", "RMS: median"), tuple(wide),
-            f"Of the exact errors, the estimates and the RMS over {where}.",
-        ),
+        Note(_parts(over.design.accuracy)), *no_bound(here), drive_errors_table(here),
+        Table(head, tuple(wide), caption),
     ]  # fmt: skip
-    return blocks + [
-        Note(text, "warn") for text in _unbounded(here, errors.unbounded, errors.poses)
-    ]
+    for bound, count in errors.unbounded.items():
+        text = f"No bound at {count} of the {errors.poses} poses: {bound.reason()}."
+        blocks.append(Note(text, "warn"))
+    return blocks
+
+
+def drive_errors_table(here: DriveErrors) -> Table:
+    """Return the errors that the drives leave at a pose."""
+    rows = []
+    for row in error_rows(here):
+        values = (float(part[0]) for part in (row.worst, row.linear, row.rms))
+        rows.append(_row(row.name, row.unit, values, _KINDS, _KEYS[row.name]))
+    caption = (
+        "Errors from the drives at the pose: the largest by exact kinematics, the linear estimate "
+        "and the RMS."
+    )
+    return Table(("Errors from the drives", "Worst", "Linear", "RMS"), tuple(rows), caption)
+
+
+_KINDS = ("error", "linear_error", "rms_error")
+_KEYS = {"x": "x", "y": "y", "xy": "horizontal", "z": "z", "θ": "theta"}
+"""How the keys of quantities begin that are errors from the drives, and how they end."""
+
+
+def _row(
+    name: str, unit: str, values: Iterable[SupportsFloat], kinds: Sequence[str] = (), key: str = ""
+) -> Row:
+    """Return a row of errors.
+
+    Args:
+        name: Of the coordinate.
+        unit: SI unit, with the one that it is shown in.
+        values: The errors.
+        kinds: How the keys of their quantities begin; empty for what is none.
+        key: How the keys end; empty for what is none.
+    """
+    begun = (*kinds, *[""] * 9)
+    texts = (
+        Cell(shown(value, unit), quantity=f"{kind}_{key}" if kind and key else "")
+        for value, kind in zip(values, begun, strict=False)
+    )
+    return Row((heading("position" if name == "xy" else name, unit), *texts))
+
+
+def no_bound(here: DriveErrors) -> list[Note]:
+    """Return why the errors at a pose have no bound; nothing where they have one."""
+    text = f"No bound at the pose: {here.reason()}. The linear estimate is no bound."
+    return [] if here.ok else [Note(text, "bad")]
+
+
+def drives_note(accuracy: DriveAccuracy) -> Note:
+    """Return how far the drives may be off."""
+    return Note(f"{'; '.join(_within(accuracy).values())}.")
+
+
+def _within(accuracy: DriveAccuracy) -> dict[str, str]:
+    """Return how far the rotary drives and the linear one may be off."""
+    ends = (("rotary", "M1 to M3", 0, "rad"), ("linear", "M4", 3, "m:um"))
+    return {
+        kind: f"{name} within ±{format_value(accuracy.half_widths[i], unit, 3)}"
+        for kind, name, i, unit in ends
+    }
 
 
 def _parts(accuracy: DriveAccuracy) -> str:
     """Return what the drives' errors are made of."""
     texts = []
-    for name, kind, unit in (("M1 to M3", "rotary", "rad"), ("M4", "linear", "m:um")):
-        half = accuracy.half_widths[0 if kind == "rotary" else 3]
+    for kind, within in _within(accuracy).items():
+        unit = "rad" if kind == "rotary" else "m:um"
         count, backlash, control = (
             format_value(getattr(accuracy, f"{part}_{kind}"), unit, 3)
             for part in ("resolution", "backlash", "control")
         )
         texts.append(
-            f"{name} within ±{format_value(half, unit, 3)}: half a count of {count}, half a "
-            f"backlash of {backlash}, controller ±{control}"
+            f"{within}: half a count of {count}, half a backlash of {backlash}, controller "
+            f"±{control}"
         )
     return "; ".join(texts) + "."
-
-
-def _unbounded(here: DriveErrors, counts: dict[Bound, int], poses: int) -> list[str]:
-    """Return where the errors have no bound, and why."""
-    texts = []
-    if not here.ok:
-        texts.append(f"No bound at the pose: {here.reason()}. The linear estimate is no bound.")
-    for bound, count in counts.items():
-        texts.append(f"No bound at {count} of the {poses} poses: {bound.reason()}.")
-    return texts
 
 
 def manufacture_blocks(
@@ -107,50 +154,89 @@ def manufacture_blocks(
 ) -> list[Block]:
     """Return the errors by manufacture at a pose (4,), with those of robots drawn at random."""
     found = tolerance_errors(design, pose)
-    own = [] if design.deviations == NO_DEVIATIONS else [Note(_own_legs(design, pose))]
+    own: list[Block] = [] if design.deviations == NO_DEVIATIONS else [own_legs(design, pose)]
+    drawn = [] if robots is None else robots_blocks(robots)
+    return [*tolerance_blocks(found), *drawn, *own]
+
+
+def tolerance_blocks(found: ToleranceErrors) -> list[Table | Note]:
+    """Return the errors by tolerances and clearances at a pose, or that there are none."""
     if not np.isfinite(found.worst).all():
-        text = "it is singular, or the loops of the legs do not close"
-        return [Note(f"Errors by manufacture have no value at this pose: {text}.", "warn"), *own]
-    columns = {"Worst": found.worst, "Clearances": found.clearance, "RMS": found.rms}
-    drawn = ""
-    if robots is not None:
-        columns |= {"RMS of robots": robots.rms, "95 % below": robots.quantile(0.95)}
-        lost = int((~robots.ok).sum())
-        drawn = f" {lost} of {len(robots.ok)} robots cannot be assembled." if lost else ""
+        text = "the pose is singular, or the loops of the legs do not close"
+        return [Note(f"Errors by manufacture have no value: {text}.", "warn")]
+    kinds = ("tolerance", "", "rms_tolerance")
     rows = []
-    for index, (name, unit) in enumerate(ERROR_UNITS):
-        cells = (format_value(float(values[index]), unit) for values in columns.values())
-        rows.append(Row((name, *cells, _dominating(found, index))))
+    for index in ORDER:
+        values = (found.worst[index], found.clearance[index], found.rms[index])
+        name, unit, key = ERRORS[index]
+        row = _row(name, unit, values, kinds, key)
+        rows.append(replace(row, cells=(*row.cells, _dominating(found, index))))
+    plane = (found.horizontal, np.nan, found.rms_horizontal)
+    rows.insert(2, _row("position", "m:um", plane, kinds, "horizontal"))
+    tilt = (found.tilt, np.nan, found.rms_tilt)
+    rows.append(_row("tilt", "rad:arcsec", tilt, kinds, "tilt"))
     caption = (
-        "Errors by the tolerances of the lengths and the clearances at the pose, to first "
-        "order: the largest, the part of the clearances in it, the RMS, and which lengths the "
-        "variance comes from."
+        "Errors by the tolerances of the lengths and the clearances at the pose: the largest, the "
+        "part of the clearances in it, the RMS, and which lengths the variance comes from."
     )
-    largest = (
-        f"At most {format_value(float(found.horizontal), 'm:um')} in the plane, and a tilt of "
-        f"{format_value(float(found.tilt), 'rad:arcsec')}.{drawn}"
+    head = ("Errors from tolerances", "Worst", "Clearances", "RMS", "Lengths")
+    text = "To first order; the drives are where the lengths of the design ask them to be."
+    return [Table(head, tuple(rows), caption), Note(text, "muted")]
+
+
+def shares_table(found: ToleranceErrors, index: int) -> Table:
+    """Return the shares of the lengths in the variance of one of `ERRORS`, the largest first."""
+    share = found.shares[index]
+    rows = tuple(
+        Row(
+            (LENGTHS[i].symbol, Cell(f"{100 * share[i]:.1f} %", share=float(share[i]))),
+            hint=LENGTHS[i].label,
+        )
+        for i in np.argsort(-share)
+        if share[i] >= LEAST_SHARE
     )
-    return [Table(("Error of", *columns, "Lengths"), tuple(rows), caption), Note(largest), *own]
+    return Table(
+        ("Length", "Share"),
+        rows,
+        f"Shares in the variance of {ERRORS[index][0]}, all legs together.",
+    )
 
 
 def _dominating(found: ToleranceErrors, index: int) -> str:
     """Return the lengths with the largest shares in the variance of a coordinate."""
-    share = found.shares[index]
-    order = [i for i in np.argsort(-share)[:MOST_LENGTHS] if share[i] >= 0.01]
-    return ", ".join(f"{LENGTHS[i].symbol} {100 * share[i]:.0f} %" for i in order)
+    return ", ".join(" ".join(row.cells) for row in shares_table(found, index).rows[:MOST_LENGTHS])
 
 
-def _own_legs(design: Design, pose: ArrayLike) -> str:
-    """Return where the design's own legs put the platform."""
+def robots_blocks(robots: MonteCarlo) -> list[Table | Note]:
+    """Return the errors of robots that were drawn at random."""
+    half, most, nearly_all = (robots.quantile(share) for share in (0.5, 0.95, 0.997))
+    rows = []
+    for index in ORDER:
+        name, unit, _ = ERRORS[index]
+        values = (part[index] for part in (half, most, nearly_all, robots.rms))
+        rows.append(_row(name, unit, values))
+    count, lost = len(robots.errors), int((~robots.ok).sum())
+    head = (f"{count} robots, seed {robots.seed}", "50 %", "95 %", "99.7 %", "RMS")
+    caption = "Errors of robots drawn at random within the tolerances."
+    blocks: list[Table | Note] = [
+        Table(head, tuple(rows), caption),
+        Note("Errors that this share of the robots does not exceed.", "muted"),
+    ]
+    if lost:
+        blocks.append(Note(f"{lost} of {count} robots cannot be assembled.", "bad"))
+    return blocks
+
+
+def own_legs(design: Design, pose: ArrayLike) -> Note:
+    """Return where the design's own legs put the platform, if they are not alike."""
+    if design.deviations == NO_DEVIATIONS:
+        return Note("All legs have the lengths of the geometry: the platform does not tilt.")
     found = manufactured_pose(design, pose)
     if not found.ok:
-        return f"The design's own legs have no position: {found.reason()}."
+        return Note(f"The design's own legs have no position: {found.reason()}.", "bad")
     off = [*(found.pose - np.asarray(pose)), *found.tilt]
-    texts = (
-        f"{name} {format_value(float(value), unit, 3)}"
-        for (name, unit), value in zip(ERROR_UNITS, off, strict=True)
-    )
-    return (
+    texts = (f"{ERRORS[i][0]} {format_value(float(off[i]), ERRORS[i][1], 3)}" for i in ORDER)
+    return Note(
         "With drives set for equal legs, the design's own put the platform off by "
         f"{', '.join(texts)}."
     )

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from paminsa_viz.blocks.accuracy import ERRORS, ORDER
 from paminsa_viz.blocks.data import record
-from paminsa_viz.blocks.kinds import Block, Note, Row, Table, rows
+from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, rows, shown
 from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.precision.calibration import KNOWN, Calibration, describe
+from paminsa_viz.precision.calibration_plan import CalibrationPlan
 from paminsa_viz.precision.calibration_problem import COUNT
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
 from paminsa_viz.precision.measurements import PredictionErrors
 from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
-from paminsa_viz.units import MM, format_value, interval_text, number
+from paminsa_viz.units import MM, display_unit, fixed, format_value, interval_text, number
 
 MOST_COMBINATIONS = 10
 """Combinations that are listed: the best and the worst known ones."""
-
-ERROR_UNITS = tuple("m:um" if name in "xyz" else "rad:arcsec" for name in SIX_COORDINATES)
-"""Units of the errors of `SIX_COORDINATES`."""
 
 
 def calibration_blocks(found: Calibration, most: int | None = MOST_COMBINATIONS) -> list[Block]:
@@ -34,12 +35,13 @@ def calibration_blocks(found: Calibration, most: int | None = MOST_COMBINATIONS)
     back = f", {held} held back" if held else ""
     opening = f"{found.after.poses} poses of {len(found.after.rms)} coordinates fitted{back}."
     return [
-        Note(opening), _verdict(found), _errors(found), Note(_rank(found)),
-        _combinations(found, most), _deviations(found),
+        Note(opening), verdict(found), errors_table(found), Note(_rank(found)),
+        combinations_table(found, most), *deviation_blocks(found),
     ]  # fmt: skip
 
 
-def _verdict(found: Calibration) -> Note:
+def verdict(found: Calibration) -> Note:
+    """Return whether the calibration is of use."""
     if not found.improved:
         return Note("Not better than before: there is nothing to use.", "bad")
     if found.after_held.poses:
@@ -47,41 +49,47 @@ def _verdict(found: Calibration) -> Note:
     return Note("No pose was held back: how well others are predicted is not checked.", "warn")
 
 
-def _errors(found: Calibration) -> Table:
+def errors_table(found: Calibration) -> Table:
     """Return the errors of each coordinate, before and after, of fitted and held-back poses."""
     sets = [("fitted", found.before, found.after)]
     if found.after_held.poses:
         sets.append(("held back", found.before_held, found.after_held))
-    head = [f"{name}: {kind}" for name, *_ in sets for kind in ("RMS before", "RMS", "largest")]
-    cells = (
-        (
-            SIX_COORDINATES[place],
-            *(
-                format_value(float(values[place]), ERROR_UNITS[place])
-                for _, before, after in sets
-                for values in (before.rms, after.rms, after.largest)
-            ),
+    head = [f"{name}: {kind}" for name, *_ in sets for kind in ("before", "after", "largest")]
+    found_rows = []
+    for place in (place for place in ORDER if place < len(found.after.rms)):
+        name, unit, _ = ERRORS[place]
+        cells = (
+            shown(values[place], unit)
+            for _, before, after in sets
+            for values in (before.rms, after.rms, after.largest)
         )
-        for place in range(len(found.after.rms))
-    )
-    return Table(("Error of", *head), rows(*cells), "Measured poses less those that are predicted.")
+        found_rows.append(Row((heading(name, unit), *cells)))
+    caption = "RMS of measured poses less those that are predicted, and the largest difference."
+    return Table(("RMS", *head), tuple(found_rows), caption)
 
 
 def _rank(found: Calibration) -> str:
-    values, rank, count = found.singular_values, found.rank, len(found.combinations)
+    values, rank = found.singular_values, found.rank
     text = (
         f"{rank} of {COUNT} combinations show with equal legs: singular values "
         f"{number(values[0], 2)} to {number(values[rank - 1], 2)}"
     )
     if rank < len(values):
         text += f", then {number(values[rank], 2)}"
+    return f"{text}. {fitted_text(found)}"
+
+
+def fitted_text(found: Calibration) -> str:
+    """Return how many combinations of lengths were fitted, and the noise that is left."""
+    count = len(found.combinations)
     return (
-        f"{text}. {count} are known to {format_value(KNOWN, 'm')} and fitted, {COUNT - count} keep "
-        f"their value; noise {format_value(found.noise, 'm:um', 3)}."
+        f"{count} of {COUNT} combinations of lengths are known to {format_value(KNOWN, 'm')} and "
+        f"fitted, {COUNT - count} keep their value; noise {format_value(found.noise, 'm:um', 3)}."
     )
 
 
-def _combinations(found: Calibration, most: int | None) -> Table:
+def combinations_table(found: Calibration, most: int | None = None) -> Table:
+    """Return the combinations that were fitted: all, or the best and the worst known ones."""
     chosen = list(enumerate(found.combinations, 1))
     if most is not None and len(chosen) > most:
         chosen = chosen[: most // 2] + chosen[-(most // 2) :]
@@ -90,24 +98,72 @@ def _combinations(found: Calibration, most: int | None) -> Table:
         for place, item in chosen
     )
     caption = "Combinations of lengths, best known first, with their 95 % intervals."
-    return Table(("", "Combination", "Value [mm]"), rows(*cells), caption, words=2, literal=True)
+    head = ("", "Combination, its leading lengths (leg)", "Value [mm]")
+    return Table(head, rows(*cells), caption, words=2)
 
 
-def _deviations(found: Calibration) -> Table:
-    values = deviation_array(found.design)
-    cells = tuple(
-        Row(
-            (
-                length.symbol, length.label,
-                *(format_value(float(values[leg, place]), length.unit) for leg in range(3)),
-            )
+def deviation_blocks(found: Calibration) -> list[Table | Note]:
+    """Return the deviations of the legs, actual minus nominal."""
+    values, sizes = deviation_array(found.design), found.standard_deviations
+
+    def cell(leg: int, place: int) -> Cell:
+        factor = display_unit(LENGTHS[place].unit).factor
+        value, size = (factor * float(one[leg, place]) for one in (values, sizes))
+        if math.isfinite(size):
+            return Cell(interval_text(value, size))
+        return Cell(number(value, 2), kind="muted")
+
+    text = "Actual minus nominal; ± is one standard deviation."
+    if not found.determined.all():
+        text += (
+            " Without ±: known in sums with others alone, one of many sets that predict the same "
+            "poses."
         )
-        for place, length in enumerate(LENGTHS)
-    )  # fmt: skip
-    caption = "Deviations of the legs" + (
-        "." if found.determined.all() else ", of which only sums are known."
+    return [_of_lengths("Deviation", cell, "Deviations of the legs."), Note(text, "muted")]
+
+
+def _of_lengths(what: str, cell: Callable[[int, int], Cell], caption: str) -> Table:
+    """Return a table of all lengths of the legs; ``cell`` is called with leg and place."""
+    found = tuple(
+        Row((heading(one.symbol, one.unit), one.label, *(cell(leg, place) for leg in range(3))))
+        for place, one in enumerate(LENGTHS)
     )
-    return Table(("", "Length", "Leg 1", "Leg 2", "Leg 3"), cells, caption, words=2)
+    return Table((what, "Length", "Leg 1", "Leg 2", "Leg 3"), found, caption, words=2)
+
+
+def plan_blocks(plan: CalibrationPlan) -> list[Table | Note]:
+    """Return how well each length would be known by proposed poses."""
+
+    def cell(leg: int, place: int) -> Cell:
+        size = float(plan.standard_deviations[leg, place])
+        if not math.isfinite(size):
+            return Cell("in sums", kind="muted")
+        return Cell(f"± {number(display_unit(LENGTHS[place].unit).factor * size, 2)}")
+
+    text = (
+        "± is one standard deviation. Of lengths in sums, the poses show combinations with others: "
+        "enough to predict poses. Legs that differ show more."
+    )
+    table = _of_lengths("Length, by itself", cell, "How well the poses tell each length.")
+    return [table, Note(text, "muted")]
+
+
+def poses_table(plan: CalibrationPlan) -> Table:
+    """Return proposed poses with the readings of their actuators."""
+    units = {"x": "m", "y": "m", "θ": "rad", "z": "m", "θ₁": "rad", "θ₂": "rad", "θ₃": "rad",
+             "Z": "m"}  # fmt: skip
+    asked = plan.measurements
+    cells = (
+        (
+            str(place),
+            *(
+                fixed(value * display_unit(unit).factor, 1 if unit == "m" else 2)
+                for value, unit in zip((*pose[:4], *readings), units.values(), strict=True)
+            ),
+        )
+        for place, (pose, readings) in enumerate(zip(asked.poses, asked.actuators, strict=True), 1)
+    )
+    return Table(("", *units), rows(*cells), "Poses to measure, in mm and degrees.", literal=True)
 
 
 def calibration_data(found: Calibration, source: str) -> dict[str, Any]:

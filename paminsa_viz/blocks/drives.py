@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from paminsa_viz.actuation.catalog import Catalog
@@ -10,12 +11,12 @@ from paminsa_viz.actuation.duty import ActuatorLoad, Duty, DutyCycle, duty_cycle
 from paminsa_viz.actuation.ratios import GearRatios
 from paminsa_viz.actuation.selection import DriveFigures, Selection, size_design
 from paminsa_viz.blocks.data import record
-from paminsa_viz.blocks.kinds import Block, Note, Row, Table, rows
+from paminsa_viz.blocks.kinds import Block, Cell, CellKind, Note, Row, Table, rows
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.trajectory import TrajectoryAnalysis
-from paminsa_viz.units import NONE, format_value, number
+from paminsa_viz.units import NONE, fixed, format_value, number
 
 RPM = 30 / math.pi
 """Revolutions per minute in a radian per second."""
@@ -56,49 +57,19 @@ def drives_blocks(analysis: TrajectoryAnalysis) -> list[Block]:
         text = "The robot cannot run the trajectory, so they are not measured."
         return [*blocks, Note(text, "bad")]
     found = size_design(duty_cycle(design, [Duty(analysis.trajectory)]), design)
-    measured = [
-        (name, one, color)
-        for name, one, color in zip(ACTUATORS, found, ACTUATOR_COLORS, strict=True)
-        if one is not None
-    ]
-    short = [name for name, one, _ in measured if not one.feasible]
+    short = [name for name, one in zip(ACTUATORS, found, strict=True) if one and not one.feasible]
     if short:
         blocks.append(Note(f"Too weak for this motion, repeated: {', '.join(short)}.", "bad"))
     else:
         blocks.append(Note("Every drive keeps its limits on this motion, repeated.", "ok"))
-    head = (
-        "", "Share of its limits", "by", "RMS torque", "Peak", "Top speed", "Peak power",
-        "Inertia ratio", "Winding",
-    )  # fmt: skip
-    shares = tuple(
-        Row(_cells(name, one), "plain" if one.feasible else "marked", color)
-        for name, one, color in measured
-    )
-    return [
-        *blocks,
-        Table(head, shares, "Drives on the trajectory, at the motor's shaft.", words=1),
-    ]
-
-
-def _cells(name: str, one: DriveFigures) -> tuple[str, ...]:
-    return (
-        name,
-        f"{100 * one.use:.0f} %",
-        one.limit,
-        format_value(one.rms, "N m", 3),
-        format_value(one.peak, "N m", 3),
-        f"{one.top_speed * RPM:.0f} rpm",
-        format_value(one.top_power, "W", 3),
-        number(one.inertia_ratio, 3),
-        winding_text(one),
-    )
+    return [*blocks, own_table(design, found)]
 
 
 LOAD_HEAD = ("Load", "Peak", "RMS", "Top speed", "Peak power", "Inertia")
 
 FIGURES_HEAD = (
-    "", "Drive", "Ratio", "Margin", "by", "RMS [N·m]", "Peak [N·m]", "rpm", "W", "Inertia ratio",
-    "Winding", "kg", "Cost",
+    "", "Drive", "Ratio", "Margin", "Limited by", "RMS [N·m]", "Peak [N·m]", "Speed [rpm]",
+    "Power [W]", "Inertia ratio", "Winding", "Mass [kg]", "Cost",
 )  # fmt: skip
 
 
@@ -124,10 +95,8 @@ def selection_blocks(
     """
     loads = tuple(Row(_load(load)) for load in found.cycle.loads)
     blocks: list[Block] = [Table(LOAD_HEAD, loads, "Loads of the actuators, without drives.")]
-    own = size_design(found.cycle, design)
-    if any(own):
-        measured = [(f"M{j + 1}", one) for j, one in enumerate(own) if one is not None]
-        blocks.append(figures_table("The design's own drives.", measured))
+    if any(design.drives):
+        blocks.append(own_table(design, size_design(found.cycle, design)))
     for j, sizing in enumerate(found.sizings):
         if found.same and j in (1, 2):
             continue
@@ -150,20 +119,64 @@ def figures_table(caption: str, figures: list[tuple[str, DriveFigures]]) -> Tabl
     return Table(FIGURES_HEAD, lines, caption, words=2, literal=True)
 
 
-def figure_cells(one: DriveFigures) -> tuple[str, ...]:
-    """Return the cells of `FIGURES_HEAD` after the first."""
+def own_table(design: Design, figures: Sequence[DriveFigures | None]) -> Table:
+    """Return the drives of a design with their figures on a load, or without."""
+    lines = []
+    for name, drive, one, color in zip(
+        ACTUATORS, design.drives, figures, ACTUATOR_COLORS, strict=True
+    ):
+        text = "none" if drive is None else drive.name or drive.summary
+        cells = (text, "", NONE) if one is None else figure_cells(one, good="ok")
+        kind = "plain" if one is None or one.feasible else "marked"
+        lines.append(Row((name, *cells), kind, color))
+    caption = "The design's own drives, at the motor's shaft."
+    return Table(FIGURES_HEAD, tuple(lines), caption, words=2, literal=True)
+
+
+def facts_table(one: DriveFigures) -> Table:
+    """Return what a drive gives, beside its limits."""
+    drive = one.drive
+
+    def row(label: str, value: float, limit: float | None, unit: str) -> tuple[str, str, str]:
+        if limit is None or not math.isfinite(limit):
+            return label, f"{number(value, 3)} {unit}", ""
+        share = f"{100 * value / limit:.0f} % of {number(limit, 4)}"
+        return label, f"{number(value, 4 if unit == 'rpm' else 3)} {unit}", share
+
+    count = NONE
+    if drive.resolution is not None:
+        unit = "µrad" if drive.lead is None else "µm"
+        count = f"{number(1e6 * drive.resolution, 2)} {unit}"
+    low, high = one.ratios
+    fit = "no ratio fits" if math.isnan(low) else f"{number(low, 3)} to {number(high, 3)} fit"
+    cells = [
+        row("RMS torque", one.rms, drive.rated_torque, "N·m"),
+        row("peak torque", one.peak, drive.corners[0][1], "N·m"),
+        ("envelope", f"{100 * one.envelope:.0f} %", ""),
+        row("top speed", one.top_speed * RPM, drive.corners[-1][0] * RPM, "rpm"),
+        ("peak power", f"{number(one.top_power, 3)} W", ""),
+        ("inertia ratio", number(one.inertia_ratio, 3), "robot over motor"),
+        ("winding", winding_text(one), "temperature rise"),
+        ("gear ratio", f"{drive.gear_ratio:g}", fit),
+        ("one count", count, "of the encoder"),
+    ]
+    return Table(("",) * 3, rows(*cells), literal=True)
+
+
+def figure_cells(one: DriveFigures, *, good: CellKind = "plain") -> tuple[str, ...]:
+    """Return the cells of `FIGURES_HEAD` after the first; ``good`` is a margin that there is."""
     drive = one.drive
     return (
-        drive.name or drive.summary, f"{drive.gear_ratio:g}", margin_text(one), one.limit,
+        drive.name or drive.summary, f"{drive.gear_ratio:g}", margin_text(one, good), one.limit,
         number(one.rms, 3), number(one.peak, 3), f"{one.top_speed * RPM:.0f}",
         number(one.top_power, 3), number(one.inertia_ratio, 3), winding_text(one),
         *(NONE if value is None else f"{value:g}" for value in (drive.mass, drive.cost)),
     )  # fmt: skip
 
 
-def margin_text(one: DriveFigures) -> str:
+def margin_text(one: DriveFigures, good: CellKind) -> Cell:
     """Return what is left of the limit that is used most, as a percentage of it."""
-    return f"{100 * (1 - one.use):.0f} %".replace("-", "−")
+    return Cell(f"{fixed(100 * (1 - one.use), 0)} %", kind=good if one.feasible else "bad")
 
 
 def winding_text(one: DriveFigures) -> str:

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from paminsa_viz.blocks.data import record
-from paminsa_viz.blocks.kinds import Block, Note, Row, Table
+from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table
 from paminsa_viz.identification.excitation import Excitation, KeptLimit
 from paminsa_viz.model.design import Design
 from paminsa_viz.units import NONE, format_value, number
@@ -47,7 +47,8 @@ def _cells(row: KeptLimit) -> tuple[str, ...]:
     over, under = (row.limit, row.value) if row.least else (row.value, row.limit)
     share = NONE if not under or not math.isfinite(under) else f"{100 * over / under:.0f} %"
     value = format_value(row.value, row.unit, 3)
-    return row.name, value, limit, f"{number(row.t, 3)} s", share
+    used = Cell(share, kind="plain" if row.kept else "bad")
+    return row.name, value, limit, f"{number(row.t, 3)} s", used
 
 
 def excitation_data(design: Design, found: Excitation) -> dict[str, Any]:

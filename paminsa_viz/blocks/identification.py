@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from paminsa_viz.blocks.data import record
-from paminsa_viz.blocks.kinds import Block, Figure, Note, Row, Table, rows
+from paminsa_viz.blocks.kinds import Block, Figure, Note, Row, Table, heading, rows
 from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.findings import Findings
+from paminsa_viz.identification.results import Estimate, Identity
 from paminsa_viz.identification.validation import PayloadEstimate
 from paminsa_viz.model.drive import ACTUATORS, TORQUE_UNITS
-from paminsa_viz.units import NONE, format_value, interval_text, number, unit_text
+from paminsa_viz.units import display_unit, format_value, interval_text, number
 
 TRIED = 5
 """Causes that are listed with those that are named."""
@@ -37,29 +38,35 @@ def identification_blocks(findings: Findings) -> list[Block]:
         for name, rms, unit in zip(ACTUATORS, one.noise, TORQUE_UNITS, strict=True)
     )
     blocks.append(Note(f"RMS of what is left: {rest}."))
-    head = ("", "Parameter", "Log, 95 %", "Unit", "Design")
-    numbers = tuple(
-        Row(
-            (
-                item.symbol, item.parameter.label,
-                interval_text(item.value, item.half_width) if item.known else "unknown",
-                unit_text(item.parameter.unit), number(item.parameter.design, 4),
-            ),
-            "marked" if _differs(item.value, item.half_width, item.parameter.design, item.known)
-            else "plain",
-        )
-        for item in one.estimates
-    )  # fmt: skip
-    caption = "Numbers that the log tells; marked where the design's is outside the interval."
-    blocks.append(Table(head, numbers, caption, words=2))
+    blocks.append(estimates_table(findings))
     if one.unknown:
         reasons = rows(*((item.symbol, item.reason) for item in one.unknown))
         blocks.append(Table(("", "Why"), reasons, "Unknown parameters.", words=2))
-    blocks.append(_causes(findings))
-    unseen = rows(*((text,) for text in findings.causes.unseen))
-    blocks.append(Table(("",), unseen, "What cannot be seen in this log."))
-    blocks += _checks(findings)
-    return [*blocks, _masses(findings)]
+    blocks += [causes_table(findings), unseen_note(findings)]
+    if (checks := checks_table(findings)).rows:
+        blocks.append(checks)
+    return [*blocks, masses_table(findings)]
+
+
+def estimates_table(findings: Findings) -> Table:
+    """Return the numbers of the model that a log tells, beside those of the design."""
+    found = []
+    for item in findings.identification.estimates:
+        p = item.parameter
+        factor = display_unit(p.unit).factor
+        text = "unknown"
+        if item.known:
+            text = interval_text(factor * item.value, factor * item.half_width)
+        cells = (heading(item.symbol, p.unit), p.label, text, number(factor * p.design, 4))
+        found.append(Row(cells, _estimate_kind(item), hint=item.reason))
+    caption = "Numbers that the log tells; marked where the design's is outside the interval."
+    return Table(("", "Parameter", "Log, 95 %", "Design"), tuple(found), caption, words=2)
+
+
+def _estimate_kind(item: Estimate) -> Literal["plain", "marked", "muted"]:
+    if not item.known:
+        return "muted"
+    return "marked" if abs(item.value - item.parameter.design) > item.half_width else "plain"
 
 
 def _torques(findings: Findings) -> bytes:
@@ -69,92 +76,97 @@ def _torques(findings: Findings) -> bytes:
     return render_series(log_series(findings), "svg", caption=False)
 
 
-def _differs(value: float, half_width: float, design: float, known: bool) -> bool:
-    return known and abs(value - design) > half_width
-
-
 def _verdict(findings: Findings) -> Note:
     """Return whether masses and friction explain the log."""
     identity = findings.identification.identity
     named = "; ".join(item.text for item in findings.causes.named)
-    check = NONE
-    if identity.holds is not None:
-        size = interval_text(identity.value, identity.half_width)
-        verdict = "holds" if identity.holds else "fails"
-        check = f"{verdict}, {size} N, z = {number(identity.z, 2)}"
+    checked = identity_note(identity).text
     if named or identity.holds is False:
         what = f"What may be wrong: {named}." if named else "A spring may be."
-        text = f"Masses and friction do not explain the log. {what} Identity of the masses: {check}"
-        return Note(f"{text}.", "bad")
-    return Note(f"Masses and friction explain the log. Identity of the masses: {check}.", "ok")
+        return Note(f"{UNEXPLAINED}. {what} {checked}", "bad")
+    return Note(f"{EXPLAINED}. {checked}", "ok")
 
 
-def _causes(findings: Findings) -> Table:
+EXPLAINED = "Masses and friction explain the log"
+UNEXPLAINED = "Masses and friction do not explain the log"
+
+
+def identity_note(identity: Identity) -> Note:
+    """Return whether the identity of the masses holds."""
+    if identity.holds is None:
+        return Note("Identity of the masses: not checked.")
+    size = interval_text(identity.value, identity.half_width)
+    verdict, kind = ("holds", "ok") if identity.holds else ("fails", "bad")
+    text = f"Identity of the masses: {verdict}, {size} N, z = {number(identity.z, 2)}."
+    return Note(text, kind)
+
+
+def causes_table(findings: Findings) -> Table:
+    """Return what was tried as a cause of what the model leaves; named ones are marked."""
     causes = findings.causes
     others = [item for item in causes.ranked if not item.named and item.explains > 0][:TRIED]
-    rows = tuple(
+    found = tuple(
         Row(
             (
-                item.text,
-                _size(item),
-                f"{100 * item.explains:.1f} %",
+                item.text, cause_size(item), f"{100 * item.explains:.1f} %",
                 "yes" if item.named else "no",
             ),
-            "marked" if item.named else "plain",
+            "marked" if item.named else "muted",
         )
         for item in (*causes.named, *others)
-    )
-    head = ("Cause", "Size, 95 %", "Explains of the residual", "Significant at 0.1 %")
-    return Table(head, rows, "Causes of what the model leaves, tried one by one.", words=1)
+    )  # fmt: skip
+    head = ("Cause, by itself", "Size, 95 %", "Explains of the residual", "Significant at 0.1 %")
+    return Table(head, found, "Causes of what the model leaves, tried one by one.")
 
 
-def _size(item: Cause) -> str:
-    factor, unit = (1.0, unit_text(item.unit)) if item.unit else (100.0, "%")
+def cause_size(item: Cause) -> str:
+    """Return the size of a cause, with its interval."""
+    factor, unit = display_unit(item.unit or "1:%")
     return f"{interval_text(factor * item.value, factor * item.half_width)} {unit}"
 
 
-def _checks(findings: Findings) -> list[Block]:
-    found: list[Block] = []
+def unseen_note(findings: Findings) -> Note:
+    """Return what the log cannot show."""
+    return Note(f"Cannot be seen in this log: {'; '.join(findings.causes.unseen)}.", "muted")
+
+
+def checks_table(findings: Findings) -> Table:
+    """Return what a second log, and one with a payload, say of the numbers; empty without."""
+    cells: list[tuple[str, str]] = []
     check, payload = findings.validation, findings.payload
     if check is not None:
         ratios = ", ".join(
-            f"{name} {number(float(ratio), 4)}"
+            f"{name} {number(float(ratio), 3)}"
             for name, ratio in zip(ACTUATORS, check.ratio, strict=True)
         )
-        found.append(
-            Note(
-                f"The numbers predict “{check.log.name}” with a residual, over that of its own "
-                f"fit, of {ratios}."
-            )
-        )
+        cells.append((f"Second log, “{check.log.name}”", f"residual over its own fit’s: {ratios}"))
     if payload is not None:
-        trusted = interval_text(payload.mass, payload.half_width)
         free = interval_text(payload.free_mass, payload.free_half_width)
-        text = f"Payload {trusted} kg; {free} kg if F_4 may have drifted between the logs."
-        text += f" The drift is then {interval_text(payload.drift, payload.drift_half_width)} N."
+        drift = interval_text(payload.drift, payload.drift_half_width)
+        cells += [
+            ("Payload", f"{interval_text(payload.mass, payload.half_width)} kg"),
+            ("if F_4 drifted between the logs", f"{free} kg, a drift of {drift} N"),
+        ]
         if payload.gain is not None:
-            text += f" Common gain of the torques {interval_text(*payload.gain)}."
-        found.append(Note(text))
-    return found
+            cells.append(("Common gain of the torques", interval_text(*payload.gain)))
+    return Table(("", ""), rows(*cells), "Checks by other logs.", words=2)
 
 
-def _masses(findings: Findings) -> Table:
-    rows = tuple(
-        Row(
-            (
-                item.parameter.symbol, item.parameter.label,
-                interval_text(item.value, item.deviation) if item.told else number(item.value, 4),
-                number(item.prior, 4), unit_text(item.parameter.unit),
-                "" if item.told else "as designed: not in the log",
-            )
-        )
-        for item in findings.nearest.masses
-    )  # fmt: skip
-    head = ("", "Mass or inertia", "Nearest", "Design", "Unit", "")
+def masses_table(findings: Findings) -> Table:
+    """Return the masses nearest to the design that explain the log."""
+    found = []
+    for item in findings.nearest.masses:
+        p, factor = item.parameter, item.parameter.display.factor
+        text, why = number(factor * item.value, 4), "as designed: not in the log"
+        if item.told:
+            text, why = interval_text(factor * item.value, factor * item.deviation), ""
+        cells = (heading(p.symbol, p.unit), p.label, text, number(factor * item.prior, 4), why)
+        found.append(Row(cells, "plain" if item.told else "muted"))
     caption = (
-        "Masses nearest to the design that explain the log; ± one deviation, given the design."
+        "Masses nearest to the design that explain the log; ± is one standard deviation, given the "
+        "design."
     )
-    return Table(head, rows, caption, words=2)
+    return Table(("", "Mass or inertia", "Nearest", "Design", ""), tuple(found), caption, words=2)
 
 
 def identification_data(found: Findings, written: Sequence[Path]) -> dict[str, Any]:

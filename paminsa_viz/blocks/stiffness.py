@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from paminsa_viz.blocks.kinds import Block, Note, Row, Table
+from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, aligned, heading, shown
 from paminsa_viz.elastostatics.beams import TubeFit
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
 from paminsa_viz.elastostatics.leg_frame import contacts
 from paminsa_viz.elastostatics.stiffness import (
     SHARE_LABELS,
     SHARES,
+    Compensation,
     PlatformStiffness,
     compensate,
     load_wrench,
@@ -32,6 +33,15 @@ MODES = 6
 """Natural frequencies of the table."""
 
 AXES = ("x", "y", "z", "about x", "about y", "about z")
+AXIS_KEYS = ("x", "y", "z", "", "", "theta")
+"""Endings of the keys of their stiffness as quantities."""
+
+DIGITS = 4
+"""Of stiffness and frequencies."""
+
+LEAST_SHARE = 0.0005
+"""Smallest share in the strain energy that is listed."""
+
 ACTUATED = (0, 1, 5, 2)
 """Places of x, y, theta, z among them."""
 
@@ -58,7 +68,11 @@ def stiffness_blocks(
 ) -> list[Block]:
     """Return stiffness, deflection, shares of the parts and natural frequencies at a pose."""
     return [
-        *_directions(design, found),
+        directions_table(design, found),
+        Note(
+            f"The softest horizontal direction is {softest_text(found)}. "
+            f"{_ellipsoid_text(design, found)}"
+        ),
         *_loaded(design, found.pose, shear=shear),
         *_vibration(design, found.pose, shear=shear),
     ]
@@ -112,18 +126,35 @@ def _data(design: Design) -> Table:
     return Table(("Part", "What", "Value"), tuple(rows), caption, words=2)
 
 
-def _directions(design: Design, found: PlatformStiffness) -> list[Block]:
-    """Return the stiffness along and about the axes, and the ellipsoid of compliance."""
+def directions_table(design: Design, found: PlatformStiffness) -> Table:
+    """Return the stiffness along and about the axes."""
     alone = np.linalg.inv(drive_stiffness(design, found.pose))
     rows = []
-    for axis, name in enumerate(AXES):
+    for axis, (name, key) in enumerate(zip(AXES, AXIS_KEYS, strict=True)):
         unit, rigid = "N/m" if axis < 3 else "N m/rad", "rigid"
         if axis in ACTUATED:
             place = ACTUATED.index(axis)
-            rigid = format_value(float(1 / alone[place, place]), unit)
-        rows.append(Row((name, format_value(float(found.along(axis)), unit), rigid)))
-    rows.append(Row(("softest horizontal", format_value(float(found.horizontal), "N/m"))))
-    rows.append(Row(("softest tilt", format_value(float(found.tilt), "N m/rad"))))
+            rigid = shown(1 / alone[place, place], unit, DIGITS)
+        rows.append(_direction(name, unit, float(found.along(axis)), key, rigid))
+    rows.append(_direction("softest horizontal", "N/m", float(found.horizontal), "horizontal"))
+    rows.append(_direction("softest tilt", "N m/rad", float(found.tilt), "tilt"))
+    caption = "Stiffness at the pose, motors locked: of the whole robot, and with rigid bars."
+    return Table(("Stiffness", "Whole robot", "Drives alone"), tuple(rows), caption)
+
+
+def _direction(name: str, unit: str, value: float, key: str, rigid: str = "") -> Row:
+    """Return a row of the stiffness; ``key`` ends that of the quantity, empty for none."""
+    text = Cell(shown(value, unit, DIGITS), quantity=f"stiffness_{key}" if key else "")
+    return Row((heading(name, unit), text, rigid))
+
+
+def softest_text(found: PlatformStiffness) -> str:
+    """Return the direction in which the robot is softest in the plane."""
+    return f"{format_value(float(found.softest_direction), 'rad', 3)} from x"
+
+
+def _ellipsoid_text(design: Design, found: PlatformStiffness) -> str:
+    """Return the ellipsoid of compliance, and which bars would touch."""
     axes, directions = found.ellipsoid()
     softest = ", ".join(f"{value:.2f}" for value in directions[:, -1])
     text = (
@@ -134,9 +165,13 @@ def _directions(design: Design, found: PlatformStiffness) -> list[Block]:
         text += (
             f" Center lines in one plane: {', '.join(touching)} would touch and are let through."
         )
-    caption = "Stiffness at the pose, motors locked: of the whole robot, and with rigid bars."
-    head = ("Direction", "Whole robot", "Drives alone")
-    return [Table(head, tuple(rows), caption), Note(text)]
+    return text
+
+
+NO_FREQUENCIES = (
+    "There are no natural frequencies: weight and load push the platform away harder than drives "
+    "and bars hold it."
+)
 
 
 def _vibration(design: Design, pose: Array, *, shear: bool) -> list[Block]:
@@ -146,51 +181,81 @@ def _vibration(design: Design, pose: Array, *, shear: bool) -> list[Block]:
     except InvalidInput as error:  # of a bar, which stiffness at rest does without
         return [Note(f"There are no natural frequencies: {error}.", "warn")]
     if not modes.ok:
-        text = "Weight and load push the platform away harder than drives and bars hold it"
-        return [Note(f"{text}: there are no natural frequencies.", "warn")]
-    alone = drive_modes(design, pose).frequencies
+        return [Note(NO_FREQUENCIES, "warn")]
+    return [modes_table(modes.frequencies, drive_modes(design, pose).frequencies)]
+
+
+def modes_table(frequencies: Sequence[float] | Array, alone: Sequence[float] | Array) -> Table:
+    """Return the natural frequencies of the whole robot, and of its drives alone [Hz]."""
     rows = []
-    for place, frequency in enumerate(modes.frequencies):
-        rigid = format_value(float(alone[place]), "Hz") if place < alone.size else NONE
-        rows.append(Row((f"{place + 1}", format_value(float(frequency), "Hz"), rigid)))
+    for place, frequency in enumerate(frequencies):
+        key = "" if place else "frequency_1"
+        text = Cell(shown(frequency, "Hz", DIGITS), quantity=key)
+        rigid = shown(alone[place], "Hz", DIGITS) if place < len(alone) else NONE
+        rows.append(Row((f"{place + 1}", text, rigid)))
     caption = (
         "Natural frequencies at the pose, motors locked: of the whole robot, and with rigid bars "
         "and elastic drives."
     )
-    return [Table(("Mode", "Whole robot", "Drives alone"), tuple(rows), caption)]
+    head = (heading("Natural frequency", "Hz"), "Whole robot", "Drives alone")
+    return Table(head, tuple(rows), caption)
+
+
+NOTHING_DEFLECTED = "There is no payload and no load, so nothing is deflected."
 
 
 def _loaded(design: Design, pose: Array, *, shear: bool) -> list[Block]:
     """Return deflection, compensation and shares under payload and load, or under unit forces."""
-    shares = strain_cases(design, pose, shear=shear)
-    order = np.argsort(-np.max(list(shares.values()), axis=0))
-    rows = tuple(
-        Row((SHARE_LABELS[i], *(f"{100 * share[i]:.1f} %" for share in shares.values())))
-        for i in order
-        if any(share[i] > 0 for share in shares.values())
-    )
-    caption = "Shares of the parts in the strain energy: the largest is what to stiffen first."
-    table = Table(("Part", *shares), rows, caption)
+    table = shares_table(strain_cases(design, pose, shear=shear))
     wrench = load_wrench(design, pose)
     if not np.any(wrench):
-        return [Note("There is no payload and no load, so nothing is deflected."), table]
+        return [Note(NOTHING_DEFLECTED), table]
     moved = compensate(design, pose, shear=shear)
-    twist, back = _rounded(moved.deflection), _rounded(moved.actuators)
-    units = (("N", "m"),) * 3 + (("N m", "rad"),) * 3
-    deflections = tuple(
-        Row((name, format_value(float(load), of), format_value(float(value), unit, 3)))
-        for name, load, value, (of, unit) in zip(AXES, wrench, twist, units, strict=True)
+    deflected = deflection_table("payload and load", wrench, moved.deflection)
+    return [deflected, Note(compensation_text(moved)), table]
+
+
+def shares_table(cases: Mapping[str, Array]) -> Table:
+    """Return the shares of the parts in the strain energy of load cases, the largest first."""
+    most = np.max(list(cases.values()), axis=0)
+    rows = tuple(
+        Row((SHARE_LABELS[i], *(_share(float(share[i])) for share in cases.values())))
+        for i in np.argsort(-most, kind="stable")
+        if most[i] >= LEAST_SHARE
     )
+    caption = "Shares of the parts in the strain energy: the largest is what to stiffen first."
+    return Table(("Part", *cases), rows, caption)
+
+
+def _share(share: float) -> Cell:
+    return Cell(f"{100 * share:.1f} %", share=share)
+
+
+def deflection_table(case: str, wrench: Array, twist: Array) -> Table:
+    """Return the deflection (6,) of the platform's center under a wrench (6,)."""
+    moved, loads = _rounded(twist), [float(load) for load in wrench]
+    found = (*aligned(moved[:3], "m"), *aligned(moved[3:], "rad:mrad"))
+    units = (("N", "m"),) * 3 + (("N m", "rad:mrad"),) * 3
+    rows = [
+        Row((heading(name, unit), format_value(load, of), text))
+        for name, load, text, (of, unit) in zip(AXES, loads, found, units, strict=True)
+    ]
+    tilt = float(np.hypot(*moved[3:5]))
+    rows.append(Row((heading("tilt", "rad:mrad"), "", aligned([*moved[3:], tilt], "rad:mrad")[-1])))
+    caption = f"Deflection of the platform's center under {case}."
+    return Table(("", "Load", "Deflection"), tuple(rows), caption)
+
+
+def compensation_text(moved: Compensation) -> str:
+    """Return how the motors bring the platform back, and the tilt that remains."""
     motors = ", ".join(
-        f"{name} {format_value(value, 'm' if name == 'M4' else 'rad', 3)}"
-        for name, value in zip(ACTUATORS, back, strict=True)
+        f"{name} {format_value(value, 'm' if name == 'M4' else 'rad:mrad', 3)}"
+        for name, value in zip(ACTUATORS, _rounded(moved.actuators), strict=True)
     )
-    text = (
+    return (
         f"The motors bring x, y, θ and z back with {motors}; a tilt of "
-        f"{format_value(float(np.hypot(*twist[3:5])), 'rad', 3)} remains."
+        f"{format_value(float(moved.tilt), 'rad:mrad', 3)} remains."
     )
-    caption = "Deflection of the platform's center under payload and load."
-    return [Table(("", "Load", "Deflection"), deflections, caption), Note(text), table]
 
 
 def _rounded(values: Array) -> Array:

@@ -14,7 +14,7 @@ from paminsa_viz.model import APPENDIX_4, Drive, DriveAccuracy, singular_rotatio
 from paminsa_viz.precision.drive_errors import drive_errors
 from paminsa_viz.precision.leg_lengths import with_deviations
 from paminsa_viz.precision.manufacture import manufactured_pose, monte_carlo, tolerance_errors
-from paminsa_viz.units import format_ascii
+from paminsa_viz.units import number
 from tests.support.commands import run, run_json
 
 FOLD = float(np.degrees(singular_rotation(APPENDIX_4.geometry)))
@@ -42,9 +42,9 @@ def test_table_over_the_region_has_the_statistics(capsys) -> None:
     found = run_json("accuracy", capsys, "--cells", "8")["region"]["errors"]["horizontal_m"]
     worst, linear, rms = (found[kind] for kind in ("worst", "linear", "rms"))
     values = (*worst.values(), linear["median"], rms["median"])
-    texts = " ".join(format_ascii(value, "m:um", 3) for value in values)
+    texts = " ".join(number(1e6 * value, 3, padded=True) for value in values)
     _, printed, _ = run("accuracy", capsys, "--cells", "8")
-    assert f"position {texts}" in " ".join(printed.split())
+    assert f"position [µm] {texts}" in " ".join(printed.split())
     assert linear["median"] < linear["p95"]
 
 

@@ -18,7 +18,7 @@ from paminsa_viz.precision.unequal_legs import Closure
 from paminsa_viz.report.request import ReportRequest, Section
 from paminsa_viz.report.sections import accuracy_section
 from paminsa_viz.trajectory import PRESET
-from paminsa_viz.units import format_value
+from paminsa_viz.units import ARCSEC
 
 POSE = (0.04, -0.02, 0.3, -0.5)
 FOLD = singular_rotation(APPENDIX_4.geometry)
@@ -43,13 +43,17 @@ def test_tables_have_the_numbers_of_the_library() -> None:
     found = section()
     drives, _, manufacture = tables(found)
     here = drive_errors(APPENDIX_4.geometry, APPENDIX_4.accuracy, POSE)
-    assert drives.rows[0].cells[1] == format_value(float(here.worst[0]), "m:um", 3)
-    assert drives.rows[4].cells[3] == format_value(float(here.rms[2]), "rad:arcsec", 3)
+    assert [row.cells[0] for row in drives.rows[2:]] == ["position [µm]", "z [µm]", "θ [″]"]
+    assert float(drives.rows[0].cells[1]) == pytest.approx(1e6 * here.worst[0], rel=5e-3)
+    assert float(drives.rows[4].cells[3]) == pytest.approx(ARCSEC * here.rms[2], rel=5e-3)
     tolerance = tolerance_errors(APPENDIX_4, POSE)
-    assert manufacture.rows[3].cells[1] == format_value(float(tolerance.worst[3]), "m:um")
+    assert manufacture.rows[3].cells[0] == "z [µm]"
+    assert float(manufacture.rows[3].cells[1]) == pytest.approx(1e6 * tolerance.worst[3], rel=5e-3)
+    assert float(manufacture.rows[7].cells[1]) == pytest.approx(ARCSEC * tolerance.tilt, rel=5e-3)
     assert "%" in manufacture.rows[4].cells[4]
-    for table in (drives, manufacture):
-        assert all(len(row.cells) == len(table.head) for row in table.rows)
+    assert all(len(row.cells) == len(drives.head) for row in drives.rows)
+    named = [row.cells[0] for row in manufacture.rows if len(row.cells) < len(manufacture.head)]
+    assert named == ["position [µm]", "tilt [″]"]
     assert "No bound" not in notes(found)
     assert "equal legs" not in notes(found)
 
@@ -59,11 +63,13 @@ def test_shares_and_robots_that_cannot_be_assembled_are_counted() -> None:
     best = int(np.argmax(share))
     drawn = monte_carlo(APPENDIX_4, POSE, robots=20, seed=1)
     status = np.array([Closure.OPEN] * 3 + [Closure.OK] * 17, np.uint8)
-    table, note = manufacture_blocks(APPENDIX_4, POSE, replace(drawn, status=status))
-    assert isinstance(table, Table)
-    assert isinstance(note, Note)
-    assert table.rows[0].cells[-1].startswith(f"{LENGTHS[best].symbol} {100 * share[best]:.0f} %")
-    assert "3 of 20 robots cannot be assembled" in note.text
+    blocks = manufacture_blocks(APPENDIX_4, POSE, replace(drawn, status=status))
+    table, robots = (block for block in blocks if isinstance(block, Table))
+    assert table.rows[0].cells[-1].startswith(f"{LENGTHS[best].symbol} {100 * share[best]:.1f} %")
+    assert robots.head[0] == "20 robots, seed 1"
+    assert float(robots.rows[0].cells[4]) == pytest.approx(1e6 * drawn.rms[0], rel=5e-3)
+    assert isinstance(blocks[-1], Note)
+    assert "3 of 20 robots cannot be assembled" in blocks[-1].text
 
 
 def test_unbounded_poses_and_unequal_legs_are_named() -> None:
@@ -82,7 +88,7 @@ def test_unbounded_poses_and_unequal_legs_are_named() -> None:
 def test_a_singular_pose_has_reasons_in_place_of_numbers() -> None:
     found = section(pose=(0.0, 0.0, FOLD, -0.3))
     assert len(tables(found)) == 2
-    assert "it is singular" in notes(found)
+    assert "the pose is singular" in notes(found)
     assert tables(found)[0].rows[0].cells[1] == "–"
 
 

@@ -45,7 +45,9 @@ def test_calibration_is_that_of_the_measured_poses() -> None:
     assert section.blocks[0].text.startswith("40 poses of")
     errors = section.blocks[2]
     assert isinstance(errors, Table)
-    for row, before, after in zip(errors.rows, found.before.rms, found.after.rms, strict=True):
-        scale = 1e6 if row.cells[0] in "xyz" else 180 * 3600 / np.pi
-        shown = [float(re.findall(r"[\d.]+", text)[0]) for text in row.cells[1:3]]
-        assert shown == pytest.approx([scale * before, scale * after], rel=0.01, abs=0.01)
+    names = ["x [µm]", "y [µm]", "z [µm]", "θ [″]", "tilt about x [″]", "tilt about y [″]"]
+    assert [row.cells[0] for row in errors.rows] == names
+    for row, place in zip(errors.rows, (0, 1, 3, 2, 4, 5), strict=True):
+        scale = 1e6 if "µm" in row.cells[0] else 180 * 3600 / np.pi
+        expected = [scale * found.before.rms[place], scale * found.after.rms[place]]
+        assert list(map(float, row.cells[1:3])) == pytest.approx(expected, rel=0.01, abs=0.01)

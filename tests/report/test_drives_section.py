@@ -35,8 +35,9 @@ def test_drives_are_listed_and_measured() -> None:
     found = section(replace(APPENDIX_4, drives=(SERVO, None, SERVO, None)))
     listed, measured = (block for block in found.blocks if isinstance(block, Table))
     assert [row.cells[0] for row in listed.rows] == ["M1", "M3"]
-    assert [row.cells[0] for row in measured.rows] == ["M1", "M3"]
-    assert all(len(row.cells) == len(measured.head) for row in measured.rows)
+    assert [row.cells[0] for row in measured.rows] == ["M1", "M2", "M3", "M4"]
+    assert [len(row.cells) == len(measured.head) for row in measured.rows] == [True, False] * 2
+    assert [row.cells[1] == "none" for row in measured.rows] == [False, True] * 2
     assert notes(found) == ["plain", "ok"]
 
 

@@ -11,6 +11,7 @@ from paminsa_viz.identification import make_log
 from paminsa_viz.identification.findings import investigate
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.report.sections import identification_section
+from paminsa_viz.units import unit_text
 
 
 @pytest.fixture(scope="module")
@@ -23,20 +24,23 @@ def findings():
 
 def test_section_holds_numbers_figure_causes_and_masses(findings) -> None:
     section = identification_section(findings)
-    numbers, why, causes, unseen, masses = (b for b in section.blocks if isinstance(b, Table))
+    numbers, why, causes, checks, masses = (b for b in section.blocks if isinstance(b, Table))
     estimates = findings.identification.estimates
-    assert [row.cells[0] for row in numbers.rows] == [item.symbol for item in estimates]
-    unknown = [row.cells[0] for row in numbers.rows if row.cells[2] == "unknown"]
+    symbols = [row.cells[0].partition(" [")[0] for row in numbers.rows]
+    assert symbols == [item.symbol for item in estimates]
+    units = [row.cells[0].partition(" [")[2].removesuffix("]") for row in numbers.rows]
+    assert units == [unit_text(item.parameter.unit) for item in estimates]
+    unknown = [s for s, row in zip(symbols, numbers.rows, strict=True) if row.cells[2] == "unknown"]
     assert unknown == [row.cells[0] for row in why.rows]
     assert unknown == [item.symbol for item in findings.identification.unknown]
-    assert [row.cells[0] for row in unseen.rows] == list(findings.causes.unseen)
-    marked = {row.cells[0] for row in numbers.rows if row.kind == "marked"}
+    marked = {s for s, row in zip(symbols, numbers.rows, strict=True) if row.kind == "marked"}
     assert "M_p2" in marked
     assert all(row.cells[3] == "no" for row in causes.rows)
     assert len(masses.rows) == len(findings.nearest.masses)
     notes = [b for b in section.blocks if isinstance(b, Note)]
     assert [b.kind for b in notes].count("ok") == 1
-    assert any("Common gain" in b.text for b in notes)
+    assert any(all(text in b.text for text in findings.causes.unseen) for b in notes)
+    assert checks.rows[-1].cells[0].startswith("Common gain")
     figure = next(b for b in section.blocks if isinstance(b, Figure))
     assert b"Measured and predicted torques" in figure.svg
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from paminsa_viz.explorer.core.frame import Frame, Health
 from paminsa_viz.explorer.kit.text import render
@@ -13,14 +12,7 @@ from paminsa_viz.model import (
     static_imbalance,
 )
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
-from paminsa_viz.units import display_unit, fixed, number
-
-UNITS = ("m:um", "m:um", "rad:arcsec", "m:um", "rad:arcsec", "rad:arcsec")
-"""Units of `unequal_legs.COORDINATES`."""
-
-
-PLACES = ("x", "y", "horizontal", "z", "theta")
-"""Endings of the keys of quantities that are errors, in the order of their tables."""
+from paminsa_viz.units import number
 
 
 def of_pose(frame: Frame, *texts: str) -> str:
@@ -73,17 +65,3 @@ def workspace_text(workspace: Workspace) -> str:
     if workspace.shape is WorkspaceShape.CYLINDER:
         return f"cylinder ⌀ {x} × {z} mm"
     return f"box {x} × {y} × {z} mm"
-
-
-def error_row(name: str, unit: str, *values: Any) -> tuple[str, str, list[str]]:
-    """Return a row of a table: name, unit, and numbers of three figures, or whole ones."""
-    shown = display_unit(unit)
-    numbers = [float(value) * shown.factor for value in values]
-    return (
-        name,
-        shown.text,
-        [
-            fixed(one, 0) if 1000 <= abs(one) < 1e6 else number(one, 3, padded=True)
-            for one in numbers
-        ],
-    )

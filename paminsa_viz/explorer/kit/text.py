@@ -6,12 +6,14 @@ A template lies beside the feature that it belongs to and is named with its fold
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
 from markupsafe import Markup
 
 from paminsa_viz import units
+from paminsa_viz.blocks.kinds import Note, Table
 from paminsa_viz.templates import html_environment
 
 _HERE = Path(__file__).parent
@@ -55,3 +57,22 @@ def status(testid: str, level: str, title: str, *lines: str) -> str:
         lines: Others; empty ones are left out.
     """
     return render("status.j2", testid=testid, level=level, title=title, lines=filter(None, lines))
+
+
+def blocks_html(
+    testid: str, *blocks: Table | Note, look: str = "", bold: Collection[int] = (),
+    chosen: int = -1, stale: str = "",
+) -> str:  # fmt: skip
+    """Return tables and sentences of `paminsa_viz.blocks` as HTML.
+
+    Args:
+        testid: Name for tests.
+        blocks: From top to bottom.
+        look: Class of the tables besides that of all.
+        bold: Columns of the first table that are bold.
+        chosen: A row of the first table that is selected.
+        stale: What has changed since, above them; empty for nothing.
+    """
+    return render(
+        "blocks.j2", testid=testid, blocks=blocks, look=look, bold=bold, chosen=chosen, stale=stale
+    )

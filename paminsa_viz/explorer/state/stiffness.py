@@ -69,6 +69,7 @@ class ElasticResult:
         twist: Of the platform under the load case, (6,) [m, rad].
         frequencies: Natural frequencies, lowest first [Hz]; none where weight and load push the
             platform away.
+        alone: The same of the platform on its drives, with rigid bars.
         shapes: Center lines with the displacements of the modes; None without frequencies.
         deflected: The same with that under the load case; None without a load.
         compensation: What the motors do to bring x, y, theta and z back; None without a load.
@@ -78,6 +79,7 @@ class ElasticResult:
     stiffness: PlatformStiffness
     twist: Array
     frequencies: tuple[float, ...] = ()
+    alone: tuple[float, ...] = ()
     shapes: CenterLines | None = None
     deflected: CenterLines | None = None
     compensation: Compensation | None = None

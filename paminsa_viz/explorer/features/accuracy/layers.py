@@ -49,11 +49,6 @@ def _errors(geometry: Geometry, accuracy: DriveAccuracy, pose: Pose) -> DriveErr
     return drive_errors(geometry, accuracy, pose)
 
 
-def no_bound(found: DriveErrors) -> str:
-    """Return why the errors at a pose have no bound, or an empty text."""
-    return found.reason()
-
-
 def outline(points: Array) -> Array:
     """Return the corners of the convex hull of points in a plane (n, 2), counterclockwise (m, 2).
 
@@ -101,7 +96,7 @@ def drive_error_nodes(frame: Frame) -> Iterator[Node]:
     if not np.isfinite(pose).all():
         return
     found, center = shown_errors(frame), pose[[0, 1, 3]]
-    reason, text = no_bound(found), ""
+    reason, text = found.reason(), ""
     if reason:
         text = f"no bound: {reason}"
     elif not any(found.accuracy.half_widths):  # what is left is rounding

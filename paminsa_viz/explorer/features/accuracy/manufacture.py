@@ -4,29 +4,25 @@ from __future__ import annotations
 
 from functools import partial
 
-import numpy as np
-
+from paminsa_viz.blocks.accuracy import own_legs, shares_table, tolerance_blocks
+from paminsa_viz.blocks.kinds import Table
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.accuracy.monte_carlo import MONTE_CARLO, shown_lengths
 from paminsa_viz.explorer.kit.design_numbers import set_value
 from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Number, Slider
-from paminsa_viz.explorer.kit.robot_texts import PLACES, UNITS, error_row
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
-from paminsa_viz.explorer.kit.text import render
-from paminsa_viz.explorer.state.monte_carlo import NAMES, SHOWN, MonteCarloSettings
+from paminsa_viz.explorer.kit.text import blocks_html, render
+from paminsa_viz.explorer.state.monte_carlo import NAMES, MonteCarloSettings
 from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.kept import kept
 from paminsa_viz.model import PARAMETER, Design
 from paminsa_viz.model.accuracy import LEG_NAMES, NO_DEVIATIONS, NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.leg_lengths import LENGTHS
-from paminsa_viz.precision.manufacture import ToleranceErrors, manufactured_pose, tolerance_errors
+from paminsa_viz.precision.manufacture import ToleranceErrors, tolerance_errors
 from paminsa_viz.units import display_unit
-
-LEAST_SHARE = 0.005
-"""Smallest share that has a bar."""
 
 
 @kept(4)
@@ -37,37 +33,21 @@ def errors_at(design: Design, pose: Pose) -> ToleranceErrors:
 
 def tolerances_html(frame: Frame) -> str:
     """Return the errors by tolerances and clearances at the pose."""
-    found = errors_at(*shown_lengths(frame))
-    columns = (found.worst, found.clearance, found.rms)
-    rows = [error_row(NAMES[i], UNITS[i], *(part[i] for part in columns)) for i in SHOWN]
-    rows.insert(2, error_row("position", "m:um", found.horizontal, np.nan, found.rms_horizontal))
-    rows.append(error_row("tilt", "rad:arcsec", found.tilt, np.nan, found.rms_tilt))
-    return render(
-        "accuracy/errors.j2", rows=rows, known=bool(np.isfinite(found.worst).all()),
-        keys=(*PLACES, "", "", "tilt"),
-    )  # fmt: skip
+    blocks = tolerance_blocks(errors_at(*shown_lengths(frame)))
+    narrow = (one.columns(0, 1, 2, 3) if isinstance(one, Table) else one for one in blocks)
+    return blocks_html("manufacture-errors", *narrow, bold=[1])
 
 
 def shares_html(frame: Frame) -> str:
     """Return the share of each length in the variance of a coordinate, as bars."""
     index = frame.state.monte_carlo.settings.coordinate
-    share = errors_at(*shown_lengths(frame)).shares[index]
-    order = [i for i in np.argsort(-share) if share[i] >= LEAST_SHARE]
-    bars = [(LENGTHS[i].symbol, LENGTHS[i].label, 100 * float(share[i])) for i in order]
-    return render("accuracy/shares.j2", name=NAMES[index], bars=bars)
+    table = shares_table(errors_at(*shown_lengths(frame)), index)
+    return render("accuracy/shares.j2", name=NAMES[index], table=table)
 
 
 def legs_html(frame: Frame) -> str:
     """Return where the design's own legs put the platform, if they are not alike."""
-    design, pose = shown_lengths(frame)
-    if design.deviations == NO_DEVIATIONS:
-        return render("accuracy/legs.j2", rows=[], reason="")
-    found = manufactured_pose(design, pose)
-    if not found.ok:
-        return render("accuracy/legs.j2", rows=[], reason=found.reason())
-    off = [*(found.pose - np.array(pose)), *found.tilt]
-    rows = [error_row(NAMES[i], UNITS[i], off[i]) for i in SHOWN]
-    return render("accuracy/legs.j2", rows=rows, reason="")
+    return blocks_html("manufacture-legs", own_legs(*shown_lengths(frame)))
 
 
 def _tolerance_choices(state: State) -> dict[str, Effect]:

@@ -6,14 +6,15 @@ from dataclasses import replace
 
 from viser import Icon
 
+from paminsa_viz.blocks.accuracy import robots_blocks
+from paminsa_viz.blocks.kinds import Note
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.kit.entries import Answer, Button, Entry, Html
-from paminsa_viz.explorer.kit.robot_texts import UNITS, error_row
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.task import Task
-from paminsa_viz.explorer.kit.text import render
-from paminsa_viz.explorer.state.monte_carlo import NAMES, SHOWN, MonteCarloJob, MonteCarloSettings
+from paminsa_viz.explorer.kit.text import blocks_html
+from paminsa_viz.explorer.state.monte_carlo import MonteCarloJob, MonteCarloSettings
 from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Design
@@ -60,19 +61,8 @@ def monte_carlo_html(frame: Frame) -> str:
     outcome = DRAW.outcome(frame.state)
     if outcome is None:
         return ""
-    rows, result, solved = [], outcome.result, 1.0
-    if result is not None:
-        half, most, nearly_all = (result.quantile(share) for share in (0.5, 0.95, 0.997))
-        solved = float(result.solved)
-        rows = [
-            error_row(NAMES[i], UNITS[i], half[i], most[i], nearly_all[i], result.rms[i])
-            for i in SHOWN
-        ]
-    return render(
-        "accuracy/robots.j2", rows=rows, problem=outcome.problem, job=outcome.job,
-        robots=0 if result is None else len(result.errors), solved=100 * solved,
-        stale=DRAW.stale_text(frame.state),
-    )  # fmt: skip
+    found = [Note(outcome.problem)] if outcome.result is None else robots_blocks(outcome.result)
+    return blocks_html("manufacture-robots", *found, stale=DRAW.stale_text(frame.state))
 
 
 _setting = SettingInputs("manufacture", "monte_carlo.settings", MonteCarloSettings)

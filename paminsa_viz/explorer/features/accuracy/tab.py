@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from functools import partial
 
-import numpy as np
-
+from paminsa_viz.blocks.accuracy import drive_errors_table, drives_note, no_bound
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.maps import choose_quantity
-from paminsa_viz.explorer.features.accuracy.layers import no_bound, shown_errors
+from paminsa_viz.explorer.features.accuracy.layers import shown_errors
 from paminsa_viz.explorer.features.accuracy.manufacture import MANUFACTURE, error_slider
 from paminsa_viz.explorer.features.accuracy.worst import WORST_ERRORS
 from paminsa_viz.explorer.kit.entries import (
@@ -22,14 +21,11 @@ from paminsa_viz.explorer.kit.entries import (
     Then,
 )
 from paminsa_viz.explorer.kit.inputs import Number, Slider
-from paminsa_viz.explorer.kit.robot_texts import PLACES
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
-from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.kit.text import blocks_html
 from paminsa_viz.explorer.state.accuracy import BITS, EncoderSettings, bits_of, count_of
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import DriveAccuracy
-from paminsa_viz.precision.error_rows import error_rows
-from paminsa_viz.units import display_unit
 
 MAPS = {
     "position": "error_horizontal",
@@ -42,15 +38,9 @@ MAPS = {
 def pose_html(frame: Frame) -> str:
     """Return the errors at the pose: worst, linear and RMS, or why there is no bound."""
     found = shown_errors(frame)
-    rotary, _, _, linear = found.accuracy.half_widths
-    rows = []
-    for key, row in zip(PLACES, error_rows(found), strict=True):
-        unit = display_unit(row.unit)
-        values = (float(part[0]) * unit.factor for part in (row.worst, row.linear, row.rms))
-        rows.append((key, row.name, unit.text, list(values)))
-    return render(
-        "accuracy/pose.j2", rows=rows, reason=no_bound(found), rotary=np.degrees(rotary),
-        linear=1e6 * linear,
+    return blocks_html(
+        "accuracy-pose", *no_bound(found), drive_errors_table(found), drives_note(found.accuracy),
+        bold=[1],
     )  # fmt: skip
 
 

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any
-
 import numpy as np
 
+from paminsa_viz.blocks.calibration import (
+    combinations_table,
+    deviation_blocks,
+    errors_table,
+    fitted_text,
+    plan_blocks,
+    poses_table,
+    verdict,
+)
+from paminsa_viz.blocks.kinds import Note, Table
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.calibration.actions import CALIBRATE, PROPOSE
-from paminsa_viz.explorer.kit.robot_texts import UNITS, error_row
-from paminsa_viz.explorer.kit.text import render, status
-from paminsa_viz.explorer.state.monte_carlo import NAMES, SHOWN
+from paminsa_viz.explorer.kit.text import blocks_html, render, status
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.precision import LENGTHS, Calibration
-from paminsa_viz.precision.calibration import KNOWN, describe
+from paminsa_viz.precision.calibration import KNOWN
 from paminsa_viz.precision.calibration_problem import COUNT
-from paminsa_viz.precision.leg_lengths import deviation_array
-from paminsa_viz.units import MM, DisplayUnit, display_unit, interval_text, number
+from paminsa_viz.units import MM, display_unit, number
 
 
 def measured_html(frame: Frame) -> str:
@@ -49,27 +52,16 @@ def proposal_status_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
-def _length_rows(cell: Any) -> list[tuple[Any, str, list[tuple[str, bool]]]]:
-    """Return a row for each length: itself, its unit, and of each leg a text and if it is known."""
-    rows = []
-    for place, length in enumerate(LENGTHS):
-        unit = display_unit(length.unit)
-        rows.append((length, unit.text, [cell(leg, place, unit) for leg in range(3)]))
-    return rows
-
-
 def plan_html(frame: Frame) -> str:
     """Return how well each length would be known."""
     plan = PROPOSE.result(frame.state)
-    if plan is None:
-        return ""
+    return "" if plan is None else _lengths_html("calibrate-plan", plan_blocks(plan))
 
-    def cell(leg: int, place: int, unit: DisplayUnit) -> tuple[str, bool]:
-        size = float(plan.standard_deviations[leg, place])
-        known = math.isfinite(size)
-        return f"± {number(unit.factor * size, 2)}" if known else "in sums", known
 
-    return render("calibration/plan.j2", rows=_length_rows(cell))
+def _lengths_html(testid: str, blocks: list[Table | Note], *more: Note) -> str:
+    """Return a table of lengths, whose names are tooltips, and what is said of it."""
+    narrow = (one.columns(0, 2, 3, 4, hint=1) if isinstance(one, Table) else one for one in blocks)
+    return blocks_html(testid, *narrow, *more, look="pv-identify")
 
 
 def poses_html(frame: Frame) -> str:
@@ -77,10 +69,12 @@ def poses_html(frame: Frame) -> str:
     plan = PROPOSE.result(frame.state)
     if plan is None:
         return ""
-    asked = plan.measurements
-    factors = np.array([MM, MM, 180 / np.pi, MM, *[180 / np.pi] * 3, MM])
-    return render(
-        "calibration/poses.j2", rows=np.hstack([asked.poses[:, :4], asked.actuators]) * factors
+    text = (
+        "mm and degrees. Drive to the readings θ₁ to Z, and put what is measured in the place of "
+        "x, y, θ, z and of the tilt if it is measured; the file has all digits."
+    )
+    return blocks_html(
+        "calibrate-poses", poses_table(plan), Note(text, "muted"), look="pv-identify"
     )
 
 
@@ -101,20 +95,15 @@ def status_html(frame: Frame) -> str:
     if held:
         change = f"{_length(_position(found.before.rms))} → {_length(_position(found.after.rms))}"
         lines.append(f"of the {found.after.poses} fitted ones: {change}")
-    else:
-        lines.append("No pose was held back: how well others are predicted is not checked")
-    count = len(found.combinations)
-    lines.append(
-        f"{count} of {COUNT} combinations of lengths fitted, {COUNT - count} keep their value; "
-        f"noise {_length(found.noise)}"
+    lines.append(fitted_text(found).removesuffix("."))
+    title = verdict(found)
+    return status(
+        "calibrate-status",
+        title.kind,
+        title.text.removesuffix("."),
+        *lines,
+        CALIBRATE.stale_text(state),
     )
-    if not found.improved:
-        title, level = "Not better than before, so there is nothing to use", "bad"
-    elif held:
-        title, level = "Calibrated, and checked on held-back poses", "ok"
-    else:
-        title, level = "Calibrated, but not checked", "warn"
-    return status("calibrate-status", level, title, *lines, CALIBRATE.stale_text(state))
 
 
 def errors_html(frame: Frame) -> str:
@@ -122,12 +111,9 @@ def errors_html(frame: Frame) -> str:
     found = CALIBRATE.result(frame.state)
     if found is None:
         return ""
-    parts = [found.before.rms, found.after.rms]
-    if found.after_held.poses:
-        parts += [found.before_held.rms, found.after_held.rms]
-    width = len(found.after.rms)
-    rows = [error_row(NAMES[i], UNITS[i], *(one[i] for one in parts)) for i in SHOWN if i < width]
-    return render("calibration/errors.j2", rows=rows, held=len(parts) > 2)
+    table = errors_table(found)
+    narrow = table.columns(*(place for place in range(len(table.head)) if place % 3 or not place))
+    return blocks_html("calibrate-errors", narrow, look="pv-wrapped")
 
 
 def lengths_html(frame: Frame) -> str:
@@ -135,16 +121,11 @@ def lengths_html(frame: Frame) -> str:
     found = CALIBRATE.result(frame.state)
     if found is None:
         return ""
-    values, sizes = deviation_array(found.design), found.standard_deviations
-
-    def cell(leg: int, place: int, unit: DisplayUnit) -> tuple[str, bool]:
-        value, size = (unit.factor * float(one[leg, place]) for one in (values, sizes))
-        known = math.isfinite(size)
-        return interval_text(value, size) if known else number(value, 2), known
-
-    return render(
-        "calibration/lengths.j2", rows=_length_rows(cell), sums=not found.determined.all()
+    text = (
+        "The design holds them, a table of its file for each leg. Errors by manufacture and the "
+        "maps “deviation” follow them; torques, reach and the scene stay those of equal legs."
     )
+    return _lengths_html("calibrate-lengths", deviation_blocks(found), Note(text))
 
 
 def combinations_html(frame: Frame) -> str:
@@ -152,11 +133,6 @@ def combinations_html(frame: Frame) -> str:
     found = CALIBRATE.result(frame.state)
     if found is None:
         return ""
-    return render("calibration/combinations.j2", rows=_combination_rows(found))
-
-
-def _combination_rows(found: Calibration) -> list[tuple[str, str]]:
-    return [
-        (describe(one), interval_text(MM * one.value, MM * one.half_width))
-        for one in found.combinations
-    ]
+    table = combinations_table(found).columns(1, 2)
+    text = "Angles count as lengths, with R_b or R_pl."
+    return blocks_html("calibrate-combinations", table, Note(text, "muted"), look="pv-identify")

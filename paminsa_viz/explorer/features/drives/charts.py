@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.actuation.duty import ActuatorLoad, DutyCycle
 from paminsa_viz.actuation.selection import DriveFigures, cloud
+from paminsa_viz.blocks.drives import RPM
 from paminsa_viz.explorer.core.motion_results import in_piece
 from paminsa_viz.explorer.core.planning import planned
 from paminsa_viz.explorer.kit.chart import Tree, figure
@@ -20,8 +21,6 @@ from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED
 
 MOST_POINTS = 600
 """About how many samples of a motion are drawn."""
-
-RPM = 30 / math.pi
 
 HOVER = "%{x:.0f} rpm, %{y:.3~g} N·m<extra></extra>"
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from functools import partial
 from operator import methodcaller
@@ -13,12 +12,13 @@ from viser import Icon
 from paminsa_viz.actuation.catalog import CatalogError, read_catalog
 from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.actuation.selection import DriveFigures, size_design
+from paminsa_viz.blocks.drives import facts_table, figures_table, own_table
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.session import Session
-from paminsa_viz.explorer.features.drives.charts import RPM, chart_figure, shown_drive
+from paminsa_viz.explorer.features.drives.charts import chart_figure, shown_drive
 from paminsa_viz.explorer.features.drives.solving import find_drives
 from paminsa_viz.explorer.kit.chart import chart
 from paminsa_viz.explorer.kit.entries import (
@@ -34,13 +34,12 @@ from paminsa_viz.explorer.kit.entries import (
 from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, attribute
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.task import Task
-from paminsa_viz.explorer.kit.text import note, render
+from paminsa_viz.explorer.kit.text import blocks_html, note, render
 from paminsa_viz.explorer.state.drives import MOST_MOTIONS, DriveJob, DriveLists, DriveSettings
 from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.model import NO_DRIVES, Drive, InvalidInput
+from paminsa_viz.model import NO_DRIVES, InvalidInput
 from paminsa_viz.model.drive import ACTUATORS
-from paminsa_viz.units import NONE, number
 
 
 def _job(state: State) -> DriveJob:
@@ -122,11 +121,12 @@ def list_html(frame: Frame) -> str:
     outcome, found = drives.outcome, drives.result
     if outcome is None or found is None:
         return ""
+    first = [(f"{i}", one) for i, one in enumerate(drives.listed, 1)]
     return render(
-        "drives/list.j2", rows=drives.listed, chosen=drives.row,
+        "drives/list.j2", chosen=drives.row, stale=SEARCH.stale_text(frame.state),
+        table=figures_table("", first).columns(0, 1, 3, 4, 11),
         name=_name(frame.state, drives.actuator), advice=found.advice[drives.actuator],
         count=len(found.selection.rows[drives.actuator]),
-        stale=SEARCH.stale_text(frame.state),
     )  # fmt: skip
 
 
@@ -139,45 +139,7 @@ def facts_html(frame: Frame) -> str:
     shown = frame.state.drives.shown
     if shown is None:
         return ""
-    return render("drives/facts.j2", rows=fact_rows(shown))
-
-
-def fact_rows(one: DriveFigures) -> list[tuple[str, str, str]]:
-    """Return what a drive gives, its limit, and the share, as texts."""
-    drive = one.drive
-
-    def row(label: str, value: float, limit: float | None, unit: str) -> tuple[str, str, str]:
-        if limit is None or not math.isfinite(limit):
-            return label, f"{number(value, 3)} {unit}", ""
-        share = f"{100 * value / limit:.0f} % of {number(limit, 4)}"
-        return label, f"{number(value, 4 if unit == 'rpm' else 3)} {unit}", share
-
-    return [
-        row("RMS torque", one.rms, drive.rated_torque, "N·m"),
-        row("peak torque", one.peak, drive.corners[0][1], "N·m"),
-        ("envelope", f"{100 * one.envelope:.0f} %", ""),
-        row("top speed", one.top_speed * RPM, drive.corners[-1][0] * RPM, "rpm"),
-        ("peak power", f"{number(one.top_power, 3)} W", ""),
-        ("inertia ratio", number(one.inertia_ratio, 3), "robot over motor"),
-        ("winding", f"{100 * one.thermal:.0f} %" if math.isfinite(one.thermal) else "–",
-         "temperature rise"),
-        ("gear ratio", f"{drive.gear_ratio:g}", _ratios(one)),
-        ("one count", NONE if drive.resolution is None else _count(drive), "of the encoder"),
-    ]  # fmt: skip
-
-
-def _ratios(one: DriveFigures) -> str:
-    """Return with which gear ratios the motor could drive the load."""
-    low, high = one.ratios
-    if math.isnan(low):
-        return "no ratio fits"
-    return f"{number(low, 3)} to {number(high, 3)} fit"
-
-
-def _count(drive: Drive) -> str:
-    """Return the motion of the actuator for one count of the encoder."""
-    resolution = drive.resolution or 0.0
-    return f"{number(1e6 * resolution, 2)} {'µrad' if drive.lead is None else 'µm'}"
+    return blocks_html("drives-facts", facts_table(shown), bold=[1])
 
 
 def own_html(frame: Frame) -> str:
@@ -188,11 +150,8 @@ def own_html(frame: Frame) -> str:
     same = now is not None and outcome is not None and now.same_robot(outcome.job)
     if same and outcome is not None and outcome.result is not None:
         sized = size_design(outcome.result.selection.cycle, design)
-    rows = [
-        (f"m{j + 1}", name, drive, one)
-        for j, (name, drive, one) in enumerate(zip(ACTUATORS, design.drives, sized, strict=True))
-    ]
-    return render("drives/own.j2", rows=rows, any=any(design.drives))
+    table = own_table(design, sized).columns(0, 1, 3, 4)
+    return render("drives/own.j2", table=table, any=any(design.drives))
 
 
 def _found(state: State) -> bool:

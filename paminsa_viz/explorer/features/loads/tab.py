@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from functools import partial
-from typing import Any
 
 import numpy as np
 
-from paminsa_viz.elastostatics.bar_loads import BAR_NAMES
-from paminsa_viz.elastostatics.joint_forces import JOINTS
+from paminsa_viz.blocks.kinds import Note, shown
+from paminsa_viz.blocks.loads import (
+    NO_FORCES,
+    bars_table,
+    joints_table,
+    motion_blocks,
+    of_leg,
+    until_text,
+)
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.loads.charts import (
     curves_figure,
@@ -31,22 +36,22 @@ from paminsa_viz.explorer.kit.chart import chart
 from paminsa_viz.explorer.kit.downloads import export
 from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Entry, Html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
-from paminsa_viz.explorer.kit.text import note, render
+from paminsa_viz.explorer.kit.text import blocks_html, note, render
 from paminsa_viz.explorer.state.loads import LoadsSettings
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.loads_table import bar_table, bearing_table, joint_table, motion_loads_table
 from paminsa_viz.files.tables import DataTable, table_bytes
 from paminsa_viz.model import InvalidInput, Limit
 from paminsa_viz.model.elastic import BARS
-from paminsa_viz.units import NONE, number
+from paminsa_viz.palette import ACTUATOR_COLORS
 
 
 def intro(frame: Frame) -> str:
     """Return what the numbers belong to, or why there are none."""
-    at = instant(frame.state)
-    return render(
-        "loads/intro.j2", reason=problem(frame), time=at.time, load=at.design.load.acts
-    )  # fmt: skip
+    at, reason = instant(frame.state), problem(frame)
+    if reason:
+        return blocks_html("loads-intro", Note(f"{NO_FORCES}: {reason}.", "bad"))
+    return render("loads/intro.j2", time=at.time, load=at.design.load.acts)
 
 
 def problem(frame: Frame) -> str:
@@ -62,19 +67,11 @@ def joints(frame: Frame) -> str:
     if problem(frame):
         return ""
     at, leg = instant(frame.state), frame.state.loads.settings.leg
-    forces, sideways = forces_at(at), sideways_at(at)
-    rows = []
-    for index, joint in enumerate(JOINTS):
-        r, t, z = forces.force[leg, index].tolist()
-        t = t if sideways is None else float(sideways[leg, index])
-        moment = float(forces.moment[leg, index])
-        rows.append(
-            (
-                joint.label, joint.on, joint.by, _text(r), _text(t), _text(z),
-                _text(moment) if joint.key in ("m", "2") else "",
-            )
-        )  # fmt: skip
-    return render("loads/joints.j2", rows=rows, leg=leg, axial=_text(float(forces.axial)))
+    forces = forces_at(at)
+    table = of_leg(joints_table(forces, sideways_at(at)), leg)
+    return render(
+        "loads/joints.j2", table=table, color=ACTUATOR_COLORS[leg], axial=shown(forces.axial, "N")
+    )
 
 
 def bars(frame: Frame) -> str:
@@ -82,15 +79,8 @@ def bars(frame: Frame) -> str:
     if problem(frame):
         return ""
     view = frame.state.loads.settings
-    inner, use = bars_at(instant(frame.state))
-    rows = [
-        (
-            BAR_NAMES[bar], *map(_text, inner[view.leg, index]),
-            _percent(float(use[view.leg, index])), bar == view.bar,
-        )
-        for index, bar in enumerate(BARS)
-    ]  # fmt: skip
-    return render("loads/bars.j2", rows=rows)
+    table = of_leg(bars_table(*bars_at(instant(frame.state))), view.leg)
+    return blocks_html("loads-bars", table, look="pv-drives", chosen=BARS.index(view.bar))
 
 
 def motion(frame: Frame) -> str:
@@ -104,23 +94,11 @@ def motion(frame: Frame) -> str:
         return note("loads-problem", "Computing …", muted=True)
     if outcome.result is None:
         return note("loads-problem", outcome.problem)
-    loads, leg = outcome.result, view.leg
-    rows = [
-        (
-            joint.label, _text(loads.peak[leg, i]), f"{loads.peak_time[leg, i]:.2f}",
-            _text(loads.rms[leg, i]), _text(loads.equivalent[leg, i]),
-        )
-        for i, joint in enumerate(JOINTS)
-    ]  # fmt: skip
-    use = loads.utilization.max(axis=0)[leg]
-    shares = [
-        (BAR_NAMES[bar], *(_text(v) for v in loads.bar_peak[leg, i]), _percent(float(use[i])))
-        for i, bar in enumerate(BARS)
-    ]
-    first = outcome.job.check.first
-    return render(
-        "loads/motion.j2", rows=rows, bars=shares, leg=leg, name=outcome.job.trajectory.name,
-        failure=first.explanation if first is not None else "",
+    until = until_text(outcome.job)
+    return blocks_html(
+        "loads-motion", *([Note(f"{until}.", "warn")] if until else []),
+        Note(f"“{outcome.job.trajectory.name}”, leg {view.leg + 1}:"),
+        *(of_leg(table, view.leg) for table in motion_blocks(outcome.result)), bold=[1],
     )  # fmt: skip
 
 
@@ -165,17 +143,6 @@ def _table(state: State, name: str) -> DataTable:
     if name == "Joints":
         return joint_table(forces, pose, sideways_at(at))
     return bar_table(forces, pose, state.loads.settings.bar)
-
-
-def _text(value: Any) -> str:
-    value = float(value)
-    if math.isnan(value):
-        return NONE
-    return number(0.0 if abs(value) < 1e-9 else value, 3, padded=True)
-
-
-def _percent(share: float) -> str:
-    return f"{number(100 * share, 2)} %"
 
 
 _setting = SettingInputs("loads", "loads.settings", LoadsSettings)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from paminsa_viz.elastostatics.center_lines import center_lines
+from paminsa_viz.elastostatics.drive_stiffness import drive_modes
 from paminsa_viz.elastostatics.leg_matrices import leg_matrices
 from paminsa_viz.elastostatics.stiffness import (
     compensate,
@@ -49,5 +50,9 @@ def analyze_elasticity(job: ElasticJob, _: object) -> ElasticResult:
         )
     if modes.ok:
         shapes = replace(lines, moves=lines.moves[..., 1:])
-        found = replace(found, frequencies=tuple(modes.frequencies.tolist()), shapes=shapes)
+        alone = drive_modes(design, pose).frequencies
+        found = replace(
+            found, frequencies=tuple(modes.frequencies.tolist()), alone=tuple(alone.tolist()),
+            shapes=shapes,
+        )  # fmt: skip
     return found

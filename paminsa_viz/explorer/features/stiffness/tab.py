@@ -6,10 +6,17 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
-
+from paminsa_viz.blocks.stiffness import (
+    NO_FREQUENCIES,
+    NOTHING_DEFLECTED,
+    compensation_text,
+    deflection_table,
+    directions_table,
+    modes_table,
+    shares_table,
+    softest_text,
+)
 from paminsa_viz.elastostatics.beams import tube_fits
-from paminsa_viz.elastostatics.stiffness import SHARE_LABELS
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
@@ -23,7 +30,6 @@ from paminsa_viz.explorer.kit.text import note, render
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.stiffness import CASES, MODES, ElasticJob, StiffnessSettings
 from paminsa_viz.model import PARAMETER
-from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS, SECTION_VALUES
 from paminsa_viz.units import DisplayUnit, number
 
@@ -168,28 +174,19 @@ def result_html(frame: Frame) -> str:
     outcome = frame.state.stiffness.outcome
     if outcome is None:
         return ""
-    result = outcome.result
+    job, result = outcome.job, outcome.result
     if result is None:
         return note("stiffness-problem", f"No stiffness at this pose: {outcome.problem}.")
-    found, twist = result.stiffness, result.twist
-    stiffness = [
-        ("stiffness_x", "x", float(found.along(0)) * 1e-3, "N/mm"),
-        ("stiffness_y", "y", float(found.along(1)) * 1e-3, "N/mm"),
-        ("stiffness_z", "z", float(found.along(2)) * 1e-3, "N/mm"),
-        ("stiffness_theta", "θ", float(found.along(5)), "N·m/rad"),
-        ("stiffness_tilt", "tilt", float(found.tilt), "N·m/rad"),
-    ]
-    motors: list[tuple[str, float]] = []
-    if result.compensation is not None:
-        moves = 1e3 * np.asarray(result.compensation.actuators)
-        motors = list(zip(ACTUATORS, moves.tolist(), strict=True))
+    found = result.stiffness
+    directions = directions_table(job.design, found)
+    deflected = deflection_table(CASES[job.case][0], job.wrench, result.twist)
+    frequencies, moved = modes_table(result.frequencies, result.alone), result.compensation
     return render(
-        "stiffness/result.j2", softest=float(found.horizontal) * 1e-3,
-        softest_along=float(np.degrees(found.softest_direction)), stiffness=stiffness,
-        case=CASES[outcome.job.case][0],
-        loaded=result.shares is not None, moved=(1e3 * twist[:3]).tolist(),
-        turn=1e3 * float(twist[5]), tilt=1e3 * float(np.hypot(*twist[3:5])), motors=motors,
-        frequencies=result.frequencies, mode=frame.state.stiffness.settings.mode,
+        "stiffness/result.j2", frequencies=frequencies.turned(1, 2), missing=NO_FREQUENCIES,
+        directions=directions.turned(1, 2).columns(0, 1, 2, 3, 6, 8), softest=directions.rows[6],
+        along=softest_text(found), deflected=deflected.turned(2).columns(0, 1, 2, 3, 6, 7),
+        compensation=NOTHING_DEFLECTED if moved is None else compensation_text(moved),
+        loaded=moved is not None, mode=frame.state.stiffness.settings.mode,
     )  # fmt: skip
 
 
@@ -198,11 +195,9 @@ def shares_html(frame: Frame) -> str:
     outcome, result = frame.state.stiffness.outcome, frame.state.stiffness.result
     if frame.is_preview or outcome is None or result is None or result.shares is None:
         return ""
-    shares = np.asarray(result.shares.share)
-    rows = sorted(zip(SHARE_LABELS, shares.tolist(), strict=True), key=lambda row: -row[1])
-    rows = [row for row in rows if row[1] >= 0.0005]
-    most = max((share for _, share in rows), default=1.0)
-    return render("stiffness/shares.j2", rows=rows, most=most, case=CASES[outcome.job.case][0])
+    case = CASES[outcome.job.case][0]
+    table = shares_table({case: result.shares.share})
+    return render("stiffness/shares.j2", table=table, case=case)
 
 
 def sections_html(frame: Frame) -> str:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from paminsa_viz.blocks.calibration import calibration_blocks
 from paminsa_viz.explorer.core import actions as poses
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.features.calibration import actions, files, texts
@@ -20,6 +21,7 @@ from paminsa_viz.files.measurements import parse_measurements
 from paminsa_viz.files.table_reader import uploaded_table
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.precision.leg_lengths import deviation_array
+from tests.support.tables import assert_parts
 from tests.support.tasks import finished
 
 
@@ -52,9 +54,12 @@ def test_calibration_predicts_held_back_poses_of_the_example(calibrated: State) 
         found.before_held.rms[:2]
     )
     status = texts.status_html(compute(calibrated))
-    assert "Calibrated, and checked on held-back poses" in status
+    assert "Held-back poses are predicted better than before" in status
     assert calibrated.calibration.measured is not None
     assert "computed, not measured" in texts.measured_html(compute(calibrated))
+    blocks = calibration_blocks(found, None)
+    for text in (texts.errors_html, texts.lengths_html, texts.combinations_html):
+        assert_parts(text(compute(calibrated)), blocks)
     figure = residual_figure(found)
     points = sum(len(trace["x"]) for trace in figure["data"])
     assert points == 4 * len(found.held)  # position and heading, before and after

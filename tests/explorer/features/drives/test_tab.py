@@ -10,17 +10,18 @@ import numpy as np
 import pytest
 
 from paminsa_viz.actuation.catalog import read_catalog
+from paminsa_viz.blocks.drives import RPM, selection_blocks
 from paminsa_viz.explorer.core import actions, persistence
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.planning import planned
 from paminsa_viz.explorer.features.compare.tab import differences_html
 from paminsa_viz.explorer.features.drives import tab as panel
-from paminsa_viz.explorer.features.drives.charts import RPM
 from paminsa_viz.explorer.features.drives.solving import LISTED
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.trajectory import analyze
+from tests.support.tables import assert_parts
 from tests.support.tasks import finished
 
 WEAK = """kind,name,source,rotor_inertia_kg_cm2,rated_torque_Nm,peak_torque_Nm,rated_speed_rpm,\
@@ -47,6 +48,14 @@ def test_lists_name_feasible_drives_and_their_margins(found: State) -> None:
     assert text.count("<tr") == 1 + LISTED
     assert all(one.feasible for row in found.drives.result.rows for one in row)  # type: ignore[union-attr]
     assert "RMS torque" in panel.facts_html(compute(found))
+    lists = found.drives.result
+    assert lists is not None
+    design, catalog = found.document.design, lists.selection
+    blocks = selection_blocks(design, catalog, LISTED, lists.advice)
+    assert_parts(text, blocks)
+    chosen = panel.choose(found, None)
+    own = selection_blocks(chosen.document.design, catalog, LISTED, lists.advice)
+    assert_parts(panel.own_html(compute(chosen)), own)
 
 
 def test_the_choice_is_the_designs_and_can_be_undone_and_shared(found: State) -> None:

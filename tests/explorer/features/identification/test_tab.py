@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.blocks.excitation import limits_table
+from paminsa_viz.blocks.identification import identification_blocks
 from paminsa_viz.explorer.core import persistence, tab_store
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.planning import planned
@@ -27,6 +29,7 @@ from paminsa_viz.model import InvalidInput, PaminsaError, static_imbalance
 from paminsa_viz.plots.identification_series import log_charts
 from tests.support.desk import Desk
 from tests.support.raw_page import upload_messages
+from tests.support.tables import assert_parts
 from tests.support.tasks import delivered, finished
 
 PANEL = (*identify_panel.LOGS, *identify_panel.EXCITE)
@@ -47,7 +50,9 @@ def test_numbers_causes_checks_and_masses_are_told(found: State) -> None:
     frame = compute(found)
     assert "Masses and friction explain the log" in identify_text.status_html(frame)
     numbers = identify_text.numbers_html(frame)
-    assert numbers.count("pv-unknown") == len(found.identification.result.identification.unknown)  # type: ignore[union-attr]
+    assert numbers.count('<tr class="pv-muted"') == len(
+        found.identification.result.identification.unknown
+    )  # type: ignore[union-attr]
     assert "unknown" in numbers
     assert "holds" in numbers
     causes = identify_text.causes_html(frame)
@@ -56,7 +61,12 @@ def test_numbers_causes_checks_and_masses_are_told(found: State) -> None:
     assert " mm</td>" in causes
     assert not re.search(r"N m|\w_\w", re.sub("<[^>]*>", "", causes))
     assert "Payload" in identify_text.checks_html(frame)
-    assert "pv-unknown" in identify_text.masses_html(frame)
+    blocks = identification_blocks(found.identification.result)  # type: ignore[arg-type]
+    for text in (numbers, causes):
+        assert_parts(text, blocks)
+    for made in (identify_text.checks_html, identify_text.masses_html):
+        assert_parts(made(frame), blocks)
+    assert '<tr class="pv-muted"' in identify_text.masses_html(frame)
     assert "example_log_payload" in identify_text.logs_html(frame)
 
 
@@ -155,7 +165,7 @@ def test_a_wrong_gain_is_named_on_the_page(found: State) -> None:
     wrong = make_log(log.t, log.position, log.torque * [1.0, 1.1, 1.0, 1.0])
     state = identified(actions.use_log(initial_state(), "log", wrong))
     text = identify_text.status_html(compute(state))
-    assert "The model lacks something" in text
+    assert "Masses and friction do not explain the log" in text
     assert "M2" in text
 
 
@@ -207,6 +217,7 @@ def test_motion_is_offered_with_its_limits_and_becomes_the_current_one() -> None
     text = identify_text.excitation_html(compute(state))
     assert "condition number" in text
     assert "pv-bad-text" not in text
+    assert_parts(text, [limits_table(actions.SEARCH.required(state, "", ""))])
     used = actions.use_excitation(state)
     motion = planned(used.document.motion, used.document.design).trajectory
     assert motion is not None

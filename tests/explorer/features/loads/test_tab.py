@@ -60,7 +60,7 @@ def test_poses_without_numbers_say_why() -> None:
         actions.move(initial_state(), theta=theta),
     ):
         frame = compute(changed)
-        assert "No joint forces" in tab.intro(frame)
+        assert "There are no joint forces" in tab.intro(frame)
         assert not tab.joints(frame) + tab.bars(frame)
         assert chart.shown_section(changed) is None
         with pytest.raises(InvalidInput, match="pose"):

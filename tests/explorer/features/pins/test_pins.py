@@ -11,6 +11,9 @@ import numpy as np
 import pytest
 
 import paminsa_viz.explorer
+from paminsa_viz.blocks.accuracy import drive_errors_table, tolerance_blocks
+from paminsa_viz.blocks.kinds import Cell, Table
+from paminsa_viz.blocks.stiffness import stiffness_blocks
 from paminsa_viz.elastostatics import platform_stiffness
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import compute
@@ -22,6 +25,8 @@ from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, InvalidInput, static_imbalance
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques
+from paminsa_viz.precision.drive_errors import drive_errors
+from paminsa_viz.precision.manufacture import tolerance_errors
 from paminsa_viz.progress import go_on
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirements import Requirement, Requirements
@@ -133,6 +138,15 @@ def test_numbers_that_can_be_clicked_are_numbers_that_can_be_pinned() -> None:
     folder = Path(paminsa_viz.explorer.__file__).parent
     texts = [file.read_text("utf-8") for file in folder.rglob("*.j2")]
     keys = {key for text in texts for key in re.findall(r'm\.pin\("([^"]+)",', text)}
-    assert len(keys) >= 4
+    tables = stiffness_blocks(APPENDIX_4, platform_stiffness(APPENDIX_4, POSE))
+    tables += tolerance_blocks(tolerance_errors(APPENDIX_4, POSE))
+    found = drive_errors(APPENDIX_4.geometry, APPENDIX_4.accuracy, POSE)
+    tables.append(drive_errors_table(found))
+    rows = [row for table in tables if isinstance(table, Table) for row in table.rows]
+    told = {cell.quantity for row in rows for cell in row.cells if isinstance(cell, Cell)} - {""}
+    assert {"M_p2", "condition"} <= keys
+    assert {"stiffness_theta", "frequency_1", "error_x", "rms_tolerance_tilt"} <= told
+    assert len(told) == 7 + 3 * 5 + 2 * 6
+    keys |= told
     assert PinSettings(tuple(keys)[:MOST_PINS]).possible
     assert all(PinSettings((key,)).possible for key in keys)

@@ -20,7 +20,9 @@ from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.stiffness import CASES, ElasticJob, ElasticResult
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.elastic import BARS
+from paminsa_viz.units import number
 from tests.support.scene import POSE, frame_at
+from tests.support.tables import tables_in, value
 
 PATH = "stiffness.outcome"
 
@@ -42,13 +44,16 @@ def test_readouts_are_the_models() -> None:
     design, text = state.document.design, panel.result_html(compute(state))
     stiffness = platform_stiffness(design, POSE)
     twist = stiffness.deflection()
-    assert f"{1e-3 * float(stiffness.along(0)):.3g}" in text
-    assert f"{-1e3 * twist[2]:.3f}" in text
-    assert f"{1e3 * np.hypot(*twist[3:5]):.3f}" in text
-    found = state.stiffness.result
-    assert found is not None
-    assert found.frequencies[0] == pytest.approx(float(first_frequencies(design, POSE)), rel=1e-4)
-    assert f">{found.frequencies[0]:.3g}</button></b>" in text
+    directions, deflected, frequencies = tables_in(text)
+    assert directions[0][:2] == ["Stiffness", "x [N/mm]"]
+    assert value(directions[1][1]) == pytest.approx(1e-3 * stiffness.along(0), rel=1e-3)
+    assert value(deflected[1][3]) == pytest.approx(1e3 * twist[2], rel=5e-3)
+    assert f"a tilt of {number(1e3 * np.hypot(*twist[3:5]), 3)} mrad" in text
+    first = float(first_frequencies(design, POSE))
+    assert value(frequencies[1][1]) == pytest.approx(first, rel=1e-3)
+    for key in ("stiffness_x", "stiffness_theta", "stiffness_tilt", "stiffness_horizontal"):
+        assert f'data-paminsa-value="{key}"' in text
+    assert text.count('data-paminsa-value="frequency_1"') == 1
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -56,14 +61,15 @@ def test_shares_are_sorted_and_complete(case: str) -> None:
     state = loaded(case)
     text = panel.shares_html(compute(state))
     assert CASES[case][0] in text
-    shown = [float(row.split(" %")[0]) for row in text.split("</div></td><td>")[1:]]
+    (rows,) = tables_in(text)
+    shown = [value(share) for *_, share in rows]
     assert shown == sorted(shown, reverse=True)
     assert sum(shown) == pytest.approx(100.0, abs=1.0)
 
 
 def test_without_a_load_there_is_no_deflection() -> None:
     state = analyzed(frame_at(POSE).state)
-    assert "No deflection" in panel.result_html(compute(state))
+    assert "nothing is deflected" in panel.result_html(compute(state))
     assert panel.shares_html(compute(state)) == ""
 
 
@@ -78,7 +84,7 @@ def test_poses_that_are_not_held_say_why() -> None:
     assert pushed.result is not None
     assert pushed.result.frequencies == ()
     held = frame_at((0.08, 0.05, 0.6, -0.5), weak).state
-    assert "No natural frequencies" in panel.result_html(
+    assert "no natural frequencies" in panel.result_html(
         compute(panel.ANALYSIS.deliver(held, pushed))
     )
 
@@ -120,7 +126,7 @@ def test_joints_and_sections_that_are_left_open_are_zero() -> None:
 def test_motors_that_compensate_are_the_models() -> None:
     state = loaded()
     moved = 1e3 * compensate(state.document.design, POSE).actuators
-    assert f"M4 {moved[3]:.3f} mm" in panel.result_html(compute(state))
+    assert f"M4 {number(moved[3], 3)} mm" in panel.result_html(compute(state))
 
 
 def test_only_what_is_shown_or_elastic_is_analyzed_while_dragging() -> None:
