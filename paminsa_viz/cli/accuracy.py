@@ -16,7 +16,7 @@ from paminsa_viz.blocks.accuracy import (
 )
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, RegionFlags
-from paminsa_viz.cli.output import print_blocks, print_json
+from paminsa_viz.cli.output import print_blocks, print_heading, print_json
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import home_pose, require_reachable
 from paminsa_viz.precision.drive_errors import drive_errors
@@ -89,7 +89,7 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
             more = {"manufacture": manufacture_data(design, pose, drawn)}
             print_json(data | more if self.manufacture else data)
         else:
-            print(f'design "{design.name}", {format_pose(pose, ascii_only=True)}')
+            print_heading(design, format_pose(pose))
             made = manufacture_blocks(design, pose, drawn) if self.manufacture else []
             print_blocks([*drive_blocks(here, over), *made])
         return 0 if here.ok else 1

@@ -11,7 +11,7 @@ import tyro
 from paminsa_viz.blocks.calibration import MOST_COMBINATIONS, calibration_blocks, calibration_data
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
-from paminsa_viz.cli.output import print_blocks, print_json, print_written
+from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.measurements import measurement_table, read_measurements
@@ -80,7 +80,7 @@ class Calibrate(JsonFlags, DesignFlags):
         if self.json:
             print_json(calibration_data(found, str(self.log)))
         else:
-            print(f'design "{found.start.name}"')
+            print_heading(found.start)
             print_blocks(calibration_blocks(found, None if self.all else MOST_COMBINATIONS))
         if self.out is not None and found.improved:
             comment = f"Calibrated by {MADE_BY} with {self.log.name}."

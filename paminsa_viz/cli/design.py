@@ -17,7 +17,13 @@ from paminsa_viz.blocks.design import (
 )
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import JsonFlags, check_output
-from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
+from paminsa_viz.cli.output import (
+    print_blocks,
+    print_error,
+    print_heading,
+    print_json,
+    print_written,
+)
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_file import load_design, save_design
 from paminsa_viz.files.design_writer import write_design
@@ -72,7 +78,7 @@ class Show(JsonFlags):
         if self.json:
             print_json(values_data(design))
         else:
-            print(design.name)
+            print_heading(design)
             print_blocks([values_table(design)])
         return 0
 

@@ -17,7 +17,13 @@ from paminsa_viz.actuation.sizing import Order
 from paminsa_viz.blocks.drives import cycle_text, ratio_table, selection_blocks, selection_data
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
-from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
+from paminsa_viz.cli.output import (
+    print_blocks,
+    print_error,
+    print_heading,
+    print_json,
+    print_written,
+)
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Geometry
@@ -89,7 +95,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
             data = selection_data(design, catalog, found, self.rows, advice)
             print_json(data | {"order": self.order})
         else:
-            print(f'design "{design.name}", catalog {catalog.name}: {cycle_text(cycle)}\n')
+            print_heading(design, f"catalog {catalog.name}: {cycle_text(cycle)}\n")
             print_blocks(selection_blocks(design, found, self.rows, advice))
         if self.save is not None and found.feasible:
             comment = f"Drives by {MADE_BY} from {catalog.name}."

@@ -12,7 +12,7 @@ import tyro
 from paminsa_viz.blocks.identification import identification_blocks, identification_data
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Pose, pose_si
-from paminsa_viz.cli.output import print_blocks, print_json, print_written
+from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
 from paminsa_viz.files.atomic import make_folder, write_bytes
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.example_logs import given_log
@@ -103,7 +103,7 @@ class Identify(JsonFlags, DesignFlags):
         if self.json:
             print_json(identification_data(found, written))
         else:
-            print(f'design "{design.name}"')
+            print_heading(design)
             print_blocks(identification_blocks(found))
             print_written(written)
         wrong = bool(found.causes.named) or found.identification.identity.holds is False

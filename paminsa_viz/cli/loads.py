@@ -12,7 +12,13 @@ import tyro
 from paminsa_viz.blocks.loads import motion_blocks, motion_data, pose_blocks, pose_data
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PoseFlags, check_output
-from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
+from paminsa_viz.cli.output import (
+    print_blocks,
+    print_error,
+    print_heading,
+    print_json,
+    print_written,
+)
 from paminsa_viz.elastostatics.joint_forces import (
     joint_forces,
 )
@@ -24,7 +30,7 @@ from paminsa_viz.files.tables import DataTable, save_table, table_endings
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import home_pose, require_reachable, status_words
 from paminsa_viz.trajectory import ImpossibleTrajectory, analyze
-from paminsa_viz.units import format_pose
+from paminsa_viz.units import format_pose, number
 
 DESCRIPTION = """\
 Forces at the joints in the legs' planes, N, V and M of the bars, bearing loads of a motion.
@@ -94,7 +100,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
         if self.json:
             print_json(pose_data(design, pose, forces, sideways))
         else:
-            print(format_pose(pose, ascii_only=True))
+            print_heading(design, format_pose(pose))
             print_blocks(pose_blocks(forces, sideways))
         if self.bar is not None:
             self._write(bar_table(forces, pose, self.bar))
@@ -113,7 +119,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
             print_json(motion_data(found))
         else:
             t = found.trajectory
-            print(f'motion "{t.name}", {t.t[-1] - t.t[0]:.3g} s')
+            print_heading(design, f'motion "{t.name}"', f"{number(t.t[-1] - t.t[0], 3)} s")
             print_blocks(motion_blocks(found))
         if self.out:
             self._write(bearing_table(found) if self.bearings else motion_loads_table(found))

@@ -13,6 +13,7 @@ from paminsa_viz.blocks.data import plain
 from paminsa_viz.blocks.kinds import Block, Note, Table
 from paminsa_viz.errors import one_line
 from paminsa_viz.files.atomic import open_atomically
+from paminsa_viz.model.design import Design
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.units import NONE
 from paminsa_viz.version import COMMAND, MADE_BY
@@ -63,6 +64,11 @@ def print_json(facts: dict[str, Any], *, signed: bool = True) -> None:
     print(text)
 
 
+def print_heading(design: Design, *facts: str) -> None:
+    """Print which design the results below are of, and where or under what they hold."""
+    print(ascii_numbers(", ".join((f'design "{design.name}"', *facts))))
+
+
 def print_blocks(blocks: Iterable[Block]) -> None:
     """Print the notes and tables of a report for people, with a star before rows that stand out."""
     texts = [block for block in blocks if isinstance(block, (Note, Table))]
@@ -87,19 +93,18 @@ def _print_report_table(table: Table) -> None:
     _print_rows(lines if marked else [line[1:] for line in lines], words=table.words + marked)
 
 
+PRINTED = {
+    "−": "-", "±": "+-", "≤": "<=", "≥": ">=", "⌀": "d", "θ": "theta", "″": '"', NONE: "-",
+}  # fmt: skip
+"""Signs that a terminal may lack, and what is printed instead."""
+
+
 def ascii_numbers(text: str) -> str:
     """Return a text whose numbers every terminal and program reads: ``-1.2e-13``, ``<= 3``."""
     exponents = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
     text = re.sub(r"·10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)", lambda found: f"e{found[1].translate(exponents)}", text)
-    for sign, ascii_ in {
-        "−": "-",
-        "±": "+-",
-        "≤": "<=",
-        "≥": ">=",
-        "⌀": "d",
-        NONE: "-",
-    }.items():
-        text = text.replace(sign, ascii_)
+    for sign, instead in PRINTED.items():
+        text = text.replace(sign, instead)
     return text
 
 

@@ -21,7 +21,7 @@ from paminsa_viz.blocks.requirements import (
 )
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Point, check_output
-from paminsa_viz.cli.output import print_blocks, print_json, print_written
+from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.design_file import load_content
 from paminsa_viz.model.design import Design
@@ -240,7 +240,7 @@ class CheckRequirements(JsonFlags, RequirementFlags):
         if self.json:
             print_json(check_data(design, requirements, found, conflict))
         else:
-            print(design.name)
+            print_heading(design)
             print_blocks(check_blocks(requirements, found, conflict, requirement_text))
         if volume is not None:
             files = [(path, volume_bytes(volume, path.suffix.lower()[1:])) for path in self.out]

@@ -15,7 +15,7 @@ from paminsa_viz.blocks.stiffness import (
 )
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
-from paminsa_viz.cli.output import print_blocks, print_json
+from paminsa_viz.cli.output import print_blocks, print_heading, print_json
 from paminsa_viz.elastostatics.beams import tube_fits
 from paminsa_viz.elastostatics.stiffness import (
     platform_stiffness,
@@ -68,13 +68,12 @@ class Stiffness(JsonFlags, PoseFlags, DesignFlags):
             if self.json:
                 print_json({"pose": pose, "reason": reason})
             else:
-                place = format_pose(pose, ascii_only=True)
-                print(f"{design.name}, {place}: no compliance; {reason}")
+                print_heading(design, f"{format_pose(pose)}: no compliance; {reason}")
             return 1
         if self.json:
             print_json(stiffness_data(design, found, shear=self.shear))
         else:
-            print(f"{design.name}, {format_pose(pose, ascii_only=True)}")
+            print_heading(design, format_pose(pose))
             print_blocks(stiffness_blocks(design, found, shear=self.shear))
         return 0
 
@@ -83,7 +82,7 @@ class Stiffness(JsonFlags, PoseFlags, DesignFlags):
         if self.json:
             print_json({"design": design.name, "bars": [fit._asdict() for fit in fits]})
             return 0
-        print(design.name)
+        print_heading(design)
         print_blocks([sections_table(design, fits)])
         return 0
 

@@ -21,7 +21,7 @@ from paminsa_viz.blocks.trajectory import (
     trajectory_data,
 )
 from paminsa_viz.cli import command_module
-from paminsa_viz.cli.output import print_blocks, print_error, print_written
+from paminsa_viz.cli.output import print_blocks, print_error, print_heading, print_written
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.errors import FileError
@@ -96,7 +96,7 @@ def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
 def print_report(results: Results, written: Sequence[Path]) -> None:
     """Print the same for people, lengths in mm and angles in degrees."""
     analysis = results.analysis
-    print(f'design "{analysis.design.name}", {analysis.solved.geometry.knee.label}')
+    print_heading(analysis.design, analysis.solved.geometry.knee.label)
     if results.quickest is not None:
         print_blocks([shortest_note(results.quickest)])
     others = {"reference": results.reference, "as published": results.printed}

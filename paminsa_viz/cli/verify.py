@@ -12,12 +12,13 @@ import tyro
 
 from paminsa_viz.blocks.verification import verification_blocks
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
-from paminsa_viz.cli.output import print_blocks, print_json, print_written
+from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, verify
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.atomic import as_file_error, make_folder, write_bytes
 from paminsa_viz.files.errors import FileError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
+from paminsa_viz.units import number
 from paminsa_viz.version import __version__
 
 DESCRIPTION = """\
@@ -92,8 +93,10 @@ class Verify(JsonFlags, MotionFlags, DesignFlags):
         if self.json:
             print_json({"paminsa_viz": __version__, **found.to_dict(), "seed": self.seed, **files})
         else:
-            label = design.geometry.knee.label
-            print(f'{design.name}, {label}; "{motion.name}", {motion.duration:.3g} s')
+            moving = f'motion "{motion.name}"'
+            print_heading(
+                design, design.geometry.knee.label, moving, f"{number(motion.duration, 3)} s"
+            )
             print_blocks(verification_blocks(found))
             if verdict:
                 print(f"\n{verdict}")

@@ -71,17 +71,27 @@ def claims_section(claims: Sequence[MeasuredClaim]) -> Section:
 
 def _row(one: MeasuredClaim) -> Row:
     claim = one.claim
+    figures = _several(one) if isinstance(claim.stated, tuple) else _single(one)
+    return Row((*figures, "holds" if one.holds else "FAILS"), "plain" if one.holds else "marked")
 
-    several = isinstance(claim.stated, tuple)
+
+def _single(one: MeasuredClaim) -> tuple[str, ...]:
+    claim = one.claim
     stated = "0" if claim.stated is None else _shown(claim.stated, 4, claim.unit)
-    allowed = (
-        f"{number(100 * claim.allowed, 2)} %" if several else _shown(claim.allowed, 2, claim.unit)
-    )
-    cells = (
-        claim.text, claim.check, _shown(one.value, 4 if claim.stated else 2, claim.unit), stated,
-        f"± {allowed}", "holds" if one.holds else "FAILS",
+    measured = _shown(one.value, 4 if claim.stated else 2, claim.unit)
+    return claim.text, claim.check, measured, stated, f"± {_shown(claim.allowed, 2, claim.unit)}"
+
+
+def _several(one: MeasuredClaim) -> tuple[str, ...]:
+    """Return cells with the figures in the words, and how far the worst of them is off."""
+    claim = one.claim
+    aim = np.asarray(claim.stated)
+    worst = float(100.0 * np.max(np.abs(np.asarray(one.value) / aim - 1.0)))
+    return (
+        f"{claim.text}: {_shown(aim, 4, claim.unit)}",
+        f"{claim.check}: {_shown(one.value, 4, claim.unit)}",
+        f"{number(worst, 2)} % off", "", f"± {number(100.0 * claim.allowed, 2)} %",
     )  # fmt: skip
-    return Row(cells, "plain" if one.holds else "marked")
 
 
 def _shown(figures: float | tuple[float, ...] | Array, digits: int, unit: str) -> str:

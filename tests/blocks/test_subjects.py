@@ -69,7 +69,7 @@ from paminsa_viz.synthesis.proof.certificate import prove
 from paminsa_viz.synthesis.proof.largest import largest_workspace
 from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case
 from paminsa_viz.synthesis.volume.check import check_requirements
-from paminsa_viz.trajectory import analyze, simulate
+from paminsa_viz.trajectory import PRESET, analyze, simulate
 from tests.blocks.test_setting import check_set
 from tests.blocks.test_units import POSE, robot
 
@@ -139,7 +139,7 @@ def _excitation(_: Path) -> Said:
     limits = ExcitationLimits(
         np.array([3.0] * 3 + [0.25]), np.array([20.0] * 3 + [1000.0]), 5.0, 0.01
     )
-    settings = ExcitationSettings(evaluations=3, seconds=60.0)
+    settings = ExcitationSettings(evaluations=3, seconds=60.0, random=20)
     found = optimize_excitation(design, limits, settings)
     return excitation.excitation_blocks(found), excitation.excitation_data(design, found)
 
@@ -243,7 +243,8 @@ def _trajectory(_: Path) -> Said:
 
 
 def _verification(_: Path) -> Said:
-    design, motion = robot()
+    design, _motion = robot()
+    motion = PRESET["arch"].build(design.geometry).lasting(0.3).sample(50)
     found = verify(replace(design, drives=(None,) * 4), motion, poses=5)
     blocks = [
         block for block in verification.verification_blocks(found)

@@ -115,7 +115,7 @@ def test_ranges_are_in_shown_units() -> None:
 def test_the_summary_is_for_people(capsys) -> None:
     code, out, err = run(capsys, "--cells", "30", "--quantity", "reach-margin")
     assert (code, err) == (0, "")
-    assert "θ = 60°" in out
+    assert "theta = 60°" in out
     assert "[mm]" in out
     assert "singular circle: radius 312.2 mm" in out
     out.encode("cp1252")  # a terminal of Windows can print it

@@ -34,7 +34,7 @@ def test_broken_requirement_gives_exit_code_1(capsys) -> None:
     assert code == 1
     (line,) = (line for line in out.splitlines() if line.startswith("*"))
     assert "condition <= 2" in line
-    assert re.search(r"x -?[\d.]+ mm, y -?[\d.]+ mm, θ 0°, z -[\d.]+ mm$", line)
+    assert re.search(r"x -?[\d.]+ mm, y -?[\d.]+ mm, theta 0°, z -[\d.]+ mm$", line)
 
 
 def test_volume_with_error_utilization_and_causes(capsys) -> None:
@@ -76,14 +76,14 @@ def test_requirements_come_from_the_file(folder: Path, capsys) -> None:
         code, out, _ = run("requirements", capsys, "check", *place, "--coarse")
         assert code == 0
         assert "condition <= 10" in out
-        assert "from θ -28.65° to 28.65°" in out
+        assert "from theta -28.65° to 28.65°" in out
     code, out, _ = run(
         "requirements", capsys, "check", "robot.toml", "--coarse", "--require", "condition <= 2",
         "--theta", "0", "0",
     )  # fmt: skip
     assert code == 1
     assert "condition <= 2" in out
-    assert "from θ 0° to 0°" in out
+    assert "from theta 0° to 0°" in out
 
 
 def test_files_of_the_volume(folder: Path, capsys) -> None:
@@ -147,7 +147,7 @@ def test_largest_proven_workspace_with_its_gap(capsys) -> None:
     code, out, err = run("requirements", capsys, *words)
     assert (code, err) == (0, "")
     assert "largest proven workspace: cylinder d 3" in out
-    assert "× 400 mm about x 0 mm, y 0 mm, z -600 mm, θ -30° to 30°" in out
+    assert "× 400 mm about x 0 mm, y 0 mm, z -600 mm, theta -30° to 30°" in out
     assert "condition <= 10 breaks at x" in out
     data = run_json("requirements", capsys, *words)
     assert data["found"]
@@ -166,7 +166,7 @@ def test_largest_workspace_that_does_not_exist_gives_exit_code_1(capsys) -> None
 def test_proof_of_a_workspace(capsys) -> None:
     code, out, err = run("requirements", capsys, "prove", *PROVABLE, *CENTERED)
     assert (code, err) == (0, "")
-    assert "about x 0 mm, y 0 mm, z -600 mm, θ -30° to 30°: proven" in out
+    assert "about x 0 mm, y 0 mm, z -600 mm, theta -30° to 30°: proven" in out
     code, out, _ = run(
         "requirements", capsys, "prove", *PROVABLE, "--require", "|tau_1| <= 1 N m", *CENTERED
     )
@@ -178,7 +178,7 @@ def test_what_is_only_sampled_is_not_called_proven(capsys) -> None:
     words = ("prove", "--require", "condition <= 10", "--require", "error_x <= 100 um", *CENTERED)
     code, out, _ = run("requirements", capsys, *words)
     assert code == 0
-    assert "θ 0° to 0°: proven, but for requirements that are only sampled\n" in out
+    assert "theta 0° to 0°: proven, but for requirements that are only sampled\n" in out
 
 
 def test_a_workspace_beyond_all_reach_is_answered_at_once(capsys) -> None:

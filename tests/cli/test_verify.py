@@ -39,7 +39,7 @@ def motion(folder, mujoco) -> None:
 def test_a_pass_is_shown_in_a_table(capsys) -> None:
     code, out, _ = run(capsys, *QUICK)
     assert code == 0
-    assert out.startswith("Appendix 4, lower knee; ")
+    assert out.startswith('design "Appendix 4", lower knee, motion "')
     for text in (
         "\nPassed: the largest difference between", "9 random poses at rest and 31 states",
         "Formulas and MuJoCo", "At rest", "Moving", "τ₁", "F₄", "Eq. 14: signs of sin²ψ",

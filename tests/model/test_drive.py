@@ -185,6 +185,14 @@ def test_the_envelope_in_force_is_the_least_of_its_limits_at_every_speed(seed: i
         assert np.isclose(below, np.interp(w, at, most), rtol=0.1)[1:].any()
 
 
+def test_points_on_one_line_of_an_envelope_leave_it_concave() -> None:
+    drive = Drive(envelope=((0.0, 3.0), (1.0, 2.7), (2.0, 2.4), (3.0, 1.4)))
+    w = np.linspace(0.0, 3.0, 61)
+    at, most = np.transpose(drive.corners)
+    below = np.min([a - s * w for a, s in drive.lines], axis=0)
+    np.testing.assert_allclose(below, np.interp(w, at, most), rtol=1e-12)
+
+
 def test_a_drive_says_its_ratio_its_screw_and_whether_it_holds() -> None:
     assert ROTARY.summary == "motor, gear, 100:1"
     assert SCREW.summary == "axis, 2:1, screw 10 mm"

@@ -84,16 +84,17 @@ def test_margins_of_reach_are_the_least_of_many_poses(shape: WorkspaceShape, see
     designs = [random_design(np.random.default_rng(seed + i)) for i in range(2)]
     designs = [designs[0], designs[1].with_knee(designs[0].geometry.knee)]
     geometries = [design.geometry for design in designs]
-    first = workspace(shape, seed, 0.05)
+    first = workspace(shape, seed, 0.2)
     spaces = [
         replace(first, center=(*first.center[:2], z * g.knee.sign * -1))
         for z, g in zip((0.5, 0.7), geometries, strict=True)
     ]
-    theta = (-0.3, 0.4)
+    start = rng.uniform(-1.5, 1.5)
+    theta = (start, start + rng.uniform(0.0, 1.5))
     found = spans(geometries, spaces, theta)
     margins = reach_margins(geometries, found)
-    at = positions(first, seed, 6000)
-    turn = np.clip(rng.uniform(-0.5, 0.6, len(at)), *theta)
+    at = positions(first, seed, 10_000)
+    turn = theta[0] + (theta[1] - theta[0]) * rng.uniform(-0.5, 1.5, len(at)).clip(0.0, 1.0)
     for row, (geometry, space) in enumerate(zip(geometries, spaces, strict=True)):
         z = space.center[2] + 0.5 * space.size[2] * np.clip(rng.uniform(-2, 2, len(at)), -1, 1)
         pose = np.column_stack([at, turn, z])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import cache
@@ -14,8 +15,10 @@ from scipy.optimize import minimize
 
 from paminsa_viz.files.errors import FileError
 from paminsa_viz.model import check_reach, measure_singularity, static_torques
+from paminsa_viz.progress import go_on
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.studies import Workers, processes
+from paminsa_viz.studies.executors import here
 from paminsa_viz.synthesis import (
     Effort,
     Evaluator,
@@ -31,7 +34,7 @@ from paminsa_viz.synthesis import (
 from paminsa_viz.synthesis.proof.evidence import Verdict
 from paminsa_viz.synthesis.search.checkpoint import Checkpoint
 from paminsa_viz.synthesis.search.evaluation import REFUSED
-from paminsa_viz.synthesis.search.solve import sides
+from paminsa_viz.synthesis.search.solve import _Run, sides
 from tests.synthesis.search_cases import CELL, CONDITION, CYLINDER, TURN, arch_case
 from tests.synthesis.test_trials import poses_of
 
@@ -60,6 +63,30 @@ def two_lengths() -> SynthesisCase:
         requirements=replace(CYLINDER.requirements, workspace=workspace),
         regimes=(Regime.SMALLER,),
     )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("cost", "repair"), [(REFUSED, True), (REFUSED, False), (0.5 * REFUSED, False)]
+)
+def test_what_a_search_has_not_met_or_was_canceled_is_searched_no_further(
+    cost: float, repair: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of bars that are too short; and of what meets the trial's poses where nobody waits."""
+
+    def no_more(*_: object, **__: object) -> RegimeState:
+        raise AssertionError("a search goes on")
+
+    monkeypatch.setattr(sys.modules[_Run.__module__], "search_round", no_more)
+    case = two_lengths()
+    best = tuple(case.bounds[:, 0].tolist())
+    state = RegimeState(Regime.SMALLER, 80, 1, ((0.0, 0.0),) * 5, best, (cost,), True)
+    assert state.feasible == (cost < REFUSED)
+    found = _Run(case, here, go_on).verify(state, repair=repair)
+    assert found.state is state
+    assert not found.found.feasible
+    if cost < REFUSED:
+        with pytest.raises(AssertionError, match="a search goes on"):
+            _Run(case, here, go_on).verify(state)
 
 
 @pytest.mark.slow

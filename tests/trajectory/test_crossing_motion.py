@@ -10,9 +10,12 @@ import pytest
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
+    check_reach,
     inverse_dynamics,
     mass_matrix,
     platform_wrench,
+    singular_radius,
+    singular_rotation,
 )
 from paminsa_viz.trajectory import (
     SINGULAR_CLEARANCE,
@@ -25,9 +28,9 @@ from paminsa_viz.trajectory import (
     simulate,
     unplanned_torque,
 )
-from paminsa_viz.trajectory.crossing import (
-    locus_distances,
-)
+from paminsa_viz.trajectory.check import check_path
+from paminsa_viz.trajectory.crossing import locus_distances
+from paminsa_viz.trajectory.paths import Path
 from paminsa_viz.trajectory.sampled import Passage
 from tests.trajectory.crossings import BALANCED, LINE, TEN, TURN, shortest
 
@@ -125,3 +128,18 @@ def test_another_robot_on_a_planned_crossing_needs_torques_without_bound() -> No
         assert load.excess > 5.0
         sampled = np.abs(analysis.torque[np.abs(samples.t - load.t) < 1e-3, :3]).max()
         assert sampled > 0.5 * load.excess
+
+
+@pytest.mark.parametrize(("path", "planned"), [(TURN, 1), (LINE, 0)], ids=["turn", "line"])
+def test_the_closest_limit_is_none_that_is_crossed_as_planned(path: Path, planned: int) -> None:
+    samples = shortest(BALANCED, path, TEN).plan.sample(500.0)
+    geometry = BALANCED.geometry
+    closest = check_path(geometry, samples).closest
+    x, y, theta, _ = samples.pose.T
+    circle = np.abs(singular_radius(geometry, theta) - np.hypot(x, y))
+    turn = geometry.platform_radius * np.abs(singular_rotation(geometry) - np.abs(theta))
+    other = (turn, circle)[planned] - SINGULAR_CLEARANCE
+    reach = check_reach(geometry, samples.pose).margins.reshape(samples.size, -1).min(axis=1)
+    row = np.argmin(np.minimum(other, reach))
+    assert closest.margin == pytest.approx(min(other[row], reach[row]), rel=1e-9)
+    assert closest.t == samples.t[row]
