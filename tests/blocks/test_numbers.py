@@ -37,7 +37,7 @@ from paminsa_viz.synthesis.volume.check import check_requirements
 from paminsa_viz.synthesis.volume.grid import Resolution
 from paminsa_viz.synthesis.volume.solve import solve_volume
 from paminsa_viz.trajectory import PRESET, analyze
-from tests.blocks.test_units import NUMBER, value
+from tests.blocks.test_units import NUMBER, unit_of, value
 from tests.support.samples import random_design, random_poses
 
 TO_SI = {
@@ -49,12 +49,12 @@ TO_SI = {
 SEEDS = range(4)
 
 
-def is_printed(cell: str, result: float) -> bool:
-    """Say whether a cell holds a result to its digits, in the unit that it names."""
+def is_printed(cell: str, result: float, unit: str = "") -> bool:
+    """Say whether a cell holds a result to its digits, in the unit that it or its table names."""
     found = NUMBER.search(cell)
     assert found is not None, cell
     shown, off = value(found["number"])
-    factor = TO_SI.get((found["unit"] or "").strip(), 1.0)
+    factor = TO_SI.get((found["unit"] or unit).strip(), 1.0)
     return abs(shown * factor - result) <= 1.001 * off * factor + 1e-12
 
 
@@ -152,17 +152,22 @@ def test_forces_and_stiffness_at_a_pose(seed: int) -> None:
     plane, across, *_ = tables(pose_blocks(forces, sideways))
     for index, (one, other) in enumerate(zip(plane.rows, across.rows, strict=True)):
         for leg in range(3):
-            r, z, moment = one.cells[1 + 3 * leg : 4 + 3 * leg]
+            r, t, z, moment = one.cells[3 + 4 * leg : 7 + 4 * leg]
             assert is_printed(r, float(forces.force[leg, index, 0]))
+            assert is_printed(t, float(sideways.force[leg, index]))
             assert is_printed(z, float(forces.force[leg, index, 2]))
-            assert is_printed(moment, float(forces.moment[leg, index]))
-            assert is_printed(other.cells[1 + 3 * leg], float(sideways.force[leg, index]))
+            assert not moment or is_printed(moment, float(forces.moment[leg, index]))
+            for cell, result in zip(
+                other.cells[1 + 2 * leg : 3 + 2 * leg], sideways.moment[leg, index], strict=True
+            ):
+                assert is_printed(cell, float(result))
     found = platform_stiffness(design, pose)
     if not found.ok:
         return
     first, *rest = tables(stiffness_blocks(design, found))
     for axis in range(6):
-        assert is_printed(first.rows[axis].cells[1], float(found.along(axis)))
+        row = first.rows[axis]
+        assert is_printed(row.cells[1], float(found.along(axis)), unit_of(first, row, 1))
     modes = robot_modes(design, pose, 6)
     if modes.ok:
         assert all(
@@ -178,8 +183,9 @@ def test_bearing_loads_of_a_motion() -> None:
     joints, _ = tables(motion_blocks(loads))
     for index, row in enumerate(joints.rows):
         for leg in range(3):
-            peak, rms, equivalent = row.cells[1 + 3 * leg : 4 + 3 * leg]
+            peak, at, rms, equivalent = row.cells[1 + 4 * leg : 5 + 4 * leg]
             assert is_printed(peak, float(loads.peak[leg, index]))
+            assert is_printed(at, float(loads.peak_time[leg, index]))
             assert is_printed(rms, float(loads.rms[leg, index]))
             assert is_printed(equivalent, float(loads.equivalent[leg, index]))
 

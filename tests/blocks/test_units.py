@@ -13,7 +13,6 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields, replace
 from functools import cache
-from itertools import zip_longest
 
 import numpy as np
 import pytest
@@ -24,7 +23,7 @@ from paminsa_viz.blocks.balance import balance_blocks, optimum_blocks
 from paminsa_viz.blocks.design import design_blocks
 from paminsa_viz.blocks.drives import drives_blocks
 from paminsa_viz.blocks.forces import forces_blocks
-from paminsa_viz.blocks.kinds import Block, Note, Table
+from paminsa_viz.blocks.kinds import Block, Note, Row, Table
 from paminsa_viz.blocks.loads import loads_blocks
 from paminsa_viz.blocks.maps import maps_blocks, maps_data
 from paminsa_viz.blocks.requirements import check_blocks
@@ -50,7 +49,7 @@ POSE = (0.03, -0.02, 0.25, -0.52)
 
 SCALES = {
     "m": A, "kg": B, "N": A * B, "W": A**2 * B, "J": A**2 * B, "Pa": B / A, "s": 1.0, "rad": 1.0,
-    "Hz": 1.0, "°": 1.0, "″": 1.0, "%": 1.0, "rpm": 1.0, "mm": A, "µm": A, "dm": A, "MPa": B / A,
+    "Hz": 1.0, "mrad": 1.0, "°": 1.0, "″": 1.0, "%": 1.0, "rpm": 1.0, "mm": A, "µm": A, "dm": A, "MPa": B / A,
 }  # fmt: skip
 """What a unit is multiplied by."""
 
@@ -135,24 +134,20 @@ def texts(blocks: Sequence[Block]) -> Iterator[tuple[str, str]]:
             yield _with_units(block.text), ""
         if isinstance(block, Table):
             yield block.caption, ""
-            of_all = re.fullmatch(r"\[(.*)\]", block.head[0])
             for row in block.rows:
-                cells = dict(zip_longest(block.head, row.cells, fillvalue=""))
-                for head, cell in zip_longest(block.head, row.cells, fillvalue=""):
-                    unit = of_all[1] if of_all else cells.get("Unit", "")
-                    yield _with_units(cell), unit or _of_column(head, block.caption)
+                for place, cell in enumerate(row.cells):
+                    yield _with_units(cell), unit_of(block, row, place)
 
 
-def _of_column(head: str, caption: str) -> str:
-    """Return the unit of a column, by its heading or what the caption says of its parts."""
-    if named := re.search(r"\[(.*?)\]|^(kg|W)$", head):
-        return named[1] or named[2]
-    part = head.rstrip("123 ")
-    if part in {"r", "z", "w", "N", "V", "peak", "RMS", "eq."}:
-        named = re.search(r"[Ff]orces \[(.*?)\]|\bN \[(.*?)\]", caption)
-    else:
-        named = part.startswith("M") and re.search(r"moments \[(.*?)\]|\bM \[(.*?)\]", caption)
-    return (named[1] or named[2]) if named else ""
+def unit_of(table: Table, row: Row, place: int) -> str:
+    """Return the unit of a cell without one: by its column, its row, the whole table, or apart."""
+    if place >= len(table.head):
+        return ""
+    for name in (table.head[place], row.cells[0], table.head[0]):
+        if named := re.search(r"\[(.*?)\]|^(kg|W)$", name):
+            return named[1] or named[2]
+    apart = dict(zip(table.head, row.cells, strict=False))
+    return apart.get("Unit", "")
 
 
 def check(before: Sequence[Block], after: Sequence[Block], slack: float = 0.0) -> int:
