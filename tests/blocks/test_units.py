@@ -13,6 +13,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields, replace
 from functools import cache
+from itertools import zip_longest
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ from paminsa_viz.blocks.balance import balance_blocks, optimum_blocks
 from paminsa_viz.blocks.design import design_blocks
 from paminsa_viz.blocks.drives import drives_blocks
 from paminsa_viz.blocks.forces import forces_blocks
-from paminsa_viz.blocks.kinds import Block, Note, Row, Table
+from paminsa_viz.blocks.kinds import Block, Note, Table
 from paminsa_viz.blocks.loads import loads_blocks
 from paminsa_viz.blocks.maps import maps_blocks, maps_data
 from paminsa_viz.blocks.requirements import check_blocks
@@ -49,7 +50,8 @@ POSE = (0.03, -0.02, 0.25, -0.52)
 
 SCALES = {
     "m": A, "kg": B, "N": A * B, "W": A**2 * B, "J": A**2 * B, "Pa": B / A, "s": 1.0, "rad": 1.0,
-    "Hz": 1.0, "mrad": 1.0, "°": 1.0, "″": 1.0, "%": 1.0, "rpm": 1.0, "mm": A, "µm": A, "dm": A, "MPa": B / A,
+    "Hz": 1.0, "°": 1.0, "″": 1.0, "%": 1.0, "rpm": 1.0, "mrad": 1.0,
+    "mm": A, "µm": A, "dm": A, "MPa": B / A,
 }  # fmt: skip
 """What a unit is multiplied by."""
 
@@ -102,14 +104,14 @@ def scaled_motion(motion: Trajectory) -> Trajectory:
 
 
 UNIT = (
-    r"\s?[°″%](?:/s²?)?|\s(?:1/m|[mM]Pa|[µmd]?m[²³⁴]?|kg|N|W|J|Hz|rpm|rad)"
+    r"\s?[°″%](?:/s²?)?|\s(?:1/m|[mM]Pa|[µmd]?m[²³⁴]?|kg|N|W|J|Hz|rpm|m?rad)"
     r"(?:(?:[·/]| (?=m\b))(?:mm|m|s|rad|N)[²³]?)*(?!\w)"
 )
 NUMBER = re.compile(
     r"(?P<number>[+−-]?(?<![\w.])\d[\d,]*(?:\.\d+)?(?:·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?)"
     rf"(?![\w.]*\w_)(?P<unit>{UNIT})?"
 )
-SHARED = re.compile(rf"(\d[\d.]*)(?=(?:(?: ×|,|/) ?[−-]?[\d.]+)+(?P<unit>{UNIT}))")
+SHARED = re.compile(rf"(\d[\d.]*)(?=(?:(?: ×| ±|,|/) ?[−-]?[\d.]+)+(?P<unit>{UNIT}))")
 """Numbers that have the unit of the last one: ``200 × 100 mm``, ``50/25.1 mm``, ``1, 2, 3 N m``."""
 
 
@@ -128,26 +130,25 @@ def _with_units(text: str) -> str:
 
 
 def texts(blocks: Sequence[Block]) -> Iterator[tuple[str, str]]:
-    """Yield the texts of blocks, each with the unit of its column."""
+    """Yield the texts of blocks, each with the unit of its column or, without, of its row."""
     for block in blocks:
         if isinstance(block, Note):
             yield _with_units(block.text), ""
         if isinstance(block, Table):
             yield block.caption, ""
+            of_all = re.fullmatch(r"\[(.*)\]", block.head[0])
             for row in block.rows:
-                for place, cell in enumerate(row.cells):
-                    yield _with_units(cell), unit_of(block, row, place)
+                cells = dict(zip_longest(block.head, row.cells, fillvalue=""))
+                for head, cell in zip_longest(block.head, row.cells, fillvalue=""):
+                    unit = of_all[1] if of_all else cells.get("Unit", "")
+                    unit = unit or _unit_in(head) or _unit_in(row.cells[0])
+                    yield _with_units(cell), unit
 
 
-def unit_of(table: Table, row: Row, place: int) -> str:
-    """Return the unit of a cell without one: by its column, its row, the whole table, or apart."""
-    if place >= len(table.head):
-        return ""
-    for name in (table.head[place], row.cells[0], table.head[0]):
-        if named := re.search(r"\[(.*?)\]|^(kg|W)$", name):
-            return named[1] or named[2]
-    apart = dict(zip(table.head, row.cells, strict=False))
-    return apart.get("Unit", "")
+def _unit_in(heading: str) -> str:
+    """Return the unit that the heading of a column or a row has."""
+    named = re.search(r"\[(.*?)\]|^(kg|W)$", heading)
+    return (named[1] or named[2]) if named else ""
 
 
 def check(before: Sequence[Block], after: Sequence[Block], slack: float = 0.0) -> int:
