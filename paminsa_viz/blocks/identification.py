@@ -115,8 +115,10 @@ def causes_table(findings: Findings) -> Table:
         )
         for item in (*causes.named, *others)
     )  # fmt: skip
-    head = ("Cause, by itself", "Size, 95 %", "Explains of the residual", "Significant at 0.1 %")
-    return Table(head, found, "Causes of what the model leaves, tried one by one.")
+    head = ("Cause, by itself", "Size, 95 %", "Explains", "Significant at 0.1 %")
+    return Table(
+        head, found, "Causes, tried one by one, and how much of the residual each explains."
+    )
 
 
 def cause_size(item: Cause) -> str:

@@ -76,12 +76,15 @@ class Row:
             ``"muted"`` is what counts for little.
         color: ``#rrggbb`` of a mark at the first cell, or empty.
         hint: What a tooltip says of the row.
+        level: Whether what it says holds, for a mark before it: ``"warn"`` is as far as is known,
+            ``"none"`` is not known; empty without a mark.
     """
 
     cells: tuple[str, ...]
     kind: Literal["plain", "group", "marked", "total", "muted"] = "plain"
     color: str = ""
     hint: str = ""
+    level: Literal["", "ok", "warn", "bad", "none"] = ""
 
 
 @dataclass(frozen=True)
@@ -104,11 +107,16 @@ class Table:
     literal: bool = False
     block: str = "table"
 
+    @property
+    def marked(self) -> bool:
+        """Whether its rows have marks before them."""
+        return any(row.level for row in self.rows)
+
     def columns(self, *places: int, hint: int | None = None) -> Table:
         """Return the table with these columns alone, in this order.
 
         Args:
-            places: Indices of the columns.
+            places: Indices of the columns, those of words first.
             hint: Index of a column that becomes the rows' tooltip.
         """
 

@@ -48,7 +48,9 @@ ROUNDING = 1e-9
 LEGS = (0, 1, 2)
 SUBSCRIPTS = "₁₂₃"
 
-_HINTS = {"equivalent": "constant force with the same wear"}
+_HINTS = {
+    "equivalent": "constant force with the same wear", "use": "stress over yield stress, σ/R_p",
+}  # fmt: skip
 
 _JOINT_LABELS = rows(*((joint.label,) for joint in JOINTS))
 
@@ -148,7 +150,7 @@ def bars_table(inner: ArrayLike, use: ArrayLike) -> Table:
     """Return the largest loads (3 legs, bars, 3) in the bars, and their utilization (3, bars)."""
     values = np.concatenate([np.asarray(inner), np.asarray(use)[..., None]], axis=-1)
     units: dict[str, str] = dict(zip(COMPONENTS, ("N", "N", "N m"), strict=True))
-    units["σ/R_p"] = "1:%"
+    units["use"] = "1:%"
     caption = "Largest forces N, V and moments M along the bars, and stress over yield stress."
     labels = rows(*((BAR_NAMES[bar],) for bar in BARS))
     return _of_legs(caption, ("Bar",), labels, units, values)

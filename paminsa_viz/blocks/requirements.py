@@ -5,15 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import Block, Note, Row, Table, rows
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities import QUANTITIES
-from paminsa_viz.quantities.requirement_text import ascii_unit, requirement_label, requirement_text
-from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
+from paminsa_viz.quantities.requirement_text import (
+    ascii_unit,
+    requirement_label,
+    requirement_text,
+    shape_text,
+)
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
 from paminsa_viz.synthesis.proof.evidence import Evidence, Proof, Verdict
 from paminsa_viz.synthesis.proof.families import Method
 from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace
@@ -73,16 +78,11 @@ def check_blocks(
 
 def workspace_text(workspace: Workspace) -> str:
     """Return a workspace for people: shape, sizes and center."""
-    x, y, z = (number(1e3 * extent) for extent in workspace.size)
-    if workspace.shape is WorkspaceShape.CYLINDER:
-        text = f"cylinder ⌀ {x} × {z} mm"
-    else:
-        text = f"box {x} × {y} × {z} mm"
     places = zip("xyz", workspace.center, strict=True)
     center = [
         f"{name} {'free' if place is None else format_value(place, 'm')}" for name, place in places
     ]
-    return f"{text} about {', '.join(center)}"
+    return f"{shape_text(workspace)} about {', '.join(center)}"
 
 
 def _checks(check: RequirementsCheck, requirements: Requirements, text: Text) -> list[Block]:
@@ -120,12 +120,9 @@ def _volume(volume: Volume, text: Text) -> list[Block]:
             Note(f"The volume where all requirements hold is empty. {nodes}", "bad")
         ]
     else:
-        share = _percent(volume.utilization) if math.isfinite(volume.utilization) else NONE
         sentence = (
-            f"All requirements hold in {number(LITERS * volume.volume)} dm³ "
-            f"(± {number(LITERS * volume.error, 2)} dm³), {share} of the "
-            f"{number(LITERS * volume.reachable_volume)} dm³ that can be reached with every "
-            f"heading from home without a singularity between. {nodes}"
+            f"All requirements hold in {size_text(volume)}, {share_text(volume)} that can be "
+            f"reached with every heading from home without a singularity between. {nodes}"
         )
         if not volume.home_inside:
             sentence += " Home is not in it: it is the largest connected part."
@@ -137,7 +134,7 @@ def _volume(volume: Volume, text: Text) -> list[Block]:
         index = cause.requirement
         removed = ["", ""]
         if index is not None:
-            removed = [_percent(volume.removed_alone[index]), _percent(volume.removed_last[index])]
+            removed = list(removed_texts(volume, index))
         surface = _percent(areas[cause] / sum(areas.values())) if cause in areas else ""
         first = _percent(shares[cause]) if cause in shares else ""
         label = cause.text if index is None else text(volume.requirements.bounds[index])
@@ -150,8 +147,24 @@ def _volume(volume: Volume, text: Text) -> list[Block]:
     return [*blocks, Table(head, tuple(rows), caption)] if rows else blocks
 
 
+def size_text(volume: Volume) -> str:
+    """Return a volume with its error."""
+    return f"{number(LITERS * volume.volume)} ± {number(LITERS * volume.error, 2)} dm³"
+
+
+def share_text(volume: Volume) -> str:
+    """Return its share of the reachable volume."""
+    return f"{_percent(volume.utilization)} of {number(LITERS * volume.reachable_volume)} dm³"
+
+
+def removed_texts(volume: Volume, requirement: int) -> tuple[str, str]:
+    """Return what a requirement takes off the volume without the others, and only it."""
+    alone, only = volume.removed_alone[requirement], volume.removed_last[requirement]
+    return _percent(float(alone)), _percent(float(only))
+
+
 def _percent(share: float) -> str:
-    return f"{100 * share:.1f} %"
+    return f"{100 * share:.1f} %" if math.isfinite(share) else NONE
 
 
 def _conflict(requirements: Requirements, conflict: Conflict, text: Text) -> list[Block]:
@@ -213,6 +226,9 @@ def verdict_text(proof: Proof) -> str:
     return proof.verdict.value
 
 
+_LEVELS: dict[Verdict, Literal["ok", "warn"]] = {Verdict.PROVEN: "ok", Verdict.SAMPLED: "warn"}
+
+
 def evidence_table(proof: Proof, text: Text = requirement_label) -> Table:
     """Return what a proof rests on, with the worst values, ``≤`` where a bound is proven."""
     rows = []
@@ -220,7 +236,8 @@ def evidence_table(proof: Proof, text: Text = requirement_label) -> Table:
         label = _PROPERTIES.get(item.name, item.name)
         if item.requirement is not None:
             label = text(item.requirement)
-        rows.append(Row((label, item.verdict.value, item.method.value, _worst(item))))
+        cells = (label, item.verdict.value, item.method.value, _worst(item))
+        rows.append(Row(cells, level=_LEVELS.get(item.verdict, "bad")))
     head = ("Requirement", "Verdict", "By", "Worst value")
     return Table(head, tuple(rows), "What the proof rests on.", words=3)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from paminsa_viz.blocks.data import record
-from paminsa_viz.blocks.kinds import Block, Note, Row, Table, rows
+from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, rows
 from paminsa_viz.blocks.requirements import (
     evidence_table,
     verdict_text,
@@ -40,7 +40,9 @@ def bound_label(bound: Requirement | ObjectiveLimit) -> str:
     """Return a requirement or a limit for people, with symbols."""
     if isinstance(bound, Requirement):
         return requirement_label(bound)
-    return find_objective(bound.objective).label
+    objective = find_objective(bound.objective)
+    sign = "≥" if objective.largest else "≤"
+    return f"{objective.label} {sign} {format_value(bound.most, objective.unit)}"
 
 
 def synthesis_blocks(result: SynthesisResult, text: BoundText = bound_label) -> list[Block]:
@@ -58,29 +60,42 @@ def synthesis_blocks(result: SynthesisResult, text: BoundText = bound_label) -> 
         blocks: list[Block] = [Note(sentence, "ok")]
     else:
         blocks = [Note(f"None of {result.trials} robots meets all requirements.", "bad")]
-    blocks += [
-        Note(f"{regime.value} is excluded: {reason}.") for regime, reason in result.refused.items()
-    ]
+    blocks += refused_notes(result)
     if any(math.isfinite(item.value) for item in result.outcomes):
-        found = (
-            (
-                text(one.bound), "active" if one.active else "",
-                *(_value(value, one.bound) for value in (one.value, one.margin)),
-            )
-            for one in result.outcomes
-        )  # fmt: skip
-        caption = "Requirements at the best robot that was found; active ones decide it."
-        head = ("Requirement", "Decides", "Worst value", "Margin")
-        blocks.append(Table(head, rows(*found), caption, words=2))
-    blocks += _relaxed(result, text)
+        blocks.append(outcomes_table(result, text))
+    blocks += relaxed_blocks(result, text)
     blocks += buildability_blocks(result)
-    if lengths := _lengths(result.case.reference, result.design):
-        head = ("Symbol", "Length", "Before", "Found", "Change")
-        blocks.append(Table(head, lengths, "Lengths and masses that changed.", words=2))
+    lengths = lengths_table(result.case.reference, result.design)
+    if lengths.rows:
+        blocks.append(lengths)
     if result.proof is not None:
         verdict = f"Proof over the whole workspace: {verdict_text(result.proof)}."
         blocks += [Note(verdict), evidence_table(result.proof, text)]
     return blocks
+
+
+def refused_notes(result: SynthesisResult) -> list[Note]:
+    """Return the regimes that were excluded, and why."""
+    return [
+        Note(f"{regime.value} is excluded: {reason}.") for regime, reason in result.refused.items()
+    ]
+
+
+def outcomes_table(result: SynthesisResult, text: BoundText = bound_label) -> Table:
+    """Return the requirements at a robot with their worst values and margins."""
+    found = tuple(
+        Row(
+            (
+                text(one.bound), "active" if one.active else "",
+                *(_value(value, one.bound) for value in (one.value, one.margin)),
+            ),
+            # One before it is broken already where there is no margin.
+            level="none" if math.isnan(one.margin) else "ok" if one.margin >= 0 else "bad",
+        )
+        for one in result.outcomes
+    )  # fmt: skip
+    caption = "Requirements at the best robot that was found; active ones decide it."
+    return Table(("Requirement", "Decides", "Worst value", "Margin"), found, caption, words=2)
 
 
 def inner_blocks(result: SynthesisResult, text: BoundText = bound_label) -> list[Block]:
@@ -115,7 +130,7 @@ def inner_blocks(result: SynthesisResult, text: BoundText = bound_label) -> list
     return [Table(("What", "Value"), rows(*chosen), caption, words=2)]
 
 
-def price_blocks(result: SynthesisResult, prices: Sequence[RequirementPrice]) -> list[Block]:
+def price_blocks(result: SynthesisResult, prices: Sequence[RequirementPrice]) -> list[Table | Note]:
     """Return what each active requirement costs the objective."""
     objective = find_objective(result.case.objective)
     if not prices:
@@ -124,17 +139,23 @@ def price_blocks(result: SynthesisResult, prices: Sequence[RequirementPrice]) ->
         (
             one.label, format_value(one.bound, one.unit or "1"),
             format_value(one.step, one.unit or "1"),
-            *(format_value(end, objective.unit) for end in (one.tightened, one.relaxed)),
+            *(
+                format_value(end - result.objective, objective.unit, 3)
+                for end in (one.relaxed, one.tightened)
+            ),
             f"{number(one.price)} {objective.unit or '1'} per {one.unit or '1'}",
         )
         for one in prices
     )  # fmt: skip
-    head = ("Requirement", "Is", "Moved by", "Tightened", "Relaxed", "Price")
-    caption = f"What requirements cost, by the search again near the answer ({objective.label})."
+    head = ("Requirement", "Is", "Moved by", "Relaxed", "Tightened", "Price")
+    caption = (
+        f"Change of the {objective.label} where a requirement is moved, by the search again near "
+        "the answer, and what a unit of it costs."
+    )
     return [Table(head, rows(*cells), caption)]
 
 
-def yield_blocks(built: BuildYield) -> list[Block]:
+def yield_blocks(built: BuildYield) -> list[Table | Note]:
     """Return how many robots built within tolerances meet everything, and what others miss."""
     part = built.fraction
     low, high, confidence = (100 * share for share in (part.low, part.high, part.confidence))
@@ -201,23 +222,31 @@ def front_blocks(case: SynthesisCase, front: DesignFront) -> list[Block]:
     return blocks
 
 
-def buildability_blocks(result: SynthesisResult) -> list[Block]:
+def buildability_blocks(result: SynthesisResult) -> list[Table | Note]:
     """Return whether the robot can be built as it is drawn, beside the reference."""
     found = result.buildability
     if found is None:
         return []
-    head = ("As drawn, over the workspace", "Found", "Reference")
+    head = ("As drawn", "Found", "Reference")
     table = tuple(
-        Row(cells[:3], "marked" if cells[3] else "plain") for cells in buildability_rows(*found)
+        Row(
+            (what, Cell(own, kind="bad" if fault else "plain"), other),
+            "marked" if fault else "plain",
+        )
+        for what, own, other, fault in buildability_rows(*found)
     )
-    caption = "Whether the robot can be built as it is drawn; marked is what it cannot be with."
-    blocks: list[Block] = [Table(head, table, caption)]
+    caption = (
+        "Whether the robot can be built as it is drawn, over the workspace; marked is what it "
+        "cannot be with."
+    )
+    blocks: list[Table | Note] = [Table(head, table, caption)]
     if not result.case.clear:
         blocks.insert(0, Note(OVERLAP_ALLOWED, "warn"))
     return blocks
 
 
-def _relaxed(result: SynthesisResult, text: BoundText) -> list[Block]:
+def relaxed_blocks(result: SynthesisResult, text: BoundText = bound_label) -> list[Table | Note]:
+    """Return which single requirement would have to give way, and how far."""
     possible = [item for item in result.relaxed if math.isfinite(item.nearest)]
     if not possible:
         problem = "Relaxing a single one of the requirements does not help."
@@ -238,14 +267,19 @@ def _value(value: float, bound: Requirement | ObjectiveLimit) -> str:
     return format_value(value, unit) if math.isfinite(value) else NONE
 
 
-def _lengths(before: Design, after: Design) -> tuple[Row, ...]:
+def lengths_table(before: Design, after: Design, path: str = "") -> Table:
+    """Return the lengths and masses that changed; those whose path begins so."""
     found = []
     for item in stated_parameters(after):
         old, new = before.value(item.path), after.value(item.path)
-        if item.path != "geometry.guide_stroke" and old != new:  # the stroke follows B10
-            values = (format_value(value, item.unit or "1") for value in (old, new))
-            found.append((item.symbol, item.label, *values, percent_change(old, new)))
-    return rows(*found)
+        if item.path == "geometry.guide_stroke" or old == new:  # the stroke follows B10
+            continue
+        if item.path.startswith(path):
+            values = (number(value * item.display.factor) for value in (old, new))
+            name = heading(item.symbol, item.unit)
+            found.append((name, item.label, *values, percent_change(old, new)))
+    head = ("Symbol", "Length", "Before", "Found", "Change")
+    return Table(head, rows(*found), "Lengths and masses that changed.", words=2)
 
 
 def synthesis_data(result: SynthesisResult, seconds: float) -> dict[str, Any]:

@@ -15,8 +15,8 @@ from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.quantities.quantity import Quantity
 from paminsa_viz.quantities.registry import QUANTITIES
-from paminsa_viz.quantities.requirements import Range, Requirement
-from paminsa_viz.units import DisplayUnit, display_unit, number
+from paminsa_viz.quantities.requirements import Range, Requirement, Workspace, WorkspaceShape
+from paminsa_viz.units import MM, DisplayUnit, display_unit, number
 
 LONGEST = 300
 """Longest text [characters]."""
@@ -205,3 +205,11 @@ def _ranges(text: str, rest: str) -> dict[str, Range]:
 
 def _refuse(text: str, problem: str) -> NoReturn:
     raise InvalidInput(f"requirement {text[:60]!r}", problem)
+
+
+def shape_text(workspace: Workspace) -> str:
+    """Return the shape and sizes of a workspace for people: ``cylinder ⌀ 300 × 400 mm``."""
+    x, y, z = (number(MM * extent) for extent in workspace.size)
+    if workspace.shape is WorkspaceShape.CYLINDER:
+        return f"cylinder ⌀ {x} × {z} mm"
+    return f"box {x} × {y} × {z} mm"

@@ -152,17 +152,23 @@ def test_forces_and_stiffness_at_a_pose(seed: int) -> None:
     plane, across, *_ = tables(pose_blocks(forces, sideways))
     for index, (one, other) in enumerate(zip(plane.rows, across.rows, strict=True)):
         for leg in range(3):
-            r, z, moment = one.cells[1 + 3 * leg : 4 + 3 * leg]
+            r, t, z, moment = one.cells[3 + 4 * leg : 7 + 4 * leg]
             assert is_printed(r, float(forces.force[leg, index, 0]))
+            assert is_printed(t, float(sideways.force[leg, index]))
             assert is_printed(z, float(forces.force[leg, index, 2]))
-            assert is_printed(moment, float(forces.moment[leg, index]))
-            assert is_printed(other.cells[1 + 3 * leg], float(sideways.force[leg, index]))
+            taken = float(forces.moment[leg, index])
+            assert is_printed(moment, taken) if moment else taken == 0.0
+            for cell, result in zip(
+                other.cells[1 + 2 * leg : 3 + 2 * leg], sideways.moment[leg, index], strict=True
+            ):
+                assert is_printed(cell, float(result))
     found = platform_stiffness(design, pose)
     if not found.ok:
         return
     first, *rest = tables(stiffness_blocks(design, found))
     for axis in range(6):
-        assert is_printed(first.rows[axis].cells[1], float(found.along(axis)))
+        label, cell, *_ = first.rows[axis].cells
+        assert is_printed(f"{cell} {label.partition('[')[2]}", float(found.along(axis)))
     modes = robot_modes(design, pose, 6)
     if modes.ok:
         assert all(
@@ -178,8 +184,9 @@ def test_bearing_loads_of_a_motion() -> None:
     joints, _ = tables(motion_blocks(loads))
     for index, row in enumerate(joints.rows):
         for leg in range(3):
-            peak, rms, equivalent = row.cells[1 + 3 * leg : 4 + 3 * leg]
+            peak, at, rms, equivalent = row.cells[1 + 4 * leg : 5 + 4 * leg]
             assert is_printed(peak, float(loads.peak[leg, index]))
+            assert is_printed(at, float(loads.peak_time[leg, index]))
             assert is_printed(rms, float(loads.rms[leg, index]))
             assert is_printed(equivalent, float(loads.equivalent[leg, index]))
 
@@ -189,9 +196,10 @@ def test_volume_with_its_error_in_cubic_decimeters() -> None:
     volume = solve_volume(APPENDIX_4, asked, resolution=Resolution(2000, 3, 1.0))
     found = check_requirements(APPENDIX_4, asked, fine=False, volume=volume)
     text = " ".join(block.text for block in check_blocks(asked, found) if isinstance(block, Note))
-    shown = re.findall(r"([\d.]+) dm³", text)
+    shown = re.search(r"([\d.]+) ± ([\d.]+) dm³, [\d.]+ % of ([\d.]+) dm³", text)
+    assert shown is not None
     for one, result in zip(
-        shown, (volume.volume, volume.error, volume.reachable_volume), strict=True
+        shown.groups(), (volume.volume, volume.error, volume.reachable_volume), strict=True
     ):
         assert is_printed(one, 1e3 * result)
 

@@ -50,7 +50,8 @@ POSE = (0.03, -0.02, 0.25, -0.52)
 
 SCALES = {
     "m": A, "kg": B, "N": A * B, "W": A**2 * B, "J": A**2 * B, "Pa": B / A, "s": 1.0, "rad": 1.0,
-    "Hz": 1.0, "°": 1.0, "″": 1.0, "%": 1.0, "rpm": 1.0, "mm": A, "µm": A, "dm": A, "MPa": B / A,
+    "Hz": 1.0, "°": 1.0, "″": 1.0, "%": 1.0, "rpm": 1.0, "mrad": 1.0,
+    "mm": A, "µm": A, "dm": A, "MPa": B / A,
 }  # fmt: skip
 """What a unit is multiplied by."""
 
@@ -103,14 +104,14 @@ def scaled_motion(motion: Trajectory) -> Trajectory:
 
 
 UNIT = (
-    r"\s?[°″%](?:/s²?)?|\s(?:1/m|[mM]Pa|[µmd]?m[²³⁴]?|kg|N|W|J|Hz|rpm|rad)"
+    r"\s?[°″%](?:/s²?)?|\s(?:1/m|[mM]Pa|[µmd]?m[²³⁴]?|kg|N|W|J|Hz|rpm|m?rad)"
     r"(?:(?:[·/]| (?=m\b))(?:mm|m|s|rad|N)[²³]?)*(?!\w)"
 )
 NUMBER = re.compile(
     r"(?P<number>[+−-]?(?<![\w.])\d[\d,]*(?:\.\d+)?(?:·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?)"
     rf"(?![\w.]*\w_)(?P<unit>{UNIT})?"
 )
-SHARED = re.compile(rf"(\d[\d.]*)(?=(?:(?: ×|,|/) ?[−-]?[\d.]+)+(?P<unit>{UNIT}))")
+SHARED = re.compile(rf"(\d[\d.]*)(?=(?:(?: ×| ±|,|/) ?[−-]?[\d.]+)+(?P<unit>{UNIT}))")
 """Numbers that have the unit of the last one: ``200 × 100 mm``, ``50/25.1 mm``, ``1, 2, 3 N m``."""
 
 
@@ -129,7 +130,7 @@ def _with_units(text: str) -> str:
 
 
 def texts(blocks: Sequence[Block]) -> Iterator[tuple[str, str]]:
-    """Yield the texts of blocks, each with the unit of its column."""
+    """Yield the texts of blocks, each with the unit of its column or, without, of its row."""
     for block in blocks:
         if isinstance(block, Note):
             yield _with_units(block.text), ""
@@ -140,18 +141,13 @@ def texts(blocks: Sequence[Block]) -> Iterator[tuple[str, str]]:
                 cells = dict(zip_longest(block.head, row.cells, fillvalue=""))
                 for head, cell in zip_longest(block.head, row.cells, fillvalue=""):
                     unit = of_all[1] if of_all else cells.get("Unit", "")
-                    yield _with_units(cell), unit or _of_column(head, block.caption)
+                    unit = unit or _unit_in(head) or _unit_in(row.cells[0])
+                    yield _with_units(cell), unit
 
 
-def _of_column(head: str, caption: str) -> str:
-    """Return the unit of a column, by its heading or what the caption says of its parts."""
-    if named := re.search(r"\[(.*?)\]|^(kg|W)$", head):
-        return named[1] or named[2]
-    part = head.rstrip("123 ")
-    if part in {"r", "z", "w", "N", "V", "peak", "RMS", "eq."}:
-        named = re.search(r"[Ff]orces \[(.*?)\]|\bN \[(.*?)\]", caption)
-    else:
-        named = part.startswith("M") and re.search(r"moments \[(.*?)\]|\bM \[(.*?)\]", caption)
+def _unit_in(heading: str) -> str:
+    """Return the unit that the heading of a column or a row has."""
+    named = re.search(r"\[(.*?)\]|^(kg|W)$", heading)
     return (named[1] or named[2]) if named else ""
 
 

@@ -91,5 +91,5 @@ def test_a_search_is_told_with_what_it_changed() -> None:
     assert result.feasible
     blocks = synthesis_section(result).blocks
     lengths = next(b for b in blocks if isinstance(b, Table) and b.caption.startswith("Lengths"))
-    assert "R_b" in {row.cells[0] for row in lengths.rows}
+    assert "R_b [mm]" in {row.cells[0] for row in lengths.rows}
     assert any(f"{1e3 * result.objective:.4g} mm" in b.text for b in blocks if isinstance(b, Note))

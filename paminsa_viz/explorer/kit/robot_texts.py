@@ -11,8 +11,6 @@ from paminsa_viz.model import (
     Design,
     static_imbalance,
 )
-from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
-from paminsa_viz.units import number
 
 
 def of_pose(frame: Frame, *texts: str) -> str:
@@ -57,11 +55,3 @@ def margin_share(margin: float, size: float) -> float:
 def margin_level(share: float) -> str:
     """Return the class of the color of a margin, see `margin_share`."""
     return "pv-bad" if share < 0 else "pv-warn" if share < NEAR else "pv-ok"
-
-
-def workspace_text(workspace: Workspace) -> str:
-    """Return a workspace for people: ``cylinder ⌀ 300 × 400 mm``."""
-    x, y, z = (number(1e3 * extent) for extent in workspace.size)
-    if workspace.shape is WorkspaceShape.CYLINDER:
-        return f"cylinder ⌀ {x} × {z} mm"
-    return f"box {x} × {y} × {z} mm"

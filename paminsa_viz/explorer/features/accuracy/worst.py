@@ -13,13 +13,13 @@ from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.requirements import default_workspace
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.kit.entries import Answer, Button, Entry, Html, Message
-from paminsa_viz.explorer.kit.robot_texts import workspace_text
 from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.accuracy import WorstErrorsJob
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Design
 from paminsa_viz.progress import Progress
+from paminsa_viz.quantities.requirement_text import shape_text
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.synthesis.volume.check import check_requirements
 from paminsa_viz.synthesis.volume.workspace import RequirementCheck
@@ -68,7 +68,7 @@ def worst_html(frame: Frame) -> str:
     low, high = (display_unit("rad").factor * end for end in outcome.job.theta)
     return render(
         "accuracy/worst.j2", rows=rows, problem=outcome.problem, message=GO, low=low, high=high,
-        where=workspace_text(outcome.job.workspace), stale=WORST.stale_text(frame.state),
+        where=shape_text(outcome.job.workspace), stale=WORST.stale_text(frame.state),
     )  # fmt: skip
 
 

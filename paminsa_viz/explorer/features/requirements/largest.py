@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from viser import Icon
 
+from paminsa_viz.blocks.requirements import evidence_table
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.requirements import actions
 from paminsa_viz.explorer.kit.entries import Answer, Button, Html, Then
-from paminsa_viz.explorer.kit.robot_texts import workspace_text
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import note, render
 from paminsa_viz.explorer.state.requirements import LargestSettings
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.quantities.requirement_text import requirement_label
-from paminsa_viz.synthesis.proof.evidence import Evidence, Verdict
+from paminsa_viz.quantities.requirement_text import requirement_label, shape_text
 from paminsa_viz.synthesis.proof.largest import LargestWorkspace
 from paminsa_viz.synthesis.proof.regions import Growth
 from paminsa_viz.units import format_value, number
@@ -33,10 +32,10 @@ def result_html(frame: Frame) -> str:
         x, y, z = (format_value(float(at or 0.0), "m") for at in workspace.center)
         place = f"x {x}, y {y}, z {z}"
     return render(
-        "requirements/largest.j2", text="" if workspace is None else workspace_text(workspace),
+        "requirements/largest.j2", text="" if workspace is None else shape_text(workspace),
         place=place, gap=format_value(found.gap, "m", 2), seconds=number(found.seconds, 2),
         cause=cause_text(found), stale=actions.LARGEST.stale_text(frame.state),
-        rows=[_row(item) for item in found.proof.evidence],
+        table=evidence_table(found.proof).columns(0, 2, 3),
     )  # fmt: skip
 
 
@@ -46,19 +45,6 @@ def cause_text(found: LargestWorkspace) -> str:
         return requirement_label(found.requirement)
     texts = {"home": "no path from home", "volume": "no position meets all requirements"}
     return texts.get(found.cause, found.cause)
-
-
-def _row(item: Evidence) -> dict[str, str]:
-    label, unit = item.name, "m"
-    if item.requirement is not None:
-        label, unit = requirement_label(item.requirement), item.requirement.entry.unit
-    marks = {Verdict.PROVEN: ("✓", "pv-ok"), Verdict.SAMPLED: ("~", "pv-warn")}
-    mark, level = marks.get(item.verdict, ("✗", "pv-bad"))
-    bound = item.bound if item.requirement is not None else item.margin
-    return {
-        "mark": mark, "level": level, "label": label, "method": item.method.value,
-        "bound": format_value(float(bound), unit, 4),
-    }  # fmt: skip
 
 
 def _is_proven(state: State) -> bool:

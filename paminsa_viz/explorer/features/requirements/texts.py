@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
+from paminsa_viz.blocks.requirements import removed_texts, share_text, size_text
 from paminsa_viz.explorer.core.causes import CauseGroup, cause_groups
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.requirements import current_check, current_volume
@@ -19,7 +19,7 @@ from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck
 from paminsa_viz.synthesis.volume.solve import Volume
 from paminsa_viz.synthesis.volume.workspace import RequirementCheck
-from paminsa_viz.units import NONE, format_pose, format_value, number
+from paminsa_viz.units import format_pose, format_value
 
 AMPLE = 0.1
 """Margin of reach, and distance from singularities, of a full bar [m]."""
@@ -144,20 +144,10 @@ def volume_html(frame: Frame) -> str:
     volume = found.volume
     return render(
         "requirements/volume.j2", problem="", waiting=False, fine=outcome.job.fine,
-        volume=number(LITERS * volume.volume, 4), error=number(LITERS * volume.error, 2),
-        utilization=percent(volume.utilization), reachable=number(LITERS * volume.reachable_volume),
+        volume=size_text(volume), share=share_text(volume),
         searchable=bool(state.document.requirements.bounds), conflict=found.conflict,
         groups=[_group(volume, each) for each in shown_groups(found)],
     )  # fmt: skip
-
-
-LITERS = 1e3
-"""Cubic decimeters in a cubic meter."""
-
-
-def percent(part: float) -> str:
-    """Return a share in percent."""
-    return f"{number(100 * part, 3)} %" if math.isfinite(part) else NONE
 
 
 def shown_groups(found: VolumeResult) -> list[CauseGroup]:
@@ -170,6 +160,5 @@ def shown_groups(found: VolumeResult) -> list[CauseGroup]:
 def _group(volume: Volume, group: CauseGroup) -> dict[str, str]:
     alone = only = ""
     if group.requirement is not None:
-        alone = percent(float(volume.removed_alone[group.requirement]))
-        only = percent(float(volume.removed_last[group.requirement]))
+        alone, only = removed_texts(volume, group.requirement)
     return {"text": group.text, "color": group.color, "alone": alone, "only": only}

@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any
-
+from paminsa_viz.blocks.kinds import Note, Table
+from paminsa_viz.blocks.synthesis import (
+    buildability_blocks,
+    lengths_table,
+    outcomes_table,
+    price_blocks,
+    refused_notes,
+    relaxed_blocks,
+    yield_blocks,
+)
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.synthesis.actions import PRICES, SEARCH
 from paminsa_viz.explorer.features.synthesis.cases import case_of
-from paminsa_viz.explorer.kit.design_numbers import is_changed
-from paminsa_viz.explorer.kit.robot_texts import workspace_text
-from paminsa_viz.explorer.kit.text import note, render
+from paminsa_viz.explorer.kit.text import blocks_html, note, render
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.model import PARAMETER, Design, InvalidInput, PaminsaError
-from paminsa_viz.model.parameters import Parameter
-from paminsa_viz.quantities.requirement_text import requirement_label
-from paminsa_viz.quantities.requirements import Requirement, Workspace
-from paminsa_viz.synthesis.answer.prices import STEP
-from paminsa_viz.synthesis.search.buildability import OVERLAP_ALLOWED, buildability_rows
-from paminsa_viz.synthesis.search.case import ObjectiveLimit
+from paminsa_viz.model import InvalidInput, PaminsaError
+from paminsa_viz.quantities.requirement_text import requirement_label, shape_text
+from paminsa_viz.quantities.requirements import Workspace
 from paminsa_viz.synthesis.search.objectives import find_objective
-from paminsa_viz.synthesis.search.result import BoundOutcome, SynthesisResult
-from paminsa_viz.units import format_value, number, percent_change
+from paminsa_viz.units import format_value, number
 
 
 def intro_html(frame: Frame) -> str:
@@ -39,7 +39,7 @@ def intro_html(frame: Frame) -> str:
     return render(
         "synthesis/intro.j2", problem=problem, low=low, high=high,
         labels=[requirement_label(bound) for bound in requirements.bounds],
-        workspace="" if (space := requirements.workspace) is None else workspace_text(space),
+        workspace="" if (space := requirements.workspace) is None else shape_text(space),
     )  # fmt: skip
 
 
@@ -75,49 +75,28 @@ def result_html(frame: Frame) -> str:
         return note("synthesis-problem", outcome.problem)
     objective = find_objective(result.case.objective)
     built = outcome.result.built
+    drawn = buildability_blocks(result)
+    relaxed = relaxed_blocks(result)
+    lengths = lengths_table(outcome.job.reference, result.design, "geometry.")
     return render(
         "synthesis/result.j2", feasible=result.feasible, seconds=number(outcome.seconds, 2),
         trials=result.trials, poses=result.poses, canceled=result.canceled,
         objective=f"{objective.label} {format_value(result.objective, objective.unit)}",
         against=against_text(frame.state),
         regime="" if result.regime is None else result.regime.value,
-        workspace=placed_text(result.workspace), refused=refusals(result), nearest=nearest(result),
-        rows=[_row(one) for one in result.outcomes],
-        built=None if built is None else {
-            "share": number(100 * built.fraction.value, 3),
-            "low": number(100 * built.fraction.low, 3),
-            "high": number(100 * built.fraction.high, 3),
-            "count": built.fraction.samples, "missed": list(built.missed.items())[:3],
-        },
-        drawn=() if result.buildability is None else buildability_rows(*result.buildability),
-        overlap="" if result.case.clear else OVERLAP_ALLOWED,
-        lengths=changed_lengths(outcome.job.reference, result.design),
-        stale=SEARCH.stale_text(frame.state),
+        workspace=placed_text(result.workspace), refused=refused_notes(result),
+        requirements=outcomes_table(result).columns(0, 1, 2),
+        drawn=[one for one in drawn if isinstance(one, Table)],
+        overlap=[one for one in drawn if isinstance(one, Note)], relaxed=relaxed,
+        built=[] if built is None else yield_blocks(built),
+        lengths=lengths.columns(0, 2, 3, 4, hint=1), stale=SEARCH.stale_text(frame.state),
     )  # fmt: skip
-
-
-def changed_lengths(before: Design, after: Design) -> list[tuple[Parameter, str, str, str]]:
-    """Return the lengths that differ: before, after, and the change."""
-    return [
-        (
-            item, item.display.format(before.value(item.path), 4),
-            item.display.format(after.value(item.path), 4),
-            percent_change(before.value(item.path), after.value(item.path)),
-        )
-        for item in PARAMETER.values()
-        if item.path.startswith("geometry.") and is_changed(after, item.path, before)
-    ]  # fmt: skip
 
 
 def placed_text(workspace: Workspace) -> str:
     """Return a workspace and the height of its center."""
     z = workspace.center[2]
-    return workspace_text(workspace) + ("" if z is None else f" at z {format_value(z, 'm')}")
-
-
-def refusals(result: SynthesisResult) -> list[tuple[str, str]]:
-    """Return the regimes that were excluded, and why."""
-    return [(regime.value, reason) for regime, reason in result.refused.items()]
+    return shape_text(workspace) + ("" if z is None else f" at z {format_value(z, 'm')}")
 
 
 def against_text(state: State) -> str:
@@ -137,47 +116,13 @@ def prices_html(frame: Frame) -> str:
         return ""
     if outcome.result is None:
         return note("prices-problem", outcome.problem)
-    objective = find_objective(result.case.objective)
-    rows = [
-        (
-            one.label, format_value(one.bound, one.unit or "1"),
-            format_value(one.relaxed - result.objective, objective.unit, 3),
-            format_value(one.tightened - result.objective, objective.unit, 3),
-        )
-        for one in outcome.result
-    ]  # fmt: skip
-    steps = f"{100 * STEP:g} %"
-    return render(
-        "synthesis/prices.j2", rows=rows, step=steps, objective=objective.label,
+    blocks: list[Table | Note] = []
+    for one in price_blocks(result, outcome.result):
+        if isinstance(one, Table):
+            blocks += [one.columns(0, 1, 2, 3, 4), Note(one.caption, "muted")]
+        else:
+            blocks.append(one)
+    return blocks_html(
+        "synthesis-prices", *blocks, look="pv-causes pv-wrapped",
         stale=PRICES.stale_text(frame.state),
     )  # fmt: skip
-
-
-def nearest(result: SynthesisResult) -> list[str]:
-    """Return the nearest bounds that the others leave possible, as texts."""
-    found = []
-    for one in result.relaxed:
-        if math.isfinite(one.nearest):
-            label, unit = bound_text(one.bound)
-            found.append(f"{label}: {format_value(one.nearest, unit)}")
-    return found
-
-
-def bound_text(bound: Requirement | ObjectiveLimit) -> tuple[str, str]:
-    """Return a bound for people, and its SI unit."""
-    if isinstance(bound, Requirement):
-        return requirement_label(bound), bound.entry.unit
-    objective = find_objective(bound.objective)
-    sign = "≥" if objective.largest else "≤"
-    return f"{objective.label} {sign} {format_value(bound.most, objective.unit)}", objective.unit
-
-
-def _row(one: BoundOutcome) -> dict[str, Any]:
-    label, unit = bound_text(one.bound)
-    mark, level = ("✓", "pv-ok") if one.margin >= 0 else ("✗", "pv-bad")
-    if math.isnan(one.margin):  # a bound before it is broken already
-        mark, level = "–", "pv-plain"
-    return {
-        "label": label, "value": format_value(one.value, unit), "active": one.active,
-        "level": level, "mark": mark,
-    }  # fmt: skip

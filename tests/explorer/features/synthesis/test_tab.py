@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.blocks.synthesis import price_blocks, synthesis_blocks
 from paminsa_viz.explorer.core import actions as designs
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.requirements import current_check
@@ -38,6 +39,7 @@ from paminsa_viz.synthesis.search.case import Effort, Regime
 from paminsa_viz.synthesis.search.front import DesignFront, FrontPoint
 from paminsa_viz.synthesis.search.result import SynthesisResult
 from tests.support.desk import Desk
+from tests.support.tables import assert_parts, tables_in
 from tests.support.tasks import delivered
 
 PANEL = SYNTHESIZE
@@ -106,7 +108,7 @@ def test_a_short_search_is_adopted_with_the_design_before_as_reference(
     assert found.feasible
     shown = text.result_html(compute(state))
     assert "footprint" in shown
-    assert "robots built within tolerances" in shown
+    assert "Built within tolerances" in shown
     assert "Least clearance as drawn" in shown
     assert "Overlap was allowed" not in shown
     opened = actions.open_result(state)
@@ -204,19 +206,20 @@ def test_answer_says_beside_the_reference_whether_it_can_be_built(asked: State) 
     state = delivered(actions.SEARCH, started, Outcome(job, SearchResult(found)))
     shown = text.result_html(compute(state))
     assert "Overlap was allowed" in shown
-    table = shown[shown.index('data-testid="drawn"') :]
-    cells = re.findall(
-        r"<tr><td>(.*?)</td><td( class=\"pv-bad-text\")?>(.*?)</td><td>(.*?)</td></tr>",
-        html.unescape(table[: table.index("</table>")]),
-    )
+    marks = re.sub(r'<td class="pv-mark">.*?</td>', "", shown)
+    assert_parts(marks, synthesis_blocks(found))
+    table = shown[shown.index('<table class="pv-table pv-drawn" data-testid="drawn">') :]
+    cells = tables_in(table)[0][1:]
     assert found.buildability is not None
     rows = buildability_rows(*found.buildability)
-    assert cells == [(a, ' class="pv-bad-text"' if bad else "", b, c) for a, b, c, bad in rows]
-    told_of = {label: (own, reference, bool(bad)) for label, bad, own, reference in cells}
-    own, reference, bad = told_of["Guide B10"]
+    assert cells == [[a, b, c] for a, b, c, _ in rows]
+    red = re.findall(r'<td class="pv-bad-text">(.*?)</td>', html.unescape(table))
+    assert red == [own for _, own, _, bad in rows if bad]
+    told_of = {label: (own, reference) for label, own, reference in cells}
+    own, reference = told_of["Guide B10"]
     assert own.startswith("100 mm, needed ")
     assert reference.startswith("363.5 mm, needed ")
-    assert bad
+    assert own in red
     assert {
         "Least clearance as drawn", "Between", "Poses that overlap", "Least horizontal stiffness",
         "Least first natural frequency", "Shaft B2", "Moving mass",
@@ -234,6 +237,7 @@ def test_prices_are_of_the_answer_that_is_shown(asked: State) -> None:
     found = RequirementPrice("κ ≤ 10", "1", 10.0, 0.2, 0.42, 0.39, 0.075)
     priced = delivered(actions.PRICES, pricing, Outcome(price_job, (found,)))
     shown = text.prices_html(compute(priced))
+    assert_parts(shown, price_blocks(pricing.synthesis.answer, (found,)))  # type: ignore[arg-type]
     assert "−10 mm" in shown  # relaxed
     assert "20 mm" in shown  # tightened
     again = priced.updated("synthesis", running=job)
