@@ -28,7 +28,14 @@ from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.kit.task import NOT_OF_PREVIEW, Follower
 from paminsa_viz.explorer.kit.text import note, render
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.explorer.state.stiffness import CASES, MODES, ElasticJob, StiffnessSettings
+from paminsa_viz.explorer.state.stiffness import (
+    CASES,
+    MODES,
+    ElasticJob,
+    ElasticResult,
+    StiffnessSettings,
+)
+from paminsa_viz.kept import kept
 from paminsa_viz.model import PARAMETER
 from paminsa_viz.model.elastic import BARS, SECTION_VALUES
 from paminsa_viz.units import DisplayUnit, number
@@ -174,9 +181,14 @@ def result_html(frame: Frame) -> str:
     outcome = frame.state.stiffness.outcome
     if outcome is None:
         return ""
-    job, result = outcome.job, outcome.result
-    if result is None:
+    if outcome.result is None:
         return note("stiffness-problem", f"No stiffness at this pose: {outcome.problem}.")
+    return _found_html(outcome.job, outcome.result, frame.state.stiffness.settings.mode)
+
+
+@kept(2)
+def _found_html(job: ElasticJob, result: ElasticResult, mode: int) -> str:
+    """Return what was found, with a mode in bold; a result is shown in many pictures of a drag."""
     found = result.stiffness
     directions = directions_table(job.design, found)
     deflected = deflection_table(CASES[job.case][0], job.wrench, result.twist)
@@ -186,7 +198,7 @@ def result_html(frame: Frame) -> str:
         directions=directions.turned(1, 2).columns(0, 1, 2, 3, 6, 8), softest=directions.rows[6],
         along=softest_text(found), deflected=deflected.turned(2).columns(0, 1, 2, 3, 6, 7),
         compensation=NOTHING_DEFLECTED if moved is None else compensation_text(moved),
-        loaded=moved is not None, mode=frame.state.stiffness.settings.mode,
+        loaded=moved is not None, mode=mode,
     )  # fmt: skip
 
 
