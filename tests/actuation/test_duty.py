@@ -85,6 +85,22 @@ def test_winding_temperature_is_that_of_its_differential_equation(time: float, e
         assert share == pytest.approx(np.max(path), rel=5e-3)
 
 
+def test_winding_has_at_most_a_mean_heat_and_a_slow_one_has_that() -> None:
+    """Where it is not the limit that is used most its share is a bound, tight for a slow one."""
+    load = random_load(np.random.default_rng(6), 400, bias=1.0)
+    times = load.period * np.array([0.3, 1.0, 30.0, 1e7])
+    drive = replace(SERVO, gear_ratio=20.0, rated_torque=3.0, peak_torque=9.0)
+    table = drive_table([replace(drive, thermal_time_constant=time) for time in times])
+    sizing = size_drives(load, table)
+    share = sizing.shares[:, LIMITS.index("winding temperature")]
+    mean = (sizing.rms / 3.0) ** 2
+    assert (sizing.rms < 3.0).all()
+    assert (share < sizing.use).all()
+    assert (share >= thermal_share(load, table)).all()
+    assert (np.diff(share) < 0).all()
+    np.testing.assert_allclose(share[-1], mean[-1], rtol=1e-6)
+
+
 @pytest.mark.parametrize("repeats", [1.0, 4.0])
 def test_winding_temperature_of_constant_torques_in_turn_has_a_closed_form(repeats: float) -> None:
     """Three samples a motion, so that each of them counts: q_1 for 3 s, rest, q_2 for 2 s, rest."""

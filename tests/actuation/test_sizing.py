@@ -186,6 +186,10 @@ def test_no_torque_uses_no_share_where_an_envelope_gives_none() -> None:
     assert not table.concave.any()
     for ratio in (2.0, 6.0, 12.0):
         assert envelope_share(load, replace(table, ratio=np.array([ratio])))[0] == 0.0
+    whole = drive_table([Drive(envelope=(*bent[:3], (600.0, 0.5)))])  # still some at its top speed
+    assert not whole.concave.any()
+    for ratio in (2.0, 6.0, 12.0):
+        assert envelope_share(load, replace(whole, ratio=np.array([ratio])))[0] == 0.0
 
 
 def test_ratio_of_inertias_may_be_below_one_and_counts_only_if_it_is_limited() -> None:

@@ -232,11 +232,14 @@ def test_opt_in_numbers_are_found() -> None:
         held.estimate("b_3").half_width
         < identify(APPENDIX_4, log, QUICK).estimate("b_3").half_width
     )
-    legs = identify(APPENDIX_4, log, replace(QUICK, legs=True, rotors=True))
+    legs = identify(APPENDIX_4, log, replace(QUICK, legs=True, rotors=True, constrain=True))
     contrasts = [item for item in legs.estimates if item.parameter.kind == "leg"]
     assert len(contrasts) == 24
+    assert np.isnan(legs.identity.value)  # with the legs' columns, too, the identity is held
+    of_legs = np.reshape([item.value for item in contrasts], (3, 8))
+    np.testing.assert_allclose(of_legs.sum(axis=0), 0.0, atol=1e-12)
     assert sum(abs(item.value) > 1.5 * item.half_width for item in contrasts) == 0
-    assert legs.model.columns.shape[-1] == 27 + 4 + 4 + 3 + 2
+    assert legs.model.columns.shape[-1] == 27 + 4 + 4 + 3 + 2 - 1
 
 
 def test_logs_with_wrong_torques_are_refused_or_noted() -> None:

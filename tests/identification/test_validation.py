@@ -88,6 +88,15 @@ def test_a_known_payload_shows_a_common_gain() -> None:
     assert 0 < half_width < 0.03
 
 
+def test_a_known_payload_may_be_light(identified: Any) -> None:
+    """The gain is in proportion to the mass that the log shows for each kilogram put on."""
+    log = simulated(2, LOADED)
+    gains = [weigh_payload(identified, log, known=known).gain for known in (2.0, 0.5)]
+    assert gains[0] is not None
+    assert gains[1] is not None
+    assert gains[1][0] == pytest.approx(4.0 * gains[0][0], rel=1e-9)
+
+
 def test_an_impossible_payload_is_refused(identified: Any) -> None:
     with pytest.raises(InvalidInput, match=r"payload: .*above 0 kg"):
         weigh_payload(identified, identified.log, known=0.0)
