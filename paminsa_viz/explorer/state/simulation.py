@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.engines import EngineMissing
-from paminsa_viz.engines.verification import Comparison, torque_scale
 from paminsa_viz.explorer.state.outcome import Outcome, TaskState
 from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, setting
 from paminsa_viz.model import Design, InvalidInput
@@ -25,6 +25,9 @@ from paminsa_viz.trajectory import (
     Trajectory,
     TrajectoryAnalysis,
 )
+
+if TYPE_CHECKING:
+    from paminsa_viz.engines.verification import Comparison
 
 LONGEST = 60.0
 """Longest motion that is simulated on the page [s]."""
@@ -131,6 +134,8 @@ class EngineAnswer:
         Args:
             analysis: The same design on the whole motion, some formulas perhaps as published.
         """
+        from paminsa_viz.engines.verification import Comparison  # late: loads much of SciPy
+
         computed = self.engine.pick(analysis.torque)[self._good]
         return Comparison(computed, self.engine.torque[self._good], self._scale)
 
@@ -140,6 +145,8 @@ class EngineAnswer:
 
     @cached_property
     def _scale(self) -> Array:
+        from paminsa_viz.engines.verification import torque_scale
+
         thinned, good = self.thinned, self._good
         poses = thinned.trajectory.pose[good]
         return torque_scale(thinned.design, poses, self.engine.torque[good])
