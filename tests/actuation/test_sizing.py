@@ -186,10 +186,18 @@ def test_no_torque_uses_no_share_where_an_envelope_gives_none() -> None:
     assert not table.concave.any()
     for ratio in (2.0, 6.0, 12.0):
         assert envelope_share(load, replace(table, ratio=np.array([ratio])))[0] == 0.0
-    whole = drive_table([Drive(envelope=(*bent[:3], (600.0, 0.5)))])  # still some at its top speed
-    assert not whole.concave.any()
-    for ratio in (2.0, 6.0, 12.0):
-        assert envelope_share(load, replace(whole, ratio=np.array([ratio])))[0] == 0.0
+
+
+def test_an_envelope_that_is_not_concave_holds_up_to_its_top_speed_and_not_beyond() -> None:
+    speed = np.full(5, 50.0)
+    signals = load_signals(np.full(5, 1.2), 0 * speed, speed)
+    load = ActuatorLoad("M1", (DutyMotion(np.linspace(0, 1, 5), signals, 1.0, 0.0, 0.0),), 0.0)
+    table = drive_table([Drive(envelope=((0.0, 9.0), (100.0, 2.0), (300.0, 1.9), (600.0, 0.5)))])
+    assert not table.concave.any()
+    for ratio, limit in ((2.0, 2.0), (6.0, 1.9), (12.0, 0.5), (12.01, 0.0)):
+        share, _ = envelope_share(load, replace(table, ratio=np.array([ratio])))
+        expected = 1.2 / ratio / limit if limit else np.inf
+        assert share[0] == pytest.approx(expected, rel=1e-12)
 
 
 def test_ratio_of_inertias_may_be_below_one_and_counts_only_if_it_is_limited() -> None:

@@ -14,7 +14,7 @@ from scipy.optimize import lsq_linear
 from paminsa_viz.balancing import backends
 from paminsa_viz.balancing.convex import Cuts, MaxAbs, Norm, PositivePartSum
 from paminsa_viz.balancing.enclosure import Enclosure
-from paminsa_viz.balancing.program import Infeasible, Program, Variable
+from paminsa_viz.balancing.program import Infeasible, Program, SolverFailed, Variable
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.trajectory.integrals import running_integral, time_weights
 
@@ -196,3 +196,35 @@ def test_how_far_a_solver_is_from_the_optimum_does_not_depend_on_the_sign_of_the
         return backends._residual(found)
 
     assert residual(-1.0) == residual(1.0) == pytest.approx(1e-6)
+
+
+@pytest.mark.parametrize("part", ["x", "z"])
+def test_an_answer_that_is_in_part_no_number_is_none(
+    monkeypatch: pytest.MonkeyPatch, part: str
+) -> None:
+    import clarabel
+
+    numbers = {"x": [0.5, 0.5], "z": [0.0, 1.0, 1.0, 1.0, 1.0]}
+    numbers[part] = [np.nan, *numbers[part][1:]]
+    answer = SimpleNamespace(
+        status="Solved", obj_val=1.0, obj_val_dual=1.0, r_prim=0.0, r_dual=0.0, **numbers
+    )
+    solver = SimpleNamespace(solve=lambda: answer)
+    monkeypatch.setattr(clarabel, "DefaultSolver", lambda *_: solver)
+    row, unit = np.array([[-1.0, -1.0]]), np.ones(2)
+    program = backends.ConicProgram(unit, row, np.array([-1.0]), 0.0 * unit, unit, [])
+    with pytest.raises(SolverFailed, match="Solved"):
+        backends.solve_conic(program)
+
+
+@given(seed=SEEDS, groups=st.integers(1, 6))
+def test_a_sum_of_positive_parts_without_cuts_is_within_the_slack(seed: int, groups: int) -> None:
+    """Each part may exceed what is known of it by its share of the slack, and no more."""
+    rng = np.random.default_rng(seed)
+    term = PositivePartSum(np.eye(2 * groups), np.zeros(2 * groups), np.arange(0, 2 * groups, 2))
+    known, slack = rng.uniform(size=groups), 0.3
+    above = slack / groups * rng.choice([0.9, 1.1], size=groups)
+    state = np.column_stack([known + above, -np.ones(groups)]).ravel()
+    found = term.cuts(state, known, slack)
+    np.testing.assert_array_equal(found.part, np.flatnonzero(above > slack / groups))
+    assert len(found.part) or term.value(state) <= known.sum() + slack

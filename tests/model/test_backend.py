@@ -15,6 +15,7 @@ from paminsa_viz import quantities
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, backend, solve_field, xy_grid
 from paminsa_viz.model.dynamics import InverseDynamics, TorqueBreakdown
 from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.lumped import term_factors
 from paminsa_viz.model.measures import least_margin
 from paminsa_viz.model.robot import where
 from tests.support.cases import BY_HAND, PROTOTYPES, Case, cases
@@ -216,6 +217,24 @@ def test_any_formula_runs_compiled_and_on_arrays(formula: backend.Formula) -> No
         expected = other.solve(formula)
     assert expected.shape == (formula.results, 5, 7)
     near(field.solve(formula), expected, "grid", 1e-9)
+
+
+def test_loops_over_states_write_their_results_and_nothing_behind_them() -> None:
+    """Compiled loops do not look whether a place is inside of an array."""
+    backend.compile_now()
+    kernels = backend._kernels.get(7)
+    assert kernels is not None
+    m, e = mechanism(APPENDIX_4.geometry), term_factors(APPENDIX_4)
+    pose = np.random.default_rng(3).uniform(-0.1, 0.1, (7, 4)) - [0, 0, 0, 0.5]
+    c, s, rest = np.cos(pose[:, 2]), np.sin(pose[:, 2]), np.zeros((7, 4))
+    for count, run in (
+        (10, lambda out: kernels.mass_matrix(m, e, pose, c, s, out)),
+        (8, lambda out: kernels.inverse_dynamics_kernel(m, e, 9.81, pose, c, s, rest, rest, out)),
+    ):
+        whole = np.full((9, count), np.nan)
+        run(whole[:7])
+        assert np.isfinite(whole[:7]).all()
+        assert np.isnan(whole[7:]).all()
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from paminsa_viz.model import (
     APPENDIX_4,
     Payload,
     inverse_jacobian,
+    singular_radius,
     solve_field,
     static_torques,
 )
@@ -294,6 +295,24 @@ def test_quantities_are_signed_if_they_have_both_signs_and_no_others() -> None:
     signed = {key for key, item in QUANTITIES.items() if item.signed}
     assert both <= signed
     assert all(key.startswith("clearance") for key in signed - both)
+
+
+def test_no_bounded_quantity_grows_at_a_singularity() -> None:
+    """And of stiffness and clearance, which are to keep off 0, all others do."""
+    radius = float(singular_radius(LOADED.geometry, 0.2))
+    near, far = (
+        solve_field(
+            LOADED.geometry,
+            Grid.over(((radius - d) * np.cos(0.7), (radius - d) * np.sin(0.7), 0.2, -0.45)),
+        )
+        for d in (1e-6, 1e-2)
+    )
+    for key, item in QUANTITIES.items():
+        here, there = (float(np.abs(item.over(field, LOADED)).item()) for field in (near, far))
+        grows = here > 10.0 * there
+        assert not (item.bounded and grows), key
+        if item.family in ("stiffness", "clearance"):
+            assert item.bounded != grows, key
 
 
 def test_requirements_hold_at_the_heading_of_zero_unless_they_say_otherwise() -> None:

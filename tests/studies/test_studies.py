@@ -94,6 +94,9 @@ def test_metrics_are_those_of_the_poses(seed, knee) -> None:
     assert found["reach_margin_m"] == pytest.approx(reach.margins.min())
     circle = near.position_distance + np.hypot(pose[:, 0], pose[:, 1])
     assert found["singular_distance_m"] == pytest.approx(circle.min() - region.radius)
+    ratio = design.geometry.platform_radius / design.geometry.base_radius
+    turn = np.arccos(ratio) - 0.7 if ratio <= 1 else np.nan
+    assert found["singular_turn_rad"] == pytest.approx(turn, nan_ok=True)
     if ok.any():
         assert found["worst_condition"] == pytest.approx(near.condition[ok].max())
         assert found["median_condition"] == pytest.approx(np.median(near.condition[ok]))
