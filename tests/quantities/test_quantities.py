@@ -224,8 +224,8 @@ def test_clearances_have_a_sign_and_a_bound() -> None:
 
 def test_quantities_are_found_by_key_family_and_choice() -> None:
     assert [item.key for item in find(["f_4", "condition"])] == ["f_4", "condition"]
-    with pytest.raises(InvalidInput, match=r"there is no quantity 'conditon'; .*condition"):
-        find(["f_4", "conditon"])
+    with pytest.raises(InvalidInput, match=r"there is no quantity 'conditionx'; .*condition"):
+        find(["f_4", "conditionx"])
     by_family = families()
     assert [item for items in by_family.values() for item in items] == sorted(
         QUANTITIES.values(), key=lambda item: list(by_family).index(item.family)
