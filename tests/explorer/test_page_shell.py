@@ -113,7 +113,8 @@ def test_search_that_a_reload_has_ended_is_offered_again(tab: Tab) -> None:
 def test_reload_opens_inner_tabs_by_their_place_and_leaves_nothing_to_undo(tab: Tab) -> None:
     tab.open_tab("Errors")
     tab.page.get_by_role("tab", name="Manufacture", exact=True).click()
-    tab.wait_frames(600)
+    opened = f"sessionStorage.getItem('{STORE_KEY}_tabs') ?? ''"
+    until(lambda: "/Manufacture" in tab.page.evaluate(opened), "the inner tab is kept")
     tab.reload()
     inner = tab.page.get_by_role("tab", name="Manufacture", exact=True)
     until(lambda: inner.get_attribute("aria-selected") == "true", "the inner tab is open")

@@ -57,9 +57,8 @@
   retry(() => viewer().canvas && send("graphics", window.paminsaDrawing?.named() ?? ""), 200);
 
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
-  const sendScheme = () => retry(() => send("scheme", dark.matches), 50);
-  dark.addEventListener("change", sendScheme, { signal: stopped.signal });
-  sendScheme();
+  const sendScheme = () => send("scheme", dark.matches);
+  dark.addEventListener("change", () => retry(sendScheme, 50), { signal: stopped.signal });
 
   // What has been sent so far is in the next picture of the browser; a tab in the background has none.
   const tell = (kind, latest) => {
@@ -172,7 +171,8 @@
     link = "";
     return true;
   };
-  retry(() => sendSize() && sendLink() && send("hello", saved), 50);
+  // The scheme last: a theme that was chosen and kept goes before that of the browser.
+  retry(() => sendSize() && sendLink() && send("hello", saved) && sendScheme(), 50);
   const openLink = () => retry(sendLink, 50);
 
   // --- docks: how wide they are, kept for a reload ------------------------------------------
