@@ -228,6 +228,7 @@ def test_silent_web_sockets_give_way(
     eventually(lambda: get(guarded.port).status == 200)  # a page would find a place
     other, theirs = guarded.page()
     _wait_until_closed(silent[0])
+    eventually(lambda: get(guarded.port).status == 200)  # the next has been silent long enough
     guarded.still_answers(page, inputs)  # who has spoken keeps the place
     guarded.still_answers(other, theirs)
     for each in silent:
