@@ -195,7 +195,8 @@ def _found_html(job: ElasticJob, result: ElasticResult, mode: int) -> str:
     frequencies, moved = modes_table(result.frequencies, result.alone), result.compensation
     return render(
         "stiffness/result.j2", frequencies=frequencies.turned(1, 2), missing=NO_FREQUENCIES,
-        directions=directions.turned(1, 2).columns(0, 1, 2, 3, 6, 8), softest=directions.rows[6],
+        directions=replace(directions, rows=tuple(directions.rows[i] for i in (0, 1, 2, 5, 7))),
+        softest=directions.rows[6],
         along=softest_text(found), deflected=deflected.turned(2).columns(0, 1, 2, 3, 6, 7),
         compensation=NOTHING_DEFLECTED if moved is None else compensation_text(moved),
         loaded=moved is not None, mode=mode,

@@ -45,7 +45,8 @@ def test_readouts_are_the_models() -> None:
     stiffness = platform_stiffness(design, POSE)
     twist = stiffness.deflection()
     directions, deflected, frequencies = tables_in(text)
-    assert directions[0][:2] == ["Stiffness", "x [N/mm]"]
+    assert directions[0][:2] == ["Stiffness", "Whole robot"]
+    assert directions[1][0] == "x [N/mm]"
     assert value(directions[1][1]) == pytest.approx(1e-3 * stiffness.along(0), rel=1e-3)
     assert value(deflected[1][3]) == pytest.approx(1e3 * twist[2], rel=5e-3)
     assert f"a tilt of {number(1e3 * np.hypot(*twist[3:5]), 3)} mrad" in text
