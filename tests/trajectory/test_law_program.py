@@ -33,7 +33,7 @@ UNIT = 0.7
 LIMITS = MotionLimits(
     speed=1.1, turn_speed=5.0, acceleration=7.0, turn_acceleration=40.0, torque=6.0, force=430.0
 )
-PATH = TracedPath(via_points([A, B, A + [0.03, 0.05, -0.2, 0.04], B]).curve)
+PATH = TracedPath(via_points([A, B, A + np.array([0.03, 0.05, -0.2, 0.04]), B]).curve)
 KNOTS = law_knots(PATH)
 
 
