@@ -365,6 +365,8 @@ def test_tolerances_grow_as_the_last_place_of_a_number_does() -> None:
     assert missing("machine", [sentence]) == []
     assert (low, high) == (SINGLE_BOUNDS["inverse kinematics"], SINGLE_BOUNDS["forward dynamics"])
     assert (low, high) == (5e-6, 2e-2)
+    for value in SINGLE_BOUNDS.values():  # in round numbers: 1, 2 or 5 times a power of ten
+        assert f"{value:e}"[:8] in ("1.000000", "2.000000", "5.000000")
 
 
 @pytest.mark.parametrize("name", DESIGNS)
