@@ -9,6 +9,7 @@ import pytest
 
 from paminsa_viz.actuation.catalog import (
     LARGEST_CATALOG,
+    LONGEST_NAME,
     MOST_ROWS,
     CatalogError,
     generic_catalog,
@@ -16,9 +17,12 @@ from paminsa_viz.actuation.catalog import (
     read_catalog,
 )
 from paminsa_viz.actuation.duty import Duty, duty_cycle
+from paminsa_viz.actuation.ratios import SCANNED, WIDEST
 from paminsa_viz.actuation.sizing import size_drives
+from paminsa_viz.actuation.wrench_capability import DEFAULT_LIMITS
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.trajectory import PRESETS
+from tests.support.documentation import missing
 
 HEAD = "kind,name,source,rotor_inertia_g_cm2,rated_torque_mNm,peak_torque_Nm,rated_speed_rpm,"
 HEAD += "top_speed_rad_per_s,envelope_rpm_Nm,gear_ratio,efficiency,brake"
@@ -97,6 +101,22 @@ def test_impossible_catalogs_are_refused_in_one_line(
     assert told in caught.value.problem
     assert str(caught.value).startswith("my.csv: ")
     assert "\n" not in str(caught.value)
+
+
+def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
+    rotary, lift = DEFAULT_LIMITS[0], DEFAULT_LIMITS[3]
+    assert DEFAULT_LIMITS[:3] == (rotary,) * 3
+    assert all(one.peak == one.rated for one in DEFAULT_LIMITS)
+    drives = [
+        f"up to {LARGEST_CATALOG:,} bytes and {MOST_ROWS:,} rows, a name up to {LONGEST_NAME} char",
+        f"Such drives are scanned ({SCANNED:,} ratios",
+        f"goes up to {WIDEST:g} times the lower one".replace("e+0", "e"),
+    ]
+    forces = [
+        f"{rotary.rated:g} N m and {rotary.speed:g} rad/s for M1 to M3, {lift.rated:g} N and "
+        f"{lift.speed:g} m/s for M4"
+    ]
+    assert missing("drives", drives) == missing("forces", forces) == []
 
 
 def test_a_catalog_without_a_part_says_which(tmp_path: Path) -> None:

@@ -31,12 +31,13 @@ from paminsa_viz.balancing import (
     tornado,
 )
 from paminsa_viz.balancing.changes import MOST, mass_space
-from paminsa_viz.balancing.optimum import LARGEST
+from paminsa_viz.balancing.optimum import LARGEST, WIDER
 from paminsa_viz.balancing.paper_balance import MASSES_IN_MP2, MOST_ADDED, paper_changes
 from paminsa_viz.balancing.program import Solution
 from paminsa_viz.balancing.springs import STIFFEST
 from paminsa_viz.model import APPENDIX_4, Grid, InvalidDesign, InvalidInput
 from paminsa_viz.model.parameters import LARGEST as LARGEST_BY_UNIT
+from tests.support.documentation import missing
 
 POSE = [0.02, 0.01, 0.1, -0.5]
 FEW = Grid.over((0.0, 0.0, 0.0, -0.5), x=np.array([-0.05, 0.05]))
@@ -88,6 +89,14 @@ def test_what_is_just_possible_is_done_and_what_is_just_not_is_refused(
     for value in impossible:
         with pytest.raises((InvalidInput, InvalidDesign)):
             make(value)
+
+
+def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
+    sentences = [
+        f"each only upward and by {MOST_ADDED:g} kg at most",
+        f"least movement, by up to {WIDER:g} kg, would do",
+    ]
+    assert missing("balancing", sentences) == []
 
 
 def test_a_gap_is_what_is_above_the_bound_and_never_negative() -> None:

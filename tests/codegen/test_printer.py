@@ -56,6 +56,11 @@ def test_every_registered_formula_prints_in_both_languages() -> None:
         printer = Printer(language)
         printer.add(*formulas)
         assert {formula.__name__ for formula in formulas} <= set(printer.functions)
+        lines = printer.text().splitlines()
+        assert max(map(len, lines)) <= 100
+        heads = [line for line in lines if line.lstrip().startswith(("function ", "static inline"))]
+        assert len(heads) == len(printer.functions)
+        assert not any(line.startswith(" ") for line in heads)
 
 
 @pytest.mark.slow

@@ -21,6 +21,7 @@ from paminsa_viz.trajectory import (
     TrajectoryAnalysis,
     analyze,
     arch,
+    check,
     check_path,
     circle,
     plan_deformed,
@@ -28,11 +29,14 @@ from paminsa_viz.trajectory import (
     shortest_motion,
     shortest_stretch,
     simulate,
+    simulation,
     via_points,
 )
 from paminsa_viz.trajectory import crossing_program as program
 from paminsa_viz.trajectory.analysis import EXCESS
 from paminsa_viz.trajectory.crossing_measures import CrossingLoad
+from paminsa_viz.trajectory.law_program import LOOKED_AT
+from paminsa_viz.trajectory.plan import OFF_CROSSING
 from paminsa_viz.trajectory.sampled import (
     LARGEST,
     MOST_SAMPLES,
@@ -42,7 +46,8 @@ from paminsa_viz.trajectory.sampled import (
     Trajectory,
     sample_times,
 )
-from paminsa_viz.trajectory.shortest import PIECES
+from paminsa_viz.trajectory.shortest import EXCEEDED, FINE, LEAST, PIECES, ROUNDS, SETTLED
+from paminsa_viz.trajectory.time_optimal import TIGHTENED, WIDEST
 from tests.support.documentation import missing
 from tests.trajectory.plans import A, B
 
@@ -53,7 +58,18 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
     control = Controller()
     motions = [
         f"nearer than the clearance ({1e3 * SINGULAR_CLEARANCE:g} mm unless another is given)",
-        f"a quadratic spline of some {PIECES} pieces",
+        f"a quadratic spline of some {PIECES} pieces, {LEAST} at least between",
+        f"in between (at {LOOKED_AT} places of each piece) by more than {100 * EXCEEDED:g} %, "
+        f"until another program would save less than {100 * SETTLED:g} %, {ROUNDS} of them at most",
+        f"the motion is looked at at {FINE} places of each piece",
+        f"in {check._BETWEEN} parts (all of them for up to {check._FEW} samples",
+        f"({1e3 * simulation.PANTOGRAPH_CLEARANCE:g} mm before a pantograph is stretched",
+        f"steps of at most {1e3 * simulation._LONGEST_STEP:g} ms with an error of "
+        f"{simulation._TOLERANCE:g}".replace("e-0", "e-"),
+        f"no more than {simulation._MOST_EVALUATIONS:,} evaluations and "
+        f"{simulation._MOST_A_SECOND:,} for each second",
+        f"up to {MOST_SAMPLES:,} samples, {STEPS[0]:g} s to {STEPS[1]:g} s apart, with poses and "
+        f"rates of up to {LARGEST:g}".replace("e+", "e"),
     ]
     crossing = [
         f"z is a cubic spline of {program.INTERVALS} pieces",
@@ -63,6 +79,11 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         "The pieces next to a crossing are halved three times",
         f"a cosine between path and t_s below {program.STEEP:g}",
         "there are twice as many pieces, halved six times",
+        f"halved {program.REFINEMENTS[1]} and then {program.REFINEMENTS[2]} times instead "
+        f"({program.STEEP_REFINEMENTS[1]} and then {program.STEEP_REFINEMENTS[2]} times in the",
+        f"Points are added {TIGHTENED} times at most",
+        f"up to {WIDEST:g} of the path to both sides",
+        f"is moved by {1e6 * OFF_CROSSING:g} µs",
         f"counts from {100 * EXCESS:g} % of the largest torque on",
         f"within a clearance of the locus ({1e3 * SINGULAR_CLEARANCE:g} mm unless given)",
     ]
