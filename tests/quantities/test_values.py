@@ -121,6 +121,26 @@ def test_values_are_those_of_the_rooms_that_work_them_out() -> None:
             assert np.isnan(got[~reached]).all(), key
 
 
+def test_reasons_are_given_where_a_pose_can_be_taken_and_nowhere_else() -> None:
+    """Out of reach is said by the pose; drives that are too soft are said of the frequencies."""
+    reached = check_reach(DESIGN.geometry, FIELD.grid.poses()).ok
+    soft = DESIGN.vary({"elastic.drive_rotary": 1.0, "payload.mass": 20.0})
+    seen = set()
+    for design in (DESIGN, soft):
+        for key, item in QUANTITIES.items():
+            if item.missing is None:
+                continue
+            found, values = item.missing(FIELD, design), item.over(FIELD, design)
+            if item.family != "accuracy":
+                assert not found.code[~reached].any(), key
+            np.testing.assert_array_equal(
+                found.code[reached] > 0, np.isnan(values[reached]), err_msg=key
+            )
+            assert len(found.texts) == len(found.words) > found.code.max()
+            seen |= {key} if found.code[reached].any() else set()
+    assert {"frequency_1", "frequency_drives"} <= seen
+
+
 def test_indices_over_the_legs_and_of_z() -> None:
     field, reached = FIELD, check_reach(DESIGN.geometry, FIELD.grid.poses()).ok
     each = [QUANTITIES[f"transmission_{leg}"].over(field, DESIGN) for leg in (1, 2, 3)]

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.clearance import clearance
 from paminsa_viz.elastostatics import first_frequencies, platform_stiffness
@@ -43,7 +44,9 @@ OVER_POSES: dict[str, OverPoses] = {
 }
 """Quantities of the registry whose least value is looked for by samples and a pattern search."""
 
-KINDS: dict[str, OverPoses] = {"clearance": lambda design, pose: clearance(design, pose).pair}
+KINDS: dict[str, Callable[[Design, Array], NDArray[np.int64]]] = {
+    "clearance": lambda design, pose: clearance(design, pose).pair
+}
 """Of those that are the least of several: which one it is. Each has a least value of its own."""
 
 ROUNDS = 24
@@ -139,7 +142,7 @@ def least_over(
     density: Density,
     *,
     starts: int = STARTS,
-    kinds: Callable[[Array], Array] | None = None,
+    kinds: Callable[[Array], NDArray[np.int64]] | None = None,
 ) -> Least:
     """Return the least value over a workspace, found by samples and a pattern search.
 
