@@ -160,16 +160,20 @@ def test_bound_holds_whatever_the_multipliers_are(seed: int) -> None:
         Norm(rng.normal(size=(5, 3)), rng.normal(size=5)),
         PositivePartSum(rng.normal(size=(8, 3)), rng.normal(size=8), np.array([0, 4])),
         MaxAbs(rng.normal(size=(6, 3)), rng.normal(size=6)),
+        MaxAbs(rng.normal(size=(6, 3)), rng.normal(size=6) - 5.0, absolute=False),  # below zero
     )
     slot = Variable("slot", 0.1, 1.0, rng.normal(size=(3, 3)), (-1.0, 1.0))
     program = Program(
         rng.normal(size=3), (*plain(rng.normal(size=(2, 3)), [0, 0.2], [1, 0.9]), slot),
-        ((1.0, terms[0]), (0.5, terms[1])), limits=((50.0, terms[2]),),
+        ((1.0, terms[0]), (0.5, terms[1]), (2.0, terms[3])), limits=((50.0, terms[2]),),
     )  # fmt: skip
     enclosure = Enclosure(program)
     cuts = Cuts(*(np.concatenate(column) for column in zip(*enclosure.cuts, strict=True)))
-    bound, _, _ = enclosure.lagrangian(cuts, rng.uniform(0, 2, len(cuts.part)), elastic=False)
-    assert bound <= solve(program).value + 1e-9
+    least = solve(program).value
+    for most, for_limit in ((0.1, 0.0), (2.0, 0.01), (2.0, 2.0)):
+        weights = rng.uniform(0, most, len(cuts.part))
+        weights[cuts.part == enclosure.parts[-1].start] = for_limit
+        assert enclosure.lagrangian(cuts, weights, elastic=False)[0] <= least + 1e-9
 
 
 @given(seed=SEEDS, count=st.integers(2, 30))

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import io
+import re
 import shutil
 import subprocess
 import sys
+import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,7 +20,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from paminsa_viz.codegen.fmu import FmuKind, NoCompiler, build_fmu, fmu_folder, fmu_sources
+from paminsa_viz.codegen.fmu import (
+    STEP_MAX,
+    FmuKind,
+    NoCompiler,
+    build_fmu,
+    fmu_folder,
+    fmu_sources,
+)
 from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.errors import UnreachablePose
 from paminsa_viz.model import (
@@ -330,6 +339,82 @@ def test_the_script_adds_another_platform(tmp_path: Path) -> None:
     assert "binaries/linux32/paminsa_inverse.so" in inside
     with zipfile.ZipFile(io.BytesIO(before)) as archive:
         assert set(archive.namelist()) < set(inside)
+
+
+def described(design: Design, kind: FmuKind) -> ET.Element:
+    return ET.fromstring(fmu_sources(design, kind)["modelDescription.xml"])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_variables_have_references_starts_and_roles(kind: FmuKind) -> None:
+    """Inputs, payload and fixed numbers first, with starts; a plant starts where it is held."""
+    design = DRIVEN
+    root, pose = described(design, kind), start_pose(design)
+    found = {}
+    for number, variable in enumerate(root.iter("ScalarVariable")):
+        real = variable.find("Real")
+        role = variable.attrib["causality"], variable.attrib["variability"]
+        if real is None:
+            assert (variable.attrib["name"], number) == ("status", len(found))
+            assert role == ("output", "discrete")
+            continue
+        assert variable.attrib["valueReference"] == str(number)
+        found[variable.attrib["name"]] = role, variable.attrib.get("initial"), real.attrib
+    rates = tuple(f"{name}_rate" for name in ACTUATORS)
+    still = [0.0] * 4
+    load = design.payload
+    tunable = dict(zip(("payload_mass", "payload_inertia"), (load.mass, load.inertia), strict=True))
+    fixed: dict[str, float] = {}
+    if kind == "plant":
+        inputs = dict(zip(TORQUES, static_torques(design, pose), strict=True))
+        starts = [f"{name}_start" for name in (*POSE, *RATES)]
+        fixed = dict(zip(starts, [*pose, *still], strict=True)) | {"step_max": STEP_MAX}
+        outputs = (*POSE, *RATES, *ACTUATORS, *rates)
+    else:
+        moving = [*POSE, *RATES, *(f"{name}_acceleration" for name in POSE)]
+        inputs = dict(zip(moving, [*pose, *still, *still], strict=True))
+        outputs = (*TORQUES, *ACTUATORS)
+    assert list(found) == [*inputs, *tunable, *fixed, *outputs]
+    for group, role, initial in (
+        (inputs, ("input", "continuous"), None), (tunable, ("parameter", "tunable"), "exact"),
+        (fixed, ("parameter", "fixed"), "exact"),
+    ):  # fmt: skip
+        for name, start in group.items():
+            assert found[name][:2] == (role, initial)
+            assert float(found[name][2]["start"]) == start
+            assert ("min" in found[name][2]) == (group is tunable)
+    for name in outputs:
+        assert found[name][:2] == (("output", "continuous"), "calculated")
+        assert "start" not in found[name][2]
+    for part in root.findall("ModelStructure/*"):  # from 1; the status is one of them
+        places = [int(unknown.attrib["index"]) for unknown in part]
+        first = len(inputs) + len(tunable) + len(fixed) + 1
+        assert places == list(range(first, first + len(outputs) + 1))
+    header = fmu_sources(design, kind)["sources/model.h"]
+    defined = dict(re.findall(r"#define (\w+) (.*)", header))
+    assert int(defined["FIRST_FIXED"]) == len(inputs) + len(tunable)
+    assert int(defined["FIRST_OUTPUT"]) == len(inputs) + len(tunable) + len(fixed)
+    listed = [float(number) for number in defined["START"].strip("{}").split(",")]
+    assert listed == [*inputs.values(), *tunable.values(), *fixed.values()]
+    names = re.findall(r"^    (\w+),?$", header, re.MULTILINE)
+    assert names == [*(name.upper() for name in found), "COUNT"]
+
+
+def test_units_are_products_of_the_base_units() -> None:
+    bases = {"m": {"m": 1}, "rad": {"rad": 1}, "s": {"s": 1}, "kg": {"kg": 1}}
+    bases["N"] = {"kg": 1, "m": 1, "s": -2}
+    for kind in KINDS:
+        for unit in described(APPENDIX_4, kind).iter("Unit"):
+            over, _, under = unit.attrib["name"].partition("/")
+            expected: dict[str, int] = {}
+            for sign, factors in ((1, over.split(".")), (-1, under.split("."))):
+                for factor in filter(None, factors):
+                    name = factor.rstrip("2")
+                    for base, power in bases[name].items():
+                        times = 2 if factor.endswith("2") else 1
+                        expected[base] = expected.get(base, 0) + sign * power * times
+            (base_unit,) = unit
+            assert {key: int(power) for key, power in base_unit.attrib.items()} == expected
 
 
 def test_another_design_has_another_guid() -> None:

@@ -34,6 +34,14 @@ from tests.codegen.printed import (
 STATES = 100_000
 
 
+def run_js(folder: Path, program: str, rows: np.ndarray) -> np.ndarray:
+    """Run a program in Node and return its output for rows of numbers."""
+    (folder / "rows").write_bytes(rows.tobytes())
+    (folder / "program.js").write_text(program)
+    subprocess.run(["node", "program.js", "rows", "out"], cwd=folder, check=True)
+    return np.frombuffer((folder / "out").read_bytes())
+
+
 def same_bits(got: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     """Whether numbers are equal, all NaN being one, elementwise."""
     return (got == wanted) & (np.signbit(got) == np.signbit(wanted)) | np.isnan(got) & np.isnan(
@@ -68,10 +76,7 @@ def test_c_has_the_bits_of_numpy(compiler: str, tmp_path: Path) -> None:
 def test_javascript_has_the_bits_of_numpy(tmp_path: Path) -> None:
     given = columns(STATES)
     program, width = js_program(EXACT, given)
-    (tmp_path / "rows").write_bytes(table(given).tobytes())
-    (tmp_path / "program.js").write_text(program)
-    subprocess.run(["node", "program.js", "rows", "out"], cwd=tmp_path, check=True)
-    got = np.frombuffer((tmp_path / "out").read_bytes()).reshape(-1, width)
+    got = run_js(tmp_path, program, table(given)).reshape(-1, width)
     assert same_bits(got, on_numpy(EXACT, given)).all()
 
 
@@ -110,6 +115,12 @@ def swapped(m: Mechanism, x: Any, y: Any) -> Any:
     return x - y
 
 
+def indexed(m: Mechanism, x: Any) -> Any:
+    """A formula that assigns to a name and to a place at once."""
+    y, x[0] = x, x
+    return y
+
+
 def power(m: Mechanism, x: Any) -> Any:
     """A formula with an operator that languages round differently."""
     return x**3
@@ -117,7 +128,12 @@ def power(m: Mechanism, x: Any) -> Any:
 
 @pytest.mark.parametrize(
     ("formula", "words"),
-    [(loop, "the statement For"), (swapped, "an exchange of names"), (power, "x ** 3")],
+    [
+        (loop, "the statement For"),
+        (swapped, "an exchange of names"),
+        (indexed, "an assignment to anything but names"),
+        (power, "x ** 3"),
+    ],
 )
 def test_what_has_no_counterpart_is_refused_with_its_place(formula: Any, words: str) -> None:
     with pytest.raises(NotPrintable, match=rf"{formula.__name__}, line \d+: .*") as caught:
@@ -128,13 +144,27 @@ def test_what_has_no_counterpart_is_refused_with_its_place(formula: Any, words: 
 def chosen(a: Any, b: Any, d: Any) -> Any:
     """A formula with every place where parentheses matter."""
     first = a - (b - d) - (a - b) / (d / a) * -(b + a)
-    return first - where((a < b) & ((b < d) | (d == a)), a / (b * d), -(b - a))
+    second = where((a < b) == ((b < d) & (d < a)), where(a < d, a, b), b) * (a + d)
+    third = where(((b < d) | (d < a)) != (a < b), a - (b + d), -(a * b)) / (a / (b - d))
+    fourth = where((a < b) | (b < d) & (d < a), b - (-a), -(a / b)) - (second - third)
+    return first - fourth - where((a < b) & ((b < d) | (d == a)), a / (b * d), -(b - a))
+
+
+def numbers_for_parentheses() -> dict[str, Any]:
+    drawn = np.random.default_rng(1).normal(size=(3, 500))
+    return {"x": np.zeros(500)} | dict(zip(["a", "b", "d"], drawn, strict=True))
 
 
 def test_parentheses_keep_the_order_of_operations(tmp_path: Path) -> None:
-    given = {"x": np.zeros(500)} | dict(
-        zip(["a", "b", "d"], np.random.default_rng(1).normal(size=(3, 500)), strict=True)
-    )
+    given = numbers_for_parentheses()
     program, width = c_program([chosen], given)
     got = np.frombuffer(run_c(tmp_path, program, "gcc", table(given))).reshape(-1, width)
+    assert same_bits(got, on_numpy([chosen], given)).all()
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="no node here")
+def test_parentheses_keep_the_order_of_operations_in_javascript(tmp_path: Path) -> None:
+    given = numbers_for_parentheses()
+    program, width = js_program([chosen], given)
+    got = run_js(tmp_path, program, table(given)).reshape(-1, width)
     assert same_bits(got, on_numpy([chosen], given)).all()

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import io
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
 
-from paminsa_viz.engines.dxf import dxf_text
+from paminsa_viz.engines.dxf import GAP, LAYERS, dxf_text
 from paminsa_viz.errors import UnreachablePose
 from paminsa_viz.model import APPENDIX_4, inverse_kinematics
 from paminsa_viz.model.design import Design
+from paminsa_viz.version import MADE_BY
 from tests.support import samples
 
 ezdxf = pytest.importorskip("ezdxf", reason="ezdxf comes with the extra 'test'")
@@ -57,6 +59,60 @@ def test_from_above_joints_stand_where_the_robot_has_them() -> None:
     for number in (2, 3, 4, 5, 7, 8, 9):
         for point in 1e3 * np.asarray(points[number])[:, :2]:
             assert np.linalg.norm(centers - point, axis=1).min() < 1e-6, number
+
+
+def test_legs_stand_side_by_side_each_about_the_cross_on_its_axis() -> None:
+    """Joints are where they are in the leg's plane, and gaps are a share of the first view."""
+    pose = np.array([0.05, -0.03, 0.3, -0.55])
+    drawing = drawn(APPENDIX_4, pose)
+    configuration = inverse_kinematics(APPENDIX_4.geometry, pose)
+    space = drawing.modelspace()
+    spans = []
+    for layer in ("FROM_ABOVE", "LEG_1", "LEG_2", "LEG_3"):
+        lines = np.array(
+            [
+                [(end.x, end.y) for end in (line.dxf.start, line.dxf.end)]
+                for line in space.query(f'LINE[layer=="{layer}"]')
+            ]
+        )
+        circles = space.query(f'CIRCLE[layer=="{layer}"]')
+        centers = np.array([(circle.dxf.center.x, circle.dxf.center.y) for circle in circles])
+        (radius,) = {round(circle.dxf.radius, 9) for circle in circles}
+        g = APPENDIX_4.geometry
+        assert radius < 0.02 * 1e3 * (g.crank_length + g.coupler_length)
+        if layer != "FROM_ABOVE":
+            ways = lines[:, 1] - lines[:, 0]
+            across, up = (
+                np.flatnonzero((np.abs(ways - 6 * radius * way) < 1e-6).all(axis=1))
+                for way in np.eye(2)
+            )
+            assert (len(across), len(up)) == (1, 1)
+            cross, same = (lines[rows[0]].mean(axis=0) for rows in (across, up))
+            np.testing.assert_allclose(cross, same, atol=1e-9)
+            assert cross[1] == pytest.approx(0.0, abs=1e-9)  # z = 0
+            leg = int(layer[-1]) - 1
+            axis = configuration.points[3][leg, :2]
+            beta = configuration.beta[leg]
+            for number in (3, 4, 5, 7, 8, 9):
+                x, y, z = configuration.points[number][leg]
+                along = (x - axis[0]) * np.cos(beta) + (y - axis[1]) * np.sin(beta)
+                away = np.abs(centers - cross - 1e3 * np.array([along, z])).max(axis=1)
+                assert away.min() < 1e-5, (layer, number)
+            lines = np.delete(lines, [across[0], up[0]], axis=0)
+        name = next(text for text in space.query("TEXT") if text.dxf.text == layer)
+        assert name.dxf.layer == "NOTES"
+        assert name.dxf.insert.x == pytest.approx(lines[..., 0].min())
+        assert name.dxf.insert.y < lines[..., 1].min() - name.dxf.height  # below the view
+        assert name.dxf.height == pytest.approx(2 * radius)
+        spans.append((lines[..., 0].min(), lines[..., 0].max()))
+    first = spans[0][1] - spans[0][0]
+    for before, after in pairwise(spans):
+        assert after[0] - before[1] == pytest.approx(GAP * first)
+    *names, note = sorted(space.query("TEXT"), key=lambda text: -text.dxf.insert.y)
+    assert len(names) == 4
+    assert note.dxf.insert.x == pytest.approx(spans[0][0])
+    assert note.dxf.text.endswith(MADE_BY)
+    assert {layer.dxf.name: layer.dxf.color for layer in drawing.layers}.items() >= LAYERS.items()
 
 
 def test_the_note_says_design_and_pose_in_plain_letters() -> None:

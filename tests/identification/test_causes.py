@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -39,6 +40,19 @@ RATE = 250.0
 @cache
 def signals() -> Any:
     return clean_signals(1, DESIGN, rate=RATE)
+
+
+@cache
+def identified(noise_seed: int | None = 0) -> Any:
+    """What a log of the right robot says, with noise or without."""
+    log = simulated(1, DESIGN, noise_seed=noise_seed, rate=RATE)
+    return identify(APPENDIX_4, log, QUICK)
+
+
+@cache
+def tried() -> Any:
+    """All causes, by the log without noise."""
+    return possible_causes(identified(None))
 
 
 def causes(position: Any, torque: Any) -> Any:
@@ -115,9 +129,9 @@ def test_bar_that_is_heavier_in_mass_alone_is_said_to_be_like_others(bar: str) -
 @pytest.mark.parametrize("name", list(LENGTHS))
 def test_columns_of_lengths_are_torques_of_robots_with_longer_ones(name: str) -> None:
     """The same actuator motion, made by a robot of another length with the same base parameters."""
-    log = simulated(1, DESIGN, noise_seed=None, rate=RATE)
-    found = identify(APPENDIX_4, log, QUICK)
-    columns = {item.label: item.column for item in possible_causes(found)}
+    found = identified(None)
+    log = found.log
+    columns = {item.label: item.column for item in tried()}
     b = np.array([found.estimate(symbol).value for symbol in BASE_SYMBOLS])
     torques = []
     for size in (-1e-4, 1e-4):
@@ -133,6 +147,35 @@ def test_columns_of_lengths_are_torques_of_robots_with_longer_ones(name: str) ->
     np.testing.assert_allclose(column, expected, atol=2e-3 * np.abs(expected).max())
 
 
+def test_causes_are_about_the_leg_and_in_the_unit_that_their_labels_say() -> None:
+    causes = tried()
+    for cause in causes:
+        about = re.search(r"(?:^leg | of M| at M)(\d)", cause.label)
+        assert cause.leg == (int(about[1]) % 4 if about else 0)  # M4 is no leg's
+        lift = "M4" in cause.label
+        units = {
+            "heavier": "", "gain": "", "zero": "m" if lift else "rad", "longer": "m",
+            "delay": "s", "spring at": "N/m" if lift else "N m/rad", SPRING: "N",
+        }  # fmt: skip
+        assert cause.unit == next(unit for word, unit in units.items() if word in cause.label)
+        assert cause.plausible > 0
+    assert len({cause.label for cause in causes}) == len(causes) == 12 + 4 + 1 + 4 + 4 + 4 + 1
+
+
+def test_a_spring_explains_what_holding_the_identity_costs() -> None:
+    """Of the weighted squared residuals, by the fits with and without the identity."""
+    free = identified()
+    held = identify(APPENDIX_4, free.log, replace(QUICK, constrain=True))
+    noise = free.solution.noise[:, None]
+    right = (free.model.torque / noise.T).ravel()
+    left = [
+        np.linalg.lstsq((one.model.columns / noise).reshape(len(right), -1), right)[1][0]
+        for one in (free, held)
+    ]
+    ranked = {cause.label: cause for cause in find_causes(free).ranked}
+    assert ranked[SPRING].explains == pytest.approx((left[1] - left[0]) / left[0], rel=1e-6)
+
+
 def test_two_causes_are_named_one_after_the_other() -> None:
     _, position, torque = signals()
     shifted = position + np.radians(0.5) * np.eye(4)[0]
@@ -142,7 +185,7 @@ def test_two_causes_are_named_one_after_the_other() -> None:
 
 
 def test_a_right_robot_names_nothing_and_says_what_it_could_not_see() -> None:
-    found = find_causes(identify(APPENDIX_4, simulated(1, DESIGN, rate=RATE), QUICK))
+    found = find_causes(identified())
     assert found.named == ()
     unseen = " ".join(found.unseen)
     assert "common gain" in unseen
@@ -153,9 +196,9 @@ def test_a_right_robot_names_nothing_and_says_what_it_could_not_see() -> None:
 
 
 def test_columns_are_what_the_causes_do() -> None:
-    log = simulated(1, DESIGN, noise_seed=None, rate=RATE)
-    found = identify(APPENDIX_4, log, QUICK)
-    columns = {item.label: item.column for item in possible_causes(found)}
+    found = identified(None)
+    log = found.log
+    columns = {item.label: item.column for item in tried()}
     seen = []
     for size in (-1e-3, 1e-3):
         moved = make_log(log.t, log.position + size * np.eye(4)[1], log.torque)
@@ -165,7 +208,7 @@ def test_columns_are_what_the_causes_do() -> None:
 
 
 def test_sizes_are_the_least_squares_fit_with_rows_over_their_noise() -> None:
-    found = identify(APPENDIX_4, simulated(1, DESIGN, rate=RATE), QUICK)
+    found = identified()
     noise, model = found.solution.noise[:, None], found.model
     assert noise.max() > 2 * noise.min()
     ranked = {cause.label: cause for cause in find_causes(found).ranked}
