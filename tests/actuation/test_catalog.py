@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,7 +19,9 @@ from paminsa_viz.actuation.catalog import (
     read_catalog,
 )
 from paminsa_viz.actuation.duty import Duty, duty_cycle
-from paminsa_viz.actuation.ratios import SCANNED, WIDEST
+from paminsa_viz.actuation.payload import payload_change, payload_time_scaling
+from paminsa_viz.actuation.ratios import SCANNED, WIDEST, ratio_intervals
+from paminsa_viz.actuation.selection import select_drives
 from paminsa_viz.actuation.sizing import size_drives
 from paminsa_viz.actuation.wrench_capability import DEFAULT_LIMITS
 from paminsa_viz.model import APPENDIX_4
@@ -117,6 +121,24 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         f"{lift.speed:g} m/s for M4"
     ]
     assert missing("drives", drives) == missing("forces", forces) == []
+
+
+@pytest.mark.parametrize(
+    ("function", "defaults"),
+    [
+        (Duty, {"repeats": 1.0, "dwell": 0.0}),
+        (duty_cycle, {"slower": 1.0}),
+        (payload_change, {"slower": 1.0}),
+        (payload_time_scaling, {"share": 0.05}),
+        (select_drives, {"order": "mass", "inertia_ratio": math.inf, "same": False}),
+        (size_drives, {"inertia_ratio": math.inf}),
+        (ratio_intervals, {"inertia_ratio": math.inf}),
+    ],
+)
+def test_defaults_are_those_of_the_descriptions(function: Any, defaults: dict[str, Any]) -> None:
+    """One motion at its own pace, any ratio of inertias, a change of a twentieth."""
+    found = inspect.signature(function).parameters
+    assert {name: found[name].default for name in defaults} == defaults
 
 
 def test_a_catalog_without_a_part_says_which(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -16,11 +17,13 @@ from paminsa_viz.balancing import (
     MassChange,
     MassRange,
     Optimum,
+    Spring,
     SpringFit,
     SpringPlace,
     along,
     at_joint,
     balance,
+    fit_springs,
     length_tolerance,
     mass_tolerance,
     on_bar,
@@ -97,6 +100,28 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         f"least movement, by up to {WIDER:g} kg, would do",
     ]
     assert missing("balancing", sentences) == []
+
+
+@pytest.mark.parametrize(
+    ("function", "defaults"),
+    [
+        (optimize, {"limits": (), "tolerance": 1e-9}),
+        (balance, {"changes": None, "criterion": None, "exact": False}),
+        (pareto_front, {"points": 12, "limits": ()}),
+        (tornado, {"change": 0.05, "trajectory": None}),
+        (length_tolerance, {"samples": 200, "seed": 0}),
+        (fit_springs, {"measure": "peak"}),
+        (SpringPlace, {"max_stiffness": 1e5, "min_free_length": 0.0, "max_free_length": 0.0}),
+        (Spring, {"free_length": 0.0}),
+        (MassRange, {"inertia_follows": True}),
+        (CounterweightRange, {"low": 0.0}),
+        (Changes, {"masses": (), "counterweights": ()}),
+    ],
+)
+def test_defaults_are_those_of_the_descriptions(function: Any, defaults: dict[str, Any]) -> None:
+    """A front of twelve points, a twentieth to both sides, two hundred robots, springs to 1e5."""
+    found = inspect.signature(function).parameters
+    assert {name: found[name].default for name in defaults} == defaults
 
 
 def test_a_gap_is_what_is_above_the_bound_and_never_negative() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,11 +14,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from paminsa_viz.engines.exported import exported_mjcf
+from paminsa_viz.engines import verification
+from paminsa_viz.engines.exported import exported_mjcf, exported_usd
 from paminsa_viz.engines.mechanism import Link, Rod, as_cylinder, build_mechanism, link_color
 from paminsa_viz.engines.mjcf import TIME_STEP, mjcf_text
+from paminsa_viz.engines.mujoco_model import play
+from paminsa_viz.engines.poses import workspace_poses
+from paminsa_viz.engines.simulated_log import simulate_log
 from paminsa_viz.engines.urdf import MOST_EFFORT, MOST_SPEED, urdf_text
 from paminsa_viz.engines.usd import usd_text
+from paminsa_viz.engines.verification import verify
 from paminsa_viz.model.design import APPENDIX_4, PARAMETERS
 from paminsa_viz.model.load import LoadCase
 from paminsa_viz.model.parameters import Counterweight
@@ -25,6 +31,7 @@ from paminsa_viz.model.reach import workspace_height, workspace_radius
 from paminsa_viz.palette import LEG_COLORS, LIFT_COLOR, PLATFORM, rgb
 from tests.engines.test_usd import frame, prims
 from tests.support import samples
+from tests.support.documentation import missing
 
 WEIGHTED = replace(APPENDIX_4, counterweights=(Counterweight("b3", 7, 0.1, 0.8),))
 RANDOM = samples.random_design(np.random.default_rng(7))
@@ -183,6 +190,32 @@ def test_mjcf_is_seen_whole_from_aside_and_lit_from_above() -> None:
     assert [float(defaults[name]) for name in ("contype", "conaffinity", "mass")] == [0, 0, 0]
     assert int(defaults["group"]) < 3 <= int(of("default/site")["group"])  # what a viewer shows
     assert numbers(of("default/equality")["solref"]) == pytest.approx([2 * TIME_STEP, 1.0])
+
+
+def test_numbers_of_the_command_line_are_those_of_the_program() -> None:
+    sentences = [
+        f"| `--poses N` | `{verification.POSES}` |",
+        f"| `--tolerance X` | `{verification.TOLERANCE}` |",
+    ]
+    assert missing("command-line", sentences) == []
+
+
+@pytest.mark.parametrize(
+    ("function", "defaults"),
+    [
+        (verify, {"poses": verification.POSES, "seed": 0, "tolerance": verification.TOLERANCE}),
+        (play, {"step": 1e-4, "limit": np.inf, "loads": None}),
+        (simulate_log, {"rate": 1000.0, "seed": 0}),
+        (mjcf_text, {"holding": (0.0,) * 4, "servos": None, "load": False}),
+        (exported_mjcf, {"pose": None, "servos": True}),
+        (exported_usd, {"pose": None, "servos": True}),
+        (workspace_poses, {"seed": 0}),
+    ],
+)
+def test_defaults_are_those_of_the_descriptions(function: Any, defaults: dict[str, Any]) -> None:
+    """Servos that hold the start pose, steps of a tenth of a millisecond, 1 kHz."""
+    found = inspect.signature(function).parameters
+    assert {name: found[name].default for name in defaults} == defaults
 
 
 def test_sites_of_mjcf_are_where_its_loads_and_loops_are() -> None:
