@@ -371,12 +371,13 @@ def test_steps_out_of_the_workspace_are_worse_than_the_last_one_inside_and_end_a
 
     outside = Evaluation(-np.inf, -np.ones(11), np.zeros(2), np.zeros((11, 2)), -np.inf)
     search = Search(Scripted(), ExcitationSettings(), time.monotonic(), go_on)  # type: ignore[arg-type]
-    places = iter(np.arange(100.0))
+    places = iter(np.arange(-1.0, 100.0))
 
     def step(answer: Evaluation):
         answers.append(answer)
         return search._evaluated(np.full(2, next(places)), 1.0)
 
+    assert step(outside)[0] == BEYOND  # nothing has been inside yet
     value, slope, room, _ = step(inside(5.0))
     assert (value, slope.tolist(), room.tolist()) == (-5.0, [-1.0, -2.0], [1.0] * 11)
     assert (search.best_value, search.best.tolist()) == (5.0, [0.0, 0.0])
