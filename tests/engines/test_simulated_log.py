@@ -149,6 +149,19 @@ def test_noise_of_measured_logs_is_that_of_the_documentation() -> None:
     assert Defects((), (0.0,) * 4, 0.0, (1.0,) * 4, (0.0,) * 4, 0.0) == NO_DEFECTS
 
 
+def test_noise_is_a_process_of_first_order_from_its_first_sample_on() -> None:
+    """What is new in each sample is white, and so large that the deviation stays 1."""
+    step, correlation = 1e-3, 2e-3
+    white = np.random.default_rng(7).standard_normal((40, 4))
+    noise = correlated_noise(40, step, correlation, 7)
+    keep = np.exp(-step / correlation)
+    expected = [white[0]]
+    for new in white[1:]:
+        expected.append(keep * expected[-1] + np.sqrt(1 - keep**2) * new)
+    np.testing.assert_allclose(noise, expected, rtol=1e-12, atol=1e-14)
+    np.testing.assert_array_equal(correlated_noise(40, step, 0.0, 7), white)
+
+
 def test_impossible_logs_are_refused() -> None:
     with pytest.raises(InvalidInput, match="leg 1 has no bar 'B9'"):
         simulate_log(ROBOT, MOTION, rate=RATE, defects=Defects((HeavierBar(0, "B9", 1.2),)))
