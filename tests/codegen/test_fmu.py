@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import re
 import shutil
 import subprocess
@@ -20,6 +21,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from paminsa_viz.codegen.add_platform import NotBuilt, with_platform
 from paminsa_viz.codegen.fmu import (
     STEP_MAX,
     FmuKind,
@@ -30,6 +32,7 @@ from paminsa_viz.codegen.fmu import (
 )
 from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.errors import UnreachablePose
+from paminsa_viz.files.archives import zipped
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
@@ -72,6 +75,8 @@ POSE = ("x", "y", "theta", "z")
 ACTUATORS = ("theta_1", "theta_2", "theta_3", "lift")
 RATES = tuple(f"{name}_rate" for name in POSE)
 
+
+SOURCES = fmu_sources(APPENDIX_4, "inverse")
 
 built = cache(build_fmu)
 
@@ -415,6 +420,37 @@ def test_units_are_products_of_the_base_units() -> None:
                         expected[base] = expected.get(base, 0) + sign * power * times
             (base_unit,) = unit
             assert {key: int(power) for key, power in base_unit.attrib.items()} == expected
+
+
+COMPILER = """
+import json, pathlib, sys
+words = sys.argv[1:]
+if "--fail" in words:
+    sys.exit(3)
+pathlib.Path(words[words.index("-o") + 1]).write_text(json.dumps(words))
+"""
+
+
+@pytest.mark.parametrize("platform", ["linux64", "win64", "darwin64"])
+def test_a_platform_is_added_with_its_own_name_and_options(platform: str, tmp_path: Path) -> None:
+    script = tmp_path / "compiler.py"
+    script.write_text(COMPILER)
+    packed = zipped({name: text.encode() for name, text in SOURCES.items()})
+    made = with_platform(packed, platform, f"{sys.executable} {script} -m64")
+    ending = {"linux64": "so", "win64": "dll", "darwin64": "dylib"}[platform]
+    with zipfile.ZipFile(io.BytesIO(made)) as archive:
+        binary = f"binaries/{platform}/paminsa_inverse.{ending}"
+        assert set(archive.namelist()) == {*SOURCES, binary}
+        assert {info.external_attr >> 16 for info in archive.infolist()} == {0o644}
+        for name, text in SOURCES.items():
+            assert archive.read(name).decode() == text
+        words = json.loads(archive.read(binary))
+    assert words[0] == "-m64"
+    assert words[-4:] == ["paminsa_inverse.c", "-o", f"paminsa_inverse.{ending}", "-lm"]
+    assert {"-std=c99", "-shared", "-ffp-contract=off"} <= set(words)
+    assert ("-fPIC" in words) == ("-fvisibility=hidden" in words) == (platform != "win64")
+    with pytest.raises(NotBuilt, match="failed: exit code 3"):
+        with_platform(packed, platform, f"{sys.executable} {script} --fail")
 
 
 def test_another_design_has_another_guid() -> None:

@@ -365,6 +365,8 @@ def test_tolerances_grow_as_the_last_place_of_a_number_does() -> None:
     assert missing("machine", [sentence]) == []
     assert (low, high) == (SINGLE_BOUNDS["inverse kinematics"], SINGLE_BOUNDS["forward dynamics"])
     assert (low, high) == (5e-6, 2e-2)
+    for value in SINGLE_BOUNDS.values():  # in round numbers: 1, 2 or 5 times a power of ten
+        assert f"{value:e}"[:8] in ("1.000000", "2.000000", "5.000000")
 
 
 @pytest.mark.parametrize("name", DESIGNS)
@@ -398,6 +400,10 @@ def test_vectors_are_regular_poses_from_all_of_the_workspace_and_a_tenth_out_of_
     away = -g.knee.sign * pose[:, 3]
     assert 0.1 * height <= away.min() < 0.25 * height
     assert 0.8 * height < away.max() <= height
+    moving = [column(*(f"{kind}_{i}" for i in range(4))) for kind in ("velocity", "acceleration")]
+    spread = np.concatenate(moving).std(axis=0)
+    np.testing.assert_allclose(spread, [0.3, 0.3, 1.0, 0.3], rtol=0.07)
+    assert missing("machine", ["rates drawn with deviations of 0.3 m/s, 1 rad/s"]) == []
     found = inverse_kinematics(g, pose[inside]).actuators
     given = column("actuators_0", "actuators_1", "actuators_2", "actuators_3")
     np.testing.assert_allclose(given[inside], found, rtol=1e-12)

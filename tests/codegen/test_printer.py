@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -56,6 +56,11 @@ def test_every_registered_formula_prints_in_both_languages() -> None:
         printer = Printer(language)
         printer.add(*formulas)
         assert {formula.__name__ for formula in formulas} <= set(printer.functions)
+        lines = printer.text().splitlines()
+        assert max(map(len, lines)) <= 100
+        heads = [line for line in lines if line.lstrip().startswith(("function ", "static inline"))]
+        assert len(heads) == len(printer.functions)
+        assert not any(line.startswith(" ") for line in heads)
 
 
 @pytest.mark.slow
@@ -139,6 +144,40 @@ def test_what_has_no_counterpart_is_refused_with_its_place(formula: Any, words: 
     with pytest.raises(NotPrintable, match=rf"{formula.__name__}, line \d+: .*") as caught:
         Printer(C99()).add(formula)
     assert words in str(caught.value)
+
+
+class Pair(NamedTuple):
+    """Two numbers."""
+
+    first: Any  # of the left side [m]
+    second: Any
+    third: Any
+
+
+def explained(p: Pair, a: Any) -> Any:
+    """A formula with comments."""
+    # before the first
+    x = p.first * a  # beside it
+    # type: nothing to be said
+    return x + p.third
+
+
+def test_comments_are_printed_where_they_stand_and_those_for_tools_are_not() -> None:
+    printer = Printer(C99())
+    printer.add(explained)
+    lines = [line.strip() for line in printer.text().splitlines()]
+    assert "double first;  /* of the left side [m] */" in lines
+    assert "double second;" in lines
+    assert "double third;" in lines
+    body = lines[lines.index("{") + 1 :]
+    assert body[:3] == [
+        "/* before the first */",
+        "/* beside it */",
+        "const double x = p->first * a;",
+    ]
+    assert body[3] == "return x + p->third;"
+    assert "/* Two numbers. */" in lines
+    assert "/* A formula with comments. */" in lines
 
 
 def chosen(a: Any, b: Any, d: Any) -> Any:

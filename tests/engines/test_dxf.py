@@ -112,6 +112,8 @@ def test_legs_stand_side_by_side_each_about_the_cross_on_its_axis() -> None:
     assert len(names) == 4
     assert note.dxf.insert.x == pytest.approx(spans[0][0])
     assert note.dxf.text.endswith(MADE_BY)
+    assert note.dxf.height == pytest.approx(2 * radius)
+    assert note.dxf.insert.y < min(text.dxf.insert.y for text in names) - note.dxf.height
     assert {layer.dxf.name: layer.dxf.color for layer in drawing.layers}.items() >= LAYERS.items()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,11 +14,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from paminsa_viz.engines.exported import exported_mjcf
+from paminsa_viz.engines import verification
+from paminsa_viz.engines.exported import exported_mjcf, exported_usd
 from paminsa_viz.engines.mechanism import Link, Rod, as_cylinder, build_mechanism, link_color
-from paminsa_viz.engines.mjcf import TIME_STEP, mjcf_text
+from paminsa_viz.engines.mjcf import TIME_STEP, Servos, mjcf_text
+from paminsa_viz.engines.mujoco_model import play
+from paminsa_viz.engines.poses import start_values, workspace_poses
+from paminsa_viz.engines.simulated_log import simulate_log
 from paminsa_viz.engines.urdf import MOST_EFFORT, MOST_SPEED, urdf_text
 from paminsa_viz.engines.usd import usd_text
+from paminsa_viz.engines.verification import verify
 from paminsa_viz.model.design import APPENDIX_4, PARAMETERS
 from paminsa_viz.model.load import LoadCase
 from paminsa_viz.model.parameters import Counterweight
@@ -25,6 +31,7 @@ from paminsa_viz.model.reach import workspace_height, workspace_radius
 from paminsa_viz.palette import LEG_COLORS, LIFT_COLOR, PLATFORM, rgb
 from tests.engines.test_usd import frame, prims
 from tests.support import samples
+from tests.support.documentation import missing
 
 WEIGHTED = replace(APPENDIX_4, counterweights=(Counterweight("b3", 7, 0.1, 0.8),))
 RANDOM = samples.random_design(np.random.default_rng(7))
@@ -183,6 +190,70 @@ def test_mjcf_is_seen_whole_from_aside_and_lit_from_above() -> None:
     assert [float(defaults[name]) for name in ("contype", "conaffinity", "mass")] == [0, 0, 0]
     assert int(defaults["group"]) < 3 <= int(of("default/site")["group"])  # what a viewer shows
     assert numbers(of("default/equality")["solref"]) == pytest.approx([2 * TIME_STEP, 1.0])
+
+
+def test_actuators_of_mjcf_are_servos_about_the_start_or_motors_with_what_holds_it() -> None:
+    """Affine in position, speed and control: gain c + holding - gain (q - q_0) - damping q'."""
+    design = replace(WEIGHTED, load=LoadCase(force_z=-20.0))
+    pose = np.array([0.03, -0.02, 0.2, -0.55])
+    start, joints = start_values(design, pose), build_mechanism(design).actuated
+    holding = (1.0, -2.0, 3.0, 250.0)
+    servos = Servos((10.0, 20.0, 30.0, 400.0), (1.0, 2.0, 3.0, 40.0))
+    g = design.geometry
+    for chosen in (servos, None):
+        root = ET.fromstring(
+            mjcf_text(design, pose=pose.tolist(), holding=holding, servos=chosen, load=True)
+        )
+        found = root.find("actuator")
+        assert found is not None
+        *motors, load = [dict(one.attrib) for one in found]
+        assert [one["name"] for one in motors] == ["M1", "M2", "M3", "M4"]
+        assert [one["joint"] for one in motors] == list(joints)
+        assert load["name"] == "load"
+        assert numbers(load["ctrlrange"]).tolist() == [-1.0, 1.0]  # -1 takes the load away
+        assert numbers(load["gear"]).tolist() == list(design.load.wrench)
+        assert (numbers(load["biasprm"]).tolist(), load["gainprm"]) == ([1.0, 0.0, 0.0], "1")
+        key = root.find("keyframe/key")
+        if chosen is None:
+            assert key is not None
+            assert numbers(key.attrib["ctrl"]).tolist() == [*holding, 0.0]
+            continue
+        assert key is None
+        for j, one in enumerate(motors):
+            gain, damping = servos.stiffness[j], servos.damping[j]
+            assert float(one["gainprm"]) == gain
+            bias = [holding[j] + gain * start[joints[j]], -gain, -damping]
+            np.testing.assert_allclose(numbers(one["biasprm"]), bias)
+            low, high = numbers(one["ctrlrange"])
+            assert low == -high
+            most = np.pi / 3 if j < 3 else 0.3 * (g.crank_length + g.coupler_length)
+            assert high == pytest.approx(most)
+
+
+def test_numbers_of_the_command_line_are_those_of_the_program() -> None:
+    sentences = [
+        f"| `--poses N` | `{verification.POSES}` |",
+        f"| `--tolerance X` | `{verification.TOLERANCE}` |",
+    ]
+    assert missing("command-line", sentences) == []
+
+
+@pytest.mark.parametrize(
+    ("function", "defaults"),
+    [
+        (verify, {"poses": verification.POSES, "seed": 0, "tolerance": verification.TOLERANCE}),
+        (play, {"step": 1e-4, "limit": np.inf, "loads": None}),
+        (simulate_log, {"rate": 1000.0, "seed": 0}),
+        (mjcf_text, {"holding": (0.0,) * 4, "servos": None, "load": False}),
+        (exported_mjcf, {"pose": None, "servos": True}),
+        (exported_usd, {"pose": None, "servos": True}),
+        (workspace_poses, {"seed": 0}),
+    ],
+)
+def test_defaults_are_those_of_the_descriptions(function: Any, defaults: dict[str, Any]) -> None:
+    """Servos that hold the start pose, steps of a tenth of a millisecond, 1 kHz."""
+    found = inspect.signature(function).parameters
+    assert {name: found[name].default for name in defaults} == defaults
 
 
 def test_sites_of_mjcf_are_where_its_loads_and_loops_are() -> None:

@@ -26,10 +26,12 @@ from paminsa_viz.identification.base_parameters import (
     mass_columns,
 )
 from paminsa_viz.identification.causes import LENGTHS, SPRING, possible_causes
+from paminsa_viz.identification.columns import base_scale
 from paminsa_viz.identification.identify import filtered
 from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.model import APPENDIX_4, Friction
 from paminsa_viz.model.lumped import MASS_PATHS
+from tests.support.documentation import missing
 from tests.support.identification_logs import clean_signals, multi_sine, noisy, simulated
 
 DESIGN = replace(APPENDIX_4, friction=Friction(0.3, 0.4, 20.0, 8.0))
@@ -160,6 +162,30 @@ def test_causes_are_about_the_leg_and_in_the_unit_that_their_labels_say() -> Non
         assert cause.unit == next(unit for word, unit in units.items() if word in cause.label)
         assert cause.plausible > 0
     assert len({cause.label for cause in causes}) == len(causes) == 12 + 4 + 1 + 4 + 4 + 4 + 1
+
+
+def test_plausible_sizes_are_those_of_the_documentation() -> None:
+    """A length of 5 mm reads 5e-3, an angle of one degree pi / 180."""
+    sizes: dict[str, list[float]] = {}
+    for cause in tried():
+        what = re.sub(r"leg \d: B\d|M[123]", "", cause.label).strip()
+        sizes.setdefault(what, []).append(cause.plausible)
+    assert all(min(each) == max(each) for each in sizes.values())
+    size = {what: each[0] for what, each in sizes.items()}
+    upward = size[SPRING] / base_scale(APPENDIX_4)[1]
+    assert size["R_b longer"] == size["R_pl longer"]
+    assert size["l_B4 longer"] == size["l_B8 longer"]
+    assert size["gain of"] == size["gain of M4"]
+    sentence = (
+        f"{100 * size['heavier']:.4g} % of a bar, {100 * size['gain of']:.4g} % of a gain, zeros "
+        f"off by {np.degrees(size['encoder zero of']):.4g}° and "
+        f"{1e3 * size['encoder zero of M4']:.4g} mm, {1e3 * size['delay of the torques']:.4g} ms, "
+        f"{1e3 * size['R_b longer']:.4g} mm of R_b and R_pl and "
+        f"{1e3 * size['l_B4 longer']:.4g} mm of l_B4 and l_B8, springs of "
+        f"{size['spring at']:.4g} N·m/rad and {size['spring at M4']:.4g} N/m, and "
+        f"{100 * upward:.4g} % of the size of M_p2 upward at joint 9."
+    )
+    assert missing("identification", [sentence]) == []
 
 
 def test_a_spring_explains_what_holding_the_identity_costs() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,14 +19,18 @@ from paminsa_viz.identification import (
 )
 from paminsa_viz.identification.excitation import amplitudes, kept_limits
 from paminsa_viz.identification.excitation_search import (
+    BEYOND,
     GROUP,
+    MOST_OUTSIDE,
     ROUNDING,
     STAGES,
+    TOLERANCE,
     Search,
+    _Outside,
     random_motions,
     shrunk,
 )
-from paminsa_viz.identification.information import LIMITED, Information
+from paminsa_viz.identification.information import LIMITED, Evaluation, Information
 from paminsa_viz.identification.multi_sine import MultiSineFamily
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -349,3 +354,48 @@ def test_stages_go_on_with_the_best_motions_of_those_before() -> None:
         tried = [first for own, first in stages if own == sharpness]
         assert tried == left
         left = sorted(left, key=lambda first: abs(first - 7.0))[:kept]
+
+
+def test_steps_out_of_the_workspace_are_worse_than_the_last_one_inside_and_end_a_stage() -> None:
+    """What is kept is the best motion that exceeds no limit by more than the tolerance."""
+    answers: list[Evaluation] = []
+
+    class Scripted:
+        family = SimpleNamespace(size=2)
+
+        def evaluate(self, x, sharpness):
+            return answers.pop(0)
+
+    def inside(value: float, worst: float = 0.0) -> Evaluation:
+        return Evaluation(value, np.ones(11), np.array([1.0, 2.0]), np.ones((11, 2)), worst)
+
+    outside = Evaluation(-np.inf, -np.ones(11), np.zeros(2), np.zeros((11, 2)), -np.inf)
+    search = Search(Scripted(), ExcitationSettings(), time.monotonic(), go_on)  # type: ignore[arg-type]
+    places = iter(np.arange(-1.0, 100.0))
+
+    def step(answer: Evaluation):
+        answers.append(answer)
+        return search._evaluated(np.full(2, next(places)), 1.0)
+
+    assert step(outside)[0] == BEYOND  # nothing has been inside yet
+    value, slope, room, _ = step(inside(5.0))
+    assert (value, slope.tolist(), room.tolist()) == (-5.0, [-1.0, -2.0], [1.0] * 11)
+    assert (search.best_value, search.best.tolist()) == (5.0, [0.0, 0.0])
+    step(inside(9.0, worst=-1.001 * TOLERANCE))  # better, but not allowed
+    assert search.best_value == 5.0
+    step(inside(4.0))
+    assert search.best_value == 5.0
+    step(inside(6.0, worst=-TOLERANCE))
+    assert (search.best_value, search.best.tolist()) == (6.0, [3.0, 3.0])
+    for _ in range(MOST_OUTSIDE):
+        value, slope, room, _ = step(outside)
+        assert (value, slope.tolist(), room.tolist()) == (-6.0 + BEYOND, [0.0, 0.0], [-1.0] * 11)
+    step(inside(3.0))  # the count begins anew
+    for _ in range(MOST_OUTSIDE):
+        assert step(outside)[0] == -3.0 + BEYOND
+    with pytest.raises(_Outside):
+        step(outside)
+    spent = search.evaluations
+    step(inside(2.0))
+    again = search._evaluated(np.full(2, next(places) - 1.0), 1.0)  # the last place once more
+    assert (again[0], search.evaluations) == (-2.0, spent + 1)

@@ -16,6 +16,7 @@ from paminsa_viz.identification import (
     IdentificationSettings,
 )
 from paminsa_viz.identification.causes import (
+    MOST_NAMED,
     NEARLY,
     SIGNIFICANCE,
     Cause,
@@ -29,13 +30,22 @@ from paminsa_viz.identification.columns import (
     LARGE_TORQUE,
     FitParameter,
 )
-from paminsa_viz.identification.estimate import CONFIDENCE, normal_blocks, solve
-from paminsa_viz.identification.excitation import FINE
-from paminsa_viz.identification.identify import FEW_SECONDS, MOST_MOVE, OTHER_CUT_OFFS
-from paminsa_viz.identification.log import LONGEST_STEP
-from paminsa_viz.identification.log_poses import MOST_CONDITION
-from paminsa_viz.identification.nearest import UNTOLD
+from paminsa_viz.identification.estimate import CONFIDENCE, ITERATIONS, normal_blocks, solve
+from paminsa_viz.identification.excitation import FINE, NOISE_SHARE
+from paminsa_viz.identification.excitation_search import GROUP, HOP, HOP_SIZE, HOPS, STAGES
+from paminsa_viz.identification.filtering import LOWEST_RATE, ORDER, OVERSAMPLING, SETTLING
+from paminsa_viz.identification.identify import (
+    FEW_SECONDS,
+    LEAST_MOVE,
+    MOST_MOVE,
+    OTHER_CUT_OFFS,
+)
+from paminsa_viz.identification.information import COULOMB_SHARE
+from paminsa_viz.identification.log import EVEN, FASTEST, LONGEST_STEP, SLOWEST
+from paminsa_viz.identification.log_poses import MOST_CONDITION, SHORTEST_SEGMENT
+from paminsa_viz.identification.nearest import SMALL, SPREAD, UNTOLD
 from paminsa_viz.identification.results import IDENTITY_Z, Estimate, Identification, Identity
+from paminsa_viz.identification.validation import MOST_RATIO
 from tests.identification.test_estimate import random_columns
 from tests.support.documentation import missing
 
@@ -134,9 +144,26 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
     settings, search = IdentificationSettings(), ExcitationSettings()
     limits = ExcitationLimits(np.ones(4), np.ones(4))
     low, high = OTHER_CUT_OFFS
+    (first, iterations, kept), (second, same, left), (third, again, _) = STAGES
+    assert iterations == same == again
     sentences = [
         f"{FEW_SECONDS:g} s or more are advised",
         f"Rows more than {LONGEST_STEP:g} sample times apart are a gap",
+        f"each piece of {SHORTEST_SEGMENT:g} s or more is filtered by itself",
+        f"Fewer than {SLOWEST:g} rows a second are refused",
+        f"uneven by more than {EVEN:g} of a sample time",
+        f"and by more than {LEAST_MOVE:g} of what would make them unknown",
+        f"over that of its own fit, is at most {MOST_RATIO:g}",
+        f"a step as soft as {COULOMB_SHARE:g} of the largest speed, offsets; noise is "
+        f"{NOISE_SHARE:g} of the torques",
+        "at more than {:g} rad/s or {:g} m/s".format(*FASTEST),
+        f"Butterworth of order {ORDER}, forward and backward",
+        f"at least {LOWEST_RATE:g} rows and then {OVERSAMPLING:g} samples in a period of it",
+        f"Each pass settles within {SETTLING:g} periods",
+        f"the noise of each actuator that of its residuals, in {ITERATIONS} rounds",
+        f"taken to be off by {100 * SPREAD:g} %, and a mass that it has none of by as much of "
+        f"{SMALL:g} of those like it",
+        f"at most {MOST_NAMED} one after the other",
         f"condition number κ is above {MOST_CONDITION:g} is refused with its row",
         f"half at {settings.cut_off:g} Hz (`--cut-off`)",
         f"a jackknife over blocks of {settings.block:g} s, with Student's t",
@@ -149,6 +176,10 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         f"* κ ≤ {limits.condition:g}:",
         f"* {1e3 * limits.clearance:g} mm from the limits of reach",
         f"{search.random} random motions, each as large as the limits allow",
+        f"the best {GROUP} first, at most {iterations} iterations in each of three stages",
+        f"softened by 1/{first:g}, 1/{second:g} and 1/{third:g}, and {kept} and then {left} of",
+        f"Later groups are {HOPS} motions near the best one, its {HOP_SIZE:g}-fold with "
+        f"coefficients moved by {HOP:g} at random, and one more of the {search.random}.",
         f"{search.samples} times a period in the search and {FINE * search.samples} times at the",
     ]
     assert missing("identification", sentences) == []

@@ -17,22 +17,31 @@ from paminsa_viz.trajectory import (
     ControlMode,
     MotionLimits,
     Plan,
+    Profile,
     TimeLaw,
     TrajectoryAnalysis,
     analyze,
     arch,
+    check,
     check_path,
     circle,
+    from_samples,
+    line,
+    payload_drift,
     plan_deformed,
     point_to_point,
     shortest_motion,
     shortest_stretch,
     simulate,
+    simulation,
+    unplanned_torque,
     via_points,
 )
 from paminsa_viz.trajectory import crossing_program as program
 from paminsa_viz.trajectory.analysis import EXCESS
 from paminsa_viz.trajectory.crossing_measures import CrossingLoad
+from paminsa_viz.trajectory.law_program import LOOKED_AT
+from paminsa_viz.trajectory.plan import OFF_CROSSING
 from paminsa_viz.trajectory.sampled import (
     LARGEST,
     MOST_SAMPLES,
@@ -42,7 +51,8 @@ from paminsa_viz.trajectory.sampled import (
     Trajectory,
     sample_times,
 )
-from paminsa_viz.trajectory.shortest import PIECES
+from paminsa_viz.trajectory.shortest import EXCEEDED, FINE, LEAST, PIECES, ROUNDS, SETTLED
+from paminsa_viz.trajectory.time_optimal import TIGHTENED, WIDEST
 from tests.support.documentation import missing
 from tests.trajectory.plans import A, B
 
@@ -53,7 +63,18 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
     control = Controller()
     motions = [
         f"nearer than the clearance ({1e3 * SINGULAR_CLEARANCE:g} mm unless another is given)",
-        f"a quadratic spline of some {PIECES} pieces",
+        f"a quadratic spline of some {PIECES} pieces, {LEAST} at least between",
+        f"in between (at {LOOKED_AT} places of each piece) by more than {100 * EXCEEDED:g} %, "
+        f"until another program would save less than {100 * SETTLED:g} %, {ROUNDS} of them at most",
+        f"the motion is looked at at {FINE} places of each piece",
+        f"in {check._BETWEEN} parts (all of them for up to {check._FEW} samples",
+        f"({1e3 * simulation.PANTOGRAPH_CLEARANCE:g} mm before a pantograph is stretched",
+        f"steps of at most {1e3 * simulation._LONGEST_STEP:g} ms with an error of "
+        f"{simulation._TOLERANCE:g}".replace("e-0", "e-"),
+        f"no more than {simulation._MOST_EVALUATIONS:,} evaluations and "
+        f"{simulation._MOST_A_SECOND:,} for each second",
+        f"up to {MOST_SAMPLES:,} samples, {STEPS[0]:g} s to {STEPS[1]:g} s apart, with poses and "
+        f"rates of up to {LARGEST:g}".replace("e+", "e"),
     ]
     crossing = [
         f"z is a cubic spline of {program.INTERVALS} pieces",
@@ -63,6 +84,11 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         "The pieces next to a crossing are halved three times",
         f"a cosine between path and t_s below {program.STEEP:g}",
         "there are twice as many pieces, halved six times",
+        f"halved {program.REFINEMENTS[1]} and then {program.REFINEMENTS[2]} times instead "
+        f"({program.STEEP_REFINEMENTS[1]} and then {program.STEEP_REFINEMENTS[2]} times in the",
+        f"Points are added {TIGHTENED} times at most",
+        f"up to {WIDEST:g} of the path to both sides",
+        f"is moved by {1e6 * OFF_CROSSING:g} µs",
         f"counts from {100 * EXCESS:g} % of the largest torque on",
         f"within a clearance of the locus ({1e3 * SINGULAR_CLEARANCE:g} mm unless given)",
     ]
@@ -136,7 +162,13 @@ def test_what_is_just_possible_is_done_and_what_is_just_not_is_refused(
         (shortest_stretch, {"reshape": True, "drives": True, "clearance": SINGULAR_CLEARANCE}),
         (shortest_motion, {"drives": True, "clearance": SINGULAR_CLEARANCE}),
         (point_to_point, {"duration": 1.0}),
-        (arch, {"duration": 1.0}),
+        (arch, {"duration": 1.0, "lift_share": 0.4, "overlap": 0.5}),
+        (line, {"duration": 1.0}),
+        (via_points, {"duration": None, "times": None}),
+        (TimeLaw, {"profile": Profile.QUINTIC, "ramp": 0.3, "blend": 0.4}),
+        (from_samples, {"rest": False, "load": None}),
+        (unplanned_torque, {"rate": RATE}),
+        (payload_drift, {"clearance": SINGULAR_CLEARANCE}),
         (circle, {"duration": 1.0, "plane": "xy", "begin": 0.0, "angle": 2 * np.pi}),
         (plan_deformed, {"duration": None}),
         (Plan.sample, {"rate": RATE}),
@@ -149,7 +181,9 @@ def test_defaults_are_those_of_the_descriptions(function: Any, defaults: dict[st
 
 
 @pytest.mark.parametrize("plan", [point_to_point(A, B), arch(A, B, 0.08)], ids=["move", "arch"])
-def test_a_motion_does_not_depend_on_the_unit_of_time(plan: Plan) -> None:
+def test_a_motion_does_not_depend_on_the_unit_of_time(
+    plan: Plan, capfd: pytest.CaptureFixture[str]
+) -> None:
     """Limits of a clock that runs twice as fast: the same law in half the time."""
     slow = MotionLimits(speed=0.5, turn_speed=3.0, acceleration=3.0, turn_acceleration=20.0)
     fast = MotionLimits(speed=1.0, turn_speed=6.0, acceleration=12.0, turn_acceleration=80.0)
@@ -159,6 +193,7 @@ def test_a_motion_does_not_depend_on_the_unit_of_time(plan: Plan) -> None:
         assert (two.quantity, two.t) == (one.quantity, pytest.approx(0.5 * one.t, rel=1e-3))
         u = np.linspace(0.0, 1.0, 50)
         np.testing.assert_allclose(two.plan.curve(u), one.plan.curve(u), atol=1e-7)
+    assert capfd.readouterr() == ("", "")  # a solver may say much
 
 
 def test_a_crossing_is_unbounded_from_a_share_of_the_largest_torque_on(
