@@ -11,6 +11,7 @@ browser's own dialog, which counts as the click that opens it.
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import tempfile
 import time
@@ -119,10 +120,14 @@ class Person:
 
     def press_map(self, x: float, y: float) -> None:
         """Press the first torque map at x and y [m]."""
-        plot = self.page.locator(".js-plotly-plot:visible .nsewdrag").first
-        plot.wait_for(state="attached")
+        picture = self.page.locator("[data-paminsa-picture][src]:visible").first
+        picture.wait_for()
         half = self._half_frame()
-        self.tab.click_in(plot, 0.5 + 0.5 * x / half, 0.5 - 0.5 * y / half)
+        marks = self.page.locator("[data-paminsa-frame]:visible").first
+        frame = json.loads(marks.get_attribute("data-paminsa-frame"))
+        left, top, width, height = frame["panels"][0]
+        right, down = 0.5 + 0.5 * x / half, 0.5 - 0.5 * y / half
+        self.tab.click_in(picture, left + width * right, top + height * down)
         self.clicks += 1
 
     def _half_frame(self) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.statics import static_imbalance
-from paminsa_viz.plots.hover import reasons
+from paminsa_viz.plots.hover import cell_at, reasons
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.units import MM, number
@@ -102,11 +102,8 @@ def equals(symbol: str, value: float, unit: str) -> str:
 
 def _trouble(data: MapData) -> str:
     """Return why the cell under the pose has no value, if it has none."""
-    left, right, bottom, top = data.extent
-    x, y = float(data.pose[0]), float(data.pose[1])
-    if not (left <= x < right and bottom <= y < top):
+    cell = cell_at(data, float(data.pose[0]), float(data.pose[1]))
+    if cell is None:
         return " (outside the map)"
-    column = int((x - left) / (right - left) * data.x.size)
-    row = int((y - bottom) / (top - bottom) * data.y.size)
-    found = [str(reasons(data, panel)[row, column]) for panel in range(data.panels)]
+    found = [str(reasons(data, panel)[cell]) for panel in range(data.panels)]
     return next((f" ({text})" for text in found if text), "")

@@ -1,41 +1,81 @@
-"""Hover and clicks on maps: position and value at the pointer, or why there is no value.
-
-A plotly figure without colors lies over the image of `map_figure.LiveMaps` and has its layout.
-Only the image changes while a slider moves, so that nothing jumps when it stops.
-"""
+"""What is written at the pointer over maps: position and value, or why there is no value."""
 
 from __future__ import annotations
 
-import json
-from base64 import b64encode
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.plots.map_layout import MapLayout
 from paminsa_viz.plots.map_values import MapData
-from paminsa_viz.units import MM, number
+from paminsa_viz.units import MM, fixed, number
 
 FONT = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif"
 
-REASON_CELLS = 72
-"""Cells along a side, at most, with a reason for a missing value; texts are long."""
+EVERYWHERE = (slice(None), slice(None))
 
 
-def reasons(data: MapData, panel: int, stride: int = 1) -> NDArray[np.str_]:
-    """Return for every ``stride``-th cell of a panel why it has no value, or an empty text."""
-    picked = (slice(stride // 2, None, stride),) * 2
-    status = data.status[picked]
-    leg = np.full(status.shape, -1) if data.leg is None else data.leg[picked]
+def reasons(data: MapData, panel: int, cells: tuple[slice, slice] = EVERYWHERE) -> NDArray[np.str_]:
+    """Return for each of some cells of a panel why it has no value, or an empty text.
+
+    Args:
+        data: The maps.
+        panel: Index of one.
+        cells: Which rows and columns of the grid.
+    """
+    status = data.status[cells]
+    leg = np.full(status.shape, -1) if data.leg is None else data.leg[cells]
     texts = np.array([[limit.reason(leg) for leg in range(-1, 3)] for limit in Limit])
     found = texts[status, leg + 1]
     if data.missing is not None:
-        code = data.missing.code[picked]
+        code = data.missing.code[cells]
         found = np.where((status == 0) & (code != 0), np.array(data.missing.texts)[code], found)
-    empty = (status != 0) | np.isnan(data.values[panel][picked])
+    empty = (status != 0) | np.isnan(data.values[panel][cells])
     return np.where(empty, found, "")
+
+
+def cell_at(data: MapData, x: float, y: float) -> tuple[int, int] | None:
+    """Return row and column of the cell that holds a place [m], or None outside the maps."""
+    left, right, bottom, top = data.extent
+    if not (left <= x < right and bottom <= y < top):
+        return None
+    column = int((x - left) / (right - left) * data.x.size)
+    return int((y - bottom) / (top - bottom) * data.y.size), column
+
+
+class Readout(NamedTuple):
+    """What a map says at a place.
+
+    Attributes:
+        text: The value with its name, or why there is none.
+        cell: x and y of the middle of the cell it is of.
+        pose: theta and z of the map.
+    """
+
+    text: str
+    cell: str
+    pose: str
+
+
+def readout(data: MapData, panel: int, x: float, y: float) -> Readout | None:
+    """Return what a map says at a place, or None outside it.
+
+    Args:
+        data: The maps.
+        panel: Index of one.
+        x, y: The place [m].
+    """
+    found = cell_at(data, x, y)
+    if found is None:
+        return None
+    row, column = found
+    text = str(reasons(data, panel, (slice(row, row + 1), slice(column, column + 1)))[0, 0])
+    if not text:
+        value = data.display.format(float(data.values[panel, row, column]))
+        text = f"{data.names[panel]} = {value}"
+    middle = [fixed(MM * float(axis), 1) for axis in (data.x[column], data.y[row])]
+    return Readout(text, f"x = {middle[0]} mm, y = {middle[1]} mm", _pose(data))
 
 
 def emptiness(data: MapData, panel: int) -> str:
@@ -59,98 +99,13 @@ def reason_text(data: MapData) -> str:
 
 
 def _place(data: MapData) -> str:
-    pose = f"θ = {number(np.degrees(data.theta))}°, z = {number(MM * data.z)} mm"
-    return f"<br>x = %{{x:.1f}} mm, y = %{{y:.1f}} mm<br>{pose}<extra></extra>"
+    return f"<br>x = %{{x:.1f}} mm, y = %{{y:.1f}} mm<br>{_pose(data)}<extra></extra>"
 
 
-class HoverFigure:
-    """A figure for viser, which only calls `to_json`.
-
-    Plotly's own classes would take ten times as long, and half a second to import.
-    """
-
-    def __init__(self, data: MapData, layout: MapLayout, name: str) -> None:
-        """Prepare the figure for maps; ``name`` comes back with every click."""
-        traces = [
-            trace
-            for index in range(data.panels)
-            for trace in (_reasons(data, index), _values(data, index))
-        ]
-        config = {"displayModeBar": False, "doubleClick": False, "scrollZoom": False}
-        self._tree = {"data": traces, "layout": _layout(data, layout, name), "config": config}
-
-    def to_json(self) -> str:
-        """Return the figure as Plotly's JSON."""
-        return json.dumps(self._tree, separators=(",", ":"))
-
-
-def _layout(data: MapData, layout: MapLayout, name: str) -> dict[str, Any]:
-    left, right, bottom, top = (MM * edge for edge in data.extent)
-    width, height = layout.width, layout.height
-    out: dict[str, Any] = {
-        "meta": name,
-        "width": width,
-        "height": height,
-        "margin": {"l": 0, "r": 0, "t": 0, "b": 0, "pad": 0},
-        "paper_bgcolor": "rgba(0,0,0,0)",
-        "plot_bgcolor": "rgba(0,0,0,0)",
-        "showlegend": False,
-        "dragmode": False,
-        "hovermode": "closest",
-        "hoverlabel": {"font": {"family": FONT, "size": 12}},
-    }
-    for index, panel in enumerate(layout.panels):
-        number = axis_number(index)
-        fixed = {"visible": False, "fixedrange": True}
-        across = [panel.left / width, min(panel.right / width, 1.0)]
-        up = [max(1 - panel.bottom / height, 0.0), 1 - panel.top / height]
-        x_axis = {"anchor": f"y{number}", "range": [left, right], "domain": across}
-        y_axis = {"anchor": f"x{number}", "range": [bottom, top], "domain": up}
-        out |= {f"xaxis{number}": fixed | x_axis, f"yaxis{number}": fixed | y_axis}
-    return out
-
-
-def _values(data: MapData, index: int) -> dict[str, Any]:
-    # Beyond single precision Plotly would see a gap.
-    values = np.clip(data.values[index] * data.display[0], -1e30, 1e30)
-    trace = _heatmap(data.x, data.y, values, index)
-    return trace | {"zmin": 0, "zmax": 1, "hovertemplate": value_text(data, index)}
-
-
-def _reasons(data: MapData, index: int) -> dict[str, Any]:
-    stride = max(1, -(-data.x.size // REASON_CELLS))
-    texts = reasons(data, index, stride)
-    picked = slice(stride // 2, None, stride)
-    trace = _heatmap(data.x[picked], data.y[picked], np.where(texts == "", np.nan, 0.0), index)
-    return trace | {"text": texts.tolist(), "hovertemplate": reason_text(data)}
-
-
-def _heatmap(
-    x: NDArray[np.float64], y: NDArray[np.float64], z: ArrayLike, index: int
-) -> dict[str, Any]:
-    number = axis_number(index)
-    return {
-        "type": "heatmap",
-        "x": _packed(MM * x),
-        "y": _packed(MM * y),
-        "z": _packed(z),
-        "xaxis": f"x{number}",
-        "yaxis": f"y{number}",
-        "opacity": 0,
-        "showscale": False,
-        "hoverongaps": False,
-    }
+def _pose(data: MapData) -> str:
+    return f"θ = {number(np.degrees(data.theta))}°, z = {number(MM * data.z)} mm"
 
 
 def axis_number(index: int) -> str:
     """Return how plotly numbers the axes of a panel: nothing for the first, then 2, 3."""
     return "" if index == 0 else str(index + 1)
-
-
-def _packed(array: ArrayLike) -> dict[str, str]:
-    """Return an array as Plotly's base64 form, in single precision."""
-    numbers = np.ascontiguousarray(array, dtype="<f4")
-    packed = {"dtype": "f4", "bdata": b64encode(numbers.tobytes()).decode()}
-    if numbers.ndim > 1:
-        packed["shape"] = ", ".join(map(str, numbers.shape))
-    return packed

@@ -270,6 +270,7 @@ def draw_series(data: SeriesData, width: float, dpi: float, title: str, caption:
     figure.text(2.0 / width, (bottom - legend_height - 1.0) / height, "\n".join(below),
                 size=small, linespacing=1.1, color=_CAPTION, va="top")  # fmt: skip
     layout.execute(figure)
+    figure.set_layout_engine("none")  # when it is drawn, the same would be found again
     _shrink_notes(figure, small)
     return figure
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from paminsa_viz.actuation.catalog import (
     LARGEST_CATALOG,
+    LONGEST_NAME,
     MOST_ROWS,
     CatalogError,
     generic_catalog,
@@ -16,9 +19,14 @@ from paminsa_viz.actuation.catalog import (
     read_catalog,
 )
 from paminsa_viz.actuation.duty import Duty, duty_cycle
+from paminsa_viz.actuation.payload import payload_change, payload_time_scaling
+from paminsa_viz.actuation.ratios import SCANNED, WIDEST, ratio_intervals
+from paminsa_viz.actuation.selection import select_drives
 from paminsa_viz.actuation.sizing import size_drives
+from paminsa_viz.actuation.wrench_capability import DEFAULT_LIMITS
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.trajectory import PRESETS
+from tests.support.documentation import missing
 
 HEAD = "kind,name,source,rotor_inertia_g_cm2,rated_torque_mNm,peak_torque_Nm,rated_speed_rpm,"
 HEAD += "top_speed_rad_per_s,envelope_rpm_Nm,gear_ratio,efficiency,brake"
@@ -97,6 +105,40 @@ def test_impossible_catalogs_are_refused_in_one_line(
     assert told in caught.value.problem
     assert str(caught.value).startswith("my.csv: ")
     assert "\n" not in str(caught.value)
+
+
+def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
+    rotary, lift = DEFAULT_LIMITS[0], DEFAULT_LIMITS[3]
+    assert DEFAULT_LIMITS[:3] == (rotary,) * 3
+    assert all(one.peak == one.rated for one in DEFAULT_LIMITS)
+    drives = [
+        f"up to {LARGEST_CATALOG:,} bytes and {MOST_ROWS:,} rows, a name up to {LONGEST_NAME} char",
+        f"Such drives are scanned ({SCANNED:,} ratios",
+        f"goes up to {WIDEST:g} times the lower one".replace("e+0", "e"),
+    ]
+    forces = [
+        f"{rotary.rated:g} N m and {rotary.speed:g} rad/s for M1 to M3, {lift.rated:g} N and "
+        f"{lift.speed:g} m/s for M4"
+    ]
+    assert missing("drives", drives) == missing("forces", forces) == []
+
+
+@pytest.mark.parametrize(
+    ("function", "defaults"),
+    [
+        (Duty, {"repeats": 1.0, "dwell": 0.0}),
+        (duty_cycle, {"slower": 1.0}),
+        (payload_change, {"slower": 1.0}),
+        (payload_time_scaling, {"share": 0.05}),
+        (select_drives, {"order": "mass", "inertia_ratio": math.inf, "same": False}),
+        (size_drives, {"inertia_ratio": math.inf}),
+        (ratio_intervals, {"inertia_ratio": math.inf}),
+    ],
+)
+def test_defaults_are_those_of_the_descriptions(function: Any, defaults: dict[str, Any]) -> None:
+    """One motion at its own pace, any ratio of inertias, a change of a twentieth."""
+    found = inspect.signature(function).parameters
+    assert {name: found[name].default for name in defaults} == defaults
 
 
 def test_a_catalog_without_a_part_says_which(tmp_path: Path) -> None:

@@ -134,9 +134,12 @@ def test_figure_of_merit_decides_which_motors_have_a_ratio_for_their_rms() -> No
 def test_pairs_in_columns_are_the_drives_they_stand_for() -> None:
     gears = [GEAR, replace(GEAR, gear_ratio=10.0, viscous=1e-6, coulomb=1e-3, cost=5.0)]
     screws = [
-        Drive("screw", gear_inertia=3e-5, viscous=1e-4, transmission="screw", lead=0.01, mass=2.0),
+        Drive(
+            "screw", gear_inertia=3e-5, viscous=1e-4, coulomb=2e-3, transmission="screw", lead=0.01,
+            mass=2.0,
+        ),
         Drive("belt", transmission="belt", lead=0.08, lead_efficiency=0.9),
-    ]
+    ]  # fmt: skip
     motors = [SERVO, replace(SERVO, envelope=((0.0, 0.9), (300.0, 0.9), (600.0, 0.2)), cost=9.0)]
     for parts in ((motors, gears), (motors, gears, screws)):
         table = pair_table(*parts)

@@ -100,6 +100,11 @@ def test_disc_is_the_largest_in_the_force_polygon(design: Design) -> None:
         nearest = found.sectors[int(np.argmin(distance))]
         assert nearest == f"M{index + 1} at {'+' if sign > 0 else '−'}T"
         j, limits = found.rows, found.limits
+        for k, name in enumerate(found.sectors):  # all along a side its actuator is at its limit
+            for share in (0.0, 0.4, 1.0):
+                force = (1 - share) * polygon[k] + share * polygon[(k + 1) % len(polygon)]
+                use = (found.torque - j[0] * force[0] - j[1] * force[1]) / limits
+                assert use[int(name[1]) - 1] == pytest.approx(1.0 if "+" in name else -1.0)
         for corner in polygon:  # two actuators at their limits in every corner
             use = np.sort(np.abs(found.torque - j[0] * corner[0] - j[1] * corner[1]) / limits)
             np.testing.assert_allclose(use[1:], 1.0, rtol=1e-8)

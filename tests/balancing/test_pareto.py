@@ -12,6 +12,7 @@ from paminsa_viz.balancing import (
     MassRange,
     StaticPeak,
     TrajectoryPeak,
+    TrajectoryRms,
     pareto_front,
 )
 from paminsa_viz.model import APPENDIX_4, InvalidInput
@@ -50,6 +51,17 @@ def test_terms_that_agree_give_one_point() -> None:
     front = pareto_front(APPENDIX_4, what, AddedMass(), StaticPeak(field()), points=5)
     (point,) = front.points
     assert point.design.joints.j9 == pytest.approx(0.1)
+
+
+def test_terms_that_agree_but_for_the_solvers_tolerance_give_one_point() -> None:
+    """Before the change no mass is added: its other size is what differences count by."""
+    ranges = (MassRange("joints.j9", 0.1, 0.259), MassRange("links.b4", 0.1, 2.0))
+    front = pareto_front(
+        APPENDIX_4, Changes(ranges), TrajectoryRms(solved()), AddedMass(), points=3
+    )
+    (point,) = front.points
+    assert front.before[1] == 0.0
+    assert point.second == pytest.approx(-3 * (0.159 + APPENDIX_4.links.b4 - 0.1), rel=1e-6)
 
 
 def test_progress_and_canceling() -> None:

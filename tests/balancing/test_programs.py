@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from paminsa_viz.balancing import backends
+from paminsa_viz.balancing import backends, solver
 from paminsa_viz.balancing.convex import Cuts, MaxAbs, Norm, PositivePartSum
 from paminsa_viz.balancing.enclosure import Enclosure
 from paminsa_viz.balancing.program import Infeasible, Program, SolverFailed, Variable
@@ -96,6 +96,32 @@ def test_limit_met_by_an_inner_lever_alone() -> None:
         solve(Program(np.zeros(2), (slot,), ((1.0, goal),), limits=((-1e-3, limit),)))
 
 
+@pytest.mark.parametrize("starts", [[0], [0, 1], [0, 2], [0, 1, 2]])
+def test_a_limit_of_a_sum_is_of_all_its_groups_together(starts: list[int]) -> None:
+    """The dearest unknowns first: the third whole, then half of the second."""
+    total = PositivePartSum(np.eye(3), np.zeros(3), np.array(starts))
+    goal = MaxAbs(-np.array([[1.0, 2.0, 3.0]]), np.zeros(1), absolute=False)
+    variables = plain(np.eye(3), np.zeros(3), np.ones(3))
+    found = solve(Program(np.zeros(3), variables, ((1.0, goal),), limits=((1.5, total),)))
+    assert found.value == pytest.approx(-4.0, abs=1e-7)
+    np.testing.assert_allclose(found.state, [0.0, 0.5, 1.0], atol=1e-6)
+    assert found.limit_prices == pytest.approx([2.0], abs=1e-5)  # of more of the second
+
+
+@pytest.mark.parametrize(("name", "value"), [("MAX_ROUNDS", 0), ("ACCEPTED", -np.inf)])
+def test_what_is_not_solved_is_said_so(
+    name: str, value: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(solver, name, value)
+    goal = MaxAbs(np.eye(2), np.ones(2))
+    limit = MaxAbs(np.eye(2), np.zeros(2))
+    program = Program(
+        np.zeros(2), plain(np.eye(2), [0, 0], [1, 1]), ((1.0, goal),), limits=((0.5, limit),)
+    )
+    with pytest.raises(SolverFailed, match="could not be met within rounding"):
+        solve(program)
+
+
 def test_a_fixed_sum_out_of_reach_is_infeasible() -> None:
     variables = plain(np.eye(2), [0, 0], [1, 1])
     goal = MaxAbs(np.array([[1.0, 2.0]]), np.zeros(1), absolute=False)
@@ -160,16 +186,20 @@ def test_bound_holds_whatever_the_multipliers_are(seed: int) -> None:
         Norm(rng.normal(size=(5, 3)), rng.normal(size=5)),
         PositivePartSum(rng.normal(size=(8, 3)), rng.normal(size=8), np.array([0, 4])),
         MaxAbs(rng.normal(size=(6, 3)), rng.normal(size=6)),
+        MaxAbs(rng.normal(size=(6, 3)), rng.normal(size=6) - 5.0, absolute=False),  # below zero
     )
     slot = Variable("slot", 0.1, 1.0, rng.normal(size=(3, 3)), (-1.0, 1.0))
     program = Program(
         rng.normal(size=3), (*plain(rng.normal(size=(2, 3)), [0, 0.2], [1, 0.9]), slot),
-        ((1.0, terms[0]), (0.5, terms[1])), limits=((50.0, terms[2]),),
+        ((1.0, terms[0]), (0.5, terms[1]), (2.0, terms[3])), limits=((50.0, terms[2]),),
     )  # fmt: skip
     enclosure = Enclosure(program)
     cuts = Cuts(*(np.concatenate(column) for column in zip(*enclosure.cuts, strict=True)))
-    bound, _, _ = enclosure.lagrangian(cuts, rng.uniform(0, 2, len(cuts.part)), elastic=False)
-    assert bound <= solve(program).value + 1e-9
+    least = solve(program).value
+    for most, for_limit in ((0.1, 0.0), (2.0, 0.01), (2.0, 2.0)):
+        weights = rng.uniform(0, most, len(cuts.part))
+        weights[cuts.part == enclosure.parts[-1].start] = for_limit
+        assert enclosure.lagrangian(cuts, weights, elastic=False)[0] <= least + 1e-9
 
 
 @given(seed=SEEDS, count=st.integers(2, 30))

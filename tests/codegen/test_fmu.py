@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import io
+import json
+import re
 import shutil
 import subprocess
 import sys
+import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,9 +21,19 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from paminsa_viz.codegen.fmu import FmuKind, NoCompiler, build_fmu, fmu_folder, fmu_sources
+from paminsa_viz.codegen import fmu
+from paminsa_viz.codegen.add_platform import NotBuilt, with_platform
+from paminsa_viz.codegen.fmu import (
+    STEP_MAX,
+    FmuKind,
+    NoCompiler,
+    build_fmu,
+    fmu_folder,
+    fmu_sources,
+)
 from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.errors import UnreachablePose
+from paminsa_viz.files.archives import zipped
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
@@ -33,6 +46,8 @@ from paminsa_viz.model import (
     inverse_dynamics,
     inverse_jacobian,
     inverse_kinematics,
+    measure_singularity,
+    singular_rotation,
     static_torques,
 )
 from tests.codegen.printed import SANITIZERS, STRICT, compilers, sanitizes
@@ -63,6 +78,8 @@ POSE = ("x", "y", "theta", "z")
 ACTUATORS = ("theta_1", "theta_2", "theta_3", "lift")
 RATES = tuple(f"{name}_rate" for name in POSE)
 
+
+SOURCES = fmu_sources(APPENDIX_4, "inverse")
 
 built = cache(build_fmu)
 
@@ -323,13 +340,143 @@ def test_the_script_adds_another_platform(tmp_path: Path) -> None:
         done = run(*words)
         assert (done.returncode, len(done.stderr.splitlines())) == (1, 1)
         assert (tmp_path / "paminsa_inverse.fmu").read_bytes() == before
-    assert run("linux32", "cc").returncode == 0
+    done = run("linux32")
+    assert (done.returncode, "add_platform.py paminsa_plant.fmu" in done.stdout) == (2, True)
+    done = run("linux32", "cc")
+    said = "paminsa_inverse.fmu: has a binary for linux32\n"
+    assert (done.returncode, done.stdout) == (0, said)
     with zipfile.ZipFile(tmp_path / "paminsa_inverse.fmu") as archive:
         inside = archive.namelist()
         assert archive.testzip() is None
     assert "binaries/linux32/paminsa_inverse.so" in inside
     with zipfile.ZipFile(io.BytesIO(before)) as archive:
         assert set(archive.namelist()) < set(inside)
+
+
+def described(design: Design, kind: FmuKind) -> ET.Element:
+    return ET.fromstring(fmu_sources(design, kind)["modelDescription.xml"])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_variables_have_references_starts_and_roles(kind: FmuKind) -> None:
+    """Inputs, payload and fixed numbers first, with starts; a plant starts where it is held."""
+    design = DRIVEN
+    root, pose = described(design, kind), start_pose(design)
+    found = {}
+    for number, variable in enumerate(root.iter("ScalarVariable")):
+        real = variable.find("Real")
+        role = variable.attrib["causality"], variable.attrib["variability"]
+        if real is None:
+            assert (variable.attrib["name"], number) == ("status", len(found))
+            assert role == ("output", "discrete")
+            continue
+        assert variable.attrib["valueReference"] == str(number)
+        found[variable.attrib["name"]] = role, variable.attrib.get("initial"), real.attrib
+    rates = tuple(f"{name}_rate" for name in ACTUATORS)
+    still = [0.0] * 4
+    load = design.payload
+    tunable = dict(zip(("payload_mass", "payload_inertia"), (load.mass, load.inertia), strict=True))
+    fixed: dict[str, float] = {}
+    if kind == "plant":
+        inputs = dict(zip(TORQUES, static_torques(design, pose), strict=True))
+        starts = [f"{name}_start" for name in (*POSE, *RATES)]
+        fixed = dict(zip(starts, [*pose, *still], strict=True)) | {"step_max": STEP_MAX}
+        outputs = (*POSE, *RATES, *ACTUATORS, *rates)
+    else:
+        moving = [*POSE, *RATES, *(f"{name}_acceleration" for name in POSE)]
+        inputs = dict(zip(moving, [*pose, *still, *still], strict=True))
+        outputs = (*TORQUES, *ACTUATORS)
+    assert list(found) == [*inputs, *tunable, *fixed, *outputs]
+    for group, role, initial in (
+        (inputs, ("input", "continuous"), None), (tunable, ("parameter", "tunable"), "exact"),
+        (fixed, ("parameter", "fixed"), "exact"),
+    ):  # fmt: skip
+        for name, start in group.items():
+            assert found[name][:2] == (role, initial)
+            assert float(found[name][2]["start"]) == start
+            assert ("min" in found[name][2]) == (group is tunable)
+    for name in outputs:
+        assert found[name][:2] == (("output", "continuous"), "calculated")
+        assert "start" not in found[name][2]
+    for part in root.findall("ModelStructure/*"):  # from 1; the status is one of them
+        places = [int(unknown.attrib["index"]) for unknown in part]
+        first = len(inputs) + len(tunable) + len(fixed) + 1
+        assert places == list(range(first, first + len(outputs) + 1))
+    header = fmu_sources(design, kind)["sources/model.h"]
+    defined = dict(re.findall(r"#define (\w+) (.*)", header))
+    assert int(defined["FIRST_FIXED"]) == len(inputs) + len(tunable)
+    assert int(defined["FIRST_OUTPUT"]) == len(inputs) + len(tunable) + len(fixed)
+    listed = [float(number) for number in defined["START"].strip("{}").split(",")]
+    assert listed == [*inputs.values(), *tunable.values(), *fixed.values()]
+    names = re.findall(r"^    (\w+),?$", header, re.MULTILINE)
+    assert names == [*(name.upper() for name in found), "COUNT"]
+
+
+def test_a_plant_that_starts_at_a_singularity_is_not_held(monkeypatch: pytest.MonkeyPatch) -> None:
+    lower = np.array([0.0, 0.0, singular_rotation(DRIVEN.geometry), start_pose(DRIVEN)[3]])
+    assert measure_singularity(DRIVEN.geometry, lower).condition == np.inf
+    monkeypatch.setattr(fmu, "start_pose", lambda _: lower)
+    text = fmu_sources(DRIVEN, "plant")["modelDescription.xml"]
+    assert text.startswith("<?xml version")
+    root = ET.fromstring(text)
+    starts = {one.attrib["name"]: one[0].attrib.get("start") for one in root.iter("ScalarVariable")}
+    assert [starts[name] for name in TORQUES] == ["0.0"] * 4
+    assert [float(starts[f"{name}_start"] or "nan") for name in POSE] == lower.tolist()
+
+
+def test_units_are_products_of_the_base_units() -> None:
+    bases = {"m": {"m": 1}, "rad": {"rad": 1}, "s": {"s": 1}, "kg": {"kg": 1}}
+    bases["N"] = {"kg": 1, "m": 1, "s": -2}
+    for kind in KINDS:
+        for unit in described(APPENDIX_4, kind).iter("Unit"):
+            over, _, under = unit.attrib["name"].partition("/")
+            expected: dict[str, int] = {}
+            for sign, factors in ((1, over.split(".")), (-1, under.split("."))):
+                for factor in filter(None, factors):
+                    name = factor.rstrip("2")
+                    for base, power in bases[name].items():
+                        times = 2 if factor.endswith("2") else 1
+                        expected[base] = expected.get(base, 0) + sign * power * times
+            (base_unit,) = unit
+            assert {key: int(power) for key, power in base_unit.attrib.items()} == expected
+
+
+COMPILER = """
+import json, pathlib, sys
+words = sys.argv[1:]
+if "--fail" in words:
+    sys.exit(3)
+if "--say" in words:
+    sys.exit("model.c:\\n  " + 600 * "x")
+pathlib.Path(words[words.index("-o") + 1]).write_text(json.dumps(words))
+"""
+
+
+@pytest.mark.parametrize("platform", ["linux64", "win64", "darwin64"])
+def test_a_platform_is_added_with_its_own_name_and_options(platform: str, tmp_path: Path) -> None:
+    script = tmp_path / "compiler.py"
+    script.write_text(COMPILER)
+    packed = zipped({name: text.encode() for name, text in SOURCES.items()})
+    made = with_platform(packed, platform, f"{sys.executable} {script} -m64")
+    ending = {"linux64": "so", "win64": "dll", "darwin64": "dylib"}[platform]
+    with zipfile.ZipFile(io.BytesIO(made)) as archive:
+        binary = f"binaries/{platform}/paminsa_inverse.{ending}"
+        assert set(archive.namelist()) == {*SOURCES, binary}
+        assert {info.external_attr >> 16 for info in archive.infolist()} == {0o644}
+        for name, text in SOURCES.items():
+            assert archive.read(name).decode() == text
+        words = json.loads(archive.read(binary))
+    assert words[0] == "-m64"
+    assert words[-4:] == ["paminsa_inverse.c", "-o", f"paminsa_inverse.{ending}", "-lm"]
+    assert {"-std=c99", "-shared", "-ffp-contract=off"} <= set(words)
+    assert ("-fPIC" in words) == ("-fvisibility=hidden" in words) == (platform != "win64")
+    with pytest.raises(NotBuilt, match="failed: exit code 3"):
+        with_platform(packed, platform, f"{sys.executable} {script} --fail")
+    compiler = f"{sys.executable} {script} --say"
+    with pytest.raises(NotBuilt) as caught:
+        with_platform(packed, platform, compiler)
+    start = f"{compiler} failed: "
+    assert str(caught.value) == (start + "model.c: " + 600 * "x")[: len(start) + 500]
 
 
 def test_another_design_has_another_guid() -> None:

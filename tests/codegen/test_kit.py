@@ -12,14 +12,32 @@ import pytest
 
 from benchmarks.code_speed import GOALS, text_size
 from paminsa_viz.codegen import controller_kit
-from paminsa_viz.codegen.kit import SINGLE_BOUNDS, single_precision
-from paminsa_viz.model import APPENDIX_4, Design, Drive, KneeBranch, LoadCase, LoadFrame
+from paminsa_viz.codegen.kit import (
+    ROWS,
+    SINGLE_BOUNDS,
+    TOLERANCE,
+    TOLERANCES,
+    WORST_CONDITION,
+    header,
+    single_precision,
+)
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    Drive,
+    KneeBranch,
+    LoadCase,
+    LoadFrame,
+    inverse_kinematics,
+    leg,
+)
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.lumped import term_factors
 from paminsa_viz.model.parameters import Counterweight
-from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.reach import Limit, workspace_height, workspace_radius
 from paminsa_viz.model.robot import inverse_dynamics_kernel
 from tests.codegen.printed import SANITIZERS, STRICT, compilers, sanitizes
+from tests.support.documentation import missing
 
 
 def loaded_robot() -> Design:
@@ -333,6 +351,65 @@ def test_names_from_outside_cannot_leave_their_comment() -> None:
     first = text.splitlines()[0]
     assert first.count("*/") == 1
     assert first.endswith("*/")
+
+
+def test_tolerances_grow_as_the_last_place_of_a_number_does() -> None:
+    coarser = np.finfo(np.float32).eps / np.finfo(np.float64).eps
+    for name, value in TOLERANCES.items():
+        assert value == getattr(leg, name) * coarser
+        assert f"#define PAMINSA_{name} {value!r}" in single_precision(header())
+    assert {TOLERANCE[True], max(SINGLE_BOUNDS.values())} == {2e-2}
+    assert TOLERANCE[False] == 1e-9  # the documentation's
+    low, high = (bound(SINGLE_BOUNDS.values()) for bound in (min, max))
+    sentence = "from 5e-6 for inverse kinematics to 2e-2 for forward dynamics"
+    assert missing("machine", [sentence]) == []
+    assert (low, high) == (SINGLE_BOUNDS["inverse kinematics"], SINGLE_BOUNDS["forward dynamics"])
+    assert (low, high) == (5e-6, 2e-2)
+    for value in SINGLE_BOUNDS.values():  # in round numbers: 1, 2 or 5 times a power of ten
+        assert f"{value:e}"[:8] in ("1.000000", "2.000000", "5.000000")
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_vectors_are_regular_poses_from_all_of_the_workspace_and_a_tenth_out_of_reach(
+    name: str,
+) -> None:
+    design = DESIGNS[name]
+    g = design.geometry
+    text = controller_kit(design)["vectors.csv"].splitlines()
+    names = text[0].split(",")
+    rows = np.array([[float(cell) for cell in line.split(",")] for line in text[1:]])
+
+    def column(*wanted: str) -> np.ndarray:
+        return rows[:, [names.index(one) for one in wanted]]
+
+    pose = column("pose_0", "pose_1", "pose_2", "pose_3")
+    status, margin = column("status")[:, 0], column("margin")[:, 0]
+    condition = column("singularity_1")[:, 0]
+    inside = status == Limit.OK
+    assert inside.tolist() == [True] * ROWS + [False] * (ROWS // 10)
+    assert condition[inside].max() < WORST_CONDITION
+    assert condition[inside].max() > 0.8 * WORST_CONDITION
+    assert margin[inside].min() > 0.01 * g.base_radius
+    assert margin[~inside].max() < 0
+    # over the whole workspace, on the platform's side of the guides
+    radius, height = workspace_radius(g), workspace_height(g)
+    tried = pose[~inside]
+    for column_, most in ((0, radius), (1, radius), (2, 1.0)):
+        assert 0.8 * most < tried[:, column_].max() <= most
+        assert 0.8 * most < -tried[:, column_].min() <= most
+    away = -g.knee.sign * pose[:, 3]
+    assert 0.1 * height <= away.min() < 0.25 * height
+    assert 0.8 * height < away.max() <= height
+    moving = [column(*(f"{kind}_{i}" for i in range(4))) for kind in ("velocity", "acceleration")]
+    spread = np.concatenate(moving).std(axis=0)
+    np.testing.assert_allclose(spread, [0.3, 0.3, 1.0, 0.3], rtol=0.07)
+    said = ["rates drawn with deviations of 0.3 m/s, 1 rad/s"]
+    assert missing("machine", [*said, f"condition numbers up to {WORST_CONDITION:g})"]) == []
+    found = inverse_kinematics(g, pose[inside]).actuators
+    given = column("actuators_0", "actuators_1", "actuators_2", "actuators_3")
+    np.testing.assert_allclose(given[inside], found, rtol=1e-12)
+    for wanted, digits in (("c", np.cos(pose[:, 2])), ("s", np.sin(pose[:, 2]))):
+        np.testing.assert_allclose(column(wanted)[:, 0], digits, rtol=1e-15)
 
 
 def test_only_code_becomes_single_precision() -> None:

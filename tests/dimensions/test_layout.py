@@ -150,6 +150,15 @@ def test_mast_is_as_near_as_the_links_allow(seed: int, knee: KneeBranch) -> None
         assert nearest == pytest.approx(clear)
 
 
+@pytest.mark.parametrize(("radius", "beside"), [(0.7, True), (0.3, False)])
+def test_mast_of_a_wide_base_stands_beside_the_leg_axes(radius: float, beside: bool) -> None:
+    """Where no link reaches across, the room beside an axis is all that it needs."""
+    short = {"base_radius": radius, "guide_link_length": 0.3, "crank_length": 0.3}
+    g = replace(APPENDIX_4.geometry, **short, coupler_length=0.9)
+    near = layout(g).mast_radius == pytest.approx(radius + rules.MAST_ROOM)
+    assert near == beside
+
+
 @given(seeds)
 def test_plinth_lies_below_the_workspace_and_carries_the_mast(seed: int) -> None:
     g = drawn(seed, KneeBranch.LOWER)

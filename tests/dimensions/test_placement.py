@@ -62,6 +62,7 @@ def test_bodies_stand_at_their_joints(seed: int, knee: KneeBranch) -> None:
             axis = [*one.points[3][leg, :2], 0.0]
             assert places[f"leg{leg + 1}/guide"].position == pytest.approx(axis, abs=1e-15)
         assert places["carriage"].position == pytest.approx([0.0, 0.0, one.actuators[3]])
+        assert places["carriage"].matrix[:3, :3].tolist() == np.eye(3).tolist()
         matrix = places["platform"].matrix
         for leg, angle in enumerate(np.radians([210.0, -30.0, 90.0])):
             r = g.platform_radius

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from paminsa_viz.engines.mechanism import build_mechanism
+from paminsa_viz.engines.mechanism import Part, build_mechanism
 from paminsa_viz.engines.poses import start_values, world_frames
-from paminsa_viz.engines.rigid_bodies import rigid_bodies
+from paminsa_viz.engines.rigid_bodies import SLEEVE, _check, rigid_bodies
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import mass_matrix
 from paminsa_viz.model.design import APPENDIX_4, Counterweight, Design
@@ -61,6 +62,50 @@ def test_each_is_a_body_that_there_can_be(design: Design) -> None:
         inertia = np.array(body.inertia)
         assert (inertia > 0).all()
         assert (inertia.sum() - 2 * inertia > -1e-12).all(), body.name
+
+
+@EACH
+def test_what_only_turns_about_the_vertical_has_the_inertia_of_its_rods_and_parts(
+    design: Design,
+) -> None:
+    """Three arms as rods; guide and slider, which turn together, share that of the guide."""
+    tree = build_mechanism(design)
+    bodies = rigid_bodies(tree)
+    lift = next(link for link in tree.links if link.name == "lift")
+    share = (np.arange(1000) + 0.5) / 1000
+    squares = [
+        ((np.outer(1 - share, rod.start) + np.outer(share, rod.end))[:, :2] ** 2).sum(axis=1).mean()
+        for rod in lift.rods
+    ]
+    arms = bodies["lift"]
+    assert arms.inertia[2] == pytest.approx(arms.mass * np.mean(squares), rel=1e-5)
+    radius = design.platform.inertia + design.payload.inertia
+    assert bodies["platform"].inertia[2] == pytest.approx(radius)
+    for leg in (1, 2, 3):
+        guide, slider = bodies[f"leg{leg}_B10"], bodies[f"leg{leg}_slider"]
+        own = design.inertias.b10_vertical
+        assert guide.inertia[2] + slider.inertia[2] == pytest.approx(own)
+        expected = min(slider.mass * SLEEVE**2, own / 2)
+        assert slider.inertia[2] == pytest.approx(expected)
+        assert bodies[f"leg{leg}_B2"].inertia[2] == pytest.approx(design.inertias.b2_vertical)
+
+
+def test_a_heavy_slider_takes_no_more_than_half_of_the_guides_inertia() -> None:
+    heavy = APPENDIX_4.vary({"joints.j8": 50.0})
+    body = rigid_bodies(build_mechanism(heavy))["leg1_slider"]
+    assert body.inertia[2] == pytest.approx(heavy.inertias.b10_vertical / 2)
+
+
+def test_the_least_body_that_is_taken_has_a_milligram_and_a_square_millimeter_of_a_gram() -> None:
+    for mass, inertia, refused in (
+        (1e-6, 1e-9, ""), (0.99e-6, 1e-9, "kg;"), (1e-6, 0.99e-9, "kg m^2;"),
+    ):  # fmt: skip
+        body = Part("b", mass, (0.0, 0.0, 0.0), (1.0, inertia, 1.0))
+        if not refused:
+            _check(body)
+            continue
+        with pytest.raises(InvalidInput, match=re.escape(refused)):
+            _check(body)
 
 
 @pytest.mark.parametrize(

@@ -23,12 +23,14 @@ from paminsa_viz.trajectory import PRESET
 pytest.importorskip("mujoco")
 
 from paminsa_viz.engines.simulated_log import (
+    NO_DEFECTS,
     Defects,
     HeavierBar,
     LogNoise,
     correlated_noise,
     simulate_log,
 )
+from tests.support.documentation import missing
 
 RATE = 40.0
 ROBOT = replace(
@@ -123,6 +125,41 @@ def test_noise_has_its_size_its_correlation_and_its_seed(plain) -> None:
     steps = first.position[:, :3] / LogNoise().angle
     np.testing.assert_allclose(steps, np.round(steps), atol=1e-6)
     assert np.abs(first.position - plain.position)[:, 3].max() <= 0.5e-5 * (1 + 1e-9)
+
+
+def test_a_bar_may_be_lighter_too(plain) -> None:
+    """Torques are linear in its mass: what one of 80 % lacks, one of 120 % has more."""
+    lighter, heavier = (
+        simulate_log(ROBOT, MOTION, rate=RATE, defects=Defects((HeavierBar(0, "B4", factor),)))
+        for factor in (0.8, 1.2)
+    )
+    np.testing.assert_allclose(plain.torque - lighter.torque, heavier.torque - plain.torque,
+                               rtol=0, atol=1e-8)  # fmt: skip
+
+
+def test_noise_of_measured_logs_is_that_of_the_documentation() -> None:
+    """Those of the example logs: see docs/identification.md."""
+    noise = LogNoise()
+    sentence = (
+        f"torques with {100 * noise.torque:g} % noise that is correlated over "
+        f"{1e3 * noise.correlation:g} ms, encoders of {np.degrees(noise.angle):g}° and "
+        f"{1e6 * noise.travel:g} µm"
+    )
+    assert missing("identification", [sentence]) == []
+    assert Defects((), (0.0,) * 4, 0.0, (1.0,) * 4, (0.0,) * 4, 0.0) == NO_DEFECTS
+
+
+def test_noise_is_a_process_of_first_order_from_its_first_sample_on() -> None:
+    """What is new in each sample is white, and so large that the deviation stays 1."""
+    step, correlation = 1e-3, 2e-3
+    white = np.random.default_rng(7).standard_normal((40, 4))
+    noise = correlated_noise(40, step, correlation, 7)
+    keep = np.exp(-step / correlation)
+    expected = [white[0]]
+    for new in white[1:]:
+        expected.append(keep * expected[-1] + np.sqrt(1 - keep**2) * new)
+    np.testing.assert_allclose(noise, expected, rtol=1e-12, atol=1e-14)
+    np.testing.assert_array_equal(correlated_noise(40, step, 0.0, 7), white)
 
 
 def test_impossible_logs_are_refused() -> None:

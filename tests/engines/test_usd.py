@@ -101,7 +101,11 @@ def test_joints_join_the_bodies_where_they_stand(design: Design) -> None:
 def test_all_mass_is_in_bodies_with_inertia(design: Design) -> None:
     bodies = prims(usd_text(design), "    ")
     moving = {name: own for name, (kind, _, own) in bodies.items() if "physics:mass" in own}
-    assert moving.pop("base")["physics:mass"] == 1.0
+    base = moving.pop("base")
+    assert base["physics:mass"] == 1.0
+    assert base["physics:centerOfMass"].tolist() == [0.0, 0.0, 0.0]
+    assert base["physics:diagonalInertia"].tolist() == [1.0, 1.0, 1.0]
+    np.testing.assert_array_equal(frame(("", "", base))[0], 0.0)
     assert len(moving) == 23
     whole = sum(body.mass for body in oracle.bodies(design, oracle.split(np.zeros(4))))
     assert sum(own["physics:mass"] for own in moving.values()) == pytest.approx(whole, rel=1e-14)

@@ -107,9 +107,9 @@ def test_design_file_restores_a_design_and_a_broken_one_changes_nothing(tab: Tab
 
 def test_click_on_a_map_moves_the_robot_there(tab: Tab) -> None:
     tab.open_tab("Torque maps")
-    plot = tab.page.locator(".js-plotly-plot:visible .nsewdrag").first
-    plot.wait_for(state="attached")
-    tab.click_in(plot, 0.56, 0.45)
+    picture = tab.page.locator("[data-paminsa-picture][src]:visible").first
+    picture.wait_for()
+    tab.click_in(picture, 0.36, 0.24)  # above and to the right of the middle of the first map
     until(lambda: tab.state.last_reachable.pose[0] > 0.02, "the robot moves to the right")
     assert tab.state.last_reachable.pose[1] > 0.01
 

@@ -286,15 +286,16 @@ def test_motion_is_drawn_on_a_map_and_its_points_are_typed(tab: Tab) -> None:
     tab.open_tab("Path")
     tab.open_tab("Torque maps")
     tab.dispatch(lambda s: actions.move(s, theta=np.pi / 3))
-    plot = tab.page.locator(".js-plotly-plot").first
-    plot.wait_for()
+    picture = tab.page.locator("[data-paminsa-picture][src]").first
+    picture.wait_for()
     frame = 1e3 * frame_half(tab.state.document.design.geometry, *tab.state.document.pose[2:])
-    end = "plot => plot._fullLayout?.xaxis?.range[1] ?? 0"
-    until(lambda: abs(plot.evaluate(end) - frame) < 1, "clicks are read in the frame of θ = 60°")
+    marks = tab.page.locator("[data-paminsa-frame]").first
+    end = "marks => JSON.parse(marks.dataset.paminsaFrame).edges[1]"
+    until(lambda: abs(marks.evaluate(end) - frame) < 1, "clicks are read in the frame of θ = 60°")
     tab.page.get_by_role("button", name="draw a motion").first.click()
     tab.page.get_by_text("click: add waypoint 1").first.wait_for()
     for count, (right, down) in enumerate(((0.23, 0.2), (0.28, 0.2), (0.28, 0.28)), 1):
-        tab.click_in(plot, right, down)
+        tab.click_in(picture, right, down)
         until(lambda n=count: len(tab.state.document.motion.waypoints) == n, f"{count} waypoints")
     drawn = np.array(tab.state.document.motion.waypoints)
     assert drawn[1, 0] > drawn[0, 0] + 0.02
@@ -304,7 +305,7 @@ def test_motion_is_drawn_on_a_map_and_its_points_are_typed(tab: Tab) -> None:
     assert planned(tab).duration > 0
     tab.page.get_by_role("button", name="stop drawing").first.click()
     tab.page.get_by_text("click: go there").first.wait_for()
-    tab.click_in(plot, 0.25, 0.25)
+    tab.click_in(picture, 0.25, 0.25)
     until(lambda: tab.state.document.pose[0] != 0.0, "the robot goes there")
     assert len(tab.state.document.motion.waypoints) == 3
     tab.page.get_by_role("button", name="Edit 2").press("Enter")

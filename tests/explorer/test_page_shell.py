@@ -3,33 +3,38 @@
 from __future__ import annotations
 
 import json
+import math
+import re
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from paminsa_viz.explorer.browser.bridge import STORE_KEY
 from paminsa_viz.explorer.core import actions, motion
 from paminsa_viz.explorer.features.synthesis.actions import SEARCH
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model import static_torques
+from paminsa_viz.units import number
 from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 
 OVER_THE_MAP = """() => {
   const place = document.querySelector('[data-paminsa-slot="torques"]').parentElement.parentElement;
-  const plot = place.querySelector(".js-plotly-plot").getBoundingClientRect();
+  const map = place.querySelector("[data-paminsa-picture]").getBoundingClientRect();
   const cover = document.createElement("button");
   cover.id = "cover";
-  Object.assign(cover.style, {position: "fixed", zIndex: 900, left: `${plot.left}px`,
-    top: `${plot.top}px`, width: `${plot.width}px`, height: `${plot.height}px`, opacity: 0.2});
+  Object.assign(cover.style, {position: "fixed", zIndex: 900, left: `${map.left}px`,
+    top: `${map.top}px`, width: `${map.width}px`, height: `${map.height}px`, opacity: 0.2});
   document.body.append(cover);
-  return [plot.left + 0.25 * plot.width, plot.top + 0.25 * plot.height];
+  return [map.left + 0.25 * map.width, map.top + 0.25 * map.height];
 }"""
 
 
 def test_click_on_what_lies_over_a_map_moves_nothing_and_one_on_the_map_does(tab: Tab) -> None:
-    tab.page.locator(".nsewdrag").first.wait_for()
+    tab.page.locator("[data-paminsa-picture][src]").first.wait_for()
     tab.wait_frames(500)
     before = tab.state.document.pose
     place = tab.page.evaluate(OVER_THE_MAP)
@@ -39,6 +44,33 @@ def test_click_on_what_lies_over_a_map_moves_nothing_and_one_on_the_map_does(tab
     tab.page.evaluate("document.getElementById('cover').remove()")
     tab.page.mouse.click(*place)
     until(lambda: tab.state.document.pose != before, "the robot goes where the map is clicked")
+
+
+def test_value_of_a_map_is_written_at_the_pointer_and_follows_the_angle(tab: Tab) -> None:
+    picture = tab.page.locator("[data-paminsa-picture][src]").first
+    picture.wait_for()
+    box = tab.steady_box(picture)
+    readout = tab.page.get_by_test_id("map-readout")
+    at = box["x"] + 0.32 * box["width"], box["y"] + 0.25 * box["height"]
+    tab.page.mouse.move(*at)
+    design = tab.state.document.design
+    for theta in (0.0, 0.3):  # the pointer rests where it is
+        tab.dispatch(lambda state, theta=theta: actions.move(state, theta=theta))
+        readout.get_by_text(f"θ = {number(np.degrees(theta))}°").wait_for()
+        text = readout.inner_text().replace("−", "-")
+        torque, x, y, angle, z = map(float, re.findall(r" = (-?[\d.]+)", text))
+        assert math.radians(angle) == pytest.approx(theta, abs=1e-3)
+        # The shown place is rounded to 0.1 mm, which a torque feels.
+        nearby = [(x + i, y + j) for i in (-0.05, 0.05) for j in (-0.05, 0.05)]
+        poses = [(1e-3 * u, 1e-3 * v, theta, 1e-3 * z) for u, v in nearby]
+        found = static_torques(design, poses)[:, 0]
+        rounding = 5e-4 * abs(torque)
+        assert found.min() - rounding <= torque <= found.max() + rounding
+    tab.page.mouse.move(at[0] + 4, at[1])
+    assert readout.bounding_box()["x"] > at[0] + 4
+    tab.page.mouse.move(box["x"] + box["width"] + 200, at[1])
+    readout.wait_for(state="detached")
+    assert tab.page.evaluate("window.Plotly === undefined"), "it is sent with the first chart"
 
 
 NEW_FRAME = """() => {
@@ -54,7 +86,7 @@ NEW_FRAME = """() => {
 
 
 def test_click_on_a_map_is_read_in_the_frame_of_its_picture(tab: Tab) -> None:
-    tab.page.locator(".nsewdrag").first.wait_for()
+    tab.page.locator("[data-paminsa-picture][src]").first.wait_for()
     tab.dispatch(actions.go_home)
     tab.wait_frames(500)
     place, edges = tab.page.evaluate(NEW_FRAME)  # the picture of another frame; the figure lags

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -25,10 +26,12 @@ from paminsa_viz.identification.base_parameters import (
     mass_columns,
 )
 from paminsa_viz.identification.causes import LENGTHS, SPRING, possible_causes
+from paminsa_viz.identification.columns import base_scale
 from paminsa_viz.identification.identify import filtered
 from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.model import APPENDIX_4, Friction
 from paminsa_viz.model.lumped import MASS_PATHS
+from tests.support.documentation import missing
 from tests.support.identification_logs import clean_signals, multi_sine, noisy, simulated
 
 DESIGN = replace(APPENDIX_4, friction=Friction(0.3, 0.4, 20.0, 8.0))
@@ -39,6 +42,19 @@ RATE = 250.0
 @cache
 def signals() -> Any:
     return clean_signals(1, DESIGN, rate=RATE)
+
+
+@cache
+def identified(noise_seed: int | None = 0) -> Any:
+    """What a log of the right robot says, with noise or without."""
+    log = simulated(1, DESIGN, noise_seed=noise_seed, rate=RATE)
+    return identify(APPENDIX_4, log, QUICK)
+
+
+@cache
+def tried() -> Any:
+    """All causes, by the log without noise."""
+    return possible_causes(identified(None))
 
 
 def causes(position: Any, torque: Any) -> Any:
@@ -115,9 +131,9 @@ def test_bar_that_is_heavier_in_mass_alone_is_said_to_be_like_others(bar: str) -
 @pytest.mark.parametrize("name", list(LENGTHS))
 def test_columns_of_lengths_are_torques_of_robots_with_longer_ones(name: str) -> None:
     """The same actuator motion, made by a robot of another length with the same base parameters."""
-    log = simulated(1, DESIGN, noise_seed=None, rate=RATE)
-    found = identify(APPENDIX_4, log, QUICK)
-    columns = {item.label: item.column for item in possible_causes(found)}
+    found = identified(None)
+    log = found.log
+    columns = {item.label: item.column for item in tried()}
     b = np.array([found.estimate(symbol).value for symbol in BASE_SYMBOLS])
     torques = []
     for size in (-1e-4, 1e-4):
@@ -133,6 +149,59 @@ def test_columns_of_lengths_are_torques_of_robots_with_longer_ones(name: str) ->
     np.testing.assert_allclose(column, expected, atol=2e-3 * np.abs(expected).max())
 
 
+def test_causes_are_about_the_leg_and_in_the_unit_that_their_labels_say() -> None:
+    causes = tried()
+    for cause in causes:
+        about = re.search(r"(?:^leg | of M| at M)(\d)", cause.label)
+        assert cause.leg == (int(about[1]) % 4 if about else 0)  # M4 is no leg's
+        lift = "M4" in cause.label
+        units = {
+            "heavier": "", "gain": "", "zero": "m" if lift else "rad", "longer": "m",
+            "delay": "s", "spring at": "N/m" if lift else "N m/rad", SPRING: "N",
+        }  # fmt: skip
+        assert cause.unit == next(unit for word, unit in units.items() if word in cause.label)
+        assert cause.plausible > 0
+    assert len({cause.label for cause in causes}) == len(causes) == 12 + 4 + 1 + 4 + 4 + 4 + 1
+
+
+def test_plausible_sizes_are_those_of_the_documentation() -> None:
+    """A length of 5 mm reads 5e-3, an angle of one degree pi / 180."""
+    sizes: dict[str, list[float]] = {}
+    for cause in tried():
+        what = re.sub(r"leg \d: B\d|M[123]", "", cause.label).strip()
+        sizes.setdefault(what, []).append(cause.plausible)
+    assert all(min(each) == max(each) for each in sizes.values())
+    size = {what: each[0] for what, each in sizes.items()}
+    upward = size[SPRING] / base_scale(APPENDIX_4)[1]
+    assert size["R_b longer"] == size["R_pl longer"]
+    assert size["l_B4 longer"] == size["l_B8 longer"]
+    assert size["gain of"] == size["gain of M4"]
+    sentence = (
+        f"{100 * size['heavier']:.4g} % of a bar, {100 * size['gain of']:.4g} % of a gain, zeros "
+        f"off by {np.degrees(size['encoder zero of']):.4g}° and "
+        f"{1e3 * size['encoder zero of M4']:.4g} mm, {1e3 * size['delay of the torques']:.4g} ms, "
+        f"{1e3 * size['R_b longer']:.4g} mm of R_b and R_pl and "
+        f"{1e3 * size['l_B4 longer']:.4g} mm of l_B4 and l_B8, springs of "
+        f"{size['spring at']:.4g} N·m/rad and {size['spring at M4']:.4g} N/m, and "
+        f"{100 * upward:.4g} % of the size of M_p2 upward at joint 9."
+    )
+    assert missing("identification", [sentence]) == []
+
+
+def test_a_spring_explains_what_holding_the_identity_costs() -> None:
+    """Of the weighted squared residuals, by the fits with and without the identity."""
+    free = identified()
+    held = identify(APPENDIX_4, free.log, replace(QUICK, constrain=True))
+    noise = free.solution.noise[:, None]
+    right = (free.model.torque / noise.T).ravel()
+    left = [
+        np.linalg.lstsq((one.model.columns / noise).reshape(len(right), -1), right)[1][0]
+        for one in (free, held)
+    ]
+    ranked = {cause.label: cause for cause in find_causes(free).ranked}
+    assert ranked[SPRING].explains == pytest.approx((left[1] - left[0]) / left[0], rel=1e-6)
+
+
 def test_two_causes_are_named_one_after_the_other() -> None:
     _, position, torque = signals()
     shifted = position + np.radians(0.5) * np.eye(4)[0]
@@ -142,7 +211,7 @@ def test_two_causes_are_named_one_after_the_other() -> None:
 
 
 def test_a_right_robot_names_nothing_and_says_what_it_could_not_see() -> None:
-    found = find_causes(identify(APPENDIX_4, simulated(1, DESIGN, rate=RATE), QUICK))
+    found = find_causes(identified())
     assert found.named == ()
     unseen = " ".join(found.unseen)
     assert "common gain" in unseen
@@ -153,9 +222,9 @@ def test_a_right_robot_names_nothing_and_says_what_it_could_not_see() -> None:
 
 
 def test_columns_are_what_the_causes_do() -> None:
-    log = simulated(1, DESIGN, noise_seed=None, rate=RATE)
-    found = identify(APPENDIX_4, log, QUICK)
-    columns = {item.label: item.column for item in possible_causes(found)}
+    found = identified(None)
+    log = found.log
+    columns = {item.label: item.column for item in tried()}
     seen = []
     for size in (-1e-3, 1e-3):
         moved = make_log(log.t, log.position + size * np.eye(4)[1], log.torque)
@@ -165,7 +234,7 @@ def test_columns_are_what_the_causes_do() -> None:
 
 
 def test_sizes_are_the_least_squares_fit_with_rows_over_their_noise() -> None:
-    found = identify(APPENDIX_4, simulated(1, DESIGN, rate=RATE), QUICK)
+    found = identified()
     noise, model = found.solution.noise[:, None], found.model
     assert noise.max() > 2 * noise.min()
     ranked = {cause.label: cause for cause in find_causes(found).ranked}

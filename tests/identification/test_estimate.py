@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.identification.estimate import (
     FEWEST_BLOCKS,
+    ITERATIONS,
     RESOLUTION,
     block_numbers,
     jackknife,
@@ -81,6 +82,25 @@ def test_fit_without_a_block_is_that_of_the_other_samples(seed: int) -> None:
     expected = np.sqrt(11 / 12 * ((found.without - found.without.mean(axis=0)) ** 2).sum(axis=0))
     np.testing.assert_allclose(found.deviation(np.eye(5)), expected)
     np.testing.assert_allclose(jackknife(found.without), expected)
+
+
+def test_weights_are_those_of_the_residuals_of_the_round_before() -> None:
+    """From the torques themselves on, so often as is said; the noise is that of the last fit."""
+    columns, x, numbers = random_columns(5)
+    scale = np.array([0.1, 2.0, 0.5, 10.0])
+    torque = columns @ x + scale * np.random.default_rng(1).standard_normal((240, 4))
+    noise = np.sqrt((torque**2).mean(axis=0))
+    for _ in range(ITERATIONS):
+        rows = (columns / noise[:, None]).reshape(-1, 5)
+        fit = np.linalg.lstsq(rows, (torque / noise).ravel())[0]
+        noise = np.sqrt(((torque - columns @ fit) ** 2).mean(axis=0))
+    found = solve(normal_blocks(columns, torque, numbers))
+    np.testing.assert_allclose(found.x, fit, rtol=1e-9)
+    np.testing.assert_allclose(found.noise, noise, rtol=1e-9)
+    # another round would change little
+    again = (columns / noise[:, None]).reshape(-1, 5)
+    fourth = np.linalg.lstsq(again, (torque / noise).ravel())[0]
+    assert np.abs(fourth / fit - 1).max() < 1e-3
 
 
 def test_an_actuator_without_residuals_has_the_least_noise_that_a_sensor_resolves() -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,14 +20,18 @@ from paminsa_viz.identification import (
 )
 from paminsa_viz.identification.excitation import amplitudes, kept_limits
 from paminsa_viz.identification.excitation_search import (
+    BEYOND,
     GROUP,
+    MOST_OUTSIDE,
     ROUNDING,
     STAGES,
+    TOLERANCE,
     Search,
+    _Outside,
     random_motions,
     shrunk,
 )
-from paminsa_viz.identification.information import LIMITED, Information
+from paminsa_viz.identification.information import LIMITED, Evaluation, Information
 from paminsa_viz.identification.multi_sine import MultiSineFamily
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -94,6 +100,22 @@ def test_states_of_the_search_are_those_of_the_plan() -> None:
     plan = Plan(info.family.curve(x), PERIOD)
     wanted = np.concatenate(plan.at(np.arange(len(states)) * PERIOD / len(states)), axis=1)
     np.testing.assert_allclose(states, wanted, atol=1e-12)
+
+
+def test_sizes_are_the_largest_values_of_a_first_harmonic() -> None:
+    """Of pose, velocity and acceleration; base columns have a mean square of 1 over such states."""
+    info = information()
+    u = np.linspace(0.0, PERIOD, 4001)
+    w = 2 * np.pi / PERIOD
+    waves = [np.sin(w * u), w * np.cos(w * u), -(w**2) * np.sin(w * u)]
+    scale = info.family.scale
+    sizes = [np.abs(wave).max() * scale for wave in waves]
+    np.testing.assert_allclose(info._sizes, np.concatenate(sizes), rtol=1e-6)
+    drawn = np.random.default_rng(5).uniform(-0.5, 0.5, (2000, 12)) * info._sizes
+    drawn[:, :4] += info.family.center
+    regressor = info.at(drawn).regressor
+    columns = (regressor[np.isfinite(regressor).all(axis=(1, 2))] @ info._base).reshape(-1, 11)
+    np.testing.assert_allclose(np.sqrt((columns**2).mean(axis=0)), 1.0, rtol=0.15)
 
 
 def test_slopes_are_those_of_differences() -> None:
@@ -233,18 +255,37 @@ def test_search_can_be_stopped_and_reports() -> None:
         shares.append(share)
         return len(shares) == 3
 
+    began = time.monotonic()
     found = optimize_excitation(
         ROBOT, limits_of(ROBOT), ExcitationSettings(random=12), progress=progress
     )
+    assert 0.0 < found.seconds <= time.monotonic() - began
     assert len(shares) == 3
     assert shares == sorted(shares)
     assert found.gain >= 0.0
     assert found.plan.duration == 20.0
 
 
+@pytest.mark.parametrize(
+    ("name", "low", "high"),
+    [
+        ("period", 0.5, 1000.0), ("periods", 1, 1000), ("samples", 250, 10_000),
+        ("evaluations", 0, 1_000_000), ("seconds", 0.0, 1e5), ("random", 1, 10_000),
+        ("seed", 0, 2_147_483_647),
+    ],
+)  # fmt: skip
+def test_settings_are_possible_from_end_to_end(name: str, low: float, high: float) -> None:
+    outside = [np.nextafter(low, -1), np.nextafter(high, np.inf), np.nan, np.inf]
+    if isinstance(low, int):
+        outside[:2] = [low - 1, high + 1]
+    for value in (low, high):
+        assert getattr(ExcitationSettings(**{name: value}), name) == value
+    for value in outside:
+        with pytest.raises(InvalidInput, match=f"{name}: {low:g} to {re.escape(f'{high:g}')} is"):
+            ExcitationSettings(**{name: value})
+
+
 def test_impossible_searches_are_refused() -> None:
-    with pytest.raises(InvalidInput, match=r"samples: 250 to 10000"):
-        ExcitationSettings(samples=100)
     with pytest.raises(InvalidInput, match="harmonics: 3 to 20"):
         optimize_excitation(ROBOT, limits_of(ROBOT), ExcitationSettings(harmonics=2))
     weak = limits_of(ROBOT)._replace(torque=np.array([20.0, 20.0, 20.0, 50.0]))
@@ -333,3 +374,48 @@ def test_stages_go_on_with_the_best_motions_of_those_before() -> None:
         tried = [first for own, first in stages if own == sharpness]
         assert tried == left
         left = sorted(left, key=lambda first: abs(first - 7.0))[:kept]
+
+
+def test_steps_out_of_the_workspace_are_worse_than_the_last_one_inside_and_end_a_stage() -> None:
+    """What is kept is the best motion that exceeds no limit by more than the tolerance."""
+    answers: list[Evaluation] = []
+
+    class Scripted:
+        family = SimpleNamespace(size=2)
+
+        def evaluate(self, x, sharpness):
+            return answers.pop(0)
+
+    def inside(value: float, worst: float = 0.0) -> Evaluation:
+        return Evaluation(value, np.ones(11), np.array([1.0, 2.0]), np.ones((11, 2)), worst)
+
+    outside = Evaluation(-np.inf, -np.ones(11), np.zeros(2), np.zeros((11, 2)), -np.inf)
+    search = Search(Scripted(), ExcitationSettings(), time.monotonic(), go_on)  # type: ignore[arg-type]
+    places = iter(np.arange(-1.0, 100.0))
+
+    def step(answer: Evaluation):
+        answers.append(answer)
+        return search._evaluated(np.full(2, next(places)), 1.0)
+
+    assert step(outside)[0] == BEYOND  # nothing has been inside yet
+    value, slope, room, _ = step(inside(5.0))
+    assert (value, slope.tolist(), room.tolist()) == (-5.0, [-1.0, -2.0], [1.0] * 11)
+    assert (search.best_value, search.best.tolist()) == (5.0, [0.0, 0.0])
+    step(inside(9.0, worst=-1.001 * TOLERANCE))  # better, but not allowed
+    assert search.best_value == 5.0
+    step(inside(4.0))
+    assert search.best_value == 5.0
+    step(inside(6.0, worst=-TOLERANCE))
+    assert (search.best_value, search.best.tolist()) == (6.0, [3.0, 3.0])
+    for _ in range(MOST_OUTSIDE):
+        value, slope, room, _ = step(outside)
+        assert (value, slope.tolist(), room.tolist()) == (-6.0 + BEYOND, [0.0, 0.0], [-1.0] * 11)
+    step(inside(3.0))  # the count begins anew
+    for _ in range(MOST_OUTSIDE):
+        assert step(outside)[0] == -3.0 + BEYOND
+    with pytest.raises(_Outside):
+        step(outside)
+    spent = search.evaluations
+    step(inside(2.0))
+    again = search._evaluated(np.full(2, next(places) - 1.0), 1.0)  # the last place once more
+    assert (again[0], search.evaluations) == (-2.0, spent + 1)

@@ -15,11 +15,13 @@ from paminsa_viz.identification import (
     InvalidLog,
     base_parameters,
     identify,
+    identity_row,
     make_log,
 )
+from paminsa_viz.identification.columns import base_scale
 from paminsa_viz.identification.estimate import RESOLUTION
 from paminsa_viz.identification.filtering import Signals
-from paminsa_viz.identification.identify import filtered, require_motion
+from paminsa_viz.identification.identify import filtered, require_motion, shifted
 from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -281,6 +283,34 @@ def test_a_log_needs_a_turn_of_a_hundredth_or_a_lift_of_a_millimeter() -> None:
     for little in ((0.0099, 0.0099, 0.0099, 9.9e-4), (0.0, 0.0, 0.0, 0.0)):
         with pytest.raises(InvalidLog, match="hardly moves"):
             require_motion(moving(*little))
+
+
+def test_torques_of_a_time_later_are_exact_for_parabolas_in_each_segment() -> None:
+    log = simulated(1, RUBBING, rate=200.0)
+    signals = filtered(log, APPENDIX_4, QUICK, log_poses(APPENDIX_4.geometry, log))
+    segment = (np.arange(len(signals.t)) >= 500).astype(np.int64)
+    t = signals.t - 100.0 * segment  # nothing goes from one segment to the next
+    curve = [np.polynomial.Polynomial([1.0, -2.0, a]) for a in (0.5, -3.0, 0.0, 40.0)]
+    torque, rate, later, grown = (
+        np.stack([one.deriv(order)(t + lag) for one in curve], axis=1)
+        for lag, order in ((0.0, 0), (0.0, 1), (7e-3, 0), (7e-3, 1))
+    )
+    moved = shifted(replace(signals, segment=segment, torque=torque, torque_rate=rate), 7e-3)
+    np.testing.assert_allclose(moved.torque, later, rtol=1e-12)
+    np.testing.assert_allclose(moved.torque_rate, grown, rtol=1e-9, atol=1e-9)
+
+
+def test_sizes_of_base_parameters_are_those_of_what_they_are_made_of() -> None:
+    """M_p2 by the terms of the identity, products by the masses they couple, others their own."""
+    for design in (APPENDIX_4, random_design(np.random.default_rng(3))):
+        b, scale = np.abs(base_parameters(design)), base_scale(design)
+        row = identity_row(design.geometry, design.gravity)
+        assert scale[1] == pytest.approx(np.abs(row * b)[2:5].max())
+        assert scale[[3, 4]] == pytest.approx([np.sqrt(b[2] * b[5]), np.sqrt(b[2] * b[6])])
+        # the sixth of the platform's mass is at each leg: all of it at the radius of joints 5
+        assert scale[10] == pytest.approx(6 * b[5] * design.geometry.platform_radius**2)
+        own = [0, 2, 5, 6, 7, 8, 9]
+        np.testing.assert_allclose(scale[own], b[own])
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import pytest
 
 from paminsa_viz.files.logs import parse_log
 from paminsa_viz.identification import InvalidLog, identify, log_poses, make_log
+from paminsa_viz.identification import log as limits
 from paminsa_viz.identification.filtering import filter_log
 from paminsa_viz.identification.log_poses import follow_pose
 from paminsa_viz.model import APPENDIX_4, KneeBranch, forward_kinematics, inverse_kinematics
@@ -63,6 +64,36 @@ def test_samples_know_their_rows_where_rows_are_left_out_or_resampled(signals: l
     uneven = make_log(t, *signals[1:], first_row=10)
     rows = np.array([uneven.row(index) for index in range(len(uneven.t))])
     assert np.abs(uneven.t - t[rows - 10]).max() < 1.4 / RATE  # never further than the next row
+
+
+def test_what_just_keeps_a_limit_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In powers of two, so that nothing is rounded: rows a second, gaps, speeds, ranges, rows."""
+    monkeypatch.setattr(limits, "SLOWEST", 64.0)
+    monkeypatch.setattr(limits, "FASTEST", (128.0, 8.0))
+    t = np.arange(10.0) / 64.0
+    position = np.full((10, 4), 0.25)
+    torque = np.ones((10, 4))
+    assert make_log(t, position, torque).rate == 64.0
+    with pytest.raises(InvalidLog, match=r"there are 32 rows a second; at least 64 are needed"):
+        make_log(2.0 * t, position, torque)
+    for column, step, most in ((1, 2.0, "128 is real"), (3, 0.125, "8 is real")):
+        moved = position.copy()
+        moved[5:, column] += step  # at 64 rows a second: as fast as is believed
+        make_log(t, moved, torque)
+        moved[5:, column] += 0.125
+        with pytest.raises(InvalidLog, match=f"at most {most}"):
+            make_log(t, moved, torque)
+    late = np.concatenate([t[:6], t[6:] + 0.5 / 64.0])  # one and a half steps
+    monkeypatch.setattr(limits, "SLOWEST", 20.0)
+    assert len(make_log(late, position, torque).starts) == 1
+    with pytest.raises(InvalidLog, match="after the row before"):
+        make_log(np.concatenate([t[:6], t[6:] + 0.625 / 64.0]), position, torque)
+    for column, most in ((0, 2 * np.pi), (3, 20.0)):
+        still = position.copy()
+        still[:, column] = most
+        make_log(t, still, torque)
+        with pytest.raises(InvalidLog, match="beyond"):
+            make_log(t, np.nextafter(still, 100.0), torque)
 
 
 def test_a_gap_is_refused_or_splits_and_is_never_closed_up(signals: list[Any]) -> None:

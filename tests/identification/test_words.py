@@ -10,12 +10,44 @@ import pytest
 from scipy.stats import t as student
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.identification import IdentificationSettings
-from paminsa_viz.identification.causes import SIGNIFICANCE, Cause, PossibleCause, _size, _tried
-from paminsa_viz.identification.columns import FitParameter
-from paminsa_viz.identification.estimate import normal_blocks, solve
+from paminsa_viz.identification import (
+    ExcitationLimits,
+    ExcitationSettings,
+    IdentificationSettings,
+)
+from paminsa_viz.identification.causes import (
+    MOST_NAMED,
+    NEARLY,
+    SIGNIFICANCE,
+    Cause,
+    PossibleCause,
+    _size,
+    _tried,
+)
+from paminsa_viz.identification.columns import (
+    LARGE_DELAY,
+    LARGE_SHARE,
+    LARGE_TORQUE,
+    FitParameter,
+)
+from paminsa_viz.identification.estimate import CONFIDENCE, ITERATIONS, normal_blocks, solve
+from paminsa_viz.identification.excitation import FINE, NOISE_SHARE
+from paminsa_viz.identification.excitation_search import GROUP, HOP, HOP_SIZE, HOPS, STAGES
+from paminsa_viz.identification.filtering import LOWEST_RATE, ORDER, OVERSAMPLING, SETTLING
+from paminsa_viz.identification.identify import (
+    FEW_SECONDS,
+    LEAST_MOVE,
+    MOST_MOVE,
+    OTHER_CUT_OFFS,
+)
+from paminsa_viz.identification.information import COULOMB_SHARE
+from paminsa_viz.identification.log import EVEN, FASTEST, LONGEST_STEP, SLOWEST
+from paminsa_viz.identification.log_poses import MOST_CONDITION, SHORTEST_SEGMENT
+from paminsa_viz.identification.nearest import SMALL, SPREAD, UNTOLD
 from paminsa_viz.identification.results import IDENTITY_Z, Estimate, Identification, Identity
+from paminsa_viz.identification.validation import MOST_RATIO
 from tests.identification.test_estimate import random_columns
+from tests.support.documentation import missing
 
 CAUSE = Cause("gain of M1", "", 0, 0.1, 0.05, 0.5, 0.2, 0.3, 0.3)
 
@@ -106,3 +138,57 @@ def test_an_estimate_says_why_it_is_unknown_and_the_identity_whether_it_holds() 
     for z, holds in ((0.999, True), (-0.999, True), (1.0, False), (-1.0, False)):
         assert Identity(0.1, 0.2, z * IDENTITY_Z).holds is holds
     assert Identity(np.nan, np.inf, np.nan).holds is None
+
+
+def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
+    settings, search = IdentificationSettings(), ExcitationSettings()
+    limits = ExcitationLimits(np.ones(4), np.ones(4))
+    low, high = OTHER_CUT_OFFS
+    (first, iterations, kept), (second, same, left), (third, again, _) = STAGES
+    assert iterations == same == again
+    sentences = [
+        f"{FEW_SECONDS:g} s or more are advised",
+        f"Rows more than {LONGEST_STEP:g} sample times apart are a gap",
+        f"each piece of {SHORTEST_SEGMENT:g} s or more is filtered by itself",
+        f"Fewer than {SLOWEST:g} rows a second are refused",
+        f"uneven by more than {EVEN:g} of a sample time",
+        f"and by more than {LEAST_MOVE:g} of what would make them unknown",
+        f"over that of its own fit, is at most {MOST_RATIO:g}",
+        f"a step as soft as {COULOMB_SHARE:g} of the largest speed, offsets; noise is "
+        f"{NOISE_SHARE:g} of the torques",
+        "at more than {:g} rad/s or {:g} m/s".format(*FASTEST),
+        f"Butterworth of order {ORDER}, forward and backward",
+        f"at least {LOWEST_RATE:g} rows and then {OVERSAMPLING:g} samples in a period of it",
+        f"Each pass settles within {SETTLING:g} periods",
+        f"the noise of each actuator that of its residuals, in {ITERATIONS} rounds",
+        f"taken to be off by {100 * SPREAD:g} %, and a mass that it has none of by as much of "
+        f"{SMALL:g} of those like it",
+        f"at most {MOST_NAMED} one after the other",
+        f"condition number κ is above {MOST_CONDITION:g} is refused with its row",
+        f"half at {settings.cut_off:g} Hz (`--cut-off`)",
+        f"a jackknife over blocks of {settings.block:g} s, with Student's t",
+        f"it checks the model (|z| < {IDENTITY_Z:g})",
+        f"a delay known worse than {1e3 * LARGE_DELAY:g} ms",
+        f"posterior over prior above {UNTOLD:g}",
+        f"times the number of tries is below {100 * SIGNIFICANCE:g} %",
+        f"Where others explain at least {100 * NEARLY:g} % as much",
+        f"{search.harmonics} harmonics of {search.period:g} s by default",
+        f"* κ ≤ {limits.condition:g}:",
+        f"* {1e3 * limits.clearance:g} mm from the limits of reach",
+        f"{search.random} random motions, each as large as the limits allow",
+        f"the best {GROUP} first, at most {iterations} iterations in each of three stages",
+        f"softened by 1/{first:g}, 1/{second:g} and 1/{third:g}, and {kept} and then {left} of",
+        f"Later groups are {HOPS} motions near the best one, its {HOP_SIZE:g}-fold with "
+        f"coefficients moved by {HOP:g} at random, and one more of the {search.random}.",
+        f"{search.samples} times a period in the search and {FINE * search.samples} times at the",
+    ]
+    assert missing("identification", sentences) == []
+    # "above a tenth of", "more than two standard errors", "two thirds and one and a half"
+    assert (LARGE_SHARE, LARGE_TORQUE, MOST_MOVE) == (0.1, 0.1, 2.0)
+    assert (low, high) == pytest.approx((2 / 3, 3 / 2))
+    # "Intervals are of 95 %", in the docstrings of `Estimate` and `Cause`
+    assert pytest.approx(95.0) == 100 * CONFIDENCE
+    # as `IdentificationSettings` and `ExcitationSettings` say of themselves
+    on = {name for name, value in vars(settings).items() if value is True}
+    assert on == {"viscous", "coulomb", "offsets", "robustness"}
+    assert (search.periods, search.evaluations, search.seconds, search.seed) == (2, 3000, 60.0, 0)

@@ -1,35 +1,18 @@
-"""Hover texts and axes over the maps."""
+"""What is written at the pointer over maps."""
 
 from __future__ import annotations
 
-import json
-from base64 import b64decode
-from typing import Any
+import re
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.plots.hover import REASON_CELLS, HoverFigure, emptiness, reasons
-from paminsa_viz.plots.map_layout import map_layout
+from paminsa_viz.plots.hover import cell_at, emptiness, readout, reasons
 from paminsa_viz.plots.map_values import MapData
-from paminsa_viz.plots.ranges import choose_scales
 from tests.plots.samples import made_up, real
-
-WIDTH = 800
-
-
-def unpacked(packed: dict[str, str]) -> np.ndarray:
-    numbers = np.frombuffer(b64decode(packed["bdata"]), dtype="<f4")
-    if "shape" in packed:
-        numbers = numbers.reshape([int(size) for size in packed["shape"].split(",")])
-    return numbers
-
-
-def tree_of(data: MapData) -> dict[str, Any]:
-    """Return the figure as the page gets it."""
-    layout = map_layout(data, choose_scales(data), WIDTH, 11)
-    return json.loads(HoverFigure(data, layout, "here").to_json())
 
 
 @pytest.fixture(scope="module")
@@ -37,47 +20,53 @@ def data() -> MapData:
     return real(200, theta=0.6)
 
 
-@pytest.fixture(scope="module")
-def tree(data: MapData) -> dict[str, Any]:
-    return tree_of(data)
-
-
-def test_values_are_those_of_the_map(data: MapData, tree: dict[str, Any]) -> None:
-    assert tree["layout"]["meta"] == "here"  # comes back with clicks
-    for panel, trace in enumerate(tree["data"][1::2]):
-        np.testing.assert_allclose(unpacked(trace["z"]), data.values[panel], rtol=1e-6)
-        for axis in ("x", "y"):
-            np.testing.assert_allclose(unpacked(trace[axis]), 1e3 * getattr(data, axis), rtol=1e-6)
-        assert f"{data.names[panel]} = %{{z:.4~g}} N·m" in trace["hovertemplate"]
-        assert "θ" in trace["hovertemplate"]
-
-
-def test_every_masked_cell_says_why(data: MapData, tree: dict[str, Any]) -> None:
-    step = -(-200 // REASON_CELLS)
-    picked = slice(step // 2, None, step)
+def test_every_masked_cell_says_why(data: MapData) -> None:
+    words = reasons(data, 0)
+    assert ((words == "") == (data.status == 0)).all()
     assert data.leg is not None
-    status, leg = data.status[picked, picked], data.leg[picked, picked]
-    words = np.array(tree["data"][0]["text"])
-    assert ((words == "") == (status == 0)).all()
-    stretched = (status == Limit.STRETCHED) & (leg == 1)
+    stretched = (data.status == Limit.STRETCHED) & (data.leg == 1)
     assert stretched.any()
     assert set(words[stretched]) == {"out of reach: leg 2 over-stretched"}
 
 
-def test_axes_lie_where_the_picture_has_its_panels(data: MapData, tree: dict[str, Any]) -> None:
-    layout = map_layout(data, choose_scales(data), WIDTH, 11)
-    for number, panel in zip(("", "2", "3"), layout.panels, strict=True):
-        x, y = tree["layout"][f"xaxis{number}"], tree["layout"][f"yaxis{number}"]
-        across, up = np.array(x["domain"]) * layout.width, np.array(y["domain"])
-        np.testing.assert_allclose(across, [panel.left, panel.right], atol=1e-6)
-        np.testing.assert_allclose(layout.height * (1 - up), [panel.bottom, panel.top], atol=1e-6)
-        np.testing.assert_allclose(x["range"] + y["range"], 1e3 * np.array(data.extent))
+def test_some_cells_have_the_reasons_of_all(data: MapData) -> None:
+    cells = slice(20, 90, 7), slice(3, 170, 11)
+    np.testing.assert_array_equal(reasons(data, 1, cells), reasons(data, 1)[cells])
 
 
-def test_huge_values_are_no_gaps() -> None:
-    huge = made_up(values=np.full((3, 27, 31), 1e40))
-    shown = unpacked(tree_of(huge)["data"][1]["z"])
-    assert np.isfinite(shown[huge.status == 0]).all()
+@given(st.integers(0, 2), st.floats(0, 1, exclude_max=True), st.floats(0, 1, exclude_max=True))
+def test_readout_is_that_of_the_nearest_cell(panel: int, right: float, up: float) -> None:
+    data = real(60, theta=0.6)
+    left, end, bottom, top = data.extent
+    x, y = left + right * (end - left), bottom + up * (top - bottom)
+    row, column = cell_at(data, x, y) or (-1, -1)
+    assert abs(data.x[column] - x) <= np.abs(data.x - x).min() + 1e-12
+    assert abs(data.y[row] - y) <= np.abs(data.y - y).min() + 1e-12
+    found = readout(data, panel, x, y)
+    assert found is not None
+    place = [float(text) for text in re.findall(r"-?[\d.]+", found.cell.replace("−", "-"))]
+    np.testing.assert_allclose(place, [1e3 * data.x[column], 1e3 * data.y[row]], atol=0.0501)
+    assert found.pose.startswith("θ = 34.38°, z = ")
+    why, value = reasons(data, panel)[row, column], data.values[panel, row, column]
+    if why:
+        assert found.text == why
+    else:
+        name, _, rest = found.text.replace("−", "-").partition(" = ")
+        assert name == data.names[panel]
+        assert rest.endswith(" N·m")
+        shown = re.sub(r"·10(\S+)", lambda m: "e" + power(m[1]), rest.removesuffix(" N·m"))
+        assert float(shown) == pytest.approx(value, rel=5.1e-4)
+
+
+def power(superscript: str) -> str:
+    return superscript.translate(str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-"))
+
+
+def test_outside_the_map_there_is_no_readout(data: MapData) -> None:
+    left, right, bottom, top = data.extent
+    for x, y in ((left - 1e-9, 0.0), (right, 0.0), (0.0, bottom - 1e-9), (0.0, top)):
+        assert cell_at(data, x, y) is None
+        assert readout(data, 0, x, y) is None
 
 
 def test_every_limit_has_a_reason() -> None:

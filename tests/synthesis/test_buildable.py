@@ -250,6 +250,26 @@ def test_least_value_is_found_between_samples_and_on_the_boundary() -> None:
     assert extent.within((0.0, 1.0)) is None
 
 
+def test_least_value_of_what_is_worse_between_samples_than_at_them() -> None:
+    """Two wells: one has the worst samples, the other, between samples, the least value."""
+    extent = Extent(Workspace(WorkspaceShape.BOX, (2.0, 2.0, 2.0), (0.0, 0.0, -3.0)), (-1.0, 1.0))
+    sampled = extent.samples(SPARSE)
+    wide = sampled[np.argmin(np.linalg.norm(sampled - [0.5, 0.5, 0.0, -3.0], axis=1))]
+    away = np.linalg.norm(sampled - [-0.6, -0.6, 0.0, -3.0], axis=1)
+    narrow = sampled[np.argmin(away)] + 0.05
+
+    def wells(pose: np.ndarray) -> np.ndarray:
+        first = 0.02 * np.maximum(np.linalg.norm(pose - wide, axis=-1) - 1.0, 0.0)
+        second = 4.8 * np.linalg.norm(pose - narrow, axis=-1) - 0.475
+        return np.stack([first, second])
+
+    asked = {"values": lambda pose: wells(pose).min(axis=0), "extent": extent, "density": SPARSE}
+    assert least_over(**asked).value == pytest.approx(0.0, abs=1e-6)  # type: ignore
+    found = least_over(**asked, kinds=lambda pose: wells(pose).argmin(axis=0))  # type: ignore
+    assert -0.475 <= found.value < -0.4
+    assert found.pose == pytest.approx(narrow, abs=0.02)
+
+
 def similar(design: Design, ratio: float, law: BarLaw) -> Design:
     """The design with all its lengths longer by one ratio."""
     names = (

@@ -20,6 +20,7 @@ from paminsa_viz.model import (
     platform_wrench,
     singular_radius,
     singular_rotation,
+    static_torques,
 )
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.trajectory import (
@@ -36,6 +37,7 @@ from paminsa_viz.trajectory.crossing import (
     PathOnLocus,
     crossing_condition,
     crossings,
+    locus_distances,
 )
 from paminsa_viz.trajectory.crossing_program import CrossingProgram
 from paminsa_viz.trajectory.paths import spline_path, straight_path
@@ -248,6 +250,54 @@ def test_refusals_name_their_cause() -> None:
     assert time_optimal(APPENDIX_4, TURN, MotionLimits(torque=6.0 * factor * 1.01)).crossings
 
 
+@pytest.mark.parametrize("radius", [0.1, 0.35, 0.5], ids=["small", "equal", "large"])
+def test_distances_of_the_loci_are_lengths_next_to_them_and_change_their_signs(
+    radius: float,
+) -> None:
+    """To first order, so that they are smooth across; a platform as large as the base turns on."""
+    g = replace(APPENDIX_4.geometry, platform_radius=radius)
+    rng = np.random.default_rng(4)
+    theta = rng.uniform(0.3, 1.0, 50) * rng.choice([-1.0, 1.0], 50)
+    angle, off = rng.uniform(0.0, 2 * np.pi, 50), rng.choice([-1e-5, 1e-5], 50)
+    far = singular_radius(g, theta) - off
+    poses = np.stack([far * np.cos(angle), far * np.sin(angle), theta, 0 * theta - 0.5], axis=1)
+    circle, other = locus_distances(g, poses).T
+    np.testing.assert_allclose(circle, off, rtol=1e-3)
+    if radius >= g.base_radius:
+        np.testing.assert_array_equal(other, g.base_radius + radius)
+        return
+    turn = singular_rotation(g)
+    poses[:, 2] = np.sign(theta) * (turn - off / radius)
+    np.testing.assert_allclose(locus_distances(g, poses)[:, 1], off, rtol=1e-3)
+
+
+def test_an_end_that_cannot_be_held_names_its_actuator_and_what_it_needs() -> None:
+    held = static_torques(APPENDIX_4, TURN(np.array([0.0, 1.0])))
+    most = np.abs(held[:, :3]).max(axis=1)
+    limit = 0.5 * min(most)
+    for path in (TURN, straight_path(TURN.goal, TURN.start)):
+        torque = static_torques(APPENDIX_4, path(np.array([0.0])))[0]
+        worst = int(np.abs(torque[:3]).argmax())
+        with pytest.raises(CrossingRefused, match="the start cannot be held") as refusal:
+            time_optimal(APPENDIX_4, path, MotionLimits(torque=limit))
+        words = f"M{worst + 1} needs {abs(torque[worst]):.4g} of {limit:.4g} N·m"
+        assert words in str(refusal.value)
+        assert (refusal.value.cause, refusal.value.s) == ("hold", 0.0)
+    order = np.argsort(most)  # the easier end first: it is held, the other one is not
+    ends = TURN(np.array([0.0, 1.0]))[order]
+    with pytest.raises(CrossingRefused, match="the goal cannot be held") as refusal:
+        time_optimal(APPENDIX_4, straight_path(*ends), MotionLimits(torque=float(np.mean(most))))
+    assert (refusal.value.cause, refusal.value.s) == ("hold", 1.0)
+    weak = MotionLimits(torque=100.0, force=0.5 * np.abs(held[:, 3]).min())
+    with pytest.raises(CrossingRefused, match=r"M4 needs \S+ of \S+ N$"):
+        time_optimal(APPENDIX_4, TURN, weak)
+    crossing = shortest(APPENDIX_4, TURN, TEN).crossings[0]
+    torques = ", ".join(f"{torque:.4g}" for torque in crossing.torque[:3])
+    assert f"where M1 to M3 make {torques} N m and M4 {crossing.torque[3]:.4g} N" in (
+        crossing.explanation
+    )
+
+
 def test_a_refusal_says_what_torques_are_enough_while_speeds_stay_limited() -> None:
     def shortest_law(torque: float) -> np.ndarray:
         limits = MotionLimits(torque=torque, turn_speed=1.0)
@@ -290,6 +340,16 @@ def test_a_path_touches_the_circle_or_crosses_it_twice_or_misses_it(share: float
     both = found(-1e-5)
     assert [item.kind for item in both] == [CrossingKind.SIMPLE] * 2
     assert [item.s for item in both] == pytest.approx([share - half, share + half], rel=1e-4)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.25, 1.0 / 3.0, 1.0])
+def test_a_path_across_the_circle_is_simple_at_its_ends_and_at_nodes_too(share: float) -> None:
+    geometry = APPENDIX_4.geometry
+    radius, length = float(singular_radius(geometry, 0.3)), 0.2
+    ends = [[radius + (at - share) * length, 0.0, 0.3, -0.5] for at in (0.0, 1.0)]
+    (found,) = crossings(geometry, straight_path(*ends))
+    assert (found.kind, found.locus) == (CrossingKind.SIMPLE, Locus.CIRCLE)
+    assert found.s == pytest.approx(share, abs=1e-8)
 
 
 def test_limits_are_added_where_a_law_exceeds_them_most() -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from itertools import count
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -242,6 +244,45 @@ def test_preset_line_and_arch_go_through_the_axis_from_one_side_to_the_other(key
         height = plan.curve(np.linspace(0, 1, 201))[:, 3]
         assert height.max() - start[3] == pytest.approx(middle[3] - start[3], abs=1e-9)
         assert middle[3] + start[3] == pytest.approx(2 * center[3])  # as far above as below
+
+
+def documented() -> dict[str, tuple[list[list[float]], str]]:
+    """Poses of the presets from the center [mm, deg] and the duration, by docs/motions.md."""
+    page = (Path(__file__).parents[2] / "docs" / "motions.md").read_text("utf-8")
+    rows = re.findall(r"^\| (`[^|]+) \| ([^|]+) \| ([^|]+) \|$", page, re.MULTILINE)
+    found = {}
+    for names, motion, lasts in rows:
+        groups = re.findall(r"\(([^)]*)\)", motion.replace("−", "-"))
+        poses = [[float(number) for number in group.split(",")] for group in groups]
+        found |= {name: (poses, lasts.split(",")[0]) for name in re.findall("`([^`]+)`", names)}
+    same = found["paper-like"][0]
+    return found | {key: (same, found[key][1]) for key in ("quintic", "trapezoid", "s-curve")}
+
+
+@pytest.mark.parametrize("key", ["paper-like", "quintic", "trapezoid", "s-curve", "line", "arch"])
+def test_presets_are_those_of_the_documentation(key: str) -> None:
+    plan, center = PRESET[key].build(APPENDIX_4.geometry), preset_center(APPENDIX_4.geometry)
+    poses, lasts = documented()[key]
+    found = (plan.curve(np.array([0.0, 1.0])) - center) * [1e3, 1e3, 180 / np.pi, 1e3]
+    assert np.abs(found[:, : len(poses[0])] - poses).max() < 0.5
+    if key == "line":
+        np.testing.assert_allclose(found[:, 2:], [[11.0, 0.0]] * 2, atol=0.5)
+    if key == "arch":
+        assert plan.curve(np.array([0.5]))[0, 3] - center[3] == pytest.approx(0.06)  # 120 mm up
+    assert f"{plan.duration:.3g} s" == lasts
+
+
+def test_preset_waypoints_and_circle_are_those_of_the_documentation() -> None:
+    circle, ways = (PRESET[key].build(APPENDIX_4.geometry) for key in ("circle", "waypoints"))
+    center = preset_center(APPENDIX_4.geometry)
+    poses, lasts = documented()["waypoints"]
+    found = (ways.curve(ways.curve.breaks) - center) * [1e3, 1e3, 180 / np.pi, 1e3]
+    assert np.abs(found - [[0.0] * 4, *poses, [0.0] * 4]).max() < 0.5
+    around = circle.curve(np.linspace(0.0, 1.0, 400)) - center
+    np.testing.assert_allclose(np.hypot(*around[:, :2].T), 0.1)
+    np.testing.assert_allclose(around[:, 2:], 0.0, atol=1e-12)
+    assert f"{ways.duration:g} s" == lasts
+    assert f"{circle.duration:g} s" == documented()["circle"][1]
 
 
 def test_preset_waypoints_are_a_round_trip_over_all_coordinates() -> None:

@@ -136,6 +136,50 @@ def test_coarse_digits_are_noted() -> None:
     assert not any("steps of" in note for note in from_samples(EXACT.t, EXACT.pose).notes)
 
 
+@pytest.mark.parametrize("column", range(4))
+@pytest.mark.parametrize(("digits", "step", "noted"), [(4, 0.04, True), (4, 0.05, False)])
+def test_digits_are_noted_with_what_second_differences_make_of_them(
+    column: int, digits: int, step: float, noted: bool
+) -> None:
+    """Each of the three numbers may be off by half a digit: (1/2 + 1 + 1/2) digits over step^2."""
+    t = step * np.arange(40)
+    pose = np.outer(np.sin(3 * t), [0.1, 0.2, 0.3, 0.05])
+    pose[:, 3] -= 0.5
+    pose[:, column] = np.round(pose[:, column], digits)
+    t[-1] += 10 * step  # one long step does not matter
+    notes = [note for note in from_samples(t, pose).notes if "steps of" in note]
+    assert len(notes) == noted
+    if noted:
+        name, unit = ("x", "y", "theta", "z")[column], "rad" if column == 2 else "m"
+        noise = 2 * 10.0**-digits / step**2
+        assert notes[0].startswith(f"{name} is written in steps of 0.0001 {unit};")
+        assert f"wrong by {noise:.2g} {unit}/s²" in notes[0]
+    assert not any("steps of" in note for note in from_samples(t[:2], pose[:2]).notes)
+
+
+@pytest.mark.parametrize("column", range(4))
+@pytest.mark.parametrize("kind", ["velocity", "acceleration"])
+def test_rates_that_are_not_those_of_the_samples_are_noted_from_a_twentieth_on(
+    kind: str, column: int
+) -> None:
+    """A steady rate that is larger by q is off by q / (1 + q) of the largest value."""
+    t = np.linspace(0.0, 1.0, 30)
+    slope = np.array([0.1, -0.2, 0.4, 0.3])
+    flat, ramp = np.tile(slope, (30, 1)), np.outer(t, slope)
+    for q, share in ((0.0520, 0.0), (0.0530, 5.0), (0.25, 20.0), (-0.2, 20.0)):
+        scale = np.ones(4)
+        scale[column] += q
+        rates = (flat * scale, 0 * flat) if kind == "velocity" else (ramp, flat * scale)
+        pose = ramp if kind == "velocity" else 0.5 * t[:, None] * ramp
+        notes = from_samples(t, pose, *rates).notes
+        if not share:
+            assert notes == ()
+            continue
+        (note,) = notes
+        assert note.startswith(f"The {kind} of {('x', 'y', 'theta', 'z')[column]} is not the rate")
+        assert f"typically off by {share:.0f} % of its largest value" in note
+
+
 @pytest.mark.parametrize(
     ("velocity", "acceleration", "word"),
     [(180 / np.pi, 1.0, "velocity of theta"), (1.0, 180 / np.pi, "acceleration of theta")],

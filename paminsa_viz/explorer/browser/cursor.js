@@ -1,11 +1,12 @@
 /**
  * One cursor for all maps, the motion plots and the scene: where the pointer is in one of them is
- * marked in the others. Where the robot is at a time, and the mark in the scene, the server knows.
+ * marked in the others, and a map's value there is written at it. Where the robot is at a time, the
+ * mark in the scene and the values the server knows.
  */
 (() => {
   "use strict";
   const MARK = "pv-cursor";
-  const PERIOD = 100; // between messages [ms]
+  const PERIOD = 50; // between messages [ms]
 
   const clear = () => document.querySelectorAll(`.${MARK}`).forEach((mark) => mark.remove());
 
@@ -71,9 +72,31 @@
   };
   window.paminsaMarks?.watch("[data-paminsa-frame]", drawPiece);
 
+  // What a map says at the pointer, beside it: on the side where there is room.
+  let readout = null;
+  let pointer = null; // where it is over a map
+  const OFF = 12; // from the pointer [px]
+  const placeReadout = () => {
+    if (!pointer) readout?.remove();
+    if (!pointer || !readout?.isConnected) return;
+    const { offsetWidth: width, offsetHeight: height } = readout;
+    const [x, y] = pointer;
+    readout.style.left = `${x + OFF + width > innerWidth ? x - OFF - width : x + OFF}px`;
+    readout.style.top = `${y + OFF + height > innerHeight ? y - OFF - height : y + OFF}px`;
+  };
+  const showReadout = (html) => {
+    if (!pointer) return; // it has gone on
+    readout ??= document.createElement("div");
+    readout.className = "pv-readout";
+    readout.dataset.testid = "map-readout";
+    readout.innerHTML = html;
+    document.body.append(readout);
+    placeReadout();
+  };
+
   /**
-   * Follow the pointer. `placeUnder` and `timeUnder` say of an event which place of a map [mm] or
-   * which time of a motion plot [s] is under it, or null; `send` tells the server.
+   * Follow the pointer. `placeUnder` and `timeUnder` say of an event which place of which map [mm]
+   * or which time of a motion plot [s] is under it, or null; `send` tells the server.
    */
   const follow = ({ placeUnder, timeUnder, send, signal }) => {
     let last = null; // the newest event, till it is looked at
@@ -94,7 +117,9 @@
       const counts = event.type === "pointermove" && !event.buttons; // nothing is dragged
       const place = counts ? placeUnder(event) : null;
       const time = counts && !place ? timeUnder(event) : null;
-      if (place) show(place, [event.clientX, event.clientY]);
+      pointer = place && [event.clientX, event.clientY];
+      placeReadout();
+      if (place) show(place, pointer);
       else if (time === null) clear();
       const found = place ?? (time === null ? null : { time });
       if (found || told !== "null" || timer) tell(found);
@@ -106,5 +131,5 @@
         last = event;
       }, { capture: true, passive: true, signal });
   };
-  window.paminsaCursor = { follow, show, showPiece };
+  window.paminsaCursor = { follow, show, showPiece, showReadout };
 })();

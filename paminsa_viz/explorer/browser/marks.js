@@ -67,7 +67,6 @@
     [".pv-layers", 2, "layers"],
     [".pv-map-caption", 1, "map-caption"],
     [".pv-map-markers", 1, "map-markers"],
-    [".mantine-Paper-root", 1, "plotly"],
     ["img", 2, "picture"],
     ["[data-paminsa-slot]", 1, "slot"],
     ["[data-paminsa-slot]", 2, "figure"],

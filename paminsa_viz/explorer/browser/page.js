@@ -211,25 +211,26 @@
     document.title = [name, config.title].filter(Boolean).join(" - ");
   };
 
-  // --- clicks on Plotly figures -------------------------------------------------------------
+  // --- clicks on maps and on Plotly figures -------------------------------------------------
   // A press counts if the figure itself is under the pointer, not what lies over it. Where it is let
   // go says nothing: while a figure is pressed, Plotly lays a cover over the window.
   const plotOf = (element) => {
     const plot = element.closest?.(".js-plotly-plot");
     return plot?._fullLayout?._plots ? plot : null;
   };
-  // Maps are read in the frame that came with their picture: the figure over them gets it later.
-  const frameOf = (plot) => {
-    const marks = plot.closest('[data-paminsa-mark~="maps"]')?.querySelector("[data-paminsa-frame]");
-    return marks && { ...JSON.parse(marks.dataset.paminsaFrame), box: marks.getBoundingClientRect() };
+  // Maps are read in the frame that came with their picture.
+  const mapOf = (element) => {
+    const map = element.dataset?.paminsaPicture;
+    const marks = map && element.closest('[data-paminsa-mark~="maps"]')?.querySelector("[data-paminsa-frame]");
+    return marks && { map, ...JSON.parse(marks.dataset.paminsaFrame), box: marks.getBoundingClientRect() };
   };
-  const placeInFrame = ({ edges, panels, box }, place) => {
+  const placeInMap = ({ map, edges, panels, box }, place) => {
     const [left, right, bottom, top] = edges;
-    for (const [start, head, width, height] of panels) {
+    for (const [panel, [start, head, width, height]] of panels.entries()) {
       const across = ((place[0] - box.left) / box.width - start) / width;
       const down = ((place[1] - box.top) / box.height - head) / height;
       if (across < 0 || down < 0 || across > 1 || down > 1) continue;
-      return { x: left + across * (right - left), y: top - down * (top - bottom) };
+      return { map, panel, x: left + across * (right - left), y: top - down * (top - bottom) };
     }
     return null;
   };
@@ -237,20 +238,21 @@
   const onPointer = (event) => {
     const place = [event.clientX, event.clientY];
     if (event.type === "pointerdown") {
-      const plot = event.button === 0 ? plotOf(event.target) : null;
-      pressed = plot && { plot, place, frame: frameOf(plot) };
+      const { target } = event;
+      pressed = event.button === 0 && { map: mapOf(target), plot: plotOf(target), place };
       return;
     }
     if (!pressed) return;
-    const { plot, place: start, frame } = pressed;
+    const { map, plot, place: start } = pressed;
     pressed = null;
     if (Math.hypot(place[0] - start[0], place[1] - start[1]) > 4) return;
-    const title = String(plot._fullLayout.meta || "");
-    if (frame) {
-      const found = placeInFrame(frame, start);
-      if (found) send("click", { title, ...found });
+    if (map) {
+      const found = placeInMap(map, start);
+      if (found) send("click", { title: map.map, x: found.x, y: found.y });
       return;
     }
+    if (!plot) return;
+    const title = String(plot._fullLayout.meta || "");
     const box = plot.getBoundingClientRect();
     for (const { xaxis, yaxis } of Object.values(plot._fullLayout._plots)) {
       const x = place[0] - box.left - xaxis._offset;
@@ -265,9 +267,8 @@
 
   // --- one cursor, see cursor.js ------------------------------------------------------------
   const placeUnder = ({ target, clientX, clientY }) => {
-    const plot = plotOf(target);
-    const frame = plot && frameOf(plot);
-    return frame ? placeInFrame(frame, [clientX, clientY]) : null;
+    const map = mapOf(target);
+    return map ? placeInMap(map, [clientX, clientY]) : null;
   };
   const timeUnder = ({ target, clientX }) => {
     const time = plotOf(target)?._hoverdata?.[0]?.customdata;
@@ -526,10 +527,12 @@
   const focusInput = (names) => window.paminsaNames?.focus(names);
   const showPlace = (place) => window.paminsaCursor?.show(place);
   const showPiece = (places) => window.paminsaCursor?.showPiece(places);
+  const showReadout = (html) => window.paminsaCursor?.showReadout(html);
   const renderOnDemand = (animation) => window.paminsaDrawing?.renderOnDemand(animation);
   const releaseTheme = () => window.paminsaFirstPaint?.release();
   window.paminsa = {
     stop, whole, tour, copy, focusInput, send, save, openTab, setTitle, showTime, showLegend,
     renderOnDemand, releaseTheme, openLink, followLink, copyLink, answerTyped, showPlace, showPiece,
+    showReadout,
   };
 }

@@ -7,6 +7,7 @@ the report and the page print alike.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import mass_vector
 from paminsa_viz.model.reach import check_reach
 from paminsa_viz.quantities.requirements import Range, Workspace
-from paminsa_viz.synthesis.search.extremes import OVER_POSES, Extent, least_over
+from paminsa_viz.synthesis.search.extremes import KINDS, OVER_POSES, Extent, least_over
 from paminsa_viz.synthesis.search.objectives import legs_and_platform
 from paminsa_viz.synthesis.search.region import SPARSE, reach_margins, spans
 
@@ -110,7 +111,10 @@ def buildability(design: Design, workspace: Workspace, theta: Range) -> Buildabi
             found[ok] = OVER_POSES[quantity](design, poses[ok])
             return found
 
-        found = least_over(values, extent, SPARSE.finer(2 if starts > 2 else 1), starts=starts)
+        density, kinds = SPARSE.finer(2 if starts > 2 else 1), KINDS.get(quantity)
+        found = least_over(
+            values, extent, density, starts=starts, kinds=kinds and partial(kinds, design)
+        )
         # rounding is no overlap
         value = round(found.value, 9) + 0.0 if np.isfinite(found.value) else np.nan
         return value, found.pose

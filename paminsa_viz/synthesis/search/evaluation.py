@@ -18,8 +18,8 @@ from paminsa_viz.synthesis.search.case import CLEARANCE, Regime, SynthesisCase
 from paminsa_viz.synthesis.search.extremes import (
     OVER_POSES,
     Extent,
+    least_of,
     least_on_samples,
-    least_over,
 )
 from paminsa_viz.synthesis.search.objectives import find_objective
 from paminsa_viz.synthesis.search.region import SPARSE, TRIAL, Density, farthest
@@ -374,5 +374,4 @@ class Evaluator:
         if self.density == TRIAL:
             return least_on_samples(bound.quantity, design, extent)
         density = SPARSE.finer(CLOSER if bound.entry.cost < SLOW else 1)
-        values = OVER_POSES[bound.quantity]
-        return least_over(lambda pose: values(design, pose), extent, density).value
+        return least_of(bound.quantity, design, extent, density).value

@@ -1,16 +1,19 @@
 """Least values over a workspace of what has to be measured in single poses: clearance, stiffness.
 
 Samples first; from the worst of them a pattern search goes on in x, y, theta and z, in steps that
-become smaller, within the workspace. So the least value is found between the samples as well.
+become smaller, within the workspace. So the least value is found between the samples as well. Where
+a value is the least of several, such as distances of pairs of bodies, the worst samples of all may
+be those of one pair: the search goes on from the worst of each.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.clearance import clearance
 from paminsa_viz.elastostatics import first_frequencies, platform_stiffness
@@ -40,6 +43,11 @@ OVER_POSES: dict[str, OverPoses] = {
     "frequency_1": lambda design, pose: _held(first_frequencies(design, pose)),
 }
 """Quantities of the registry whose least value is looked for by samples and a pattern search."""
+
+KINDS: dict[str, Callable[[Design, Array], NDArray[np.int64]]] = {
+    "clearance": lambda design, pose: clearance(design, pose).pair
+}
+"""Of those that are the least of several: which one it is. Each has a least value of its own."""
 
 ROUNDS = 24
 """Rounds of the pattern search; the step of a start is halved where none of its poses is worse."""
@@ -129,7 +137,12 @@ class Least:
 
 
 def least_over(
-    values: Callable[[Array], Array], extent: Extent, density: Density, *, starts: int = STARTS
+    values: Callable[[Array], Array],
+    extent: Extent,
+    density: Density,
+    *,
+    starts: int = STARTS,
+    kinds: Callable[[Array], NDArray[np.int64]] | None = None,
 ) -> Least:
     """Return the least value over a workspace, found by samples and a pattern search.
 
@@ -138,11 +151,17 @@ def least_over(
         extent: The poses.
         density: How close the samples lie.
         starts: Worst samples that the pattern search goes on from; 0 for samples alone.
+        kinds: What a value is of, such as the nearest pair of bodies, at poses (n, 4), (n,): the
+            search goes on from the worst sample of each kind as well.
     """
     pose = extent.samples(density)
     found = values(pose)
-    order = np.argsort(found, kind="stable")[: max(starts, 1)]
-    pose, found = pose[order], found[order]
+    order = np.argsort(found, kind="stable")
+    worst = order[: max(starts, 1)]
+    if starts and kinds is not None:
+        first = order[np.unique(kinds(pose[order]), return_index=True)[1]]
+        worst = np.concatenate([worst, np.setdiff1d(first, worst)])
+    pose, found = pose[worst], found[worst]
     if not starts or not np.isfinite(found[0]):
         return Least(float(found[0]), pose[0])
     rng = np.random.default_rng(0)
@@ -166,12 +185,19 @@ def least_over(
     return Least(float(found[index]), pose[index])
 
 
+def least_of(
+    quantity: str, design: Design, extent: Extent, density: Density, *, starts: int = STARTS
+) -> Least:
+    """Return the least value of one of `OVER_POSES`; arguments as in `least_over`."""
+    values, kinds = partial(OVER_POSES[quantity], design), KINDS.get(quantity)
+    kinds = kinds and partial(kinds, design)
+    return least_over(values, extent, density, starts=starts, kinds=kinds)
+
+
 @lru_cache(maxsize=4096)
 def least_on_samples(quantity: str, design: Design, extent: Extent) -> float:
     """Return the least value of one of `OVER_POSES` on sparse samples.
 
     It is kept: a trial that stays in the population is asked for again in each round.
     """
-    return least_over(
-        lambda pose: OVER_POSES[quantity](design, pose), extent, SPARSE, starts=0
-    ).value
+    return least_of(quantity, design, extent, SPARSE, starts=0).value

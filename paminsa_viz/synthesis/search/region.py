@@ -104,7 +104,7 @@ def spans(geometries: Sequence[Geometry], workspaces: Sequence[Workspace], theta
         near.min(axis=1),
         far.max(axis=1),
         np.maximum(np.maximum(low, -high), 0.0),
-        np.maximum(np.abs(low), np.abs(high)),
+        np.maximum(-low, high),
         np.where(sign > 0, high, -low),
     )
 

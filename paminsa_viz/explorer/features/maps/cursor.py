@@ -16,13 +16,10 @@ from paminsa_viz.explorer.browser.bridge import finite
 from paminsa_viz.explorer.core.planning import planned, pose_at
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.maps.floor import ABOVE, RING, ring
+from paminsa_viz.explorer.features.maps.pictures import HOVER
 from paminsa_viz.explorer.scene.nodes import Nodes, mesh
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.palette import WARN
-
-HOVER: Final = "hover"
-"""Message of the page: what is under the pointer, a place in a map [mm], a time in a motion plot
-[s], or None."""
 
 POINT: Final = 0.009
 """Radius of the point at the platform's height [m]."""

@@ -6,13 +6,14 @@ import base64
 import io
 import json
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, Literal, cast
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from paminsa_viz.explorer.browser.bridge import Slots, marker
+from paminsa_viz.explorer.browser.bridge import Slots, finite, marker
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore, shows_difference
 from paminsa_viz.explorer.core.motion import is_drawing
@@ -24,7 +25,7 @@ from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.plots.contours import FloorPath, joined
-from paminsa_viz.plots.hover import HoverFigure
+from paminsa_viz.plots.hover import readout
 from paminsa_viz.plots.map_layout import PAGE_EM, MapLayout, map_layout
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale
@@ -35,6 +36,10 @@ if TYPE_CHECKING:
     from paminsa_viz.plots.map_figure import LiveMaps
 
 Quantities = Callable[[State], Sequence[str]]
+
+HOVER: Final = "hover"
+"""Message of the page: what is under the pointer, a place in a map [mm] with the map's name and the
+panel's index, a time in a motion plot [s], or None."""
 
 COLUMNS = 2
 """Most maps side by side: what is next to the third is room for its inputs."""
@@ -47,7 +52,7 @@ Inputs = Literal["below", "inside"]
 
 
 class MapPicture:
-    """The picture of some maps, its caption, and what lies under the pointer.
+    """The picture of some maps, its caption, and what is written at the pointer.
 
     Made in the current container of the page, which page.css turns into a grid; inputs that are
     added to the container afterwards come there.
@@ -77,7 +82,7 @@ class MapPicture:
             inputs: Where the inputs go.
         """
         gui = session.client.gui
-        self._gui, self._store, self._slots = gui, store, slots
+        self._session, self._store, self._slots = session, store, slots
         self._name, self._quantities = name, quantities
         self.scales: tuple[Scale, ...] = ()
         self.data: MapData | None = None
@@ -85,13 +90,12 @@ class MapPicture:
         gui.add_html(render("maps/picture.j2", name=name))
         self._address = gui.add_html("")
         self._markers = gui.add_html("")
-        self._place = gui.add_folder(None)
-        self._hover: Any = None
         self._live: LiveMaps | None = None
         self._layout: MapLayout | None = None
         self._caption = gui.add_html("")
         self._drawn: tuple[Any, ...] = ()
-        self._readable: tuple[Any, ...] = ()
+        self._pointer: Any = None
+        session.bridge.on(HOVER, self._receive)
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what the state shows, unless it is drawn already or nobody sees it."""
@@ -103,11 +107,10 @@ class MapPicture:
         reference = document.reference
         motion = frame.analysis if "path" in state.layers else None
         # Where the robot is, is not part of it: the marker lies over the picture.
-        values = (
+        shown = (
             document.design, document.pose[2:], reference, view, quantities, width,
-            document.requirements,
+            document.requirements, self._slots.ratio, motion and motion.trajectory, state.theme,
         )  # fmt: skip
-        shown = (*values, self._slots.ratio, motion and motion.trajectory, state.theme)
         if self._drawn and self._drawn[0] == shown and (dragging or self._drawn[1]):
             self._mark(state)
             return
@@ -126,10 +129,7 @@ class MapPicture:
         self.data, self.scales = data, scales
         self._layout = map_layout(data, scales, width, PAGE_EM, columns=COLUMNS)
         self._mark(state)
-        # How finely the values are drawn is not part of what can be read off.
-        if not dragging and values != self._readable:
-            self._show_values(data, self._layout)
-            self._readable = values
+        self._read(self._pointer)
         self._drawn = (shown, not dragging)
 
     def _mark(self, state: State) -> None:
@@ -147,16 +147,23 @@ class MapPicture:
         if text != self._caption.content:
             self._caption.content = text
 
-    def _show_values(self, data: MapData, layout: MapLayout) -> None:
-        figure = cast(Any, HoverFigure(data, layout, self._name))
-        height = layout.height / layout.width
-        if self._hover is None:
-            # Not before the page is idle: it sends Plotly's own code, a few megabytes.
-            with self._place:
-                self._hover = self._gui.add_plotly(figure, aspect=height)
+    def _receive(self, data: Any) -> None:
+        """Take where the pointer is; of several messages that wait only the newest counts."""
+        over = isinstance(data, dict) and data.get("map") == self._name
+        self._pointer = data if over else None
+        if over:
+            self._session.submit(partial(self._read, data))
+
+    def _read(self, pointer: Any) -> None:
+        """Write at the pointer what the picture says there."""
+        if pointer is None or pointer is not self._pointer or self.data is None:
             return
-        self._hover.figure = figure
-        self._hover.aspect = height
+        x, y, panel = finite(pointer.get("x")), finite(pointer.get("y")), pointer.get("panel")
+        if x is None or y is None or type(panel) is not int or not 0 <= panel < self.data.panels:
+            return
+        found = readout(self.data, panel, x / MM, y / MM)
+        if found is not None:
+            self._session.bridge.call("showReadout", render("maps/readout.j2", readout=found))
 
 
 def picture_url(pixels: NDArray[np.uint8], *, exact: bool) -> str:
@@ -176,10 +183,7 @@ def picture_url(pixels: NDArray[np.uint8], *, exact: bool) -> str:
 
 
 def click_frame(layout: MapLayout, data: MapData) -> dict[str, list[Any]]:
-    """Return what the page reads a click on a picture with, sent with the picture itself.
-
-    The figure with the values comes later, once nothing is dragged: until then it has the old
-    frame.
+    """Return what the page reads the pointer over a picture with, sent with the picture itself.
 
     Returns:
         ``edges``, those of every panel: left, right, bottom, top [mm]; and ``panels``: left, top,

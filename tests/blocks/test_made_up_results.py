@@ -1,0 +1,398 @@
+"""Words, marks and data of results that are made up: every case of each, and no two numbers alike.
+
+What a cell says follows from one field of the result, whatever a solver would find.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import product
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.actuation.ratios import GearRatios
+from paminsa_viz.actuation.selection import DriveFigures
+from paminsa_viz.blocks import clearance as clearance_words
+from paminsa_viz.blocks.calibration import (
+    calibration_data,
+    combinations_table,
+    deviation_blocks,
+    errors_table,
+    fitted_text,
+    plan_blocks,
+    poses_table,
+    verdict,
+)
+from paminsa_viz.blocks.drives import (
+    FIGURES_HEAD,
+    cycle_text,
+    facts_table,
+    figures_table,
+    own_table,
+    ratio_table,
+)
+from paminsa_viz.blocks.trajectory import (
+    published_differences,
+    published_notes,
+    reference_note,
+    shortest_data,
+    simulation_data,
+    simulation_notes,
+    trajectory_blocks,
+    trajectory_data,
+)
+from paminsa_viz.clearance import PairGroup
+from paminsa_viz.model.accuracy import LEG_NAMES
+from paminsa_viz.model.design import APPENDIX_4
+from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.palette import ACTUATOR_COLORS
+from paminsa_viz.precision.leg_lengths import LENGTHS
+from paminsa_viz.trajectory import (
+    PRESET,
+    ShortestMotion,
+    ShortestStretch,
+    TrajectoryAnalysis,
+    analyze,
+)
+from paminsa_viz.trajectory.check import PathEvent
+from paminsa_viz.units import NONE
+from tests.blocks.said import cells, said
+
+# ------------------------------------------------------------------------------------------ drives
+
+MOTOR = Drive(
+    "motor", gear_ratio=50.0, rated_torque=2.0, peak_torque=5.0, top_speed=400.0, mass=1.25,
+    cost=700.0, encoder_counts=1000.0,
+)  # fmt: skip
+
+
+def on_a_load(**changes: Any) -> DriveFigures:
+    values: dict[str, Any] = {
+        "drive": MOTOR, "feasible": True, "use": 0.75, "limit": "RMS torque", "rms": 1.5,
+        "peak": 3.0, "top_speed": 100.0, "top_power": 222.0, "envelope": 0.6,
+        "inertia_ratio": 4.5, "thermal": 0.321, "ratios": (20.0, 80.0),
+    }  # fmt: skip
+    return DriveFigures(**values | changes)
+
+
+def test_figures_of_a_drive_stand_below_their_headings() -> None:
+    table = figures_table("c", [("1", on_a_load()), ("2", on_a_load(feasible=False, use=1.75))])
+    first, second = table.rows
+    assert dict(zip(FIGURES_HEAD, first.cells, strict=True)) == {
+        "": "1", "Drive": "motor", "Ratio": "50", "Margin": "25 %", "Limited by": "RMS torque",
+        "RMS [N·m]": "1.5", "Peak [N·m]": "3", "Speed [rpm]": "955", "Power [W]": "222",
+        "Inertia ratio": "4.5", "Winding": "32 %", "Mass [kg]": "1.25", "Cost": "700",
+    }  # fmt: skip
+    assert second.cells[3] == "−75 %"
+    assert [row.kind for row in table.rows] == ["plain", "marked"]
+    assert [row.cells[3].kind for row in table.rows] == ["plain", "bad"]  # type: ignore
+    nameless = replace(MOTOR, name="", mass=None, cost=None)
+    ((_, name, *_, winding, mass, cost),) = cells(
+        figures_table("", [("", on_a_load(drive=nameless, thermal=math.nan))])
+    )
+    assert (name, winding, mass, cost) == (nameless.summary, NONE, NONE, NONE)
+
+
+def test_own_drives_are_there_or_not_on_a_load_or_without() -> None:
+    screw = replace(MOTOR, name="", transmission="screw", lead=0.02)
+    design = replace(APPENDIX_4, drives=(MOTOR, None, MOTOR, screw))
+    weak = on_a_load(feasible=False)
+    table = own_table(design, [on_a_load(), None, weak, None])
+    assert [row.cells[:2] for row in table.rows] == [
+        ("M1", "motor"), ("M2", "none"), ("M3", "motor"), ("M4", screw.summary),
+    ]  # fmt: skip
+    assert [row.kind for row in table.rows] == ["plain", "plain", "marked", "plain"]
+    assert [row.color for row in table.rows] == list(ACTUATOR_COLORS)
+    assert table.rows[0].cells[3].kind == "ok"  # type: ignore
+    assert table.rows[2].cells[3].kind == "bad"  # type: ignore
+    assert table.rows[1].cells[2:] == ("", NONE)
+
+
+def test_what_a_drive_gives_beside_its_limits() -> None:
+    rows = {label: rest for label, *rest in cells(facts_table(on_a_load()))}
+    assert rows == {
+        "RMS torque": ["1.5 N·m", "75 % of 2"], "peak torque": ["3 N·m", "60 % of 5"],
+        "envelope": ["60 %", ""], "top speed": ["954.9 rpm", "25 % of 3820"],
+        "peak power": ["222 W", ""], "inertia ratio": ["4.5", "robot over motor"],
+        "winding": ["32 %", "temperature rise"], "gear ratio": ["50", "20 to 80 fit"],
+        "one count": ["130 µrad", "of the encoder"],
+    }  # fmt: skip
+    free = replace(MOTOR, rated_torque=None, peak_torque=None, top_speed=None, encoder_counts=None)
+    rows = {
+        label: rest
+        for label, *rest in cells(facts_table(on_a_load(drive=free, ratios=(math.nan,) * 2)))
+    }
+    for label in ("RMS torque", "peak torque", "top speed"):
+        assert rows[label][1] == ""
+    assert rows["top speed"][0] == "955 rpm"
+    assert rows["one count"][0] == NONE
+    assert rows["gear ratio"][1] == "no ratio fits"
+    screw = replace(MOTOR, transmission="screw", lead=0.02)
+    rows = {label: rest for label, *rest in cells(facts_table(on_a_load(drive=screw)))}
+    assert rows["one count"][0] == "0.4 µm"  # 20 mm / 50 / 1000
+
+
+def test_ratios_of_motors_and_how_they_were_found() -> None:
+    found = [
+        GearRatios("M1", "a", low, high, scanned, gaps)
+        for low, high in ((10.0, 20.0), (None, 5.0), (5.0, None))
+        for scanned, gaps in ((False, False), (True, False), (True, True))
+    ]
+    how = ["", "by scan", "by scan, with gaps"]
+    assert cells(ratio_table(found)) == [
+        ("M1", "a", text, way) for text, way in product(["10 to 20", "none", "none"], how)
+    ]
+
+
+def test_motions_of_a_cycle() -> None:
+    motions = [
+        SimpleNamespace(trajectory=SimpleNamespace(name=name, duration=t), repeats=n, dwell=d)
+        for name, t, n, d in (("a", 1.5, 1.0, 0.0), ("b", 2.0, 3.0, 0.25))
+    ]
+    cycle: Any = SimpleNamespace(duties=motions)
+    assert cycle_text(cycle) == ("a (1.5 s, 1 times, dwell 0 s), b (2 s, 3 times, dwell 0.25 s)")
+
+
+# --------------------------------------------------------------------------------------- clearance
+
+
+def distances(least: Any, pair: Any) -> Any:
+    """A clearance of poses with pairs (a of leg 1, b), (a of leg 2, b), (M1, c)."""
+    names = (("a of leg 1", "b"), ("a of leg 2", "b"), ("M1", "c"))
+    return clearance_words.Clearance(
+        SimpleNamespace(names=names), np.array(least, float), np.array(pair),  # type: ignore
+        np.zeros((*np.shape(pair), 2, 3)),
+    )  # fmt: skip
+
+
+def test_nearest_bodies_of_many_poses_are_counted_by_kind() -> None:
+    over = distances([0.004, 0.002, np.nan, -0.003, 0.01, 0.02], [0, 1, -1, 2, 0, 2])
+    kinds = clearance_words.nearest_kinds(over)
+    assert kinds == [(("a", "b"), 3, 0.002), (("M", "c"), 2, -0.003)]
+    note, table = clearance_words.region_blocks(over)
+    text = "5 of 6 poses can be taken; 20.0 % of them have less than 0 mm."
+    assert said([note]) == [(text, "warn")]
+    assert cells(table) == [("a", "b", "3", "2 mm"), ("M", "c", "2", "−3 mm")]
+    note, _ = clearance_words.region_blocks(over, 0.01, "samples")
+    text = "5 of 6 samples can be taken; 60.0 % of them have less than 10 mm."
+    assert said([note]) == [(text, "warn")]
+    apart = distances([0.004, 0.002], [0, 1])
+    assert said(clearance_words.region_blocks(apart))[0][1] == "ok"
+    none = distances([np.nan, np.nan], [-1, -1])
+    assert said(clearance_words.region_blocks(none)) == [("0 of 2 poses can be taken.", "warn")]
+    data = clearance_words.clearance_data(APPENDIX_4, 0, {}, distances(np.nan, -1), over, 0.005)
+    assert data["least"] is None
+    assert (data["poses"]["drawn"], data["poses"]["reached"]) == (6, 5)
+    assert data["poses"]["below"] == 3
+    assert data["poses"]["nearest"][1] == {"bodies": ("M", "c"), "poses": 2, "least_m": -0.003}
+    here = distances(0.004, 1)
+    groups = dict(zip(PairGroup, [here] + [distances(np.nan, -1)] * len(PairGroup)))  # noqa: B905
+    data = clearance_words.clearance_data(APPENDIX_4, 0, groups, here, None, 0.005)
+    assert data["least"]["bodies"] == ("a of leg 2", "b")
+    assert data["least"]["distance_m"] == 0.004
+    assert "poses" not in data
+    table, note = clearance_words.pose_blocks(groups, here)
+    assert cells(table) == [(next(iter(PairGroup)).value, "a of leg 2", "b", "4 mm")]
+    assert said([note]) == [("Least clearance: 4 mm.", "ok")]
+    assert said([clearance_words.verdict(here, 0.005)])[0][1] == "bad"
+
+
+def test_most_kinds_of_bodies_are_listed_up_to_a_number() -> None:
+    count = clearance_words.MOST + 3
+    over = distances(np.arange(count) * 1e-3, np.arange(count))
+    letters = "abcdefghijklmnopqrstuvwxyz"
+    object.__setattr__(
+        over, "shapes", SimpleNamespace(names=[(letters[i], "x") for i in range(count)])
+    )
+    _, table = clearance_words.region_blocks(over)
+    assert len(cells(table)) == clearance_words.MOST
+
+
+# -------------------------------------------------------------------------------------- trajectory
+
+POSE = (0.01, 0.02, 0.1, -0.5)
+
+
+def test_shortest_durations_as_data() -> None:
+    plan: Any = SimpleNamespace(duration=1.0)
+    stretch = ShortestStretch(plan, "speed of M1", 3.0, "rad/s", 0.5)
+    assert shortest_data(stretch) == {
+        "quantity": "speed of M1", "limit": 3.0, "unit": "rad/s", "t_s": 0.5,
+    }  # fmt: skip
+    best = ShortestMotion(plan, "speed of M1", 3.0, "rad/s", 0.5, 1.25, "why")
+    assert shortest_data(best) == {**shortest_data(stretch), "stretched_s": 1.25, "note": "why"}
+
+
+def checked_so(analysis: TrajectoryAnalysis, **events: PathEvent) -> TrajectoryAnalysis:
+    solved = replace(analysis.solved, check=replace(analysis.check, **events))  # type: ignore
+    return replace(analysis, solved=solved)
+
+
+def test_a_motion_that_can_be_run_or_not() -> None:
+    motion = PRESET["arch"].build(APPENDIX_4.geometry).sample(20)
+    whole = analyze(APPENDIX_4, motion)
+    assert whole.check.first is None
+    near = PathEvent(0.25, Limit.STRETCHED, 1, 0.0123, POSE)
+    for leg, who in ((1, ", leg 2"), (0, ", leg 1"), (-1, "")):
+        one = checked_so(whole, closest=replace(near, leg=leg))
+        notes = said(trajectory_blocks(one))
+        noun = Limit.STRETCHED.noun
+        assert notes[1] == (
+            f"The robot can run it. It comes nearest to a limit ({noun}{who}) at 0.25 s, with "
+            "12.3 mm to spare.", "ok",
+        )  # fmt: skip
+        data = trajectory_data(one)
+        assert data["closest"]["leg"] == (leg + 1 if leg >= 0 else None)
+        assert data["failure"] is None
+        assert data["closest"]["margin_m"] == 0.0123
+    assert said([reference_note(whole)]) == [('reference "Appendix 4": can run it too', "ok")]
+    failed = checked_so(whole, first=near)
+    notes = said(trajectory_blocks(failed))
+    assert notes[1][1] == "bad"
+    assert notes[1][0].endswith("The numbers are of the time before.")
+    assert said([reference_note(failed)])[0][1] == "bad"
+    data = trajectory_data(failed)["failure"]
+    assert (data["t_s"], data["leg"], data["pose"]) == (0.25, 2, POSE)
+    assert data["explanation"] == near.explanation
+
+
+def test_computed_torques_beside_a_published_table() -> None:
+    torque = np.array([[1.0, 2.0, np.nan, 4.0], [3.0, -6.0, np.nan, np.nan]])
+    off = np.array([[0.1, -0.5, np.nan, 3.0], [-0.3, 0.2, np.nan, np.nan]])
+    table: Any = SimpleNamespace(name="other", torque=torque, differences=lambda t, tau: off)
+    motion: Any = SimpleNamespace(trajectory=SimpleNamespace(t=None), torque=None)
+    first, second, third, fourth = published_differences(motion, table)
+    assert third is None
+    assert first == {
+        "rows": 2, "largest_difference": 0.3, "largest_published": 3.0,
+        "rms_difference": pytest.approx(math.sqrt(0.05)),
+    }  # fmt: skip
+    assert second is not None
+    assert (second["largest_difference"], second["largest_published"]) == (0.5, 6.0)
+    assert fourth is not None
+    assert (fourth["rows"], fourth["largest_difference"]) == (1, 3.0)
+    notes = said(published_notes(motion, table))
+    assert notes[2] == ("published other, M3: no value at a time of this motion", "warn")
+    assert notes[1][0] == (
+        "published other, M2: computed off by at most 0.5 N·m, RMS 0.381 N·m, of 6 N·m at 2 times"
+    )
+    assert notes[3][0].endswith("of 4 N at 1 times")
+
+
+def test_a_simulated_robot_off_its_motion() -> None:
+    error = np.array([[0.001, -0.002, 0.01, 0.0], [-0.003, 0.001, -0.02, 0.0005]])
+    run: Any = SimpleNamespace(
+        error=error, distance=np.array([0.004, 0.002]), stopped=None, t=np.array([0.0, 1.5]),
+        energy_drift=np.array([-2e-6, 1e-6]),
+        controller=SimpleNamespace(control=SimpleNamespace(value="torques"), bandwidth=10.0),
+        design=APPENDIX_4.vary({"payload.mass": 1.5}),
+    )  # fmt: skip
+    notes = said(simulation_notes(run))
+    assert notes[0] == (
+        "simulated with torques, payload 1.5 kg: largest errors x 3 mm, y 2 mm, θ 1.15°, z 0.5 mm; "
+        "at the end 2 mm from its place", "plain",
+    )  # fmt: skip
+    assert notes[1] == ("energy drift of the solution: 2·10⁻⁶ J", "plain")
+    data = simulation_data(run)
+    assert (data["end_t_s"], data["largest_distance_m"], data["end_distance_m"]) == (
+        1.5,
+        0.004,
+        0.002,
+    )
+    assert data["largest_error"] == pytest.approx([0.003, 0.002, 0.02, 0.0005])
+    assert data["energy_drift_J"] == 2e-6
+    assert data["stopped"] is None
+    run.stopped = PathEvent(0.75, Limit.SINGULAR, -1, 0.0, POSE)
+    assert said(simulation_notes(run))[1][1] == "bad"
+    assert simulation_data(run)["stopped"]["t_s"] == 0.75
+
+
+# ------------------------------------------------------------------------------------- calibration
+
+
+def errors(poses: int, size: float, coordinates: int = 6) -> Any:
+    values = size * (1.0 + np.arange(coordinates))
+    return SimpleNamespace(poses=poses, rms=values, largest=3.0 * values)
+
+
+def calibrated(held: int, **changes: Any) -> Any:
+    weights = np.zeros((3, len(LENGTHS)))
+    weights[1, 2] = 1.0
+    combinations = [
+        SimpleNamespace(weights=weights, value=1e-3 * n, half_width=1e-4, singular_value=2.0)
+        for n in range(1, 14)
+    ]
+    spread = np.full((3, len(LENGTHS)), np.nan)
+    spread[0, 0] = 2e-4
+    values = {
+        "before": errors(20, 1e-3), "after": errors(20, 1e-5), "before_held": errors(held, 2e-3),
+        "after_held": errors(held, 2e-5), "improved": True, "combinations": combinations,
+        "noise": 1.5e-5, "design": APPENDIX_4, "standard_deviations": spread, "start": APPENDIX_4,
+        "determined": np.isfinite(spread), "rank": 13, "singular_values": np.arange(42, 0, -1.0),
+    }  # fmt: skip
+    return SimpleNamespace(**values | changes)
+
+
+def test_errors_of_a_calibration_before_and_after() -> None:
+    table = errors_table(calibrated(5))
+    assert table.head[1:] == tuple(
+        f"{name}: {kind}"
+        for name in ("fitted", "held back") for kind in ("before", "after", "largest")
+    )  # fmt: skip
+    assert table.rows[0].cells == ("x [µm]", "1000", "10.0", "30.0", "2000", "20.0", "60.0")
+    # lengths first, then angles
+    assert [row.cells[0][0] for row in table.rows] == ["x", "y", "z", "θ", "t", "t"]
+    assert table.rows[2].cells[1] == "4000"
+    assert len(errors_table(calibrated(0)).head) == 4
+    four = calibrated(0, before=errors(9, 1e-3, 4), after=errors(9, 1e-5, 4))
+    assert len(errors_table(four).rows) == 4
+    kinds = {
+        (0, True): "warn", (5, True): "ok", (0, False): "bad", (5, False): "bad",
+    }  # fmt: skip
+    for (held, improved), kind in kinds.items():
+        assert verdict(calibrated(held, improved=improved)).kind == kind
+    data = calibration_data(calibrated(5), "log")
+    assert data["held_back"]["after"]["rms"]["y_m"] == pytest.approx(4e-5)
+    assert data["fitted"]["before"]["largest"]["x_m"] == pytest.approx(3e-3)
+    assert data["held_back"]["before"]["poses"] == 5
+    name = f"{LEG_NAMES[1]}.{LENGTHS[2].name}_{LENGTHS[2].unit}"
+    assert data["combinations"][0]["weights"] == {name: 1.0}
+
+
+def test_combinations_best_and_worst_known_ones() -> None:
+    found = calibrated(0)
+    assert [row[0] for row in cells(combinations_table(found))] == [str(n) for n in range(1, 14)]
+    some = cells(combinations_table(found, 4))
+    assert [row[0] for row in some] == ["1", "2", "12", "13"]
+    assert some[3][2] == "13.00 ± 0.10"
+    assert len(cells(combinations_table(found, 13))) == 13
+    text = fitted_text(found)
+    assert text.startswith("13 of 42 combinations")
+    assert "29 keep their value; noise 15 µm" in text
+
+
+def test_deviations_with_an_interval_or_in_sums() -> None:
+    table, note = deviation_blocks(calibrated(0))
+    assert table.rows[0].cells[2] == "0.00 ± 0.20"  # type: ignore
+    assert [cell.kind for cell in table.rows[0].cells[2:]] == ["plain", "muted", "muted"]  # type: ignore
+    assert "Without ±" in note.text  # type: ignore
+    known = np.full((3, len(LENGTHS)), 1e-4)
+    whole = calibrated(0, standard_deviations=known, determined=np.isfinite(known))
+    assert "Without ±" not in deviation_blocks(whole)[1].text  # type: ignore
+    plan: Any = SimpleNamespace(standard_deviations=calibrated(0).standard_deviations)
+    table, _ = plan_blocks(plan)
+    assert tuple(table.rows[0].cells[2:]) == ("± 0.2", "in sums", "in sums")  # type: ignore
+
+
+def test_poses_to_measure_in_millimeters_and_degrees() -> None:
+    poses = np.array([[0.01, 0.02, math.pi / 6, -0.5, 0.0, 0.0]])
+    readings = np.array([[math.pi, 0.5 * math.pi, 0.0, -0.25]])
+    plan: Any = SimpleNamespace(measurements=SimpleNamespace(poses=poses, actuators=readings))
+    assert cells(poses_table(plan)) == [
+        ("1", "10.0", "20.0", "30.00", "−500.0", "180.00", "90.00", "0.00", "−250.0")
+    ]

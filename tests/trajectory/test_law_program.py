@@ -1,0 +1,195 @@
+"""The program of a law against the robot itself: what its rows say of a law is what the law takes.
+
+The states that a law makes on a path go through inverse dynamics and the definition of a drive.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    actuator_acceleration,
+    actuator_velocity,
+    inverse_dynamics,
+)
+from paminsa_viz.model.drive import NO_DRIVES, Drive
+from paminsa_viz.trajectory import MotionLimits, via_points
+from paminsa_viz.trajectory.law_program import LawProgram, Terms
+from paminsa_viz.trajectory.paths import TracedPath
+from paminsa_viz.trajectory.shortest import law_knots
+from tests.trajectory.plans import A, B
+from tests.trajectory.test_timing import BENT, HEAVY, SERVO, driven
+
+UNIT = 0.7
+"""Time in which the programs count [s]."""
+
+LIMITS = MotionLimits(
+    speed=1.1, turn_speed=5.0, acceleration=7.0, turn_acceleration=40.0, torque=6.0, force=430.0
+)
+PATH = TracedPath(via_points([A, B, A + np.array([0.03, 0.05, -0.2, 0.04]), B]).curve)
+KNOTS = law_knots(PATH)
+
+
+def law(s: Any) -> tuple[Any, Any]:
+    """A law with zero speed at both ends, and its derivative by s, in units of `UNIT`."""
+    bend = 1.0 + 0.8 * np.sin(9.0 * s)
+    shape = 4.0 * s * (1.0 - s)
+    slope = 4.0 * (1.0 - 2.0 * s) * bend + shape * 7.2 * np.cos(9.0 * s)
+    return 2.0 * shape * bend, 2.0 * slope
+
+
+def program(design: Design, limits: MotionLimits = LIMITS, **options: bool) -> LawProgram:
+    return LawProgram(PATH, *KNOTS, limits, design, UNIT, **options)
+
+
+def states(s: Any) -> tuple[Any, Any, Any]:
+    """Pose, velocity and acceleration of the law at places, (n, 4) each."""
+    z, dz = (part[:, None] for part in law(s))
+    along, bend = PATH(s, 1), PATH(s, 2)
+    return PATH(s), along * np.sqrt(z) / UNIT, (bend * z + 0.5 * along * dz) / UNIT**2
+
+
+def summed(terms: Terms, s: Any) -> Any:
+    z, dz = (part[:, None] for part in law(s))
+    return terms.growth * dz + terms.square * z + terms.rate * np.sqrt(z) + terms.constant
+
+
+def motor_share(design: Design, j: int, drive: Drive, s: Any) -> Any:
+    """Largest share of a drive's speed, envelope and gear that the law uses, (n,)."""
+    pose, velocity, acceleration = states(s)
+    speed = actuator_velocity(design, pose, velocity)[:, j]
+    growth = actuator_acceleration(design.geometry, pose, velocity, acceleration)[:, j]
+    bare = replace(design, drives=NO_DRIVES)
+    load = inverse_dynamics(bare, pose, velocity, acceleration).torque[:, j]
+    eta, n = drive.total_efficiency, drive.ratio
+    torque = np.where(load * speed > 0, load / eta, load * eta) / n
+    torque += n * (drive.inertia * growth + drive.viscous * speed) + drive.coulomb * np.sign(speed)
+    shares = [(speed / drive.output_limits.speed) ** 2]
+    shares += [(np.abs(torque) + k * n * np.abs(speed)) / a for a, k in drive.lines]
+    if np.isfinite(drive.gear_limits.peak):
+        shares.append(np.abs(load) / drive.gear_limits.peak)
+    return np.max(shares, axis=0)
+
+
+S = np.linspace(0.02, 0.98, 45)
+
+
+def test_terms_are_shares_of_what_the_robot_takes() -> None:
+    found = summed(program(APPENDIX_4)._terms(S, *law(S)), S)
+    pose, velocity, acceleration = states(S)
+    torque = inverse_dynamics(APPENDIX_4, pose, velocity, acceleration).torque
+    shares = torque / [6.0, 6.0, 6.0, 430.0]
+    turning = acceleration[:, 2] / 40.0
+    expected = [
+        (velocity[:, [0, 1, 3]] ** 2).sum(axis=1) / 1.1**2, (velocity[:, 2] / 5.0) ** 2,
+        turning, -turning, *(sign * share for share in shares.T for sign in (1.0, -1.0)),
+    ]  # fmt: skip
+    np.testing.assert_allclose(found, np.transpose(expected), rtol=1e-9, atol=1e-11)
+
+
+@pytest.mark.parametrize("alone", ["speed", "turn_speed", "turn_acceleration", "force"])
+def test_a_limit_that_is_not_given_has_no_terms(alone: str) -> None:
+    found = program(APPENDIX_4, MotionLimits(**{alone: getattr(LIMITS, alone)}))
+    every = summed(program(APPENDIX_4)._terms(S, *law(S)), S)
+    mine = summed(found._terms(S, *law(S)), S)
+    assert mine.shape[1] == (2 if alone in ("turn_acceleration", "force") else 1)
+    for column in mine.T:
+        assert np.abs(every - column[:, None]).max(axis=0).min() < 1e-12
+
+
+@pytest.mark.parametrize(
+    "drive",
+    [SERVO, HEAVY, BENT, replace(SERVO, efficiency=1.0, gear_peak_torque=3.0)],
+    ids=["servo", "heavy", "bent", "gear"],
+)
+def test_terms_of_drives_are_shares_of_their_envelopes(drive: Drive) -> None:
+    """At each place the largest of them is what the drive that needs most of its limits uses."""
+    design = driven(drive)
+    none = MotionLimits(speed=1e9)
+    found = summed(program(design, none)._terms(S, *law(S)), S).max(axis=1)
+    expected = [motor_share(design, j, one, S) for j, one in enumerate(design.drives) if one]
+    np.testing.assert_allclose(found, np.max(expected, axis=0), rtol=1e-9)
+    for j, one in enumerate(design.drives):
+        assert one is not None
+        places: Any = [one if i == j else None for i in range(4)]
+        alone = replace(design, drives=tuple(places))
+        mine = summed(program(alone, none)._terms(S, *law(S)), S).max(axis=1)
+        np.testing.assert_allclose(mine, motor_share(alone, j, one, S), rtol=1e-9)
+    assert program(design, none, drives=False)._terms(S, *law(S)).rate.shape[1] == 1
+
+
+@pytest.mark.parametrize("design", [APPENDIX_4, driven(SERVO)], ids=["", "driven"])
+def test_rows_are_the_terms_at_the_law_before_and_no_less_strict_elsewhere(design: Design) -> None:
+    """Rows on (z's coefficients, c, d), with c = 1 where z is that of the law before."""
+    made = program(design)
+    s = made.points
+    rows, splines = made._rows(s)
+    # any law that the spline has, near the one that rows are made at
+    rng = np.random.default_rng(0)
+    coefficients = np.abs(rng.normal(2.0, 0.3, rows.shape[1]))
+    z, dz = rows @ coefficients, splines @ coefficients
+
+    def before(places: Any) -> tuple[Any, Any]:
+        assert places is s
+        return z, dz
+
+    matrix, right = made._limit_rows(before, rows, splines)
+    timed = matrix.shape[1] - len(coefficients) - len(s)
+    terms = made._terms(s, z, dz)
+
+    def exceeded(law_z: Any, law_dz: Any, x: Any) -> tuple[Any, Any]:
+        """By the rows, and by the terms that they stand for; one limit after the other."""
+        c = np.sqrt(law_z / z)
+        left = matrix @ np.concatenate([x, c, np.zeros(timed)]) - right
+        sums = (
+            terms.growth * law_dz[:, None] + terms.square * law_z[:, None]
+            + terms.rate * np.sqrt(law_z)[:, None] + terms.constant - 1.0
+        )  # fmt: skip
+        return left.reshape(-1, len(s)).T, sums
+
+    by_rows, by_terms = exceeded(z, dz, coefficients)
+    np.testing.assert_allclose(by_rows, by_terms, atol=1e-9 * np.abs(by_terms).max())
+    other = coefficients * rng.uniform(0.3, 2.0, len(coefficients))
+    by_rows, by_terms = exceeded(rows @ other, splines @ other, other)
+    assert (by_rows >= by_terms - 1e-9 * np.abs(by_terms).max()).all()
+    eased = terms.rate <= 0.0
+    np.testing.assert_allclose(by_rows[eased], by_terms[eased], rtol=1e-7, atol=1e-7)
+
+
+def test_cones_are_the_length_of_the_acceleration() -> None:
+    made = program(APPENDIX_4)
+    s = made.points
+    rows, slopes = made._rows(s)
+    coefficients = np.random.default_rng(1).uniform(0.5, 3.0, rows.shape[1])
+    z, dz = (rows @ coefficients)[:, None], (slopes @ coefficients)[:, None]
+    acceleration = (PATH(s, 2) * z + 0.5 * PATH(s, 1) * dz) / UNIT**2
+    ((cone, right),) = made._cones(rows, slopes, 5)
+    top, *parts = (right - cone @ np.concatenate([coefficients, np.ones(5)])).reshape(-1, 4).T
+    np.testing.assert_allclose(top, 1.0)
+    np.testing.assert_allclose(
+        np.linalg.norm(parts, axis=0),
+        np.linalg.norm(acceleration[:, [0, 1, 3]], axis=1) / 7.0, rtol=1e-9,
+    )  # fmt: skip
+    assert program(APPENDIX_4, MotionLimits(speed=1.0))._cones(rows, slopes, 5) == []
+    assert sparse.issparse(cone)
+
+
+def test_splines_of_the_program_rest_at_the_ends_and_have_their_own_slopes() -> None:
+    made = program(APPENDIX_4)
+    h = 1e-6
+    s = np.linspace(0.013, 0.987, 60)
+    rows, slopes = made._rows(s)
+    ahead, behind = made._rows(s + h)[0], made._rows(s - h)[0]
+    np.testing.assert_allclose(
+        slopes.toarray(), ((ahead - behind) / (2.0 * h)).toarray(), atol=1e-4 * np.abs(slopes).max()
+    )
+    ones = np.ones(rows.shape[1])
+    np.testing.assert_allclose(made._rows(np.array([0.0, 1.0]))[0] @ ones, 0.0)
+    np.testing.assert_allclose(made._rows(np.array([0.3, 0.5]))[0] @ ones, 1.0)
