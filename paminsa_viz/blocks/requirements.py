@@ -223,7 +223,7 @@ def _largest(design: Design, requirements: Requirements) -> list[Block]:
         found = largest_workspace(design, requirements, time_limit=TIME_LIMIT)
     except PaminsaError as error:
         return [Note(f"The largest workspace is not known: {error}.", "warn")]
-    return largest_blocks(design, requirements, found)
+    return list(largest_blocks(design, requirements, found))
 
 
 def verdict_text(proof: Proof) -> str:
