@@ -1,4 +1,4 @@
-"""Tables in blocks, texts with any letters, published values at their ends, lines of wrong bytes."""
+"""Tables in blocks, texts with any letters, published values at their ends, wrong bytes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from paminsa_viz.files.tables import DataTable, table_csv, table_npz, table_text
 
 def test_a_table_is_the_same_in_blocks_of_any_size(monkeypatch: pytest.MonkeyPatch) -> None:
     table = DataTable(
-        {"n": np.arange(7), "x": np.arange(7.0).reshape(1, 7)}, {"made by": "a test, τ"}
+        {"n": np.arange(7).astype(str), "x": np.arange(7.0).reshape(1, 7)}, {"made by": "a test, τ"}
     )
     whole = table_csv(table)
     assert whole.decode().splitlines()[-7:] == [f"{n},{float(n)}" for n in range(7)]
