@@ -37,7 +37,7 @@ from paminsa_viz.balancing.changes import MOST, mass_space
 from paminsa_viz.balancing.optimum import LARGEST, WIDER
 from paminsa_viz.balancing.paper_balance import MASSES_IN_MP2, MOST_ADDED, paper_changes
 from paminsa_viz.balancing.program import Solution
-from paminsa_viz.balancing.springs import STIFFEST
+from paminsa_viz.balancing.springs import STIFFEST, Anchor, springs_of
 from paminsa_viz.model import APPENDIX_4, Grid, InvalidDesign, InvalidInput
 from paminsa_viz.model.parameters import LARGEST as LARGEST_BY_UNIT
 from tests.support.documentation import missing
@@ -116,6 +116,7 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         (MassRange, {"inertia_follows": True}),
         (CounterweightRange, {"low": 0.0}),
         (Changes, {"masses": (), "counterweights": ()}),
+        (Anchor, {"joint": 0, "bar": "", "beyond": 0.0, "radius": 0.0, "height": 0.0}),
     ],
 )
 def test_defaults_are_those_of_the_descriptions(function: Any, defaults: dict[str, Any]) -> None:
@@ -140,6 +141,15 @@ def test_springs_and_places_are_named_with_their_lengths() -> None:
     assert on_bar("b3", 7, 0.1).name == "B3, 100 mm beyond joint 7"
     ranged = CounterweightRange("b8", 9, 0.0, 0.1, 1.0)
     assert ranged.name == "counterweight on B8 from joint 9"
+
+
+def test_springs_of_an_answer_have_the_length_that_it_holds_however_soft_they_are() -> None:
+    places = [SpringPlace(on_slider(0.2), at_joint(9), 1e3, low, 0.4) for low in (0.1, 0.15, 0.0)]
+    stiffness, free = np.array([0.5, 0.0, 800.0]), [0.3, 0.15, 0.0]  # without K the shortest
+    found = springs_of(places, np.column_stack([stiffness, stiffness * free]).ravel())
+    for spring, place, k, length in zip(found, places, stiffness, free, strict=True):
+        assert (spring.first, spring.second) == (place.first, place.second)
+        assert (spring.stiffness, spring.free_length) == pytest.approx((k, length))
 
 
 def test_a_bar_carries_a_weight_all_along_it_from_its_first_joint() -> None:

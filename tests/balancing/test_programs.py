@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from paminsa_viz.balancing import backends
+from paminsa_viz.balancing import backends, solver
 from paminsa_viz.balancing.convex import Cuts, MaxAbs, Norm, PositivePartSum
 from paminsa_viz.balancing.enclosure import Enclosure
 from paminsa_viz.balancing.program import Infeasible, Program, SolverFailed, Variable
@@ -94,6 +94,32 @@ def test_limit_met_by_an_inner_lever_alone() -> None:
     assert found.state[0] <= 1e-6 + 2e-9
     with pytest.raises(Infeasible):
         solve(Program(np.zeros(2), (slot,), ((1.0, goal),), limits=((-1e-3, limit),)))
+
+
+@pytest.mark.parametrize("starts", [[0], [0, 1], [0, 2], [0, 1, 2]])
+def test_a_limit_of_a_sum_is_of_all_its_groups_together(starts: list[int]) -> None:
+    """The dearest unknowns first: the third whole, then half of the second."""
+    total = PositivePartSum(np.eye(3), np.zeros(3), np.array(starts))
+    goal = MaxAbs(-np.array([[1.0, 2.0, 3.0]]), np.zeros(1), absolute=False)
+    variables = plain(np.eye(3), np.zeros(3), np.ones(3))
+    found = solve(Program(np.zeros(3), variables, ((1.0, goal),), limits=((1.5, total),)))
+    assert found.value == pytest.approx(-4.0, abs=1e-7)
+    np.testing.assert_allclose(found.state, [0.0, 0.5, 1.0], atol=1e-6)
+    assert found.limit_prices == pytest.approx([2.0], abs=1e-5)  # of more of the second
+
+
+@pytest.mark.parametrize(("name", "value"), [("MAX_ROUNDS", 0), ("ACCEPTED", -np.inf)])
+def test_what_is_not_solved_is_said_so(
+    name: str, value: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(solver, name, value)
+    goal = MaxAbs(np.eye(2), np.ones(2))
+    limit = MaxAbs(np.eye(2), np.zeros(2))
+    program = Program(
+        np.zeros(2), plain(np.eye(2), [0, 0], [1, 1]), ((1.0, goal),), limits=((0.5, limit),)
+    )
+    with pytest.raises(SolverFailed, match="could not be met within rounding"):
+        solve(program)
 
 
 def test_a_fixed_sum_out_of_reach_is_infeasible() -> None:

@@ -21,6 +21,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from paminsa_viz.codegen import fmu
 from paminsa_viz.codegen.add_platform import NotBuilt, with_platform
 from paminsa_viz.codegen.fmu import (
     STEP_MAX,
@@ -45,6 +46,8 @@ from paminsa_viz.model import (
     inverse_dynamics,
     inverse_jacobian,
     inverse_kinematics,
+    measure_singularity,
+    singular_rotation,
     static_torques,
 )
 from tests.codegen.printed import SANITIZERS, STRICT, compilers, sanitizes
@@ -337,7 +340,11 @@ def test_the_script_adds_another_platform(tmp_path: Path) -> None:
         done = run(*words)
         assert (done.returncode, len(done.stderr.splitlines())) == (1, 1)
         assert (tmp_path / "paminsa_inverse.fmu").read_bytes() == before
-    assert run("linux32", "cc").returncode == 0
+    done = run("linux32")
+    assert (done.returncode, "add_platform.py paminsa_plant.fmu" in done.stdout) == (2, True)
+    done = run("linux32", "cc")
+    said = "paminsa_inverse.fmu: has a binary for linux32\n"
+    assert (done.returncode, done.stdout) == (0, said)
     with zipfile.ZipFile(tmp_path / "paminsa_inverse.fmu") as archive:
         inside = archive.namelist()
         assert archive.testzip() is None
@@ -405,6 +412,18 @@ def test_variables_have_references_starts_and_roles(kind: FmuKind) -> None:
     assert names == [*(name.upper() for name in found), "COUNT"]
 
 
+def test_a_plant_that_starts_at_a_singularity_is_not_held(monkeypatch: pytest.MonkeyPatch) -> None:
+    lower = np.array([0.0, 0.0, singular_rotation(DRIVEN.geometry), start_pose(DRIVEN)[3]])
+    assert measure_singularity(DRIVEN.geometry, lower).condition == np.inf
+    monkeypatch.setattr(fmu, "start_pose", lambda _: lower)
+    text = fmu_sources(DRIVEN, "plant")["modelDescription.xml"]
+    assert text.startswith("<?xml version")
+    root = ET.fromstring(text)
+    starts = {one.attrib["name"]: one[0].attrib.get("start") for one in root.iter("ScalarVariable")}
+    assert [starts[name] for name in TORQUES] == ["0.0"] * 4
+    assert [float(starts[f"{name}_start"] or "nan") for name in POSE] == lower.tolist()
+
+
 def test_units_are_products_of_the_base_units() -> None:
     bases = {"m": {"m": 1}, "rad": {"rad": 1}, "s": {"s": 1}, "kg": {"kg": 1}}
     bases["N"] = {"kg": 1, "m": 1, "s": -2}
@@ -427,6 +446,8 @@ import json, pathlib, sys
 words = sys.argv[1:]
 if "--fail" in words:
     sys.exit(3)
+if "--say" in words:
+    sys.exit("model.c:\\n  " + 600 * "x")
 pathlib.Path(words[words.index("-o") + 1]).write_text(json.dumps(words))
 """
 
@@ -451,6 +472,11 @@ def test_a_platform_is_added_with_its_own_name_and_options(platform: str, tmp_pa
     assert ("-fPIC" in words) == ("-fvisibility=hidden" in words) == (platform != "win64")
     with pytest.raises(NotBuilt, match="failed: exit code 3"):
         with_platform(packed, platform, f"{sys.executable} {script} --fail")
+    compiler = f"{sys.executable} {script} --say"
+    with pytest.raises(NotBuilt) as caught:
+        with_platform(packed, platform, compiler)
+    start = f"{compiler} failed: "
+    assert str(caught.value) == (start + "model.c: " + 600 * "x")[: len(start) + 500]
 
 
 def test_another_design_has_another_guid() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import itertools
 import shutil
 import subprocess
 from pathlib import Path
@@ -12,7 +14,7 @@ import pytest
 
 from paminsa_viz.codegen.c99 import C99
 from paminsa_viz.codegen.javascript import JavaScript
-from paminsa_viz.codegen.printer import Printer
+from paminsa_viz.codegen.printer import Printer, filled
 from paminsa_viz.codegen.source import NotPrintable
 from paminsa_viz.model.leg import Mechanism
 from paminsa_viz.model.robot import where
@@ -144,6 +146,8 @@ def test_what_has_no_counterpart_is_refused_with_its_place(formula: Any, words: 
     with pytest.raises(NotPrintable, match=rf"{formula.__name__}, line \d+: .*") as caught:
         Printer(C99()).add(formula)
     assert words in str(caught.value)
+    first = inspect.getsourcelines(formula)[1]
+    assert f", line {first + 2}: " in str(caught.value)  # below its head and description
 
 
 class Pair(NamedTuple):
@@ -158,8 +162,14 @@ def explained(p: Pair, a: Any) -> Any:
     """A formula with comments."""
     # before the first
     x = p.first * a  # beside it
+    # before the second
+    y = where(
+        x < a,  # within
+        x,  # the one
+        a,
+    )
     # type: nothing to be said
-    return x + p.third
+    return y + p.third
 
 
 def test_comments_are_printed_where_they_stand_and_those_for_tools_are_not() -> None:
@@ -170,14 +180,173 @@ def test_comments_are_printed_where_they_stand_and_those_for_tools_are_not() -> 
     assert "double second;" in lines
     assert "double third;" in lines
     body = lines[lines.index("{") + 1 :]
-    assert body[:3] == [
+    assert body[:-1] == [
         "/* before the first */",
         "/* beside it */",
         "const double x = p->first * a;",
+        "/* before the second */",
+        "/* within */",
+        "/* the one */",
+        "const double y = x < a ? x : a;",
+        "return y + p->third;",
     ]
-    assert body[3] == "return x + p->third;"
     assert "/* Two numbers. */" in lines
     assert "/* A formula with comments. */" in lines
+
+
+def sparing(a: Any, b: Any, d: Any) -> Any:
+    """Python, C and JavaScript need the same parentheses here."""
+    x = a - b - d + a * b / d * -a
+    y = -(a + b) * (x - d) / (a * b) - -b
+    z = x / y - (x - y) + -(x * y)
+    return z / -x
+
+
+def conditions(a: Any, b: Any, d: Any) -> Any:
+    """Conditions with the parentheses that compilers want, and no others."""
+    x = where((a < b) & (a - b < d) & (d < a), -a, a + b)
+    y = where((a < b) | (b < d) | (d < a), b - a, d)
+    z = where((a < b) | (b < d) & (d < a), where(a < b, d, a), x * y)
+    return where((a < b) == (a + b < d), x, z)
+
+
+def parts(a: Any, b: Any) -> Any:
+    """Two numbers with names."""
+    total = a + b
+    rest = a - b
+    return total, rest
+
+
+def halves(a: Any) -> Any:
+    """Two numbers without."""
+    return a / 2, -a / 2
+
+
+def composed(a: Any, b: Any) -> Any:
+    """What reads them."""
+    total, rest = parts(a, b)
+    _, half = parts(rest, total)
+    first, second = halves(half)
+    return first * second
+
+
+def printed(language: Any, *formulas: Any) -> dict[str, list[str]]:
+    """Return the lines of the functions of a language, without their indent."""
+    printer = Printer(language)
+    printer.add(*formulas)
+    return {
+        name: [line.strip() for line in text.splitlines()]
+        for name, text in printer.functions.items()
+    }
+
+
+def test_there_are_no_needless_parentheses() -> None:
+    source = [line.strip() for line in inspect.getsource(sparing).splitlines()[2:]]
+    for language, start in ((C99(), "const double "), (JavaScript(), "const ")):
+        functions = printed(language, sparing, conditions)
+        lines = [line.removeprefix(start) for line in functions["sparing"][-5:-1]]
+        assert lines == [f"{line};" for line in source]
+        equal = language.equality("==")
+        assert [line.removeprefix(start) for line in functions["conditions"][-5:-1]] == [
+            "x = a < b && a - b < d && d < a ? -a : a + b;",
+            "y = a < b || b < d || d < a ? b - a : d;",
+            "z = a < b || (b < d && d < a) ? (a < b ? d : a) : x * y;",
+            f"return (a < b) {equal} (a + b < d) ? x : z;",
+        ]
+
+
+WRITTEN = {
+    C99: """\
+/* What paminsa_parts returns. */
+typedef struct {
+    double total;
+    double rest;
+} PaminsaParts;
+
+/* What paminsa_halves returns. */
+typedef struct {
+    double values[2];
+} PaminsaHalves;
+
+/* Two numbers with names. */
+static inline PaminsaParts paminsa_parts(double a, double b)
+{
+    const double total = a + b;
+    const double rest = a - b;
+    return (PaminsaParts){
+        .total = total,
+        .rest = rest,
+    };
+}
+
+/* Two numbers without. */
+static inline PaminsaHalves paminsa_halves(double a)
+{
+    return (PaminsaHalves){{a / 2.0, -a / 2.0}};
+}
+
+/* What reads them. */
+static inline double paminsa_composed(double a, double b)
+{
+    const PaminsaParts parts = paminsa_parts(a, b);
+    const double total = parts.total;
+    const double rest = parts.rest;
+    const PaminsaParts parts_2 = paminsa_parts(rest, total);
+    const double half = parts_2.rest;
+    const PaminsaHalves halves = paminsa_halves(half);
+    const double first = halves.values[0];
+    const double second = halves.values[1];
+    return first * second;
+}
+""",
+    JavaScript: """\
+/* Two numbers with names. */
+function paminsaParts(a, b) {
+    const total = a + b;
+    const rest = a - b;
+    return { total: total, rest: rest };
+}
+
+/* Two numbers without. */
+function paminsaHalves(a) {
+    return [a / 2.0, -a / 2.0];
+}
+
+/* What reads them. */
+function paminsaComposed(a, b) {
+    const parts = paminsaParts(a, b);
+    const total = parts.total;
+    const rest = parts.rest;
+    const parts_2 = paminsaParts(rest, total);
+    const half = parts_2.rest;
+    const halves = paminsaHalves(half);
+    const first = halves[0];
+    const second = halves[1];
+    return first * second;
+}
+""",
+}
+"""The formula `composed` as somebody writes it by hand."""
+
+
+@pytest.mark.parametrize("language", [C99, JavaScript])
+def test_formulas_are_printed_as_they_are_written_by_hand(language: Any) -> None:
+    printer = Printer(language())
+    printer.add(composed)
+    assert printer.text().strip() == WRITTEN[language].strip()
+    assert printer.text().endswith("}\n")
+
+
+def test_long_statements_are_filled_with_an_indent() -> None:
+    words = [chr(97 + number) * (1 + number * 7 % 11) for number in range(26)]
+    for indent, width, at in ((0, 30, " "), (4, 21, " "), (4, 24, ", ")):
+        lines = filled(at.join(words), indent, at, width)
+        assert " ".join(line.strip() for line in lines) == at.join(words)
+        assert max(map(len, lines)) <= width
+        leads = [len(line) - len(line.lstrip()) for line in lines]
+        assert leads == [indent] + [indent + 4] * (len(lines) - 1)
+        for line, after in itertools.pairwise(lines):  # none takes the next word
+            assert len(f"{line} {after.strip().split(at)[0]}{at.rstrip()}") > width
 
 
 def chosen(a: Any, b: Any, d: Any) -> Any:

@@ -16,6 +16,7 @@ from paminsa_viz.model import APPENDIX_4, inverse_kinematics
 from paminsa_viz.model.design import Design
 from paminsa_viz.version import MADE_BY
 from tests.support import samples
+from tests.support.documentation import missing
 
 ezdxf = pytest.importorskip("ezdxf", reason="ezdxf comes with the extra 'test'")
 
@@ -121,6 +122,42 @@ def test_the_note_says_design_and_pose_in_plain_letters() -> None:
     drawing = drawn(replace(APPENDIX_4, name="Prüfling %%u"), (0.05, 0.0, 0.0, -0.55))
     notes = [text.dxf.text for text in drawing.modelspace().query("TEXT")]
     assert any(text.startswith("Pr?fling ?u: x 50 mm") for text in notes)
+
+
+def test_legs_are_red_green_and_blue_and_places_are_flat() -> None:
+    said = "legs are red, green and blue, notes are gray, and circles at the joints have a radius"
+    assert missing("drawn-sizes", [f"{said} of 1.2 % of crank plus coupler"]) == []
+    red, green, blue, gray, either = (ezdxf.colors.aci2rgb(code) for code in (1, 3, 5, 8, 7))
+    assert (red, green, blue, either) == ((255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 255))
+    assert len(set(gray)) == 1
+    text = dxf_text(APPENDIX_4)
+    colors = {
+        layer.dxf.name: ezdxf.colors.aci2rgb(layer.dxf.color)
+        for layer in ezdxf.read(io.StringIO(text)).layers
+        if layer.dxf.name in LAYERS
+    }
+    assert colors == {
+        "FROM_ABOVE": either, "LEG_1": red, "LEG_2": green, "LEG_3": blue, "NOTES": gray,
+    }  # fmt: skip
+    g = APPENDIX_4.geometry
+    lines = [line.strip() for line in text.splitlines()]
+    pairs = list(zip(map(int, lines[::2]), lines[1::2], strict=True))
+    starts = [number for number, (code, _) in enumerate(pairs) if code == 0]
+    point = [10, 20, 30]
+    wanted = {
+        "LINE": [8, *point, 11, 21, 31], "CIRCLE": [8, *point, 40], "TEXT": [8, *point, 40, 1],
+    }  # fmt: skip
+    kinds = set()
+    for start, end in pairwise(starts):
+        kind, inside = pairs[start][1], pairs[start + 1 : end]
+        if kind in wanted:
+            kinds.add(kind)
+            assert [code for code, _ in inside] == wanted[kind]
+            assert {value for code, value in inside if code in (30, 31)} == {"0.0"}
+        if kind == "CIRCLE":
+            radius = float(inside[-1][1])
+            assert radius == pytest.approx(12.0 * (g.crank_length + g.coupler_length))
+    assert kinds == set(wanted)
 
 
 def test_a_pose_out_of_reach_is_refused() -> None:

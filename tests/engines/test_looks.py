@@ -24,7 +24,7 @@ from paminsa_viz.engines.simulated_log import simulate_log
 from paminsa_viz.engines.urdf import MOST_EFFORT, MOST_SPEED, urdf_text
 from paminsa_viz.engines.usd import usd_text
 from paminsa_viz.engines.verification import verify
-from paminsa_viz.model.design import APPENDIX_4, PARAMETERS
+from paminsa_viz.model.design import APPENDIX_4, PARAMETERS, Design
 from paminsa_viz.model.load import LoadCase
 from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.model.reach import workspace_height, workspace_radius
@@ -35,6 +35,7 @@ from tests.support.documentation import missing
 
 WEIGHTED = replace(APPENDIX_4, counterweights=(Counterweight("b3", 7, 0.1, 0.8),))
 RANDOM = samples.random_design(np.random.default_rng(7))
+SLIM = APPENDIX_4.vary({"geometry.platform_radius": 0.03})
 BALL = Rod((0.1, 0.0, 0.2), (0.1, 0.0, 0.2), 0.02)
 """A rod without length, which is drawn as a ball."""
 
@@ -130,6 +131,29 @@ def test_rods_reach_the_joints_of_their_link() -> None:
     (platform, lift, *_) = mechanism.links
     assert len(platform.rods) == 6
     assert len(lift.rods) == 3
+
+
+@pytest.mark.parametrize("design", [APPENDIX_4, RANDOM, SLIM], ids=["paper", "random", "slim"])
+def test_rods_are_as_thick_as_documented(design: Design) -> None:
+    said = [
+        "radius is 1.5 % of crank plus coupler, 1.2 times that at guides and twice at sliders",
+        "3 % of the base radius at the arms of the lift",
+        "for the platform 6 % of its radius, or of a fifth of the base radius where that is more",
+        "its arms are twice as thick",
+        "camera starts at 120° and looks down 15°",
+    ]
+    assert missing("drawn-sizes", said) == []
+    g = design.geometry
+    bar = 0.015 * (g.crank_length + g.coupler_length)
+    post = max(0.06 * g.platform_radius, 0.012 * g.base_radius)
+    wanted = {"platform": [2 * post] * 3 + [post] * 3, "lift": [0.03 * g.base_radius] * 3}
+    of_leg = {"B10": 1.2 * bar, "slider": 2 * bar}
+    for link in build_mechanism(design).links:
+        thick = wanted.get(link.name) or [of_leg.get(link.name.partition("_")[2], bar)]
+        assert [rod.radius for rod in link.rods] == pytest.approx(thick)
+    view = ET.fromstring(mjcf_text(design)).find("visual/global")
+    assert view is not None
+    assert (view.attrib["azimuth"], view.attrib["elevation"]) == ("120", "-15")
 
 
 def test_links_have_the_colors_of_their_legs() -> None:

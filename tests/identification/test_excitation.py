@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from dataclasses import replace
 from types import SimpleNamespace
@@ -254,18 +255,37 @@ def test_search_can_be_stopped_and_reports() -> None:
         shares.append(share)
         return len(shares) == 3
 
+    began = time.monotonic()
     found = optimize_excitation(
         ROBOT, limits_of(ROBOT), ExcitationSettings(random=12), progress=progress
     )
+    assert 0.0 < found.seconds <= time.monotonic() - began
     assert len(shares) == 3
     assert shares == sorted(shares)
     assert found.gain >= 0.0
     assert found.plan.duration == 20.0
 
 
+@pytest.mark.parametrize(
+    ("name", "low", "high"),
+    [
+        ("period", 0.5, 1000.0), ("periods", 1, 1000), ("samples", 250, 10_000),
+        ("evaluations", 0, 1_000_000), ("seconds", 0.0, 1e5), ("random", 1, 10_000),
+        ("seed", 0, 2_147_483_647),
+    ],
+)  # fmt: skip
+def test_settings_are_possible_from_end_to_end(name: str, low: float, high: float) -> None:
+    outside = [np.nextafter(low, -1), np.nextafter(high, np.inf), np.nan, np.inf]
+    if isinstance(low, int):
+        outside[:2] = [low - 1, high + 1]
+    for value in (low, high):
+        assert getattr(ExcitationSettings(**{name: value}), name) == value
+    for value in outside:
+        with pytest.raises(InvalidInput, match=f"{name}: {low:g} to {re.escape(f'{high:g}')} is"):
+            ExcitationSettings(**{name: value})
+
+
 def test_impossible_searches_are_refused() -> None:
-    with pytest.raises(InvalidInput, match=r"samples: 250 to 10000"):
-        ExcitationSettings(samples=100)
     with pytest.raises(InvalidInput, match="harmonics: 3 to 20"):
         optimize_excitation(ROBOT, limits_of(ROBOT), ExcitationSettings(harmonics=2))
     weak = limits_of(ROBOT)._replace(torque=np.array([20.0, 20.0, 20.0, 50.0]))

@@ -342,6 +342,16 @@ def test_a_path_touches_the_circle_or_crosses_it_twice_or_misses_it(share: float
     assert [item.s for item in both] == pytest.approx([share - half, share + half], rel=1e-4)
 
 
+@pytest.mark.parametrize("share", [0.0, 0.25, 1.0 / 3.0, 1.0])
+def test_a_path_across_the_circle_is_simple_at_its_ends_and_at_nodes_too(share: float) -> None:
+    geometry = APPENDIX_4.geometry
+    radius, length = float(singular_radius(geometry, 0.3)), 0.2
+    ends = [[radius + (at - share) * length, 0.0, 0.3, -0.5] for at in (0.0, 1.0)]
+    (found,) = crossings(geometry, straight_path(*ends))
+    assert (found.kind, found.locus) == (CrossingKind.SIMPLE, Locus.CIRCLE)
+    assert found.s == pytest.approx(share, abs=1e-8)
+
+
 def test_limits_are_added_where_a_law_exceeds_them_most() -> None:
     """Those points, and torques there, by the inverse dynamics; then they keep the limits."""
     poses = [[0.1631, -0.0825, -1.8922, -0.554], [-0.1871, 0.1465, -0.8063, -0.4259],
