@@ -10,7 +10,7 @@ from scipy.integrate import simpson
 
 from paminsa_viz.actuation.drive_table import combined, drive_table, pair_table
 from paminsa_viz.actuation.duty import ActuatorLoad, DutyMotion, load_signals
-from paminsa_viz.actuation.ratios import figure_of_merit, ratio_intervals
+from paminsa_viz.actuation.ratios import _interval, figure_of_merit, ratio_intervals
 from paminsa_viz.actuation.sizing import LIMITS, envelope_share, size_drives
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import Drive
@@ -128,7 +128,25 @@ def test_figure_of_merit_decides_which_motors_have_a_ratio_for_their_rms() -> No
             **{name: np.full(60, value) for name, value in free.items()},
         )
         alpha, asked = figure_of_merit(load, plain)
+        np.testing.assert_allclose(alpha, plain.rated_torque**2 / plain.inertia, rtol=1e-12)
         np.testing.assert_array_equal(alpha >= asked, ratio_intervals(load, plain).feasible)
+
+
+def test_an_interval_is_where_its_quadratic_is_not_positive() -> None:
+    """Of every sign and none, where friction is within the limit; and of means, where it is not."""
+    rng = np.random.default_rng(1)
+    square, limit, constant = rng.choice([-1.0, 0.0, 1.0], (3, 400)) * rng.uniform(
+        0.5, 2.0, (3, 400)
+    )
+    means = (square > 0) & (constant >= 0)
+    limit = np.where(means, limit, np.abs(limit))
+    with np.errstate(all="ignore"):
+        low, high = _interval(square, limit, constant)
+    x = np.geomspace(1e-6, 1e6, 4001)[:, None]
+    good = square * x**2 - limit * x + constant <= 0
+    inside = (x >= low) & (x <= high)
+    near = (np.abs(x - low) < 1e-9 * x) | (np.abs(x - high) < 1e-9 * x)
+    assert (good == inside)[~near].all()
 
 
 def test_pairs_in_columns_are_the_drives_they_stand_for() -> None:
