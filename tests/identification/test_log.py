@@ -116,6 +116,8 @@ def test_uneven_rows_are_resampled_and_that_is_stated(signals: list[Any]) -> Non
     log = make_log(t + jitter, position, torque)
     assert any("resampled" in note for note in log.notes)
     np.testing.assert_allclose(np.diff(log.t), 1 / log.rate, rtol=1e-9)
+    assert log.t[0] == t[0]
+    assert t[-1] - 1.01 / log.rate < log.t[-1] <= t[-1] + 1e-6 / log.rate
     exact = inverse_kinematics(APPENDIX_4.geometry, multi_sine(1)(log.t)[0]).actuators
     np.testing.assert_allclose(log.position, exact, atol=1e-6)
 
