@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.balancing.effects import IN_MOTION, Effect
 from paminsa_viz.blocks import (
     balance,
     design,
@@ -182,57 +183,72 @@ def test_choices_of_a_design_stand_behind_the_numbers_of_their_table() -> None:
 
 
 def test_a_balance_with_its_goals_masses_and_bounds() -> None:
-    before = APPENDIX_4
     weight = Counterweight("b3", 7, 0.05, 0.75)
     after = replace(APPENDIX_4.vary({"joints.j7": 1.0, "inertias.b3_axial": 0.005}),
                     counterweights=(weight,))  # fmt: skip
     values = (
-        SimpleNamespace(label="goal", limit=None, before=1.5, after=1e-13, unit="N"),
-        SimpleNamespace(label="mass", limit=2.5, before=-1e-12, after=2.0, unit="kg"),
+        SimpleNamespace(label="goal", limit=None, before=1.5, after=1.25, unit="N"),
+        SimpleNamespace(label="mass", limit=2.5, before=-1e-13, after=2.0, unit="kg"),
     )
-    active = tuple(
-        SimpleNamespace(name=name, side="at most", bound=2.0, unit="kg", price=price)
-        for name, price in (("a", 0.5), ("b", 0.0))
-    )
-    found: Any = SimpleNamespace(
-        before=before, after=after, values=values, active=active, lower_bound=1.0, objective=1.25,
-        gap=0.25, seconds=0.1,
+    bounds = (
+        ("joints.j7", "high", 2.0, "kg", 0.5), ("links.b3", "low", 0.25, "kg", 0.3),
+        ("links.b4", "low", 0.0, "kg", 0.2), ("lever", "farthest", 0.4, "m", 7.0),
+        ("inner", "nearest", 0.0, "m", 7.0), ("free", "high", 1.0, "kg", 1e-10),
     )  # fmt: skip
-    goals, masses, bounds, *notes = balance.optimum_blocks(found)
-    assert cells(goals) == [("goal", "1.5", "0", "N"), ("mass, at most 2.5", "0", "2", "kg")]
-    changes = cells(masses)
-    assert changes[0] == ("joints.j7", "0.28", "1", "+0.72", "kg")
-    assert changes[1] == ("inertias.b3_axial", "0.0038", "0.005", "+0.0012", "kg·m²")
-    assert changes[2] == (weight.place, "", "0.75", "+0.75", "kg")
-    assert len(changes) == 3
-    assert cells(bounds) == [("a", "at most", "2 kg", "0.5")]
+    keys = ("name", "side", "bound", "unit", "price")
+    active = tuple(SimpleNamespace(**dict(zip(keys, one, strict=True))) for one in bounds)
+    found: Any = SimpleNamespace(
+        before=APPENDIX_4, after=after, values=values, active=active, lower_bound=1.0,
+        objective=1.25, gap=0.25, seconds=0.1,
+    )  # fmt: skip
+    goals, masses, reached, *notes = balance.optimum_blocks(found)
+    assert cells(goals) == [("goal", "1.5", "1.25", "N"), ("mass, at most 2.5", "0", "2", "kg")]
+    changes = {row[2]: row[3:] for row in cells(masses)}
+    assert changes["joints.j7"] == ("0.28", "1", "+257 %")
+    assert changes["inertias.b3_axial"] == ("0.0038", "0.005", "+31.6 %")
+    assert len(changes) == 3  # and the counterweight
+    assert [row[1:] for row in cells(reached)] == [
+        ("joints.j7", "≤", "2 kg", "0.5 N / kg"), ("links.b3", "≥", "0.25 kg", "0.3 N / kg"),
+        ("lever", "lever ≤", "400 mm", "0.07 N / 10 mm"),
+    ]  # fmt: skip
+    assert cells(reached)[0][0] == "m_7"
     assert said(notes)[-1] == (
-        "No masses within the bounds do better than 1; these reach 1.25.", "ok",
+        "Certified optimal (duality gap 0.25): within the bounds no goal is below 1 N; this is "
+        "1.25 N.", "ok",
     )  # fmt: skip
     assert said(notes)[0][0].startswith(f"{weight.place}: ")
-    data = balance.optimum_data(found)
-    assert data["changes"]["joints.j7"] == {"before": 0.28, "after": 1.0}
-    assert data["counterweights"][0]["mass"] == 0.75
-    assert "room" in data["counterweights"][0]
-    none: Any = SimpleNamespace(**vars(found) | {"after": before, "active": active[1:]})
+    # of several goals the sum is least, which has no unit
+    several: Any = SimpleNamespace(**vars(found) | {"objective": 3.0})
+    assert cells(balance.bounds_table(several))[0][4] == "0.5 / kg"
+    assert "no weighted sum is below 1; this is 3." in balance.certificate_note(several).text
+    none: Any = SimpleNamespace(**vars(found) | {"after": APPENDIX_4, "active": active[2:3]})
     blocks = balance.optimum_blocks(none)
     assert [type(block).__name__ for block in blocks] == ["Table", "Note", "Note"]
-    assert said(blocks)[0] == ("No mass changes.", "plain")
+    assert said(blocks)[0] == ("No mass changes.", "muted")
 
 
-def test_a_motion_before_and_after_balance() -> None:
-    def analysis(*loads: tuple[float, float]) -> Any:
-        return SimpleNamespace(summary=[SimpleNamespace(peak=p, rms=r) for p, r in loads])
+def test_what_a_balance_changes_of_the_actuators() -> None:
+    def effect(label: str, unit: str, before: float, after: float, group: str = "") -> Effect:
+        return Effect(label, unit, before, after, group)
 
-    before = analysis((-4.0, 2.0), (3.0, 1.0), (2.0, 1.0), (100.0, 50.0))
-    after = analysis((1.0, 1.0), (-3.3, 0.9), (2.0, 0.5), (110.0, 45.0))
-    table = balance._on_the_motion(before, after)
-    assert cells(table)[0] == ("M1", "4 N·m", "1 N·m", "−75.0 %", "2 N·m", "1 N·m", "−50.0 %")
-    assert cells(table)[1][1:4] == ("3 N·m", "3.3 N·m", "+10.0 %")
-    assert cells(table)[3][4:] == ("50 N", "45 N", "−10.0 %")
-    assert "more torque" not in table.caption
-    worse = analysis((1.0, 1.0), (-3.3, 0.9), (2.0, -1.2), (110.0, 45.0))
-    assert "more torque" in balance._on_the_motion(before, worse).caption
+    group = next(iter(IN_MOTION))
+    found = [
+        effect("mass", "kg", 20.0, 25.0), effect("M1", "N m", 4.0, 1.0, group),
+        effect("M2", "N m", 3.0, 3.3, group), effect("M4", "N", 100.0, 100.4, group),
+    ]  # fmt: skip
+    table = balance.effects_table(found)
+    assert [row.cells[0] for row in table.rows] == [
+        "mass [kg]", group, "M1 [N·m]", "M2 [N·m]", "M4 [N]",
+    ]  # fmt: skip
+    assert [row.kind for row in table.rows] == ["plain", "group", "plain", "plain", "plain"]
+    assert table.rows[2].cells[1:] == ("4", "1", "−75.0 %")
+    kinds = [getattr(row.cells[-1], "kind", "") for row in table.rows]
+    assert kinds == ["plain", "", "plain", "bad", "plain"]  # by more than half a percent
+    assert "more torque" in table.caption
+    assert "more torque" not in balance.effects_table([*found[:2], found[3]]).caption
+    assert not balance.grown(effect("mass", "kg", 20.0, 25.0))
+    assert balance.grown(effect("M1", "N m", 0.0, 1e-6, group))
+    assert not balance.grown(effect("M1", "N m", 0.0, 1e-10, group))
 
 
 def test_a_balanced_design_needs_nothing() -> None:

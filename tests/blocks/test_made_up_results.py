@@ -236,7 +236,7 @@ def test_nearest_bodies_of_many_poses_are_counted_by_kind() -> None:
     assert "poses" not in data
     table, note = clearance_words.pose_blocks(groups, here)
     assert cells(table) == [(next(iter(PairGroup)).value, "a of leg 2", "b", "4 mm")]
-    assert said([note]) == [("Least clearance: 4 mm.", "ok")]
+    assert said([note]) == [("Least clearance: 4 mm, a of leg 2 and b.", "ok")]
     assert said([clearance_words.verdict(here, 0.005)])[0][1] == "bad"
 
 
