@@ -45,6 +45,14 @@ def test_inertia_of_a_load_is_the_largest_along_the_motion(motion) -> None:  # t
     assert (along[0, :3] < 0.99 * along[:, :3].max(axis=0)).any()  # it is not that of the start
 
 
+@pytest.mark.parametrize("size", [2, 50, 199, 401])
+def test_inertia_is_looked_at_two_hundred_times_a_motion_at_least(size: int) -> None:
+    motion = PRESET["arch"].build(APPENDIX_4.geometry).sample(size)
+    along = actuator_inertia(APPENDIX_4, motion.pose[:: max(1, size // 200)])
+    found = [load.inertia for load in duty_cycle(APPENDIX_4, [Duty(motion)]).loads]
+    np.testing.assert_allclose(found, along.max(axis=0), rtol=1e-12)
+
+
 @pytest.mark.parametrize("time", [0.05, 1.0, 300.0])
 @pytest.mark.parametrize("even", [True, False], ids=["even", "uneven"])
 def test_winding_temperature_is_that_of_its_differential_equation(time: float, even: bool) -> None:
