@@ -17,6 +17,7 @@ import pytest
 from paminsa_viz.actuation.ratios import GearRatios
 from paminsa_viz.actuation.selection import DriveFigures
 from paminsa_viz.blocks import clearance as clearance_words
+from paminsa_viz.blocks import drives, trajectory
 from paminsa_viz.blocks.calibration import (
     calibration_data,
     combinations_table,
@@ -48,7 +49,7 @@ from paminsa_viz.blocks.trajectory import (
 from paminsa_viz.clearance import PairGroup
 from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.model.design import APPENDIX_4
-from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.drive import ACTUATORS, Drive
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.precision.leg_lengths import LENGTHS
@@ -149,6 +150,43 @@ def test_ratios_of_motors_and_how_they_were_found() -> None:
     ]
 
 
+def test_loads_and_lists_of_drives_by_actuator(monkeypatch: pytest.MonkeyPatch) -> None:
+    """M1 to M3 as one where they have the same drive; M4 in newtons."""
+    loads = tuple(
+        SimpleNamespace(name=name, peak=1.5, rms=0.75, top_speed=2.25, top_power=3.5, inertia=0.125)
+        for name in ACTUATORS
+    )
+    monkeypatch.setattr(drives, "size_design", lambda cycle, design: [None] * 4)
+
+    def blocks(same: bool, advice: tuple[str, ...] = ("",) * 4, driven: bool = False) -> list:
+        sizings = [SimpleNamespace(table=range(10 + j)) for j in range(4)]
+        found: Any = SimpleNamespace(
+            cycle=SimpleNamespace(loads=loads), same=same, sizings=sizings,
+            rows=[range(2 + j) for j in range(4)], figures=lambda j, n: [on_a_load()] * min(n, 2),
+        )  # fmt: skip
+        design = replace(APPENDIX_4, drives=(MOTOR,) * 3 + (None,)) if driven else APPENDIX_4
+        return drives.selection_blocks(design, found, 2, advice)
+
+    table, *lists = blocks(False)
+    assert cells(table)[0] == (
+        "M1", "1.5 N·m", "0.75 N·m", "2.25 rad/s", "3.5 W", "0.125 kg·m²",
+    )  # fmt: skip
+    assert cells(table)[3] == ("M4", "1.5 N", "0.75 N", "2.25 m/s", "3.5 W", "0.125 kg")
+    assert [one.caption for one in lists] == [
+        f"M{j + 1}: {2 + j} of {10 + j} drives are feasible." for j in range(4)
+    ]
+    assert [[row[0] for row in cells(one)] for one in lists] == [["1", "2"]] * 4
+    _, *lists = blocks(True)
+    assert [one.caption.partition(":")[0] for one in lists] == ["M1 to M3", "M4"]
+    advised = blocks(True, ("a slower motion", "", "", ""))
+    assert said(advised) == [
+        ("M1 to M3: 2 of 10 drives are feasible.", "bad"), ("a slower motion.", "plain"),
+    ]  # fmt: skip
+    own = blocks(False, driven=True)[1]
+    assert own.caption.startswith("The design's own drives")
+    assert len(blocks(False, driven=True)) == len(blocks(False)) + 1
+
+
 def test_motions_of_a_cycle() -> None:
     motions = [
         SimpleNamespace(trajectory=SimpleNamespace(name=name, duration=t), repeats=n, dwell=d)
@@ -198,8 +236,16 @@ def test_nearest_bodies_of_many_poses_are_counted_by_kind() -> None:
     assert "poses" not in data
     table, note = clearance_words.pose_blocks(groups, here)
     assert cells(table) == [(next(iter(PairGroup)).value, "a of leg 2", "b", "4 mm")]
-    assert said([note]) == [("Least clearance: 4 mm.", "ok")]
-    assert said([clearance_words.verdict(here, 0.005)])[0][1] == "bad"
+    assert said([note]) == [("Least clearance: 4 mm, a of leg 2 and b.", "ok")]
+    kinds = [clearance_words.verdict(d, ("a", "b"), 0.005).kind for d in (-1e-3, 4e-3, 5e-3)]
+    assert kinds == ["bad", "warn", "ok"]
+    assert clearance_words.verdict(np.nan, ("", "")).kind == "muted"
+
+
+def test_one_pose_that_can_be_taken_is_enough_for_a_table() -> None:
+    note, table = clearance_words.region_blocks(distances([np.nan, 0.004], [-1, 1]))
+    assert said([note])[0][0].startswith("1 of 2 poses can be taken; 0.0 %")
+    assert cells(table) == [("a", "b", "1", "4 mm")]
 
 
 def test_most_kinds_of_bodies_are_listed_up_to_a_number() -> None:
@@ -259,6 +305,28 @@ def test_a_motion_that_can_be_run_or_not() -> None:
     data = trajectory_data(failed)["failure"]
     assert (data["t_s"], data["leg"], data["pose"]) == (0.25, 2, POSE)
     assert data["explanation"] == near.explanation
+
+
+def test_crossings_have_their_torques_in_the_limit_or_no_bound(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(trajectory, "escape_inertia", lambda design, pose: 0.123456)
+    items = [
+        SimpleNamespace(
+            locus=SimpleNamespace(label=name), t=t, residual=0.0123456,
+            torque=(1.5, 2.5, -3.5, 450.0),
+        )
+        for name, t in (("circle", 0.123456), ("turn", 1.5))
+    ]  # fmt: skip
+    analysis: Any = SimpleNamespace(
+        crossings=items, unbounded=items[1:], design=APPENDIX_4,
+        trajectory=SimpleNamespace(at=lambda t: SimpleNamespace(pose=POSE)),
+    )  # fmt: skip
+    assert cells(trajectory._crossings(analysis)) == [
+        ("circle", "0.1235 s", "0.0123 N·m", "1.5 N·m", "2.5 N·m", "−3.5 N·m", "450 N",
+         "0.123 kg·m²"),
+        ("turn", "1.5 s", "0.0123 N·m", *["no bound"] * 4, "0.123 kg·m²"),
+    ]  # fmt: skip
 
 
 def test_computed_torques_beside_a_published_table() -> None:
