@@ -227,4 +227,7 @@ def test_time_of_constant_accelerations_with_a_stop_between_is_that_of_their_for
     assert law.duration == pytest.approx(0.6 / 2 + 0.4 / 2 + 0.4 + 0.6, rel=1e-9)
     assert law.breaks * law.duration == pytest.approx(np.array([0, 0.3, 0.5, 0.9, 1.5]), rel=1e-9)
     assert law.time_at(0.3) == pytest.approx(0.3, rel=1e-9)
+    assert law.time_at(1.0) == pytest.approx(law.duration, rel=1e-12)
+    for at, time in ((0.0, 0.0), (0.03, 0.009**0.5), (0.5, 0.5), (0.6, 0.5 + 0.08**0.5)):
+        assert law.time_at(at) == pytest.approx(time, rel=1e-6)
     assert law.place_at(np.array([0.15]))[0] == pytest.approx(0.075, rel=1e-9)
