@@ -153,7 +153,11 @@ def test_points_are_added_where_a_law_is_too_fast_and_nowhere_else(share: float)
     z = program.solve(path.law)
     rate = own.duration / share
     curve = TimedPath(path, BSpline(z.t, z.c / rate**2, z.k), tuple(path.place(path.rests)))
-    needed = program.needed(curve)[1]
+    u, needed, _ = program.needed(curve)
+    ends = curve.breaks
+    assert (u > ends[:-1, None]).all()  # at the knots themselves the law may bend
+    assert (u < ends[1:, None]).all()
+    np.testing.assert_allclose(u + u[:, ::-1], np.tile(ends[:-1] + ends[1:], (u.shape[1], 1)).T)
     before = len(program.points)
     assert program.tighten(curve, 0.01) == (needed.max() > 1.01) == (share > 1.01)
     assert len(program.points) - before == np.count_nonzero(needed.max(axis=1) > 1.01)
