@@ -117,7 +117,7 @@ def name_hint(
     near = difflib.get_close_matches(name[:100], names, 1, cutoff)
     if near:
         return f"did you mean {near[0]}?"
-    listed = ", ".join(names)
+    listed = ", ".join(names) or "none"
     if len(listed) <= LONGEST_LIST:
         return f"{there} {listed}"
     nearest = difflib.get_close_matches(name[:100], names, len(names), 0.0)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.checks import kinds_checked
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput, name_hint
 
 
 class Color(Enum):
@@ -86,3 +86,9 @@ def test_what_does_not_fit_is_named(
 
 def test_the_function_keeps_its_name_and_text() -> None:
     assert (function.__name__, function.__doc__) == ("function", "Return what came.")
+
+
+def test_a_hint_says_that_there_are_no_names() -> None:
+    assert name_hint("x", []) == "there are none"
+    assert name_hint("x", [], there="[links] has") == "[links] has none"
+    assert name_hint("x", ["first", "second"]) == "there are first, second"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from paminsa_viz.blocks.kinds import Block, Note, Table, rows
-from paminsa_viz.clearance import Clearance, PairGroup, clearance
+from paminsa_viz.clearance import Clearance, PairGroup, clearance, clearance_reason
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.units import format_value
@@ -33,6 +34,7 @@ def pose_blocks(
         here: Clearance of all pairs.
         required: Least clearance [m].
     """
+    names = here.pairs[int(here.pair)] if here.pair >= 0 else ("", "")
     cells = (
         (group.value, *found.pairs[int(found.pair)], format_value(float(found.least), "m"))
         for group, found in groups.items()
@@ -41,15 +43,18 @@ def pose_blocks(
     head = ("Pairs", "Nearest", "To", "Distance")
     return [
         Table(head, rows(*cells), "Nearest bodies at the pose, as they are drawn.", words=3),
-        verdict(here, required),
+        verdict(float(here.least), names, required),
     ]
 
 
-def verdict(here: Clearance, required: float = 0.0) -> Note:
-    """Return whether the bodies of a pose are apart by what is required [m]."""
-    if reason := here.reason((), required):
-        return Note(f"{reason}.", "bad")
-    return Note(f"Least clearance: {format_value(float(here.least), 'm')}.", "ok")
+def verdict(distance: float, names: tuple[str, str], required: float = 0.0) -> Note:
+    """Return whether the nearest bodies of a pose are apart by what is required [m]."""
+    if reason := clearance_reason(distance, names, required):
+        return Note(f"{reason}.", "bad" if distance < 0 else "warn")
+    if math.isnan(distance):
+        return Note("The pose cannot be taken, or no pair of bodies is checked.", "muted")
+    one, other = names
+    return Note(f"Least clearance: {format_value(distance, 'm')}, {one} and {other}.", "ok")
 
 
 def region_blocks(over: Clearance, required: float = 0.0, what: str = "poses") -> list[Block]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, TypeAlias
 
-from paminsa_viz.blocks.kinds import Block, Note, Row, Table, rows
+from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, rows
 from paminsa_viz.files.design_schema import (
     CHOICE_MEANINGS,
     CHOICES,
@@ -14,8 +14,9 @@ from paminsa_viz.files.design_schema import (
     DesignKey,
     choice,
 )
-from paminsa_viz.model.design import APPENDIX_4, Design, stated_parameters
+from paminsa_viz.model.design import APPENDIX_4, PARAMETER, Design, stated_parameters
 from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.model.parameters import Parameter
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.units import NONE, format_value, number, percent_change
 
@@ -54,11 +55,11 @@ def design_blocks(design: Design) -> list[Block]:
         if design.value(key.parameter.path) != APPENDIX_4.value(key.parameter.path)
     }
     values: list[Row] = []
-    for table, heading in GROUPS.items():
+    for table, title in GROUPS.items():
         keys = [key for key in stated if key.table == table]
         if not keys or (table in _UNUSED and differing.isdisjoint(keys)):
             continue
-        values.append(Row((heading,), "group"))
+        values.append(Row((title,), "group"))
         values += [_row(design, key, key in differing) for key in keys]
     blocks: list[Block] = [Note(_summary(design, len(differing)))]
     if differing:
@@ -143,6 +144,78 @@ def values_data(design: Design) -> dict[str, Any]:
         "counterweights": design.counterweights,
     }
     return facts | ({"drives": _drives(design)} if any(design.drives) else {})
+
+
+def changes_table(
+    first: Design, second: Design, names: tuple[str, str] = ("Before", "After"), *,
+    under: str = "", caption: str = "",
+) -> Table:  # fmt: skip
+    """Return in what two robots differ, by symbols; differences of their files are others.
+
+    A number that is set in one and left open in the other differs as well, as the stroke that
+    follows l_B10 until it is set; one that differs by rounding does not.
+
+    Args:
+        first, second: The robots.
+        names: Headings of their columns.
+        under: How the paths of what is compared begin; empty for all, with what is no number.
+        caption: What the table shows.
+    """
+    found = [
+        Row(
+            (
+                heading(item.symbol, item.unit), item.label, item.path,
+                _shown(first, item), _shown(second, item),
+                percent_change(first.value(item.path), second.value(item.path)),
+            )
+        )
+        for item in PARAMETER.values()
+        if item.path.startswith(under) and _differs(first, second, item.path)
+    ]  # fmt: skip
+    if not under:
+        found += _other_changes(first, second)
+    return Table(("Symbol", "What", "Key", *names, "Change"), tuple(found), caption, words=3)
+
+
+def _differs(first: Design, second: Design, path: str) -> bool:
+    one, other = first.stored(path), second.stored(path)
+    if one is None or other is None:
+        return one is not other
+    return not math.isclose(one, other, rel_tol=1e-9, abs_tol=1e-12)
+
+
+def _shown(design: Design, item: Parameter) -> str:
+    value = design.value(item.path)
+    if math.isinf(value):
+        return "rigid"
+    text = number(value * item.display.factor, 6)
+    follows = item.path == "geometry.guide_stroke" and design.stored(item.path) is None
+    return f"{text} (l_B10)" if follows else text
+
+
+def _other_changes(first: Design, second: Design) -> list[Row]:
+    """Return what differs besides numbers: choices, counterweights by place, drives."""
+    found = []
+    for table, name in CHOICES:
+        words = [choice(design, table, name).value for design in (first, second)]
+        if words[0] != words[1]:
+            found.append(Row((f"{table} {name}", CHOICE_MEANINGS[name], f"{table}.{name}", *words)))
+    places = {w.place: [0.0, 0.0] for each in (first, second) for w in each.counterweights}
+    for index, design in enumerate((first, second)):
+        for weight in design.counterweights:
+            places[weight.place][index] += weight.mass
+    for place, (one, other) in places.items():
+        if one != other:
+            texts = (number(one, 6), number(other, 6), percent_change(one, other))
+            found.append(Row((f"on {place} [kg]", "counterweight", "", *texts)))
+    for actuator, *drives in zip(ACTUATORS, first.drives, second.drives, strict=True):
+        if drives[0] != drives[1]:
+            cells = (
+                "no drive" if drive is None else Cell(f"{drive.gear_ratio:g}:1", hint=drive.summary)
+                for drive in drives
+            )
+            found.append(Row((actuator, "drive", "", *cells)))
+    return found
 
 
 def difference_blocks(first: Design, second: Design, names: tuple[str, str]) -> list[Block]:

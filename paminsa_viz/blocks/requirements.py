@@ -27,6 +27,7 @@ from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck, check_re
 from paminsa_viz.synthesis.volume.conflict import Conflict, VolumeRelaxation
 from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
 from paminsa_viz.synthesis.volume.surface import volume_surface
+from paminsa_viz.synthesis.volume.workspace import RequirementCheck
 from paminsa_viz.units import NONE, DisplayUnit, format_pose, format_value, number
 
 TIME_LIMIT = 10.0
@@ -72,7 +73,7 @@ def check_blocks(
     if check.volume is not None:
         blocks += _volume(check.volume, text)
     if conflict is not None:
-        blocks += _conflict(requirements, conflict, text)
+        blocks += conflict_notes(requirements, conflict, text)
     return blocks
 
 
@@ -86,19 +87,8 @@ def workspace_text(workspace: Workspace) -> str:
 
 
 def _checks(check: RequirementsCheck, requirements: Requirements, text: Text) -> list[Block]:
-    low, high = (format_value(end, "rad") for end in requirements.theta)
-    found = []
-    for item in check.items:
-        pose = NONE if item.pose is None else format_pose(item.pose)
-        label = item.label
-        if item.requirement is not None:
-            label = text(requirements.bounds[item.requirement])
-        margin = format_value(item.margin, item.unit, 3) if math.isfinite(item.margin) else NONE
-        verdict = "holds" if item.holds else item.reason or "broken"
-        cells = (label, verdict, format_value(item.value, item.unit), margin, pose)
-        found.append(Row(cells, "plain" if item.holds else "marked"))
-    caption = f"Worst values {_OVER[check.over]}, from θ {low} to {high}."
     head = ("Requirement", "Verdict", "Worst value", "Margin", "Pose")
+    found = tuple(check_row(item, requirements, text) for item in check.items)
     blocks: list[Block] = []
     if (workspace := requirements.workspace) is not None:
         if check.center is not None:
@@ -107,7 +97,28 @@ def _checks(check: RequirementsCheck, requirements: Requirements, text: Text) ->
     verdict = Note("All requirements hold.", "ok")
     if not check.holds:
         verdict = Note("A requirement is broken.", "bad")
-    return [*blocks, Table(head, tuple(found), caption, words=2), verdict]
+    table = Table(head, found, f"{over_text(check, requirements)}.", words=2)
+    return [*blocks, table, verdict]
+
+
+def check_row(
+    item: RequirementCheck, requirements: Requirements, text: Text = requirement_label
+) -> Row:
+    """Return a requirement's verdict, worst value, margin, and the pose of the worst value."""
+    label = item.label
+    if item.requirement is not None:
+        label = text(requirements.bounds[item.requirement])
+    margin = format_value(item.margin, item.unit, 3) if math.isfinite(item.margin) else NONE
+    verdict = "holds" if item.holds else item.reason or "broken"
+    pose = NONE if item.pose is None else format_pose(item.pose)
+    cells = (label, verdict, format_value(item.value, item.unit), margin, pose)
+    return Row(cells, "plain" if item.holds else "marked")
+
+
+def over_text(check: RequirementsCheck, requirements: Requirements) -> str:
+    """Return what the worst values of a check are over."""
+    low, high = (format_value(end, "rad") for end in requirements.theta)
+    return f"Worst values {_OVER[check.over]}, from θ {low} to {high}"
 
 
 def _volume(volume: Volume, text: Text) -> list[Block]:
@@ -167,7 +178,10 @@ def _percent(share: float) -> str:
     return f"{100 * share:.1f} %" if math.isfinite(share) else NONE
 
 
-def _conflict(requirements: Requirements, conflict: Conflict, text: Text) -> list[Block]:
+def conflict_notes(
+    requirements: Requirements, conflict: Conflict, text: Text = requirement_label
+) -> list[Note]:
+    """Return the fewest requirements that contradict, and which bounds of them would do."""
     free = requirements.workspace is None
     if not conflict.requirements:
         what = "No pose" if free else "No place for the workspace"
@@ -209,14 +223,7 @@ def _largest(design: Design, requirements: Requirements) -> list[Block]:
         found = largest_workspace(design, requirements, time_limit=TIME_LIMIT)
     except PaminsaError as error:
         return [Note(f"The largest workspace is not known: {error}.", "warn")]
-    if found.workspace is None:
-        return [Note("No workspace of this shape is proven about this center.", "warn")]
-    text = (
-        "The largest workspace of its proportions that is proven: "
-        f"{workspace_text(found.workspace)}. "
-        f"A pose that breaks a requirement is within {format_value(found.gap, 'm', 2)} of its size."
-    )
-    return [Note(text), evidence_table(found.proof)]
+    return list(largest_blocks(design, requirements, found))
 
 
 def verdict_text(proof: Proof) -> str:
@@ -328,7 +335,7 @@ def proof_blocks(
 def largest_blocks(
     design: Design, requirements: Requirements, found: LargestWorkspace,
     text: Text = requirement_label,
-) -> list[Block]:  # fmt: skip
+) -> list[Table | Note]:  # fmt: skip
     """Return the largest proven workspace, what ends it, and what its proof rests on."""
     if found.workspace is None:
         undecided = found.proof.verdict is Verdict.UNDECIDED
@@ -336,7 +343,7 @@ def largest_blocks(
         return [Note(f"{design.name}, largest workspace: {why}{_cause(found, text)}", "bad")]
     place = _place(replace(requirements, workspace=found.workspace))
     limit = workspace_text(replace(found.workspace, size=found.limit))
-    blocks: list[Block] = [
+    blocks: list[Table | Note] = [
         Note(f"{design.name}, largest proven workspace: {place}", "ok"),
         Note(f"gap {format_value(found.gap, 'm', 3)} to {limit}{_cause(found, text)}"),
         evidence_table(found.proof, text),

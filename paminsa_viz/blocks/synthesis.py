@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from paminsa_viz.blocks.data import record
-from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, rows
+from paminsa_viz.blocks.design import changes_table
+from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, rows
 from paminsa_viz.blocks.requirements import (
     evidence_table,
     verdict_text,
@@ -18,48 +20,55 @@ from paminsa_viz.model.design import Design, stated_parameters
 from paminsa_viz.quantities.requirement_text import requirement_label, requirement_text
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis import (
+    Buildability,
     ObjectiveLimit,
     SynthesisCase,
     SynthesisResult,
-    buildability_rows,
     find_objective,
 )
 from paminsa_viz.synthesis.answer.checks import BuildYield
 from paminsa_viz.synthesis.answer.engine_check import MujocoCheck
 from paminsa_viz.synthesis.answer.prices import RequirementPrice
-from paminsa_viz.synthesis.search.buildability import OVERLAP_ALLOWED
 from paminsa_viz.synthesis.search.case_conflict import CaseConflict
 from paminsa_viz.synthesis.search.front import DesignFront
-from paminsa_viz.units import NONE, format_ascii, format_value, number, percent_change
+from paminsa_viz.units import NONE, format_ascii, format_value, number
+
+OVERLAP_ALLOWED = "Overlap was allowed: the robot need not be one that can be built as it is drawn."
+"""What marks an answer for which it was not required that the bodies do not overlap."""
 
 BoundText = Callable[[Requirement | ObjectiveLimit], str]
 """A requirement or a limit as text."""
 
 
-def bound_label(bound: Requirement | ObjectiveLimit) -> str:
-    """Return a requirement or a limit for people, with symbols."""
+def bound_label(bound: Requirement | ObjectiveLimit, *, ascii_only: bool = False) -> str:
+    """Return a requirement or a limit for people, with symbols; if ASCII, as files have it."""
     if isinstance(bound, Requirement):
-        return requirement_label(bound)
+        return requirement_text(bound) if ascii_only else requirement_label(bound)
     objective = find_objective(bound.objective)
-    sign = "≥" if objective.largest else "≤"
-    return f"{objective.label} {sign} {format_value(bound.most, objective.unit)}"
+    if ascii_only:
+        name, sign, text = objective.key, "<>"[objective.largest] + "=", format_ascii
+    else:
+        name, sign, text = objective.label, "≤≥"[objective.largest], format_value
+    return f"{name} {sign} {text(bound.most, objective.unit)}"
+
+
+bound_text: BoundText = partial(bound_label, ascii_only=True)
+"""The same as flags, files and JSON have it."""
 
 
 def synthesis_blocks(result: SynthesisResult, text: BoundText = bound_label) -> list[Block]:
     """Return the answer, what decides it, what would have to give way, and what is proven."""
-    objective = find_objective(result.case.objective)
     if result.feasible:
-        low, high = (format_value(end, "rad") for end in result.case.requirements.theta)
+        objective = find_objective(result.case.objective)
         sentence = (
             f"Least {objective.label} found: {format_value(result.objective, objective.unit)}, "
             f"with {'' if result.regime is None else result.regime.value}, for the "
-            f"{workspace_text(result.workspace)}. The search tried {result.trials} robots and has "
-            f"no proof that there is none better; requirements were verified on {result.poses} "
-            f"poses, θ {low} to {high} from the heading where joints 5 are toward their leg axes."
+            f"{workspace_text(result.workspace)}."
         )
         blocks: list[Block] = [Note(sentence, "ok")]
     else:
-        blocks = [Note(f"None of {result.trials} robots meets all requirements.", "bad")]
+        blocks = [Note("No robot meets all requirements; below is the nearest one.", "bad")]
+    blocks.append(effort_note(result))
     blocks += refused_notes(result)
     if any(math.isfinite(item.value) for item in result.outcomes):
         blocks.append(outcomes_table(result, text))
@@ -72,6 +81,27 @@ def synthesis_blocks(result: SynthesisResult, text: BoundText = bound_label) -> 
         verdict = f"Proof over the whole workspace: {verdict_text(result.proof)}."
         blocks += [Note(verdict), evidence_table(result.proof, text)]
     return blocks
+
+
+def objective_text(key: str, value: float, digits: int = 4) -> str:
+    """Return a value of an objective, and what it is."""
+    objective = find_objective(key)
+    return f"{objective.label} {format_value(value, objective.unit, digits)}"
+
+
+def effort_note(result: SynthesisResult) -> Note:
+    """Return how an answer was searched and verified, and what that does not prove."""
+    low, high = (format_value(end, "rad") for end in result.case.requirements.theta)
+    text = f"The search tried {result.trials} robots"
+    if result.canceled:
+        text += " before it was stopped"
+    if result.feasible:
+        text += (
+            " and has no proof that there is none better; requirements were verified on "
+            f"{result.poses} poses, θ {low} to {high} from the heading where joints 5 are toward "
+            "their leg axes"
+        )
+    return Note(f"{text}.", "muted")
 
 
 def refused_notes(result: SynthesisResult) -> list[Note]:
@@ -224,25 +254,56 @@ def front_blocks(case: SynthesisCase, front: DesignFront) -> list[Block]:
 
 def buildability_blocks(result: SynthesisResult) -> list[Table | Note]:
     """Return whether the robot can be built as it is drawn, beside the reference."""
-    found = result.buildability
-    if found is None:
+    if result.buildability is None:
         return []
-    head = ("As drawn", "Found", "Reference")
-    table = tuple(
-        Row(
-            (what, Cell(own, kind="bad" if fault else "plain"), other),
-            "marked" if fault else "plain",
-        )
-        for what, own, other, fault in buildability_rows(*found)
-    )
+    table = buildability_table(*result.buildability)
+    return [table] if result.case.clear else [Note(OVERLAP_ALLOWED, "warn"), table]
+
+
+def buildability_table(found: Buildability, reference: Buildability) -> Table:
+    """Return the table of a robot beside the reference; what is a fault of the robot is marked."""
+
+    def value(number: float, unit: str) -> str:
+        return format_value(number, unit) if math.isfinite(number) else NONE
+
+    def share(number: float) -> str:
+        return f"{100 * number:.3g} %" if math.isfinite(number) else NONE
+
+    def length(own: float, needed: float) -> str:
+        return f"{value(own, 'm')}, needed {value(needed, 'm')}"
+
+    def both(one: Buildability) -> str:
+        return " and ".join(one.bodies) if one.bodies[0] else NONE
+
+    def row(what: str, text: Callable[[Buildability], str], fault: bool = False) -> Row:
+        own = Cell(text(found), kind="bad" if fault else "plain")
+        return Row((what, own, text(reference)), "marked" if fault else "plain")
+
+    overlaps = not found.clearance > 0
+    compared = (
+        row("Least clearance as drawn", lambda b: value(b.clearance, "m"), overlaps),
+        row("Between", both, overlaps),
+        row("Poses that overlap", lambda b: share(b.overlapping), found.overlapping > 0),
+        row("Least horizontal stiffness", lambda b: value(b.stiffness, "N/m")),
+        row(
+            "Least first natural frequency", lambda b: value(b.frequency, "Hz"),
+            not math.isfinite(found.frequency),
+        ),
+        row(
+            "Guide B10", lambda b: length(b.guide, b.needed_guide), found.guide < found.needed_guide
+        ),
+        row(
+            "Shaft B2", lambda b: length(b.shaft, b.needed_shaft), found.shaft < found.needed_shaft
+        ),
+        row("Moving mass", lambda b: value(b.moving_mass, "kg")),
+        row("Center of the workspace, z", lambda b: value(b.center[2], "m")),
+        row("Poses within reach", lambda b: share(b.within_reach), found.within_reach < 1),
+    )  # fmt: skip
     caption = (
         "Whether the robot can be built as it is drawn, over the workspace; marked is what it "
         "cannot be with."
     )
-    blocks: list[Table | Note] = [Table(head, table, caption)]
-    if not result.case.clear:
-        blocks.insert(0, Note(OVERLAP_ALLOWED, "warn"))
-    return blocks
+    return Table(("As drawn", "Found", "Reference"), compared, caption)
 
 
 def relaxed_blocks(result: SynthesisResult, text: BoundText = bound_label) -> list[Table | Note]:
@@ -269,17 +330,8 @@ def _value(value: float, bound: Requirement | ObjectiveLimit) -> str:
 
 def lengths_table(before: Design, after: Design, path: str = "") -> Table:
     """Return the lengths and masses that changed; those whose path begins so."""
-    found = []
-    for item in stated_parameters(after):
-        old, new = before.value(item.path), after.value(item.path)
-        if item.path == "geometry.guide_stroke" or old == new:  # the stroke follows B10
-            continue
-        if item.path.startswith(path):
-            values = (number(value * item.display.factor) for value in (old, new))
-            name = heading(item.symbol, item.unit)
-            found.append((name, item.label, *values, percent_change(old, new)))
-    head = ("Symbol", "Length", "Before", "Found", "Change")
-    return Table(head, rows(*found), "Lengths and masses that changed.", words=2)
+    caption = "Lengths and masses that changed."
+    return changes_table(before, after, ("Before", "Found"), under=path, caption=caption)
 
 
 def synthesis_data(result: SynthesisResult, seconds: float) -> dict[str, Any]:
@@ -395,14 +447,18 @@ def buildability_data(result: SynthesisResult) -> dict[str, Any] | None:
     """Return whether the robot and the reference can be built, as data for JSON, in SI units."""
     if result.buildability is None:
         return None
-    robot, reference = (one.data() for one in result.buildability)
-    return {"robot": robot, "reference": reference}
+    names = ("robot", "reference")
+    return dict(zip(names, map(_buildability, result.buildability), strict=True))
 
 
-def bound_text(bound: Requirement | ObjectiveLimit) -> str:
-    """Return a requirement or a limit as text."""
-    if isinstance(bound, Requirement):
-        return requirement_text(bound)
-    objective = find_objective(bound.objective)
-    sign = ">=" if objective.largest else "<="
-    return f"{objective.key} {sign} {format_ascii(bound.most, objective.unit)}"
+def _buildability(found: Buildability) -> dict[str, Any]:
+    return {
+        "workspace_center_m": found.center,
+        **record(found, "within_reach", "clearance_m"),
+        "nearest_bodies": found.bodies,
+        "nearest_at": found.worst,
+        "overlapping": found.overlapping,
+        "stiffness_horizontal_N_per_m": found.stiffness,
+        "frequency_1_Hz": found.frequency,
+        **record(found, "guide_m", "needed_guide_m", "shaft_m", "needed_shaft_m", "moving_mass_kg"),
+    }

@@ -21,10 +21,12 @@ from paminsa_viz.blocks.kinds import (
 from paminsa_viz.files.published_table import PublishedTorques
 from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.trajectory import (
+    PathCheck,
     PathEvent,
     ShortestMotion,
     ShortestStretch,
     Simulation,
+    Trajectory,
     TrajectoryAnalysis,
     escape_inertia,
 )
@@ -69,21 +71,16 @@ def trajectory_blocks(
     """Return a motion, whether it can be run, and its torques next to those of other analyses."""
     t, check = analysis.trajectory, analysis.check
     kind = f" ({t.kind})" if t.kind else ""
-    text = f"“{t.name}”{kind}: {t.duration:.4g} s, {t.size} samples. {' '.join(t.notes)}"
-    blocks: list[Block] = [Note(text.strip())]
+    blocks: list[Block] = [
+        Note(f"“{t.name}”{kind}: {samples_text(t)}. {' '.join(t.notes)}".strip())
+    ]
     if check.first is not None:
         text = f"The robot cannot run all of it: it fails {check.first.explanation}."
         if analysis.summary:
             text += " The numbers are of the time before."
         blocks.append(Note(text, "bad"))
     else:
-        near = check.closest
-        leg = f", leg {near.leg + 1}" if near.leg >= 0 else ""
-        text = (
-            f"The robot can run it. It comes nearest to a limit ({near.limit.noun}{leg}) at "
-            f"{near.t:.4g} s, with {format_value(near.margin, 'm', 3)} to spare."
-        )
-        blocks.append(Note(text, "ok"))
+        blocks.append(Note(f"The robot can run it. {margin_text(check)}", "ok"))
     blocks += [
         Note(
             f"At {item.t:.4g} s this robot's torques have no bound: the motion crosses the "
@@ -101,6 +98,21 @@ def trajectory_blocks(
         head = ("", *(heading for _, _, heading, _ in LOADS))
         blocks.append(Table(head, tuple(found), "Required actuator torques on the motion."))
     return blocks
+
+
+def samples_text(trajectory: Trajectory) -> str:
+    """Return how long a motion is, and of how many samples."""
+    return f"{trajectory.duration:.4g} s, {trajectory.size} samples"
+
+
+def margin_text(check: PathCheck) -> str:
+    """Return how near a motion that the robot can run comes to a limit."""
+    near = check.closest
+    leg = f", leg {near.leg + 1}" if near.leg >= 0 else ""
+    return (
+        f"It comes nearest to a limit ({near.limit.noun}{leg}) at {near.t:.4g} s, with "
+        f"{format_value(near.margin, 'm', 3)} to spare."
+    )
 
 
 def _loads(name: str, analysis: TrajectoryAnalysis) -> tuple[Row, ...]:

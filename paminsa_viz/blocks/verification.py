@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
+import numpy as np
+
+from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import (
     Block,
     Figure,
@@ -106,7 +110,7 @@ MISPRINTS: dict[Misprint, str] = {
 
 
 def _simulation(found: Verification) -> Note:
-    run = found.to_dict()["simulation"]
+    run = _simulation_data(found)
     x, y, theta, z = (
         format_value(value, unit, 2)
         for value, unit in zip(run["drift_m_rad"], ("m", "m", "rad", "m"), strict=True)
@@ -118,3 +122,49 @@ def _simulation(found: Verification) -> Note:
         f"in x, {y} in y, {theta} in θ and {z} in z; loops opened by at most "
         f"{1e6 * run['largest_gap_m']:.2g} µm."
     )
+
+
+def verification_data(found: Verification) -> dict[str, Any]:
+    """Return the figures, without the time series, for JSON, in SI units."""
+    return {
+        **record(found, "passed", "tolerance"),
+        "worst_relative": found.worst,
+        "design": found.design.name,
+        "knee": found.design.geometry.knee,
+        "trajectory": found.trajectory.name,
+        "duration_s": found.trajectory.duration,
+        "static_poses": len(found.poses),
+        "dynamic_states": found.trajectory.size,
+        "engines": [
+            {
+                **record(check, "engine", "version"),
+                "passed": check.agrees(found.tolerance),
+                "static": check.static.summary(),
+                "dynamic": check.dynamic.summary(),
+            }
+            for check in found.engines
+        ],
+        "missing_engines": found.missing,
+        "as_printed": {
+            misprint_name(item): compared.summary() for item, compared in found.published.items()
+        },
+        "simulation": _simulation_data(found),
+    }
+
+
+def _simulation_data(found: Verification) -> dict[str, Any]:
+    """Return how far the simulated robot came, and how far it was off then."""
+    stop = found.played.until - 1
+    return {
+        "engine": found.engines[0].engine,
+        "until_s": float(found.wanted.t[stop] - found.wanted.t[0]),
+        "complete": stop == found.wanted.size - 1,
+        "drift_m_rad": found.played.drift[stop],
+        "stray_m": float(found.played.stray[stop]),
+        "largest_gap_m": float(np.nanmax(found.played.gap)),
+    }
+
+
+def misprint_name(misprint: Misprint) -> str:
+    """Return a misprint's name as in `Misprint`, ``ALL`` for all of them."""
+    return str(misprint.name if misprint.name and "|" not in misprint.name else "ALL")

@@ -11,6 +11,7 @@ from typing import Annotated
 import numpy as np
 import tyro
 
+from paminsa_viz.blocks.evaluation import evaluation_text
 from paminsa_viz.cli.flags import DesignFlags, check_output
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.files.columns import (
@@ -60,13 +61,7 @@ class Evaluate(DesignFlags):
         """Evaluate the table."""
         check_output("--out", self.out, [".csv"])
         counts = evaluate_table(self.table, self.out, self.given_design())
-        rows = counts.total()
-        reasons = [(word, count) for word, count in counts.most_common() if word != "ok"]
-        text = f"{self.out}: {rows} row{'' if rows == 1 else 's'}"
-        if reasons:
-            text += f", {rows - counts['ok']} without numbers "
-            text += f"({', '.join(f'{count} {word}' for word, count in reasons)})"
-        print(text)
+        print(f"{self.out}: {evaluation_text(counts)}")
         return 0
 
 

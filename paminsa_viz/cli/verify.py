@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 import tyro
 
-from paminsa_viz.blocks.verification import verification_blocks
+from paminsa_viz.blocks.verification import verification_blocks, verification_data
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, verify
@@ -91,7 +91,8 @@ class Verify(JsonFlags, MotionFlags, DesignFlags):
             files["claims"] = claims_data(claims)
             holding, verdict = all(one.holds for one in claims), holding_text(claims)
         if self.json:
-            print_json({"paminsa_viz": __version__, **found.to_dict(), "seed": self.seed, **files})
+            facts = verification_data(found) | {"seed": self.seed} | files
+            print_json({"paminsa_viz": __version__} | facts)
         else:
             moving = f'motion "{motion.name}"'
             print_heading(

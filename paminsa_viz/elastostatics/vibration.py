@@ -230,6 +230,7 @@ def whole_matrices(
     return found[0], found[1]
 
 
+@np.errstate(divide="ignore", invalid="ignore")
 def whole_modes(matrices: LegMatrices, pose: ArrayLike, count: int = 6) -> Modes:
     """Return the lowest modes in all coordinates at one pose (4,), see `whole_matrices`."""
     stiffness, mass = whole_matrices(matrices, pose)
@@ -247,7 +248,7 @@ def whole_modes(matrices: LegMatrices, pose: ArrayLike, count: int = 6) -> Modes
         inertia, turned = np.linalg.eigh(np.linalg.solve(lower, half.T))
     except np.linalg.LinAlgError:  # not positive definite
         return lost
-    inertia, turned = inertia[: -count - 1 : -1], turned[:, : -count - 1 : -1]
+    inertia, turned = np.maximum(inertia[: -count - 1 : -1], 0.0), turned[:, : -count - 1 : -1]
     vectors = np.linalg.solve(lower.T, turned)
     shapes = scale[:, None] * vectors / np.sqrt(inertia)
     return Modes(1 / (2 * np.pi * np.sqrt(inertia)), shapes, np.array(True))

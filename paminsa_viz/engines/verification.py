@@ -202,48 +202,6 @@ class Verification:
         found = [c.relative for check in self.engines for c in (check.static, check.dynamic)]
         return float(np.max(found))
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the figures, without the time series, ready for JSON; SI units."""
-        stop = self.played.until - 1
-        return {
-            "passed": self.passed,
-            "tolerance": self.tolerance,
-            "worst_relative": self.worst,
-            "design": self.design.name,
-            "knee": self.design.geometry.knee.value,
-            "trajectory": self.trajectory.name,
-            "duration_s": self.trajectory.duration,
-            "static_poses": len(self.poses),
-            "dynamic_states": self.trajectory.size,
-            "engines": [
-                {
-                    "engine": check.engine,
-                    "version": check.version,
-                    "passed": check.agrees(self.tolerance),
-                    "static": check.static.summary(),
-                    "dynamic": check.dynamic.summary(),
-                }
-                for check in self.engines
-            ],
-            "missing_engines": list(self.missing),
-            "as_printed": {
-                misprint_name(item): found.summary() for item, found in self.published.items()
-            },
-            "simulation": {
-                "engine": self.engines[0].engine,
-                "until_s": float(self.wanted.t[stop] - self.wanted.t[0]),
-                "complete": stop == self.wanted.size - 1,
-                "drift_m_rad": self.played.drift[stop].tolist(),
-                "stray_m": float(self.played.stray[stop]),
-                "largest_gap_m": float(np.nanmax(self.played.gap)),
-            },
-        }
-
-
-def misprint_name(misprint: Misprint) -> str:
-    """Return a misprint's name as in `Misprint`, ``ALL`` for all of them."""
-    return str(misprint.name if misprint.name and "|" not in misprint.name else "ALL")
-
 
 @of_design
 def verify(

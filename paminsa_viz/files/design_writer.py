@@ -12,7 +12,6 @@ from paminsa_viz.files.design_schema import (
     COUNTERWEIGHTS,
     DRIVE_KEYS,
     DRIVES,
-    KEY_OF,
     OPTIONAL_TABLES,
     SCHEMA_VERSION,
     TABLES,
@@ -171,12 +170,3 @@ def _table_comment(table: str) -> str:
     """Return the first sentence of the group's own documentation."""
     text = (type(getattr(APPENDIX_4, table)).__doc__ or "").strip().splitlines()
     return f"# {text[0].rstrip('.')}" if text else ""
-
-
-def differences(first: Design, second: Design) -> list[tuple[DesignKey, float, float]]:
-    """Return the values in which two designs differ, in the design's order.
-
-    A guide stroke that is left open counts as the length it takes.
-    """
-    pairs = [(key, first.value(path), second.value(path)) for path, key in KEY_OF.items()]
-    return [pair for pair in pairs if pair[1] != pair[2]]

@@ -2,43 +2,28 @@
 
 from __future__ import annotations
 
-import math
 from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from paminsa_viz.blocks.kinds import Block, Figure, Note, Row, Table, actuator_rows, rows
-from paminsa_viz.engines.poses import WORST_CONDITION, workspace_poses
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.blocks.kinds import Block, Figure, Note
+from paminsa_viz.blocks.workspace import workspace_blocks
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.drive import TORQUE_UNITS
-from paminsa_viz.model.grids import Grid
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
-from paminsa_viz.model.reach import Limit, workspace_height, workspace_radius
-from paminsa_viz.model.singularity import singular_radius, singular_rotation
-from paminsa_viz.model.statics import static_torques
+from paminsa_viz.model.singularity import singular_radius
 from paminsa_viz.palette import INK, LEG_COLORS, LIFT_COLOR, MUTED, PLATFORM
 from paminsa_viz.plots.formats import Credits, drawing, figure_file
 from paminsa_viz.plots.map_figure import render_maps
 from paminsa_viz.plots.map_values import FULL, MapData, map_data, workspace_field
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
-from paminsa_viz.plots.series_builders import SYMBOLS
 from paminsa_viz.quantities import TORQUES
 from paminsa_viz.report.request import ReportRequest, Section
-from paminsa_viz.studies.sweeps import sweep
 from paminsa_viz.units import format_value
 
 DPI = 150.0
 """Resolution of the colored cells inside the maps."""
-
-SAMPLED = 20_000
-"""Random poses behind the statistics of static torques."""
-
-CELLS = (41, 41, 13, 17)
-"""Cells along x, y, theta and z behind the shares of poses."""
 
 
 def workspace_section(request: ReportRequest) -> Section:
@@ -53,85 +38,9 @@ def workspace_section(request: ReportRequest) -> Section:
             "leg axes; dashed circle of positions that are singular at this angle. From the side: "
             "dotted line at the height of the guides.",
         ),
-        _sizes(design.geometry, request.pose[2]),
-        _shares(design),
-        *_torques(request),
+        *workspace_blocks(design, request.pose[2], request.seed),
     ]
     return Section("workspace", "Geometry and workspace", tuple(blocks))
-
-
-def _sizes(g: Geometry, theta: float) -> Table:
-    bars, turn = g.crank_length + g.coupler_length, singular_rotation(g)
-    sizes = {
-        "Farthest position of the platform from the axis, at the best angle and height":
-            format_value(workspace_radius(g), "m"),
-        "Largest height of joints 5 above or below the guides, platform in the middle":
-            format_value(workspace_height(g), "m"),
-        "Reach of a pantograph, l_B4 + l_B8": format_value(bars, "m"),
-        "Distance of joints 8 and 5 in the middle, at the height of the guides":
-            format_value(g.home_span, "m"),
-        "Stroke of joint 8 on its guide": format_value(g.stroke, "m"),
-        "Angle at which every position is singular":
-            "none" if math.isnan(turn) else "± " + format_value(turn, "rad"),
-        f"Radius of singular positions at θ = {format_value(theta, 'rad')}":
-            format_value(float(singular_radius(g, theta)), "m"),
-    }  # fmt: skip
-    return Table(
-        ("Quantity", "Value"),
-        rows(*sizes.items()),
-        "Sizes that follow from the lengths in closed form.",
-    )
-
-
-def _shares(design: Design) -> Table:
-    """Return the reachable share of a box around the workspace, and the limits of the rest."""
-    g = design.geometry
-    across, up = workspace_radius(g), workspace_height(g)
-    turn = float(np.nan_to_num(singular_rotation(g), nan=math.pi))
-    axes = [
-        half * (2 * (np.arange(n) + 0.5) / n - 1)
-        for half, n in zip((across, across, turn, up), CELLS, strict=True)
-    ]
-    x, y, theta, z = axes
-    grid = Grid.over(np.zeros(4), theta=theta, z=z - g.platform_joint_height, y=y, x=x)
-    counts = sweep(design, grid, ("reach_margin",)).counts
-    shares = tuple(
-        Row(
-            (
-                limit.explanation[:1].upper() + limit.explanation[1:],
-                f"{100 * counts[limit] / grid.size:.1f} %",
-            ),
-            "total" if limit is Limit.OK else "plain",
-        )
-        for limit in Limit
-        if counts[limit]
-    )
-    box = (
-        f"|x|, |y| ≤ {format_value(across, 'm', 3)}, |θ| ≤ {format_value(turn, 'rad', 3)}, "
-        f"joints 5 within {format_value(up, 'm', 3)} of the guides"
-    )
-    caption = f"Poses of the box {box}, on a grid of {grid.size:,} poses."
-    return Table(("Poses", "Share"), shares, caption)
-
-
-def _torques(request: ReportRequest) -> list[Block]:
-    """Return statistics of the static torques over random poses."""
-    try:
-        poses = workspace_poses(request.design.geometry, SAMPLED, request.seed)
-    except InvalidInput as error:
-        return [Note(f"Static torques over the workspace: {error.problem}.", "warn")]
-    size = np.abs(static_torques(request.design, poses))
-    figures = [np.sqrt((size**2).mean(axis=0)), *np.percentile(size, [50, 95, 99], axis=0)]
-    cells = [
-        (name, *(format_value(float(figure[j]), unit) for figure in figures))
-        for j, (name, unit) in enumerate(zip(SYMBOLS, TORQUE_UNITS, strict=True))
-    ]
-    caption = (
-        f"Size of the static torques at {SAMPLED:,} random poses of the workspace with a condition "
-        f"number of at most {WORST_CONDITION:g}: toward singular poses they grow without bound."
-    )
-    head = ("", "RMS", "Median", "95 % are below", "99 % are below")
-    return [Table(head, actuator_rows(*cells), caption)]
 
 
 def maps_section(request: ReportRequest) -> Section:

@@ -20,7 +20,6 @@ if TYPE_CHECKING:  # the search brings the compiler, which a check does not need
     from paminsa_viz.synthesis.search.buildability import (
         Buildability,
         buildability,
-        buildability_rows,
     )
     from paminsa_viz.synthesis.search.case import (
         DIMENSIONS,
@@ -87,7 +86,6 @@ __all__ = [
     "VolumeCause",
     "VolumeSurface",
     "buildability",
-    "buildability_rows",
     "cause_slice",
     "check_requirements",
     "find_objective",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +20,7 @@ from paminsa_viz.blocks import (
     accuracy,
     calibration,
     drives,
+    evaluation,
     excitation,
     forces,
     identification,
@@ -30,6 +32,7 @@ from paminsa_viz.blocks import (
     synthesis,
     trajectory,
     verification,
+    workspace,
 )
 from paminsa_viz.blocks import (
     balance as balance_words,
@@ -132,6 +135,10 @@ def _drives(_: Path) -> Said:
         drives.ratio_table(ratios),
     ]
     return blocks, [drives.selection_data(design, catalog, found, 3, advice), ratios]
+
+
+def _evaluation(_: Path) -> Said:
+    return [Note(evaluation.evaluation_text(Counter({"ok": 2, "folded:leg1": 1})))], None
 
 
 def _excitation(_: Path) -> Said:
@@ -250,7 +257,11 @@ def _verification(_: Path) -> Said:
         block for block in verification.verification_blocks(found)
         if isinstance(block, (Note, Table))
     ]  # fmt: skip
-    return blocks, found.to_dict()
+    return blocks, verification.verification_data(found)
+
+
+def _workspace(_: Path) -> Said:
+    return workspace.workspace_blocks(robot()[0], POSE[2]), None
 
 
 SUBJECTS: dict[str, Callable[[Path], Said]] = {

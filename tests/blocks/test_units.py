@@ -139,9 +139,12 @@ def texts(blocks: Sequence[Block]) -> Iterator[tuple[str, str]]:
             of_all = re.fullmatch(r"\[(.*)\]", block.head[0])
             for row in block.rows:
                 cells = dict(zip_longest(block.head, row.cells, fillvalue=""))
-                for head, cell in zip_longest(block.head, row.cells, fillvalue=""):
+                pairs = zip_longest(block.head, row.cells, fillvalue="")
+                for place, (head, cell) in enumerate(pairs):
                     unit = of_all[1] if of_all else cells.get("Unit", "")
-                    unit = unit or _unit_in(head) or _unit_in(row.cells[0])
+                    unit = unit or _unit_in(head)
+                    if place >= block.words:  # no unit for the numbers in its words
+                        unit = unit or _unit_in(row.cells[0])
                     yield _with_units(cell), unit
 
 

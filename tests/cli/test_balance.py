@@ -20,7 +20,7 @@ run_json = partial(commands.run_json, "balance")
 def test_the_papers_balance_is_the_default(capsys) -> None:
     code, out, err = run(capsys)
     assert (code, err) == (0, "")
-    for text in ("joints.j7", "+2.783", "8.349"):
+    for text in ("joints.j7", "3.063", "+994 %", "8.349"):
         assert text in out
 
 

@@ -148,6 +148,17 @@ def test_whole_modes_solve_the_matrices() -> None:
     assert found.shapes.T @ m @ found.shapes == pytest.approx(np.eye(4), abs=1e-9)
 
 
+def test_coordinates_without_inertia_have_infinite_frequencies() -> None:
+    """Of all modes, more of them than have inertia; those that have are as few as asked for."""
+    bars = [f"inertias.b{bar}_{axis}" for bar in (3, 4, 7, 8) for axis in ("axial", "transverse")]
+    matrices = leg_matrices(APPENDIX_4.vary(dict.fromkeys(bars, 0.0)))
+    found = whole_modes(matrices, POSES[1], 1000).frequencies
+    assert (np.diff(found[np.isfinite(found)]) >= 0).all()
+    assert not np.isnan(found).any()
+    assert np.isinf(found[-40:]).all()
+    assert found[:6] == pytest.approx(whole_modes(matrices, POSES[1], 6).frequencies, rel=1e-9)
+
+
 def test_inertia_about_horizontal_axes_counts_where_it_is_given() -> None:
     """As much as in the tilt of the shapes: f^2 falls by 2 pi f^2 times what v^T dM v adds."""
     heavy = APPENDIX_4.vary({"elastic.platform_tilt_inertia": 0.0076})

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.blocks.data import plain
+from paminsa_viz.blocks.verification import misprint_name, verification_data
 from paminsa_viz.engines import EngineMissing, poses, verification
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.engines.poses import workspace_poses
@@ -18,7 +20,6 @@ from paminsa_viz.engines.verification import (
     EVERY_MISPRINT,
     Comparison,
     Verification,
-    misprint_name,
     torque_scale,
     verify,
 )
@@ -180,7 +181,7 @@ def test_simulated_drift_is_reported() -> None:
     drift = played.drift[-1]
     reach = np.linalg.norm(drift[[0, 1, 3]]) + 0.1 * abs(drift[2])
     assert played.stray[-1] == pytest.approx(reach)
-    stated = found.to_dict()["simulation"]
+    stated = verification_data(found)["simulation"]
     assert stated["complete"]
     assert stated["until_s"] == pytest.approx(found.trajectory.duration)
     assert stated["stray_m"] == played.stray[-1]
@@ -193,7 +194,7 @@ def test_a_simulation_that_strays_ends_there(monkeypatch: pytest.MonkeyPatch) ->
     assert 1 < played.until < found.wanted.size
     assert played.stray[played.until - 1] > 1e-6 * 0.35 >= played.stray[played.until - 2]
     assert np.isnan(played.poses[played.until :]).all()
-    stated = found.to_dict()["simulation"]
+    stated = verification_data(found)["simulation"]
     assert not stated["complete"]
     assert stated["until_s"] < found.trajectory.duration
     assert np.isfinite([stated["stray_m"], stated["largest_gap_m"]]).all()
@@ -201,10 +202,9 @@ def test_a_simulation_that_strays_ends_there(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_the_result_is_json_and_repeatable() -> None:
     one, two, other = checked(seed=3), checked(seed=3), checked(seed=4)
-    assert json.loads(json.dumps(one.to_dict(), allow_nan=False)) == one.to_dict()
-    assert one.to_dict() == two.to_dict()
+    said, again = (plain(verification_data(each)) for each in (one, two))
+    assert json.loads(json.dumps(said, allow_nan=False)) == said == again
     assert not np.array_equal(one.poses, other.poses)
-    said = one.to_dict()
     assert (said["static_poses"], said["dynamic_states"]) == (20, one.trajectory.size)
     assert said["worst_relative"] == one.worst
     assert set(said["as_printed"]) == {misprint_name(item) for item in EVERY_MISPRINT}

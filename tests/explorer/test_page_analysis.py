@@ -190,7 +190,7 @@ def test_the_largest_workspace_is_proven_and_used(tab: Tab) -> None:
     until(lambda: tab.state.requirements.largest.outcome is not None, "a proof")
     proven = tab.state.requirements.largest.proven
     assert proven is not None
-    tab.page.get_by_test_id("largest-result").get_by_text("Proven").wait_for()
+    tab.page.get_by_test_id("largest-result").get_by_text("largest proven workspace").wait_for()
     assert proven[1][0] > 0.16
     tab.click("Use as required workspace")
     until(

@@ -12,11 +12,12 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
+from paminsa_viz.blocks.balance import room_text
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.attached import STEEL, disc_radius, place_along
 from paminsa_viz.dimensions.placement import place_parts
 from paminsa_viz.meshes import assemble_glb
-from paminsa_viz.meshes.loads import clearance_text, counterweight
+from paminsa_viz.meshes.loads import counterweight
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
@@ -67,7 +68,7 @@ def test_file_contains_counterweights_with_mass() -> None:
 
 def test_the_clearance_is_that_of_a_disc_of_the_mass() -> None:
     def text(*place: Any, knee: KneeBranch = KneeBranch.LOWER) -> str:
-        return clearance_text(with_knee(APPENDIX_4.geometry, knee), Counterweight(*place))
+        return room_text(with_knee(APPENDIX_4.geometry, knee), Counterweight(*place))
 
     light, heavy = (text("b3", 7, 0.2, mass) for mass in (1.0, 5.0))
     assert light.startswith("A steel disc of 40 mm radius")

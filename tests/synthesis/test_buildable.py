@@ -13,8 +13,14 @@ from hypothesis import strategies as st
 from scipy.optimize import nnls
 from scipy.spatial import ConvexHull
 
+from paminsa_viz.blocks.data import plain
 from paminsa_viz.blocks.kinds import Note, Table
-from paminsa_viz.blocks.synthesis import synthesis_blocks
+from paminsa_viz.blocks.synthesis import (
+    OVERLAP_ALLOWED,
+    buildability_data,
+    buildability_table,
+    synthesis_blocks,
+)
 from paminsa_viz.clearance import clearance, pair_clearance, shapes_of
 from paminsa_viz.dimensions import needs
 from paminsa_viz.elastostatics import platform_stiffness
@@ -31,7 +37,6 @@ from paminsa_viz.synthesis import (
     buildability,
     synthesize,
 )
-from paminsa_viz.synthesis.search.buildability import OVERLAP_ALLOWED, buildability_rows
 from paminsa_viz.synthesis.search.evaluation import REFUSED
 from paminsa_viz.synthesis.search.extremes import Extent, least_over
 from paminsa_viz.synthesis.search.kernels import plate_distance
@@ -187,11 +192,10 @@ def test_answer_says_on_all_ways_whether_it_can_be_built() -> None:
     assert result.case.title == "synthesis" == result.design.name
     blocks = synthesis_blocks(result)
     assert OVERLAP_ALLOWED not in [b.text for b in blocks if isinstance(b, Note)]
-    rows = buildability_rows(*both(result))
     (table,) = [b for b in blocks if isinstance(b, Table) and b.head[-1] == "Reference"]
-    assert [row.cells for row in table.rows] == [row[:3] for row in rows]
-    assert not any(fault for *_, fault in rows)
-    data = json.loads(json.dumps(both(result)[0].data()))
+    assert table == buildability_table(*both(result))
+    assert not any(row.kind == "marked" for row in table.rows)
+    data = json.loads(json.dumps(plain(buildability_data(result))))["robot"]
     assert data["clearance_m"] == both(result)[0].clearance
     marked = replace(result, case=replace(CYLINDER, name="c"))
     assert OVERLAP_ALLOWED in [b.text for b in synthesis_blocks(marked) if isinstance(b, Note)]
@@ -206,9 +210,9 @@ def test_faults_of_a_robot_are_named() -> None:
     assert found.guide < found.needed_guide
     assert found.needed_shaft < found.shaft
     assert not found.clear
-    rows = {what: fault for what, _, _, fault in buildability_rows(found, found)}
-    assert rows["Guide B10"]
-    assert not rows["Shaft B2"]
+    rows = {row.cells[0]: row.kind for row in buildability_table(found, found).rows}
+    assert rows["Guide B10"] == "marked"
+    assert rows["Shaft B2"] == "plain"
 
 
 @pytest.mark.parametrize("case", [CYLINDER, CELL])

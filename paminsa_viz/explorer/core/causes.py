@@ -1,4 +1,4 @@
-"""What ends a volume, in groups that the page tells apart: on its surface, on a map, as text."""
+"""What ends a volume, in groups that the page tells apart: on its surface and on a map."""
 
 from __future__ import annotations
 
@@ -12,10 +12,8 @@ from paminsa_viz.model import Design
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.plots.outside import Outside
-from paminsa_viz.quantities.requirement_text import requirement_label
-from paminsa_viz.quantities.requirements import Requirements, Workspace
+from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.volume.causes import CauseKind, VolumeCause, cause_slice
-from paminsa_viz.synthesis.volume.conflict import smallest_conflict
 from paminsa_viz.synthesis.volume.solve import Volume
 from paminsa_viz.synthesis.volume.surface import cause_color, volume_surface
 
@@ -86,24 +84,3 @@ def outside_of(field: Field, design: Design, requirements: Requirements) -> Outs
     return Outside(
         code, tuple(group.text for group in groups), tuple(group.color for group in groups)
     )
-
-
-def conflict_text(volume: Volume, workspace: Workspace | None) -> str:
-    """Return the fewest requirements that leave nothing, and the nearest bounds that would.
-
-    Nothing if there is something, such as a place for a workspace.
-    """
-    conflict = smallest_conflict(volume, workspace)
-    if conflict is None:
-        return ""
-    what = "volume is empty" if workspace is None else "workspace does not fit"
-    if not conflict.requirements:
-        return f"The {what}: its poses cannot be reached with every heading."
-    bounds = volume.requirements.bounds
-    labels = " and ".join(requirement_label(bounds[i]) for i in conflict.requirements)
-    verb = "hold nowhere together" if len(conflict.requirements) > 1 else "holds nowhere"
-    helps = [
-        requirement_label(each.relaxed) for each in conflict.relaxations if each.relaxed is not None
-    ]
-    nearest = f" Nearest bound that would do: {' or '.join(helps)}." if helps else ""
-    return f"The {what}: {labels} {verb}.{nearest}"

@@ -6,11 +6,7 @@ import math
 
 from paminsa_viz.explorer.core.frame import Frame, Health
 from paminsa_viz.explorer.kit.text import render
-from paminsa_viz.model import (
-    APPENDIX_4,
-    Design,
-    static_imbalance,
-)
+from paminsa_viz.model import APPENDIX_4, static_imbalance
 
 
 def of_pose(frame: Frame, *texts: str) -> str:
@@ -32,15 +28,6 @@ def gauge_html(frame: Frame) -> str:
         pinned=values.get("reference"),
         ticks=[(kind, 50 + 50 * value / span) for kind, value in values.items()],
     )  # fmt: skip
-
-
-def weights_by_place(*designs: Design) -> dict[str, tuple[float, ...]]:
-    """Return the mass of the counterweights at each place, in each design [kg]."""
-    found: dict[str, list[float]] = {}
-    for index, design in enumerate(designs):
-        for weight in design.counterweights:
-            found.setdefault(weight.place, [0.0] * len(designs))[index] += weight.mass
-    return {place: tuple(masses) for place, masses in found.items()}
 
 
 NEAR = 0.05

@@ -16,6 +16,7 @@ from paminsa_viz.balancing import (
     paper_changes,
 )
 from paminsa_viz.balancing.changes import MOST
+from paminsa_viz.balancing.effects import Effect
 from paminsa_viz.balancing.sensitivity import MASSES
 from paminsa_viz.explorer.state.outcome import Outcome, TaskState
 from paminsa_viz.explorer.state.plane import PlaneJob
@@ -189,24 +190,6 @@ class BalanceJob(PlaneJob):
     task: BalanceKind
     trajectory: Trajectory | None
     problem: str
-
-
-@dataclass(frozen=True)
-class Effect:
-    """A size before and after; NaN where it has no value.
-
-    Attributes:
-        label: What it is, or whose.
-        unit: SI unit.
-        before, after: The size.
-        group: Heading of the rows that belong together, such as those of the four actuators.
-    """
-
-    label: str
-    unit: str
-    before: float
-    after: float
-    group: str = ""
 
 
 @dataclass(frozen=True)

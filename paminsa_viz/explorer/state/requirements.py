@@ -72,7 +72,7 @@ class VolumeResult:
     volume: Volume
     check: RequirementsCheck
     surface: tuple[SurfacePart, ...] = ()
-    conflict: str = ""
+    conflict: tuple[str, ...] = ()
 
 
 VolumeOutcome = Outcome[VolumeJob, VolumeResult]

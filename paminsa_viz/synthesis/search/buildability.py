@@ -1,18 +1,16 @@
 """Whether a robot can be built as it is drawn, and how stiff it is, over a required workspace.
 
-One result (`Buildability`), and one table of it beside the reference's (`buildability_rows`), which
-the command, the report and the page print alike.
+The table of it beside the reference's is `blocks.synthesis.buildability_table`, which the command,
+the report and the page print alike.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
-from paminsa_viz.checks import kinds_checked
 from paminsa_viz.clearance import clearance
 from paminsa_viz.dimensions.needs import needed_guide, needed_shaft
 from paminsa_viz.kept import kept
@@ -25,13 +23,6 @@ from paminsa_viz.quantities.requirements import Range, Workspace
 from paminsa_viz.synthesis.search.extremes import KINDS, OVER_POSES, Extent, least_over
 from paminsa_viz.synthesis.search.objectives import legs_and_platform
 from paminsa_viz.synthesis.search.region import SPARSE, reach_margins, spans
-from paminsa_viz.units import NONE, format_value
-
-OVERLAP_ALLOWED = "Overlap was allowed: the robot need not be one that can be built as it is drawn."
-"""What marks an answer for which it was not required that the bodies do not overlap."""
-
-BuildRow = tuple[str, str, str, bool]
-"""A row: what it is, of the robot, of the reference, and whether it is a fault of the robot."""
 
 RANDOM = 1000
 """Poses of which the share that overlaps is counted."""
@@ -81,18 +72,6 @@ class Buildability:
         """Whether no two bodies overlap, and guide and shaft are long enough."""
         long = self.guide >= self.needed_guide and self.shaft >= self.needed_shaft
         return self.clearance > 0 and self.overlapping == 0 and long
-
-    def data(self) -> dict[str, object]:
-        """Return it as data for JSON, in SI units."""
-        return {
-            "workspace_center_m": self.center, "within_reach": self.within_reach,
-            "clearance_m": self.clearance, "nearest_bodies": self.bodies,
-            "nearest_at": self.worst.tolist(), "overlapping": self.overlapping,
-            "stiffness_horizontal_N_per_m": self.stiffness, "frequency_1_Hz": self.frequency,
-            "guide_m": self.guide, "needed_guide_m": self.needed_guide,
-            "shaft_m": self.shaft, "needed_shaft_m": self.needed_shaft,
-            "moving_mass_kg": self.moving_mass,
-        }  # fmt: skip
 
 
 def best_height(design: Design, workspace: Workspace, theta: Range) -> Workspace:
@@ -164,44 +143,3 @@ def buildability(design: Design, workspace: Workspace, theta: Range) -> Buildabi
         needed_shaft=float(shaft[0]),
         moving_mass=legs_and_platform(mass_vector(design), design),
     )
-
-
-@kinds_checked
-def buildability_rows(found: Buildability, reference: Buildability) -> tuple[BuildRow, ...]:
-    """Return the table of a robot beside the reference."""
-
-    def value(number: float, unit: str) -> str:
-        return format_value(number, unit) if np.isfinite(number) else NONE
-
-    def share(number: float) -> str:
-        return f"{100 * number:.3g} %" if np.isfinite(number) else NONE
-
-    def length(own: float, needed: float) -> str:
-        return f"{value(own, 'm')}, needed {value(needed, 'm')}"
-
-    def both(one: Buildability) -> str:
-        return " and ".join(one.bodies) if one.bodies[0] else NONE
-
-    def row(what: str, text: Callable[[Buildability], str], fault: bool = False) -> BuildRow:
-        return what, text(found), text(reference), fault
-
-    overlaps = not found.clearance > 0
-    return (
-        row("Least clearance as drawn", lambda b: value(b.clearance, "m"), overlaps),
-        row("Between", both, overlaps),
-        row("Poses that overlap", lambda b: share(b.overlapping), found.overlapping > 0),
-        row("Least horizontal stiffness", lambda b: value(b.stiffness, "N/m")),
-        row(
-            "Least first natural frequency", lambda b: value(b.frequency, "Hz"),
-            not np.isfinite(found.frequency),
-        ),
-        row(
-            "Guide B10", lambda b: length(b.guide, b.needed_guide), found.guide < found.needed_guide
-        ),
-        row(
-            "Shaft B2", lambda b: length(b.shaft, b.needed_shaft), found.shaft < found.needed_shaft
-        ),
-        row("Moving mass", lambda b: value(b.moving_mass, "kg")),
-        row("Center of the workspace, z", lambda b: value(b.center[2], "m")),
-        row("Poses within reach", lambda b: share(b.within_reach), found.within_reach < 1),
-    )  # fmt: skip

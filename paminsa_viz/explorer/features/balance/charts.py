@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from paminsa_viz.balancing import OUTPUTS, ParetoFront, Tornado
+from paminsa_viz.blocks.balance import bound_name
 from paminsa_viz.explorer.features.balance import actions as balancing
-from paminsa_viz.explorer.features.balance.texts import variable_html
 from paminsa_viz.explorer.kit.chart import AXIS, LAYOUT, Tree, figure, front_trace, nearest_point
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.palette import INK, MUTED, REFERENCE
@@ -69,7 +69,7 @@ def tornado_figure(tornado: Tornado, output: int) -> Tree:
     """Return the figure of one of `OUTPUTS`, the longest bar on top."""
     bars = tornado.ranked(output)[:MAX_BARS]
     unit = unit_text(OUTPUTS[output][1])
-    names = [variable_html(bar.path) for bar in bars]
+    names = [symbols_html(bound_name(bar.path)) for bar in bars]
     percent = number(100 * tornado.change)
     bases = [float(bar.base[output]) for bar in bars]
     traces = []

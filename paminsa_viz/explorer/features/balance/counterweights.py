@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 
+from paminsa_viz.blocks.balance import room_text
 from paminsa_viz.explorer.core.actions import change_design
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.balance import actions as balancing
@@ -13,7 +14,6 @@ from paminsa_viz.explorer.kit.inputs import Dropdown, Pair
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.settings import MILLIMETERS, PLAIN
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.meshes.loads import clearance_text
 from paminsa_viz.model.parameters import BAR_ENDS, MOST_COUNTERWEIGHTS, Counterweight
 
 PLACES = {
@@ -28,7 +28,7 @@ ALL = "all"
 def counterweights_html(frame: Frame) -> str:
     """Return what the rows of the counterweights hold, and the clearance that the discs need."""
     design = frame.state.document.design
-    needs = [clearance_text(design.geometry, weight) for weight in design.counterweights]
+    needs = [room_text(design.geometry, weight) for weight in design.counterweights]
     return render("balance/counterweights.j2", needs=needs)
 
 

@@ -20,8 +20,8 @@ from paminsa_viz.balancing import (
     optimize,
     pareto_front,
     tornado,
-    whole_mass,
 )
+from paminsa_viz.balancing.effects import UNITS, Effect, effects, sizes_in_motion
 from paminsa_viz.clearance import PairGroup, clearance
 from paminsa_viz.explorer.core.maps import COARSE
 from paminsa_viz.explorer.state.balance import (
@@ -29,7 +29,6 @@ from paminsa_viz.explorer.state.balance import (
     BalanceJob,
     BalanceKind,
     BalanceSettings,
-    Effect,
     Goal,
     MassFront,
     WeightClearance,
@@ -43,11 +42,9 @@ from paminsa_viz.model import (
     InvalidInput,
     Limit,
     PaminsaError,
-    static_imbalance,
     xy_grid,
 )
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.drive import TORQUE_UNITS
 from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.plots.map_values import half_width
 from paminsa_viz.progress import Progress
@@ -78,7 +75,7 @@ def run(job: BalanceJob, progress: Progress) -> Balanced | MassFront | Tornado:
         return _tornado(job)
     found = balance(job.design) if job.task is BalanceKind.PAPER else _best(job)
     after = tidied(found.after)
-    return Balanced(after, found, effects(job, after), weights_of(job, after))
+    return Balanced(after, found, effects_of(job, after), weights_of(job, after))
 
 
 def _best(job: BalanceJob) -> Optimum:
@@ -159,20 +156,10 @@ def tidied(design: Design) -> Design:
     return replace(design, counterweights=tuple(kept))
 
 
-def effects(job: BalanceJob, after: Design) -> tuple[Effect, ...]:
+def effects_of(job: BalanceJob, after: Design) -> tuple[Effect, ...]:
     """Return what the step from the job's design to another one does."""
-    ends = (job.design, after)
-    found = [
-        Effect("M_p2", "N", static_imbalance(job.design), static_imbalance(after)),
-        Effect("mass of the robot", "kg", whole_mass(job.design), whole_mass(after)),
-    ]
-    sizes = zip(*(actuator_sizes(job, design) for design in ends), strict=True)
-    for (group, units), before, now in zip(SIZES.items(), *zip(*sizes, strict=True), strict=True):
-        found += [
-            Effect(f"M{number}", unit, float(old), float(new), group)
-            for number, (unit, old, new) in enumerate(zip(units, before, now, strict=True), start=1)
-        ]
-    return tuple(found)
+    sizes = (actuator_sizes(job, design) for design in (job.design, after))
+    return effects(job.design, after, dict(zip(UNITS, zip(*sizes, strict=True), strict=True)))
 
 
 def weights_of(job: BalanceJob, design: Design) -> WeightClearance | None:
@@ -203,18 +190,9 @@ def weight_clearance(design: Design, poses: Array) -> WeightClearance | None:
     )  # fmt: skip
 
 
-SIZES = {
-    "largest at rest": TORQUE_UNITS,
-    "largest in motion": TORQUE_UNITS,
-    "RMS in motion": TORQUE_UNITS,
-    "largest power": ("W",) * 4,
-}
-"""What is compared of each actuator, and the units of M1 to M4."""
-
-
 def actuator_sizes(job: BalanceJob, design: Design) -> Array:
-    """Return `SIZES` of M1..M4, (4, 4); NaN where no pose counts or no motion runs."""
-    sizes = np.full((len(SIZES), 4), np.nan)
+    """Return what `balancing.effects` compares of M1..M4, (4, 4); NaN where there is none."""
+    sizes = np.full((len(UNITS), 4), np.nan)
     field = job.plane(COARSE)
     if (used := field.status == Limit.OK).any():
         sizes[0] = np.abs(field.torques(design)[:, used]).max(axis=1)
@@ -222,8 +200,7 @@ def actuator_sizes(job: BalanceJob, design: Design) -> Array:
         solved = motion(job)
     except PaminsaError:
         return sizes
-    summary = analyze(design, solved.trajectory, keep=solved).summary
-    sizes[1:] = np.abs([[load.peak, load.rms, load.top_power] for load in summary]).T
+    sizes[1:] = sizes_in_motion(analyze(design, solved.trajectory, keep=solved))
     return sizes
 
 

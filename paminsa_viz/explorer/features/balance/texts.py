@@ -3,41 +3,37 @@
 from __future__ import annotations
 
 import math
-import re
-from html import escape
-from itertools import groupby
-from operator import attrgetter
+from dataclasses import replace
 
 from markupsafe import Markup
 
-from paminsa_viz.balancing import ActiveConstraint, InfeasibleBounds
+from paminsa_viz.balancing import InfeasibleBounds
+from paminsa_viz.blocks.balance import (
+    BALANCED,
+    bound_name,
+    bounds_table,
+    certificate_note,
+    effects_table,
+    grown,
+    masses_block,
+)
+from paminsa_viz.blocks.kinds import Table
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.balance.actions import FRONT, OPTIMUM, SENSITIVITY
-from paminsa_viz.explorer.kit.robot_texts import weights_by_place
 from paminsa_viz.explorer.kit.text import render, status
 from paminsa_viz.explorer.state.balance import (
     Balanced,
     BalanceKind,
     BalanceOutcome,
-    Effect,
     Goal,
     WeightClearance,
 )
 from paminsa_viz.kept import kept
-from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
-from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.units import number, percent_change, symbol_html, symbols_html, unit_text
-
-BALANCED = 1e-9
-"""Largest |M_p2| that counts as balanced [N]."""
+from paminsa_viz.model import Design, PaminsaError, static_imbalance
+from paminsa_viz.units import format_pose, format_value, number, percent_change
 
 MAX_BOUNDS = 6
 """Most active bounds that are listed."""
-
-NOTABLE = 0.005
-"""Share by which an actuator's load may grow without being pointed out."""
-
-_SIDES = {"low": "≥", "high": "≤", "nearest": "lever ≥", "farthest": "lever ≤", "limit": "≤"}
 
 
 def status_html(frame: Frame) -> str:
@@ -59,7 +55,7 @@ def problem_html(problem: PaminsaError, testid: str = "balance-status") -> str:
         return status(testid, "bad", "Not possible", str(problem))
     return render(
         "balance/infeasible.j2", testid=testid, limits=problem.limits, relax=problem.relax,
-        variable=variable_html,
+        variable=bound_name,
     )  # fmt: skip
 
 
@@ -90,34 +86,20 @@ def _goal(outcome: BalanceOutcome) -> Goal:
     return Goal.ADDED if outcome.job.task is BalanceKind.PAPER else outcome.job.settings.goal
 
 
-def variable_html(name: str) -> Markup:
-    """Return what may change, or is limited: its symbol, its name, or where a counterweight is."""
-    if name in PARAMETER:
-        return Markup(symbol_html(PARAMETER[name].symbol))
-    head, _, rest = name.partition(".")
-    if head == "counterweights":
-        return Markup(f"counterweight {int(rest.partition('.')[0]) + 1}")
-    name = name.replace("M1-M3", "M1–M3").replace(" on the trajectory", "")
-    name = re.sub(r"counterweight on (B\d) from joint (\d)", r"weight on \1 past \2", name)
-    return Markup(symbols_html(name))
-
-
 @kept(4)
 def details_html(outcome: BalanceOutcome | None) -> str:
     """Return what was changed, what that does, and the certificate; empty without a result."""
     found = None if outcome is None else outcome.result
     if outcome is None or found is None:
         return ""
-    optimum, goal = found.optimum, _goal(outcome)
-    unit = "" if goal is Goal.BOTH else unit_text(optimum.values[-1 if goal.static else 0].unit)
-    near = goal.static and abs(static_imbalance(found.after)) > BALANCED
+    bounds, changes = bounds_table(found.optimum), masses_block(outcome.job.design, found.after)
+    if isinstance(changes, Table):
+        changes = changes.columns(0, 3, 4, 5, hint=1)
     return render(
-        "balance/result.j2", job=outcome.job, optimum=optimum, degrees=math.degrees, unit=unit,
-        groups=[(name, list(rows)) for name, rows in groupby(found.effects, attrgetter("group"))],
-        grown=grown, change=lambda effect: percent_change(effect.before, effect.after),
-        goal=_goal_text(goal), changes=_changes(outcome.job.design, found.after),
-        bounds=[item for item in optimum.active if _relaxable(item)][:MAX_BOUNDS],
-        worth="N" if near else unit, variable=variable_html, sides=_SIDES,
+        "balance/result.j2", job=outcome.job, degrees=math.degrees,
+        effects=effects_table(found.effects), changes=changes,
+        certificate=certificate_note(found.optimum).text, seconds=found.optimum.seconds,
+        bounds=replace(bounds, rows=bounds.rows[:MAX_BOUNDS]).columns(0, 2, 3, 4),
         hit=Markup(weights_html(found.weights)),
     )  # fmt: skip
 
@@ -127,25 +109,18 @@ def weights_html(found: WeightClearance | None) -> str:
     if found is None:
         return ""
     one, other = found.names
-    x, y, theta, z = found.pose
-    at = [number(round(1e3 * value), 6) for value in (x, y, z)]
-    place = f"x = {at[0]}, y = {at[1]}, z = {at[2]} mm, θ = {number(math.degrees(theta), 3)}°"
+    place = format_pose(found.pose)
     if found.distance < 0:
         level, title = "bad", "A counterweight hits another body"
         lines = [
-            f"{one} and {other} overlap by {1e3 * -found.distance:.1f} mm at {place}",
+            f"{one} and {other} overlap by {format_value(-found.distance, 'm', 3)} at {place}",
             f"in {100 * found.touching:.0f} % of {found.poses} poses; give it a shorter lever, "
             "or leave it out",
         ]
     else:
-        level, title = "ok", f"Counterweights are clear by {1e3 * found.distance:.1f} mm"
+        level, title = "ok", f"Counterweights are clear by {format_value(found.distance, 'm', 3)}"
         lines = [f"nearest: {one} and {other}, at {place}; {found.poses} poses checked"]
     return status("weight-clearance", level, title, *lines)
-
-
-def grown(effect: Effect) -> bool:
-    """Whether an actuator has to give more than before, by more than `NOTABLE`."""
-    return bool(effect.group) and effect.after > (1 + NOTABLE) * effect.before + 1e-9
 
 
 def price_text(found: Balanced) -> str:
@@ -156,33 +131,6 @@ def price_text(found: Balanced) -> str:
             change = percent_change(effect.before, effect.after)
             parts.setdefault(effect.label, []).append(f"{effect.group} {change}")
     return "; ".join(f"{name}: {', '.join(texts)}" for name, texts in parts.items())
-
-
-def _goal_text(goal: Goal) -> str:
-    known = {
-        Goal.ADDED: "added mass",
-        Goal.MOVED: "mass moved",
-        Goal.BOTH: "weighted sum, relative to before,",
-    }
-    return known.get(goal, goal.value.partition(",")[0])
-
-
-def _changes(before: Design, after: Design) -> list[tuple[str | Markup, float, float]]:
-    """Return the masses that differ, those of counterweights by their places: name, old, new."""
-    rows: list[tuple[str | Markup, float, float]] = []
-    for path in MASS_PATHS:
-        known = PARAMETER[path]
-        symbol = f'<span title="{escape(known.label)}">{symbol_html(known.symbol)}</span>'
-        name = Markup(f"{symbol} [{unit_text(known.unit)}]")
-        rows.append((name, before.value(path), after.value(path)))
-    places = weights_by_place(before, after).items()
-    rows += [(f"on {place} [kg]", old, new) for place, (old, new) in places]
-    return [row for row in rows if not math.isclose(*row[1:], rel_tol=1e-9, abs_tol=1e-12)]
-
-
-def _relaxable(item: ActiveConstraint) -> bool:
-    """Whether a bound costs something, and is not that masses and levers are at least zero."""
-    return item.price > 1e-9 and not (item.side in ("low", "nearest") and item.bound == 0)
 
 
 def front_html(frame: Frame) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from paminsa_viz.blocks.clearance import verdict
 from paminsa_viz.clearance import PairGroup
 from paminsa_viz.explorer.core import clearance
 from paminsa_viz.explorer.core.frame import Frame
@@ -13,7 +14,6 @@ from paminsa_viz.explorer.kit.task import NOT_OF_PREVIEW
 from paminsa_viz.explorer.kit.text import note, status
 from paminsa_viz.explorer.state.clearance import ClearanceSettings
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.units import format_value
 
 
 def clearance_html(frame: Frame) -> str:
@@ -26,12 +26,8 @@ def clearance_html(frame: Frame) -> str:
         known = state.clearance.pose is not None and state.clearance.pose.result is None
         text = "No pair of bodies is checked." if known else "Computing …"
         return note("clearance", text, muted=True)
-    distance, why = clearance.reason(state)
-    level, title = "ok", f"{format_value(distance, 'm', 3)} apart"
-    if why:
-        level, title = ("bad", "Bodies overlap") if distance < 0 else ("warn", "Bodies are close")
-    line = why or f"{found.names[0]} and {found.names[1]} are nearest"
-    return status("clearance", level, title, line)
+    told = verdict(found.distance, found.names, state.clearance.settings.required)
+    return status("clearance", told.kind, told.text)
 
 
 def _switch(group: PairGroup) -> Checkbox:

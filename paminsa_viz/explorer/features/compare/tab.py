@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from markupsafe import Markup
 
+from paminsa_viz.blocks.design import changes_table
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.kit.bindings import perform
-from paminsa_viz.explorer.kit.design_numbers import DIGITS, STROKE, is_changed
 from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Entry, Html, Message
-from paminsa_viz.explorer.kit.robot_texts import of_pose, weights_by_place
-from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.kit.robot_texts import of_pose
+from paminsa_viz.explorer.kit.text import blocks_html, note, render
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.model import (
-    PARAMETER,
-    Design,
-    Parameter,
-    static_imbalance,
-    static_torques,
-)
+from paminsa_viz.model import Design, static_imbalance, static_torques
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.drive import ACTUATORS
 
 PIN: Mapping[str, Effect] = {"Pin current design": actions.pin_reference}
 
@@ -70,25 +62,13 @@ def torques_html(torques: Array, held: Array, design: Design, reference: Design,
 
 def differences_html(design: Design, reference: Design, title: str) -> str:
     """Return a table of the numbers in which two designs differ; arguments as `torques_html`."""
-    weights = weights_by_place(reference, design).items()
-    return render(
-        "compare/differences.j2", design=design, reference=reference, title=title, value=_value,
-        parameters=[p for p in PARAMETER.values() if is_changed(design, p.path, reference)],
-        weights=[(place, masses) for place, masses in weights if masses[0] != masses[1]],
-        drives=[
-            (name, *("no drive" if drive is None else f"{drive.gear_ratio:g}:1" for drive in pair))
-            for name, *pair in zip(ACTUATORS, reference.drives, design.drives, strict=True)
-            if pair[0] != pair[1]
-        ],
-    )  # fmt: skip
-
-
-def _value(design: Design, parameter: Parameter) -> Markup:
-    if math.isinf(design.value(parameter.path)):
-        return Markup("rigid")
-    text = parameter.display.format(design.value(parameter.path), DIGITS).replace(" ", "\u202f")
-    follows = parameter.path == STROKE and design.geometry.guide_stroke is None
-    return Markup("{} (l<sub>B10</sub>)" if follows else "{}").format(text)
+    table = changes_table(reference, design, (title, "current"))
+    if not table.rows:
+        return note("differences", "No number differs.", muted=True)
+    count = len(table.rows)
+    head = f"{count} number{' differs' if count == 1 else 's differ'}"
+    shown = replace(table.columns(0, 3, 4, 5, hint=1), head=(head, title, "current", "change"))
+    return blocks_html("differences", shown, bold=[2])
 
 
 def _names(frame: Frame) -> str:

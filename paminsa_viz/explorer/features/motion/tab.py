@@ -5,9 +5,9 @@ from __future__ import annotations
 from operator import methodcaller
 from typing import Any
 
-import numpy as np
 from viser import Icon
 
+from paminsa_viz.blocks.trajectory import margin_text, samples_text, simulation_notes
 from paminsa_viz.clearance import clearance_reason
 from paminsa_viz.explorer.core import clearance
 from paminsa_viz.explorer.core import motion as motions
@@ -57,12 +57,7 @@ def status_line(state: State, analysis: TrajectoryAnalysis | None) -> tuple[bool
     check = analysis.check
     if check.first is not None:
         return False, f"fails {check.first.explanation}"
-    near = check.closest
-    leg = f" of leg {near.leg + 1}" if near.leg >= 0 else ""
-    return True, (
-        f"{number(found.trajectory.duration, 4)} s, {found.trajectory.size} samples; nearest "
-        f"limit: {near.limit.noun}{leg}, {1e3 * near.margin:.0f} mm away at {number(near.t, 3)} s"
-    )
+    return True, f"{samples_text(found.trajectory)}. {margin_text(check)}"
 
 
 def status_html(frame: Frame) -> str:
@@ -157,15 +152,10 @@ def simulation_html(frame: Frame) -> str:
         level, title, lines = "bad", "Not simulated", [outcome.problem]
         simulation = outcome.result
         if simulation is not None:
-            drift = float(np.abs(simulation.energy_drift).max())
-            lines = [
-                f"largest distance {number(1e3 * float(simulation.distance.max()), 3)} mm, "
-                f"at the end {number(1e3 * float(simulation.distance[-1]), 3)} mm",
-                f"energy drift of the solution {number(drift, 2)} J",
-            ]
+            lines = [line.text for line in simulation_notes(simulation)]
             level, title = "ok", f"Ran to the end, {simulation.t[-1]:.3f} s"
             if simulation.stopped is not None:
-                level, title = "bad", f"Stopped {simulation.stopped.explanation}"
+                level, title = "bad", "Stopped"
             stale = SIMULATION.stale_text(frame.state)
             if stale:
                 level = "warn" if simulation.stopped is None else level

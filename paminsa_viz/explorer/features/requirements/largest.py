@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from viser import Icon
 
-from paminsa_viz.blocks.requirements import evidence_table
+from paminsa_viz.blocks.kinds import Table
+from paminsa_viz.blocks.requirements import largest_blocks
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.requirements import actions
 from paminsa_viz.explorer.kit.entries import Answer, Button, Html, Then
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
-from paminsa_viz.explorer.kit.text import note, render
+from paminsa_viz.explorer.kit.text import blocks_html, note
 from paminsa_viz.explorer.state.requirements import LargestSettings
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.quantities.requirement_text import requirement_label, shape_text
-from paminsa_viz.synthesis.proof.largest import LargestWorkspace
 from paminsa_viz.synthesis.proof.regions import Growth
-from paminsa_viz.units import format_value, number
 
 
 def result_html(frame: Frame) -> str:
@@ -26,25 +24,15 @@ def result_html(frame: Frame) -> str:
         return ""
     if found is None:
         return note("largest-problem", outcome.problem)
-    workspace = found.workspace
-    place = ""
-    if workspace is not None:
-        x, y, z = (format_value(float(at or 0.0), "m") for at in workspace.center)
-        place = f"x {x}, y {y}, z {z}"
-    return render(
-        "requirements/largest.j2", text="" if workspace is None else shape_text(workspace),
-        place=place, gap=format_value(found.gap, "m", 2), seconds=number(found.seconds, 2),
-        cause=cause_text(found), stale=actions.LARGEST.stale_text(frame.state),
-        table=evidence_table(found.proof).columns(0, 2, 3),
+    job = outcome.job
+    blocks = [
+        item.columns(0, 2, 3) if isinstance(item, Table) else item
+        for item in largest_blocks(job.design, job.requirements, found)
+    ]
+    return blocks_html(
+        "largest-result", *blocks, look="pv-requirements",
+        stale=actions.LARGEST.stale_text(frame.state),
     )  # fmt: skip
-
-
-def cause_text(found: LargestWorkspace) -> str:
-    """Return why the workspace is not larger."""
-    if found.requirement is not None:
-        return requirement_label(found.requirement)
-    texts = {"home": "no path from home", "volume": "no position meets all requirements"}
-    return texts.get(found.cause, found.cause)
 
 
 def _is_proven(state: State) -> bool:

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from paminsa_viz.blocks.requirements import removed_texts, share_text, size_text
+from paminsa_viz.blocks.requirements import (
+    check_row,
+    over_text,
+    removed_texts,
+    share_text,
+    size_text,
+)
 from paminsa_viz.explorer.core.causes import CauseGroup, cause_groups
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.requirements import current_check, current_volume
@@ -16,19 +22,12 @@ from paminsa_viz.explorer.state.requirements import VolumeResult
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.quantities.requirement_text import ranges_label, requirement_label
 from paminsa_viz.quantities.requirements import Requirement, Requirements
-from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck
+from paminsa_viz.synthesis.volume.check import RequirementsCheck
 from paminsa_viz.synthesis.volume.solve import Volume
 from paminsa_viz.synthesis.volume.workspace import RequirementCheck
-from paminsa_viz.units import format_pose, format_value
 
 AMPLE = 0.1
 """Margin of reach, and distance from singularities, of a full bar [m]."""
-
-OVER = {
-    Over.WORKSPACE: "Over the required workspace and all headings",
-    Over.VOLUME: "No workspace is required: over the volume where all hold",
-    Over.BEST: "No position meets all: each at the position that is best for it",
-}
 
 Pose = tuple[float, float, float, float]
 
@@ -78,14 +77,13 @@ def _row(item: RequirementCheck, requirements: Requirements) -> dict[str, Any]:
             "ranges": ranges_label(bound),
         }
     )
+    _, _, worst, margin, pose = check_row(item, requirements).cells
     return of_bound | {
         "index": -1 if item.requirement is None else item.requirement,
         "place": item.label if item.requirement is None else item.requirement,
         "mark": mark, "level": name, "text": item.label, "reason": item.reason,
-        "worst": format_value(item.value, item.unit, 4),
-        "margin": f"margin {format_value(item.margin, item.unit, 3)}",
-        "share": share(item, requirements),
-        "pose": "" if item.pose is None else format_pose(item.pose),
+        "worst": worst, "margin": f"margin {margin}", "share": share(item, requirements),
+        "pose": "" if item.pose is None else pose,
     }  # fmt: skip
 
 
@@ -102,11 +100,10 @@ def list_html(frame: Frame) -> str:
 
 def note_of(state: State, check: RequirementsCheck) -> str:
     """Return what a check is over, and how fine."""
-    low, high = (format_value(end, "rad") for end in state.document.requirements.theta)
     known = state.requirements.fine
     result = None if known is None else known.result
     fine = "finely sampled" if result and result.check is check else "coarsely sampled"
-    return f"{OVER[check.over]} from θ {low} to {high}, {fine}"
+    return f"{over_text(check, state.document.requirements)}, {fine}"
 
 
 def worst_pose(state: State, place: str) -> Pose | None:

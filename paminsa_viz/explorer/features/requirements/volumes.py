@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
-from paminsa_viz.explorer.core.causes import conflict_text, surface_parts
+from paminsa_viz.blocks.requirements import conflict_notes
+from paminsa_viz.explorer.core.causes import surface_parts
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.saved_requirements import asked
@@ -14,6 +16,7 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.progress import Canceled, Progress
 from paminsa_viz.synthesis.volume.check import check_requirements
+from paminsa_viz.synthesis.volume.conflict import smallest_conflict
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE
 from paminsa_viz.synthesis.volume.solve import solve_volume
 
@@ -39,9 +42,10 @@ def find_volume(job: VolumeJob, progress: Progress) -> VolumeResult:
     except Canceled:
         raise PaminsaError("canceled") from None
     surface = surface_parts(volume) if job.fine else ()
-    workspace = None if volume.empty else job.requirements.workspace
-    conflict = "" if check.holds else conflict_text(volume, workspace)
-    return VolumeResult(volume, check, surface, conflict)
+    asked_for = replace(job.requirements, workspace=None) if volume.empty else job.requirements
+    conflict = None if check.holds else smallest_conflict(volume, asked_for.workspace)
+    notes = [] if conflict is None else conflict_notes(asked_for, conflict)
+    return VolumeResult(volume, check, surface, tuple(note.text for note in notes))
 
 
 def receive(state: State, outcome: VolumeOutcome) -> State:

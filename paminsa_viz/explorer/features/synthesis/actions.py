@@ -23,7 +23,6 @@ from paminsa_viz.explorer.state.synthesis import (
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.progress import Progress
 from paminsa_viz.quantities.requirements import Requirements
-from paminsa_viz.units import format_value
 
 if TYPE_CHECKING:
     from paminsa_viz.synthesis.answer.prices import RequirementPrice
@@ -133,10 +132,9 @@ PRICES = Task(Place(lambda state: state.synthesis.prices), _price_job, _find_pri
 
 def found_name(result: SynthesisResult) -> str:
     """Return the name of a robot that was found: ``Synthesized, footprint radius 515 mm``."""
-    from paminsa_viz.synthesis.search.objectives import find_objective  # loads the search
+    from paminsa_viz.blocks.synthesis import objective_text  # loads the search
 
-    objective = find_objective(result.case.objective)
-    return f"Synthesized, {objective.label} {format_value(result.objective, objective.unit, 3)}"
+    return f"Synthesized, {objective_text(result.case.objective, result.objective, 3)}"
 
 
 def best_pose(center: Sequence[float | None], requirements: Requirements) -> Pose:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from paminsa_viz.blocks.kinds import Note, Table
+from paminsa_viz.blocks.requirements import workspace_text
 from paminsa_viz.blocks.synthesis import (
     buildability_blocks,
+    effort_note,
     lengths_table,
+    objective_text,
     outcomes_table,
     price_blocks,
     refused_notes,
@@ -19,8 +22,6 @@ from paminsa_viz.explorer.kit.text import blocks_html, note, render
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput, PaminsaError
 from paminsa_viz.quantities.requirement_text import requirement_label, shape_text
-from paminsa_viz.quantities.requirements import Workspace
-from paminsa_viz.synthesis.search.objectives import find_objective
 from paminsa_viz.units import format_value, number
 
 
@@ -49,8 +50,7 @@ def best_html(frame: Frame) -> str:
     best, job = synthesis.best, synthesis.running
     if job is None or best is None:
         return ""
-    objective = find_objective(job.case.objective)
-    found = f"{objective.label} {format_value(best.cost, objective.unit)}"
+    found = objective_text(job.case.objective, best.cost)
     if job.against:
         found = "a robot for another point of the front"
     return render(
@@ -73,18 +73,17 @@ def result_html(frame: Frame) -> str:
         return ""
     if outcome.result is None or result is None:
         return note("synthesis-problem", outcome.problem)
-    objective = find_objective(result.case.objective)
     built = outcome.result.built
     drawn = buildability_blocks(result)
     relaxed = relaxed_blocks(result)
     lengths = lengths_table(outcome.job.reference, result.design, "geometry.")
     return render(
         "synthesis/result.j2", feasible=result.feasible, seconds=number(outcome.seconds, 2),
-        trials=result.trials, poses=result.poses, canceled=result.canceled,
-        objective=f"{objective.label} {format_value(result.objective, objective.unit)}",
+        effort=effort_note(result).text, canceled=result.canceled,
+        objective=objective_text(result.case.objective, result.objective),
         against=against_text(frame.state),
         regime="" if result.regime is None else result.regime.value,
-        workspace=placed_text(result.workspace), refused=refused_notes(result),
+        workspace=workspace_text(result.workspace), refused=refused_notes(result),
         requirements=outcomes_table(result).columns(0, 1, 2),
         drawn=[one for one in drawn if isinstance(one, Table)],
         overlap=[one for one in drawn if isinstance(one, Note)], relaxed=relaxed,
@@ -93,19 +92,12 @@ def result_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
-def placed_text(workspace: Workspace) -> str:
-    """Return a workspace and the height of its center."""
-    z = workspace.center[2]
-    return shape_text(workspace) + ("" if z is None else f" at z {format_value(z, 'm')}")
-
-
 def against_text(state: State) -> str:
     """Return the second objective of the chosen point of a front, or nothing."""
     front, point = state.synthesis.front, state.synthesis.point
     if front is None or point >= len(front.points):
         return ""
-    objective = find_objective(front.objectives[1])
-    return f"{objective.label} {format_value(front.points[point].values[1], objective.unit)}"
+    return objective_text(front.objectives[1], front.points[point].values[1])
 
 
 def prices_html(frame: Frame) -> str:

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.balancing import InfeasibleBounds
+from paminsa_viz.blocks.balance import effects_table, optimum_blocks
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import compute
@@ -34,6 +35,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, Counterweight
 from paminsa_viz.trajectory import analyze
 from tests.explorer.features.balance.balanced import ATTACHED, START, solved, started, status
+from tests.support.tables import assert_parts
 from tests.support.tasks import delivered
 
 
@@ -133,6 +135,9 @@ def test_every_goal_is_optimal_within_its_bounds(goal: Goal, movable: FreeMasses
     if goal.static:
         assert static_imbalance(design) == pytest.approx(0, abs=1e-9)
     assert chosen.balance.settings.exact is goal.static
+    assert_parts(
+        details_html(outcome), [*optimum_blocks(found.optimum), effects_table(found.effects)]
+    )
     text = status(after) + details_html(outcome)
     assert "Certified optimal" in text
     assert "nan" not in text

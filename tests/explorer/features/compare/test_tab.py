@@ -43,14 +43,14 @@ PANEL = COMPARE
 
 def cells(table: str) -> list[list[str]]:
     """Return the texts of a table's cells, row by row."""
-    rows = re.findall(r"<tr>(.*?)</tr>", table, re.S)
+    rows = re.findall(r"<tr[^>]*>(.*?)</tr>", table, re.S)
     found = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) for row in rows]
     return [[re.sub(r"<[^>]*>", "", cell) for cell in row] for row in found]
 
 
 def value(text: str) -> float:
-    """Read a number with its unit."""
-    return float(text.replace("−", "-").split("\u202f")[0])
+    """Read a number."""
+    return float(text.replace("−", "-"))
 
 
 @given(
@@ -81,14 +81,14 @@ def test_load_that_turns_with_the_platform_differs() -> None:
 def test_stiffness_that_was_rigid_has_no_change_in_percent() -> None:
     design = APPENDIX_4.vary({"elastic.guide": 1e7})
     (row,) = cells(differences_html(design, APPENDIX_4, "App. 4"))[1:]
-    assert row[1:] == ["rigid", "10000\u202fN/mm", "–"]
+    assert row[1:] == ["rigid", "10000", "–"]
 
 
 def test_stroke_that_was_set_differs_from_one_that_follows_its_guide() -> None:
     design = APPENDIX_4.vary({"geometry.guide_stroke": APPENDIX_4.geometry.stroke})
     assert is_changed(design, "geometry.guide_stroke")
     (row,) = cells(differences_html(design, APPENDIX_4, "App. 4"))[1:]
-    assert row[1:3] == ["363.5\u202fmm (lB10)", "363.5\u202fmm"]
+    assert row[1:3] == ["363.5 (lB10)", "363.5"]
 
 
 def test_torques_of_both_designs_are_compared() -> None:
@@ -131,10 +131,10 @@ def test_reference_is_pinned_swapped_and_unpinned(desk: Desk) -> None:
     desk.until(lambda: tuple(buttons.options) == tuple(PINNED))
     desk.dispatch(lambda s: actions.vary(s, {"links.b3": 1.0}))
     desk.until(lambda: len(cells(differences.content)) == 2)
-    assert cells(differences.content)[1][1:] == ["0.406\u202fkg", "1\u202fkg", "+146 %"]
+    assert cells(differences.content)[1][1:] == ["0.406", "1", "+146 %"]
     desk.set("reference", "Swap")
     desk.until(lambda: desk.design == APPENDIX_4)
-    desk.until(lambda: cells(differences.content)[1][1:3] == ["1\u202fkg", "0.406\u202fkg"])
+    desk.until(lambda: cells(differences.content)[1][1:3] == ["1", "0.406"])
     desk.dispatch(lambda s: actions.move(s, x=0.05))
     desk.until(lambda: value(cells(torques.content)[1][1]) != 0)
     desk.set("reference", "Unpin")

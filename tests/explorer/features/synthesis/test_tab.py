@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.blocks.synthesis import price_blocks, synthesis_blocks
+from paminsa_viz.blocks.synthesis import buildability_table, price_blocks, synthesis_blocks
 from paminsa_viz.explorer.core import actions as designs
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.requirements import current_check
@@ -34,7 +34,6 @@ from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
 from paminsa_viz.synthesis.answer.prices import RequirementPrice
-from paminsa_viz.synthesis.search.buildability import buildability_rows
 from paminsa_viz.synthesis.search.case import Effort, Regime
 from paminsa_viz.synthesis.search.front import DesignFront, FrontPoint
 from paminsa_viz.synthesis.search.result import SynthesisResult
@@ -211,10 +210,10 @@ def test_answer_says_beside_the_reference_whether_it_can_be_built(asked: State) 
     table = shown[shown.index('<table class="pv-table pv-drawn" data-testid="drawn">') :]
     cells = tables_in(table)[0][1:]
     assert found.buildability is not None
-    rows = buildability_rows(*found.buildability)
-    assert cells == [[a, b, c] for a, b, c, _ in rows]
+    rows = buildability_table(*found.buildability).rows
+    assert cells == [list(row.cells) for row in rows]
     red = re.findall(r'<td class="pv-bad-text">(.*?)</td>', html.unescape(table))
-    assert red == [own for _, own, _, bad in rows if bad]
+    assert red == [row.cells[1] for row in rows if row.kind == "marked"]
     told_of = {label: (own, reference) for label, own, reference in cells}
     own, reference = told_of["Guide B10"]
     assert own.startswith("100 mm, needed ")

@@ -1,0 +1,14 @@
+"""Tables of poses: how many rows have numbers, and why the others have none."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+
+def evaluation_text(counts: Counter[str]) -> str:
+    """Return how many rows a table that was written has, by the words of `reach.status_words`."""
+    rows = counts.total()
+    text = f"{rows} row{'' if rows == 1 else 's'}"
+    if lost := [f"{count} {word}" for word, count in counts.most_common() if word != "ok"]:
+        text += f", {rows - counts['ok']} without numbers ({', '.join(lost)})"
+    return text
