@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from paminsa_viz.actuation import catalog
 from paminsa_viz.actuation.catalog import (
     LARGEST_CATALOG,
     LONGEST_NAME,
@@ -32,6 +33,21 @@ HEAD = "kind,name,source,rotor_inertia_g_cm2,rated_torque_mNm,peak_torque_Nm,rat
 HEAD += "top_speed_rad_per_s,envelope_rpm_Nm,gear_ratio,efficiency,brake"
 BELL = "o\x07ne"
 MOTOR = "motor,one,own measurement,30,320,0.95,3000,600,0 0.95; 3000 0.95; 6000 0.4,,,yes"
+
+
+def test_a_catalog_and_a_name_may_be_as_long_as_documented(monkeypatch: pytest.MonkeyPatch) -> None:
+    name = LONGEST_NAME * "o"
+    text = f"{HEAD}\n{MOTOR.replace('one', name)}"
+    monkeypatch.setattr(catalog, "MOST_ROWS", 2)
+    monkeypatch.setattr(catalog, "LARGEST_CATALOG", len(text))
+    (motor,) = read_catalog(text, "my.csv").motors
+    assert motor.name == name
+    for longer, told in (
+        (text + " ", "larger"),
+        (text.replace(name, "o") + "\n#\n" + MOTOR, "2 rows"),
+    ):
+        with pytest.raises(CatalogError, match=told):
+            read_catalog(longer, "my.csv")
 
 
 def test_numbers_are_read_in_the_units_of_their_columns() -> None:

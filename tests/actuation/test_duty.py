@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import simpson
 
 from paminsa_viz.actuation.drive_table import combined, drive_table, pair_table
-from paminsa_viz.actuation.duty import ActuatorLoad, Duty, DutyMotion, duty_cycle
+from paminsa_viz.actuation.duty import ActuatorLoad, Duty, DutyMotion, duty_cycle, load_signals
 from paminsa_viz.actuation.sizing import LIMITS, fitting_time, size_drives, thermal_share
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4
@@ -43,6 +43,14 @@ def test_inertia_of_a_load_is_the_largest_along_the_motion(motion) -> None:  # t
     found = [load.inertia for load in duty_cycle(APPENDIX_4, [Duty(motion)]).loads]
     np.testing.assert_allclose(found, along.max(axis=0), rtol=1e-3)
     assert (along[0, :3] < 0.99 * along[:, :3].max(axis=0)).any()  # it is not that of the start
+
+
+@pytest.mark.parametrize("size", [2, 50, 199, 401])
+def test_inertia_is_looked_at_two_hundred_times_a_motion_at_least(size: int) -> None:
+    motion = PRESET["arch"].build(APPENDIX_4.geometry).sample(size)
+    along = actuator_inertia(APPENDIX_4, motion.pose[:: max(1, size // 200)])
+    found = [load.inertia for load in duty_cycle(APPENDIX_4, [Duty(motion)]).loads]
+    np.testing.assert_allclose(found, along.max(axis=0), rtol=1e-12)
 
 
 @pytest.mark.parametrize("time", [0.05, 1.0, 300.0])
@@ -206,6 +214,19 @@ def test_the_load_on_the_platform_is_driven_and_held() -> None:
     for j, load in enumerate(loaded):
         np.testing.assert_allclose(load.torque, analyze(pushed, motion).torque[:, j], rtol=1e-12)
     assert abs(loaded[0].held - bare[0].held) > 1.0
+
+
+def test_what_is_held_is_the_largest_in_size_of_the_dwells() -> None:
+    """Of passages that dwell; also where it pulls and where it is more than all that moves."""
+    t, still = np.array([0.0, 1.0]), np.zeros(2)
+    signals = load_signals(np.ones(2), still, still)
+    dwells = ((0.0, 8.0), (2.0, -5.0), (1.0, 3.0))  # [s], and what is held [N m]
+    passages = [DutyMotion(t, signals, 1.0, dwell, held) for dwell, held in dwells]
+    load = ActuatorLoad("M1", tuple(passages), 1.0)
+    assert (load.held, load.peak) == (5.0, 5.0)
+    assert load.held_square == pytest.approx((2.0 * 25.0 + 1.0 * 9.0) / (3.0 + 3.0))
+    moved = replace(load, passages=tuple(passages[:1]))
+    assert (moved.held, moved.peak, moved.held_square) == (0.0, 1.0, 0.0)
 
 
 def test_a_motion_may_start_at_any_time() -> None:

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
+from paminsa_viz.actuation import ratios
 from paminsa_viz.actuation.drive_table import combined, drive_table, pair_table
 from paminsa_viz.actuation.duty import ActuatorLoad, DutyMotion, load_signals
-from paminsa_viz.actuation.ratios import figure_of_merit, ratio_intervals
+from paminsa_viz.actuation.ratios import _interval, figure_of_merit, ratio_intervals
 from paminsa_viz.actuation.sizing import LIMITS, envelope_share, size_drives
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import Drive
@@ -128,7 +129,77 @@ def test_figure_of_merit_decides_which_motors_have_a_ratio_for_their_rms() -> No
             **{name: np.full(60, value) for name, value in free.items()},
         )
         alpha, asked = figure_of_merit(load, plain)
+        np.testing.assert_allclose(alpha, plain.rated_torque**2 / plain.inertia, rtol=1e-12)
         np.testing.assert_array_equal(alpha >= asked, ratio_intervals(load, plain).feasible)
+
+
+def test_an_interval_is_where_its_quadratic_is_not_positive() -> None:
+    """Of every sign and none, where friction is within the limit; and of means, where it is not."""
+    rng = np.random.default_rng(1)
+    square, limit, constant = rng.choice([-1.0, 0.0, 1.0], (3, 400)) * rng.uniform(
+        0.5, 2.0, (3, 400)
+    )
+    means = (square > 0) & (constant >= 0)
+    limit = np.where(means, limit, np.abs(limit))
+    with np.errstate(all="ignore"):
+        low, high = _interval(square, limit, constant)
+    x = np.geomspace(1e-6, 1e6, 4001)[:, None]
+    good = square * x**2 - limit * x + constant <= 0
+    inside = (x >= low) & (x <= high)
+    near = (np.abs(x - low) < 1e-9 * x) | (np.abs(x - high) < 1e-9 * x)
+    assert (good == inside)[~near].all()
+
+
+GRID = np.geomspace(2.0, 500.0, ratios.SCANNED)
+"""Ratios that a scan from 2 to 500 tries."""
+
+
+@pytest.mark.parametrize(
+    ("sets", "gap"),
+    [
+        ([], False),
+        ([(1.0, 1e3)], False),
+        ([(2.0, 30.0)], False),
+        ([(30.0, 500.0)], False),
+        ([(20.0, 30.0)], False),
+        ([(GRID[400] * 0.9999, GRID[400] * 1.0001)], False),
+        ([(2.0, 30.0), (60.0, 500.0)], True),
+        ([(GRID[0], GRID[0] * 1.0001), (60.0, 70.0)], True),
+        ([(20.0, 30.0), (GRID[-1] * 0.9999, GRID[-1])], True),
+    ],
+    ids=range(9),
+)
+def test_a_scan_finds_the_ends_of_what_is_kept_and_whether_it_has_gaps(
+    sets: list[tuple[float, float]], gap: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def keeps(_: object, __: object, n: Array) -> Array:
+        inside = [(a <= n) & (n <= b) for a, b in sets]
+        return np.any(inside, axis=0) if sets else np.zeros(len(n), bool)
+
+    monkeypatch.setattr(ratios, "_keeps", keeps)
+    load, table = random_load(np.random.default_rng(0)), random_drives(np.random.default_rng(0), 3)
+    low, high = np.full(3, 2.0), np.full(3, 500.0)
+    found = ratios._scan(load, table, np.array([0, 2]), low, high)
+    assert (found.tolist(), low[1], high[1]) == ([gap, False, gap], 2.0, 500.0)
+    for row in (0, 2):
+        ends = max(2.0, sets[0][0]) if sets else np.nan, min(500.0, sets[-1][1]) if sets else np.nan
+        np.testing.assert_allclose((low[row], high[row]), ends, rtol=1e-9)
+    if sets == [(1.0, 1e3)]:
+        high[0] = np.inf
+        ratios._scan(load, table, np.array([0]), low, high)
+        assert (low[0], high[0]) == pytest.approx((2.0, 1e3), rel=1e-9)
+
+
+def test_the_worst_sample_may_be_any_one_also_the_last() -> None:
+    table = drive_table([SERVO])
+    for size in (2, 63, 64, 65, 200):
+        for worst in {0, size // 2, size - 1}:
+            torque = np.linspace(0.1, 0.2, size)
+            torque[worst] = -1.0
+            signals = load_signals(torque, np.zeros(size), np.zeros(size))
+            passage = DutyMotion(np.arange(float(size)), signals, 1.0, 1.0, 0.0)
+            _, sample = envelope_share(ActuatorLoad("M1", (passage,), 1.0), table)
+            assert sample.tolist() == [worst]
 
 
 def test_pairs_in_columns_are_the_drives_they_stand_for() -> None:

@@ -240,6 +240,37 @@ def test_a_robot_that_cannot_hold_itself_can_hold_nothing() -> None:
         assert wrench_polytope(design, pose).holds == (drives[0] is None)
 
 
+def test_a_drive_without_any_room_left_still_holds() -> None:
+    pose = (0.05, 0.02, 0.2, -0.5)
+    at = capability(DRIVEN, pose)
+    for actuator in range(3):
+        rated = at.limits.rated.copy()
+        rated[actuator] = abs(at.torque[actuator])
+        full = replace(at, limits=at.limits._replace(rated=rated))
+        assert full.room[actuator] == 0.0
+        assert (full.horizontal_force, full.moment) == (0.0, 0.0)
+        assert full.vertical_force == at.vertical_force > 0
+        assert full.payload == at.payload > 0
+        rated[actuator] *= 1 - 1e-12
+        assert (full.vertical_force, full.payload) == (0.0, 0.0)
+
+
+def test_capability_of_a_batch_is_that_of_its_poses() -> None:
+    batch = poses(6, 6)
+    apart = [capability(DRIVEN, pose) for pose in batch]
+    for shape in ((6,), (2, 3), (3, 1, 2)):
+        at = capability(DRIVEN, batch.reshape(*shape, 4))
+        for name in (
+            "payload", "horizontal_force", "vertical_force", "moment", "speed", "turn_speed",
+            "acceleration", "turn_acceleration", "inertia",
+        ):  # fmt: skip
+            found, alone = getattr(at, name), np.array([getattr(one, name) for one in apart])
+            np.testing.assert_allclose(found, alone.reshape(*shape, *alone.shape[1:]), rtol=1e-9)
+        np.testing.assert_allclose(
+            np.moveaxis(at.room, 0, -1).reshape(6, 4), [one.room for one in apart], rtol=1e-9
+        )
+
+
 def test_limits_are_the_drives_or_the_default() -> None:
     limits = actuator_limits(APPENDIX_4)
     assert limits.rated.tolist() == [own.rated for own in DEFAULT_LIMITS]

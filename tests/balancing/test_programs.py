@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
 from paminsa_viz.balancing import backends, solver
-from paminsa_viz.balancing.convex import Cuts, MaxAbs, Norm, PositivePartSum
+from paminsa_viz.balancing.convex import BLOCKS, Cuts, MaxAbs, Norm, PositivePartSum
 from paminsa_viz.balancing.enclosure import Enclosure
 from paminsa_viz.balancing.program import Infeasible, Program, SolverFailed, Variable
 from paminsa_viz.balancing.solver import solve
@@ -94,6 +94,35 @@ def test_limit_met_by_an_inner_lever_alone() -> None:
     assert found.state[0] <= 1e-6 + 2e-9
     with pytest.raises(Infeasible):
         solve(Program(np.zeros(2), (slot,), ((1.0, goal),), limits=((-1e-3, limit),)))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_norm_of_many_rows_is_that_of_their_triangle(seed: int) -> None:
+    """Also where a column is empty, so that the triangle has fewer."""
+    rng = np.random.default_rng(seed)
+    matrix, offset = rng.normal(size=(30, 4)), rng.normal(size=30)
+    matrix[:, 1] = 0.0
+    states = rng.normal(size=(20, 4))
+    for right in (offset, matrix @ [1.0, 2.0, 3.0, 4.0]):  # which no row is left for
+        found = Norm.of_many(matrix, right)
+        assert len(found.matrix) <= 4
+        values = [found.value(state) for state in states]
+        np.testing.assert_allclose(values, np.linalg.norm(states @ matrix.T + right, axis=1))
+
+
+def test_cuts_of_a_maximum_are_the_largest_of_each_block_that_exceed_what_is_known() -> None:
+    rng = np.random.default_rng(2)
+    offset = rng.normal(size=7 * BLOCKS)
+    term, state = MaxAbs(rng.normal(size=(len(offset), 3)), offset), rng.normal(size=3)
+    size = np.abs(term.at(state)).reshape(BLOCKS, 7)
+    for known, slack in ((-np.inf, 0.0), (np.median(size.max(axis=1)), 0.1)):
+        found = term.cuts(state, np.array([known]), slack)
+        values = found.matrix @ state + found.offset
+        expected = size.max(axis=1)
+        np.testing.assert_allclose(values, expected[expected > known + slack])
+        assert not found.part.any()
+    few = MaxAbs(np.eye(3), np.zeros(3)).cuts(np.ones(3), np.array([0.0]), 0.0)
+    np.testing.assert_array_equal(few.matrix, np.eye(3))
 
 
 @pytest.mark.parametrize("starts", [[0], [0, 1], [0, 2], [0, 1, 2]])

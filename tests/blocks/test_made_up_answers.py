@@ -106,7 +106,7 @@ def test_what_would_have_to_give_way() -> None:
 
     def notes(requirements: Requirements, places: tuple[int, ...], *items: Any) -> list[str]:
         conflict: Any = SimpleNamespace(requirements=places, relaxations=items)
-        blocks = words._conflict(requirements, conflict, lambda bound: bound.quantity)
+        blocks = words.conflict_notes(requirements, conflict, lambda bound: bound.quantity)
         return [block.text for block in blocks if isinstance(block, Note)]
 
     assert notes(
@@ -339,8 +339,8 @@ def test_masses_and_springs_of_an_answer() -> None:
 
 def test_lengths_that_changed() -> None:
     after = APPENDIX_4.vary({"geometry.guide_link_length": 0.4, "links.b1": 1.5})
-    assert [row[2:] for row in cells(lengths_table(APPENDIX_4, after))] == [
+    assert [row[3:] for row in cells(lengths_table(APPENDIX_4, after))] == [
         ("363.5", "400", "+10.0 %"), ("1.221", "1.5", "+22.9 %"),
     ]  # fmt: skip
     (only,) = cells(lengths_table(APPENDIX_4, after, "links"))
-    assert only[2] == "1.221"
+    assert only[2:4] == ("links.b1", "1.221")

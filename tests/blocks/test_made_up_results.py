@@ -17,6 +17,7 @@ import pytest
 from paminsa_viz.actuation.ratios import GearRatios
 from paminsa_viz.actuation.selection import DriveFigures
 from paminsa_viz.blocks import clearance as clearance_words
+from paminsa_viz.blocks import drives
 from paminsa_viz.blocks.calibration import (
     calibration_data,
     combinations_table,
@@ -48,7 +49,7 @@ from paminsa_viz.blocks.trajectory import (
 from paminsa_viz.clearance import PairGroup
 from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.model.design import APPENDIX_4
-from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.drive import ACTUATORS, Drive
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.precision.leg_lengths import LENGTHS
@@ -149,6 +150,43 @@ def test_ratios_of_motors_and_how_they_were_found() -> None:
     ]
 
 
+def test_loads_and_lists_of_drives_by_actuator(monkeypatch: pytest.MonkeyPatch) -> None:
+    """M1 to M3 as one where they have the same drive; M4 in newtons."""
+    loads = tuple(
+        SimpleNamespace(name=name, peak=1.5, rms=0.75, top_speed=2.25, top_power=3.5, inertia=0.125)
+        for name in ACTUATORS
+    )
+    monkeypatch.setattr(drives, "size_design", lambda cycle, design: [None] * 4)
+
+    def blocks(same: bool, advice: tuple[str, ...] = ("",) * 4, driven: bool = False) -> list:
+        sizings = [SimpleNamespace(table=range(10 + j)) for j in range(4)]
+        found: Any = SimpleNamespace(
+            cycle=SimpleNamespace(loads=loads), same=same, sizings=sizings,
+            rows=[range(2 + j) for j in range(4)], figures=lambda j, n: [on_a_load()] * min(n, 2),
+        )  # fmt: skip
+        design = replace(APPENDIX_4, drives=(MOTOR,) * 3 + (None,)) if driven else APPENDIX_4
+        return drives.selection_blocks(design, found, 2, advice)
+
+    table, *lists = blocks(False)
+    assert cells(table)[0] == (
+        "M1", "1.5 N·m", "0.75 N·m", "2.25 rad/s", "3.5 W", "0.125 kg·m²",
+    )  # fmt: skip
+    assert cells(table)[3] == ("M4", "1.5 N", "0.75 N", "2.25 m/s", "3.5 W", "0.125 kg")
+    assert [one.caption for one in lists] == [
+        f"M{j + 1}: {2 + j} of {10 + j} drives are feasible." for j in range(4)
+    ]
+    assert [[row[0] for row in cells(one)] for one in lists] == [["1", "2"]] * 4
+    _, *lists = blocks(True)
+    assert [one.caption.partition(":")[0] for one in lists] == ["M1 to M3", "M4"]
+    advised = blocks(True, ("a slower motion", "", "", ""))
+    assert said(advised) == [
+        ("M1 to M3: 2 of 10 drives are feasible.", "bad"), ("a slower motion.", "plain"),
+    ]  # fmt: skip
+    own = blocks(False, driven=True)[1]
+    assert own.caption.startswith("The design's own drives")
+    assert len(blocks(False, driven=True)) == len(blocks(False)) + 1
+
+
 def test_motions_of_a_cycle() -> None:
     motions = [
         SimpleNamespace(trajectory=SimpleNamespace(name=name, duration=t), repeats=n, dwell=d)
@@ -198,7 +236,7 @@ def test_nearest_bodies_of_many_poses_are_counted_by_kind() -> None:
     assert "poses" not in data
     table, note = clearance_words.pose_blocks(groups, here)
     assert cells(table) == [(next(iter(PairGroup)).value, "a of leg 2", "b", "4 mm")]
-    assert said([note]) == [("Least clearance: 4 mm.", "ok")]
+    assert said([note]) == [("Least clearance: 4 mm, a of leg 2 and b.", "ok")]
     assert said([clearance_words.verdict(here, 0.005)])[0][1] == "bad"
 
 

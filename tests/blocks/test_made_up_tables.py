@@ -1,4 +1,4 @@
-"""Tables of accuracy, loads, stiffness, logs, maps, designs and balance whose results are made up.
+"""Tables of accuracy, loads, stiffness and logs whose results are made up.
 
 No two numbers are alike, so that each cell can be told from all others.
 """
@@ -13,15 +13,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.blocks import accuracy, balance, design, identification, loads, maps, stiffness
+from paminsa_viz.blocks import (
+    accuracy,
+    identification,
+    loads,
+    stiffness,
+)
 from paminsa_viz.blocks.kinds import Row, Table
 from paminsa_viz.model.accuracy import DriveAccuracy
-from paminsa_viz.model.design import APPENDIX_4, PARAMETER, Counterweight
-from paminsa_viz.model.drive import ACTUATORS, Drive
+from paminsa_viz.model.design import APPENDIX_4, PARAMETER
+from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.quantities import QUANTITIES
-from paminsa_viz.trajectory import PRESET, analyze
 from tests.blocks.said import cells, said
 
 POSE = (0.03, -0.02, 0.25, -0.52)
@@ -309,173 +313,3 @@ def test_checks_by_other_logs() -> None:
     ]
     payload.gain = (0.98, 0.01)
     assert rows(payload=payload)[2] == ("Common gain of the torques", "0.980 ± 0.010")
-
-
-# ------------------------------------------------------------------------------------------ maps
-
-
-def test_numbers_of_a_map_are_of_the_cells_that_count() -> None:
-    values = np.array([[1.0, -5.0, np.nan], [3.0, 100.0, 2.0]])
-    counts = np.array([[True, True, True], [True, False, True]])
-    found = maps._numbers(values, counts)
-    assert found == {
-        "least": -5.0, "largest": 3.0, "median_size": 2.5,
-        "p90_size": pytest.approx(np.percentile([1.0, 5.0, 3.0, 2.0], 90)),
-    }  # fmt: skip
-    none = maps._numbers(values, np.zeros_like(counts))
-    assert list(none) == list(found)
-    assert np.isnan(list(none.values())).all()
-
-
-def test_computed_maps_beside_published_ones() -> None:
-    position = np.array([[0.01, 0.02], [-0.03, 0.05], [0.9, 0.9]])
-    poses = np.column_stack([position, np.full(3, 0.2), np.full(3, -0.5)])
-    torque = maps.static_torques(APPENDIX_4, poses)
-    off = np.array([[0.1, 1.0, np.nan, 2.0], [-0.3, -2.0, np.nan, np.nan], [0.0] * 4])
-    data: Any = SimpleNamespace(design=APPENDIX_4, theta=0.2, z=-0.5)
-    published: Any = SimpleNamespace(position=position, torque=torque - off)
-    found = maps.off_published(data, published)
-    names = list(maps.TORQUE_NAMES)
-    assert list(found) == [names[0], names[1], names[3]]
-    assert found[names[0]]["positions"] == 2
-    assert found[names[0]]["largest_difference"] == pytest.approx(0.3)
-    assert found[names[1]]["rms_difference"] == pytest.approx(math.sqrt(2.5))
-    assert found[names[3]]["positions"] == 1
-
-
-# --------------------------------------------------------------------------------------- designs
-
-
-def test_in_what_designs_differ() -> None:
-    one = APPENDIX_4
-    other = replace(
-        APPENDIX_4.vary({"links.b1": 1.5 * APPENDIX_4.links.b1, "load.force_x": 2.0}),
-        counterweights=(Counterweight("b3", 4, 0.05, 0.5), Counterweight("b8", 8, 0.05, 0.25)),
-        drives=(Drive("motor"), None, None, None),
-    )  # fmt: skip
-    (table,) = design.difference_blocks(one, other, ("one", "two"))
-    rows = {row[:2]: row[2:] for row in cells(table)}
-    b1 = APPENDIX_4.links.b1
-    assert rows["links", "b1_kg"][:3] == (f"{b1:.10g}", f"{1.5 * b1:.10g}", "+50 %")
-    assert rows["load", "force_x_N"][:3] == ("0", "2", "")
-    assert rows["counterweights", ""][0] == "–"
-    assert rows["counterweights", ""][1].count(" kg on ") == 2
-    assert rows["drives", "M1"][:2] == ("–", other.drives[0].summary)  # type: ignore
-    assert len(rows) == 4
-    assert said(design.difference_blocks(one, one, ("", "")))[0][0].startswith("the designs")
-    assert design.changes_text(one) == "as Appendix 4"
-    assert design.changes_text(other) == "5 values differ from Appendix 4"
-    assert design.changes_text(APPENDIX_4.vary({"links.b1": 2.0})).startswith("1 value differs")
-    data = design.difference_data(one, other)
-    assert data["differences"] == {
-        "links.b1_kg": {"first": b1, "second": 1.5 * b1},
-        "load.force_x_N": {"first": 0.0, "second": 2.0},
-    }
-    assert data["drives"]["second"] == {"M1": other.drives[0]}
-    assert not {"drives", "counterweights"} & design.difference_data(one, one).keys()
-
-
-def test_a_design_beside_appendix_4() -> None:
-    note, table = design.design_blocks(APPENDIX_4)
-    assert note.text == "All values are those of the paper's Appendix 4."  # type: ignore
-    headings = [row.cells[0] for row in table.rows if row.kind == "group"]  # type: ignore
-    assert "Payload" not in headings
-    driven = replace(APPENDIX_4, drives=(Drive("motor"), None, None, None))
-    assert "which has no drives" in design.design_blocks(driven)[0].text  # type: ignore
-    loaded = APPENDIX_4.vary({"payload.mass": 2.0})
-    note, table = design.design_blocks(loaded)
-    assert note.text == "1 value differs from the paper's Appendix 4."  # type: ignore
-    marked = [row for row in table.rows if row.kind == "marked"]  # type: ignore
-    assert [row.cells[2:] for row in marked] == [("2 kg", "0 kg", "new")]
-    headings = [row.cells[0] for row in table.rows if row.kind == "group"]  # type: ignore
-    assert "Payload" in headings
-    weights = (Counterweight("b3", 4, 0.05, 0.5),)
-    held = replace(loaded.vary({"links.b1": 2.0}), counterweights=weights, drives=driven.drives)
-    note, _, table = design.design_blocks(held)
-    assert note.text == (  # type: ignore
-        "2 values differ from the paper's Appendix 4; every leg carries 1 counterweight; it has "
-        "drives."
-    )
-    assert cells(table) == [(weights[0].place, "0.5 kg")]
-
-
-def test_choices_of_a_design_stand_behind_the_numbers_of_their_table() -> None:
-    tables = [row.cells[0] for row in design.values_table(APPENDIX_4).rows]
-    for _table, name in design.CHOICES:
-        rows = design.values_table(APPENDIX_4).rows
-        (place,) = [i for i, row in enumerate(rows) if row.cells[1] == name]
-        later = [row.cells[0] for row in rows[place + 1 :]]
-        assert rows[place].cells[0] not in later or design.CHOICES.count((_table, name)) > 1
-    blocks = [tables[0]]
-    for one in tables:
-        if one != blocks[-1]:
-            blocks.append(one)
-    assert len(blocks) == len(set(blocks))
-
-
-# --------------------------------------------------------------------------------------- balance
-
-
-def test_a_balance_with_its_goals_masses_and_bounds() -> None:
-    before = APPENDIX_4
-    weight = Counterweight("b3", 7, 0.05, 0.75)
-    after = replace(APPENDIX_4.vary({"joints.j7": 1.0, "inertias.b3_axial": 0.005}),
-                    counterweights=(weight,))  # fmt: skip
-    values = (
-        SimpleNamespace(label="goal", limit=None, before=1.5, after=1e-13, unit="N"),
-        SimpleNamespace(label="mass", limit=2.5, before=-1e-12, after=2.0, unit="kg"),
-    )
-    active = tuple(
-        SimpleNamespace(name=name, side="at most", bound=2.0, unit="kg", price=price)
-        for name, price in (("a", 0.5), ("b", 0.0))
-    )
-    found: Any = SimpleNamespace(
-        before=before, after=after, values=values, active=active, lower_bound=1.0, objective=1.25,
-        gap=0.25, seconds=0.1,
-    )  # fmt: skip
-    goals, masses, bounds, *notes = balance.optimum_blocks(found)
-    assert cells(goals) == [("goal", "1.5", "0", "N"), ("mass, at most 2.5", "0", "2", "kg")]
-    changes = cells(masses)
-    assert changes[0] == ("joints.j7", "0.28", "1", "+0.72", "kg")
-    assert changes[1] == ("inertias.b3_axial", "0.0038", "0.005", "+0.0012", "kg·m²")
-    assert changes[2] == (weight.place, "", "0.75", "+0.75", "kg")
-    assert len(changes) == 3
-    assert cells(bounds) == [("a", "at most", "2 kg", "0.5")]
-    assert said(notes)[-1] == (
-        "No masses within the bounds do better than 1; these reach 1.25.", "ok",
-    )  # fmt: skip
-    assert said(notes)[0][0].startswith(f"{weight.place}: ")
-    data = balance.optimum_data(found)
-    assert data["changes"]["joints.j7"] == {"before": 0.28, "after": 1.0}
-    assert data["counterweights"][0]["mass"] == 0.75
-    assert "room" in data["counterweights"][0]
-    none: Any = SimpleNamespace(**vars(found) | {"after": before, "active": active[1:]})
-    blocks = balance.optimum_blocks(none)
-    assert [type(block).__name__ for block in blocks] == ["Table", "Note", "Note"]
-    assert said(blocks)[0] == ("No mass changes.", "plain")
-
-
-def test_a_motion_before_and_after_balance() -> None:
-    def analysis(*loads: tuple[float, float]) -> Any:
-        return SimpleNamespace(summary=[SimpleNamespace(peak=p, rms=r) for p, r in loads])
-
-    before = analysis((-4.0, 2.0), (3.0, 1.0), (2.0, 1.0), (100.0, 50.0))
-    after = analysis((1.0, 1.0), (-3.3, 0.9), (2.0, 0.5), (110.0, 45.0))
-    table = balance._on_the_motion(before, after)
-    assert cells(table)[0] == ("M1", "4 N·m", "1 N·m", "−75.0 %", "2 N·m", "1 N·m", "−50.0 %")
-    assert cells(table)[1][1:4] == ("3 N·m", "3.3 N·m", "+10.0 %")
-    assert cells(table)[3][4:] == ("50 N", "45 N", "−10.0 %")
-    assert "more torque" not in table.caption
-    worse = analysis((1.0, 1.0), (-3.3, 0.9), (2.0, -1.2), (110.0, 45.0))
-    assert "more torque" in balance._on_the_motion(before, worse).caption
-
-
-def test_a_balanced_design_needs_nothing() -> None:
-    trajectory = PRESET["arch"].build(APPENDIX_4.geometry).sample(5)
-    balanced = balance.balance(APPENDIX_4).after
-    kinds = {
-        name: said(balance.balance_blocks(analyze(one, trajectory)))
-        for name, one in (("before", APPENDIX_4), ("after", balanced))
-    }
-    assert ("The design is balanced: M1 to M3 carry no weight.", "ok") in kinds["after"]
-    assert all(kind != "ok" for _, kind in kinds["before"])

@@ -222,12 +222,25 @@ def halves(a: Any) -> Any:
     return a / 2, -a / 2
 
 
+class BothEnds(NamedTuple):
+    """Two ends, see `halves`."""
+
+    near: Any
+    far: Any
+
+
+def ends(a: Any) -> BothEnds:
+    """Two numbers of a kind, a `BothEnds`."""
+    return BothEnds(a, -a)
+
+
 def composed(a: Any, b: Any) -> Any:
     """What reads them."""
     total, rest = parts(a, b)
     _, half = parts(rest, total)
     first, second = halves(half)
-    return first * second
+    near, far = ends(first)
+    return near * second - ends(far).near
 
 
 def printed(language: Any, *formulas: Any) -> dict[str, list[str]]:
@@ -268,6 +281,12 @@ typedef struct {
     double values[2];
 } PaminsaHalves;
 
+/* Two ends, see paminsa_halves. */
+typedef struct {
+    double near;
+    double far;
+} PaminsaBothEnds;
+
 /* Two numbers with names. */
 static inline PaminsaParts paminsa_parts(double a, double b)
 {
@@ -285,6 +304,15 @@ static inline PaminsaHalves paminsa_halves(double a)
     return (PaminsaHalves){{a / 2.0, -a / 2.0}};
 }
 
+/* Two numbers of a kind, a PaminsaBothEnds. */
+static inline PaminsaBothEnds paminsa_ends(double a)
+{
+    return (PaminsaBothEnds){
+        .near = a,
+        .far = -a,
+    };
+}
+
 /* What reads them. */
 static inline double paminsa_composed(double a, double b)
 {
@@ -296,7 +324,11 @@ static inline double paminsa_composed(double a, double b)
     const PaminsaHalves halves = paminsa_halves(half);
     const double first = halves.values[0];
     const double second = halves.values[1];
-    return first * second;
+    const PaminsaBothEnds both_ends = paminsa_ends(first);
+    const double near = both_ends.near;
+    const double far = both_ends.far;
+    const PaminsaBothEnds both_ends_2 = paminsa_ends(far);
+    return near * second - both_ends_2.near;
 }
 """,
     JavaScript: """\
@@ -312,6 +344,11 @@ function paminsaHalves(a) {
     return [a / 2.0, -a / 2.0];
 }
 
+/* Two numbers of a kind, a BothEnds. */
+function paminsaEnds(a) {
+    return { near: a, far: -a };
+}
+
 /* What reads them. */
 function paminsaComposed(a, b) {
     const parts = paminsaParts(a, b);
@@ -322,7 +359,11 @@ function paminsaComposed(a, b) {
     const halves = paminsaHalves(half);
     const first = halves[0];
     const second = halves[1];
-    return first * second;
+    const both_ends = paminsaEnds(first);
+    const near = both_ends.near;
+    const far = both_ends.far;
+    const both_ends_2 = paminsaEnds(far);
+    return near * second - both_ends_2.near;
 }
 """,
 }

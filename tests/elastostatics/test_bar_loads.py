@@ -21,6 +21,7 @@ from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.dynamics import inverse_dynamics
+from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.load import LoadCase
 from paminsa_viz.model.parameters import BAR_ENDS
 from paminsa_viz.model.reach import Limit, home_pose
@@ -185,6 +186,26 @@ def test_arms_carry_the_shafts_force_and_moment_at_home() -> None:
     assert arm[0] == pytest.approx(radial)
     assert arm[1] == pytest.approx(-vertical - weight)
     assert arm[2] == pytest.approx(moment - g.arm_length * vertical - weight * g.arm_length / 2)
+
+
+@EACH
+def test_the_load_on_an_arm_is_what_the_shaft_hands_on(design: Design) -> None:
+    """The force and the moment of joint 2 in the leg's plane, split along the arm's own axes."""
+    forces = joint_forces(loaded(design), *states(design))
+    tip, two = arm_tip(forces), forces.of("2")
+    moment = forces.moment[..., JOINT_INDEX["2"]]
+    bodies = forces.bodies.position
+    inward = -LEG_AXES
+    across = np.stack([-inward[:, 1], inward[:, 0]], axis=-1)  # z x e
+    plane = np.stack([bodies.ux, bodies.uy], axis=-1)  # of the leg, as r
+    force = -two[..., 0, None] * plane
+    np.testing.assert_allclose(tip.along, (force * inward).sum(axis=-1), atol=1e-9)
+    np.testing.assert_allclose(tip.sideways, (force * across).sum(axis=-1), atol=1e-9)
+    np.testing.assert_allclose(tip.up, -two[..., 2], atol=1e-9)
+    # about the normal of the leg's plane, which is that of the arm's turned with it
+    np.testing.assert_allclose(np.hypot(tip.bending, tip.torsion), np.abs(moment), atol=1e-9)
+    np.testing.assert_allclose(tip.bending, -moment * (plane * inward).sum(axis=-1), atol=1e-9)
+    np.testing.assert_allclose(tip.torsion, -moment * (plane * across).sum(axis=-1), atol=1e-9)
 
 
 def test_unknown_bars_are_refused() -> None:

@@ -150,6 +150,11 @@ def test_batches_and_poses_out_of_reach(engine: Engine) -> None:
     flat = robot.static_torques(poses)
     np.testing.assert_allclose(robot.static_torques(poses.reshape(2, 3, 4)), flat.reshape(2, 3, 4))
     np.testing.assert_allclose(robot.static_torques(poses[3]), flat[3])
+    pushed = engine(replace(APPENDIX_4, load=LoadCase(force_x=5.0, force_z=-20.0)))
+    apart = [pushed.static_torques(pose) for pose in poses]
+    for shape in ((6,), (2, 3), (3, 1, 2)):
+        found = pushed.static_torques(poses.reshape(*shape, 4))
+        np.testing.assert_allclose(found, np.reshape(apart, (*shape, 4)))
     mixed = np.array([poses[0], [0.0, 0.0, 0.0, -3.0], [np.nan, 0.0, 0.0, -0.5], poses[1]])
     found = robot.static_torques(mixed)
     np.testing.assert_allclose(found[[0, 3]], flat[:2])

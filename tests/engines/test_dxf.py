@@ -157,6 +157,9 @@ def test_legs_are_red_green_and_blue_and_places_are_flat() -> None:
         if kind == "CIRCLE":
             radius = float(inside[-1][1])
             assert radius == pytest.approx(12.0 * (g.crank_length + g.coupler_length))
+            if inside[0][1] == "FROM_ABOVE":  # joints that are one but for rounding are one
+                places = [1e6 * float(value) for _, value in inside[1:3]]
+                np.testing.assert_allclose(places, np.round(places), atol=1e-3)
     assert kinds == set(wanted)
 
 

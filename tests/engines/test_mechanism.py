@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from paminsa_viz.engines.poses import joint_values, start_pose
 from paminsa_viz.errors import InvalidDesign, UnreachablePose
 from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.model.parameters import Counterweight
 from tests import oracle
 from tests.support import samples
 from tests.support.cases import BOTH
@@ -110,3 +112,22 @@ def test_inertias_of_no_rigid_body_are_refused() -> None:
     with pytest.raises(InvalidDesign) as caught:
         build_mechanism(odd)
     assert caught.value.field == "inertias.b7_axial"
+
+
+def test_counterweights_have_the_numbers_of_the_design_and_stand_in_their_bars() -> None:
+    weights = (
+        Counterweight("b8", 8, 0.1, 0.8), Counterweight("b3", 7, 0.2, 0.4),
+        Counterweight("b8", 9, 0.3, 0.2),
+    )  # fmt: skip
+    design = replace(APPENDIX_4, counterweights=weights)
+    found = {
+        part.name: (link.name, part.mass)
+        for link in build_mechanism(design).links
+        for part in link.parts
+        if "counterweight" in part.name
+    }
+    assert found == {
+        f"leg{leg}_counterweight{number}": (f"leg{leg}_{weight.bar.upper()}", weight.mass)
+        for leg in (1, 2, 3)
+        for number, weight in enumerate(weights, 1)
+    }

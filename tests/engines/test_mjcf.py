@@ -176,6 +176,43 @@ def test_links_without_mass_are_refused(change: dict[str, float], link: str) -> 
         exported_mjcf(APPENDIX_4.vary(MASSLESS | change))
 
 
+def test_a_gram_at_a_slide_or_a_gram_square_meter_in_a_thousand_at_a_hinge_is_enough() -> None:
+    """1e-3 kg and 1e-6 kg m^2: joint 3 on the shaft, and joint 7 at the end of B7."""
+    short = APPENDIX_4.geometry.short_coupler_length
+    masses = MASSLESS | {"links.b1": 0.1, "joints.j7": 1.0, "links.b2": 0.0, "joints.j3": 1.0}
+    for path, least, unit in (
+        ("joints.j3", 1e-3, "0.001 kg"),
+        ("joints.j7", 1e-6 / short**2, r"1e-06 kg m\^2"),
+    ):
+        exported_mjcf(APPENDIX_4.vary(masses | {path: least * (1 + 1e-9)}))
+        with pytest.raises(InvalidInput, match=f"MuJoCo cannot move less than {unit}$"):
+            exported_mjcf(APPENDIX_4.vary(masses | {path: least * (1 - 1e-9)}))
+    exported_mjcf(APPENDIX_4.vary(masses | {"joints.j3": 1e-3}))
+
+
+def test_torques_and_loads_are_linear_between_the_times(mujoco: Any) -> None:
+    """More times on the same lines change nothing, where steps are as long."""
+    rng = np.random.default_rng(3)
+    few, many = np.linspace(0.0, 0.02, 3), np.linspace(0.0, 0.02, 21)
+    pose = np.array([0.02, 0.01, 0.1, -0.5])
+    torque = oracle.static_torques(APPENDIX_4, pose) + rng.normal(size=(3, 4))
+    load = 20.0 * rng.normal(size=(3, 6))
+
+    def played(times: Any) -> Any:
+        def between(values: Any) -> Any:
+            return np.stack([np.interp(times, few, column) for column in values.T], axis=1)
+
+        poses = np.tile(pose, (len(times), 1))
+        found = play(
+            APPENDIX_4, times, poses, 0 * poses, between(torque), step=1e-3, loads=between(load)
+        )
+        return found.poses
+
+    one, other = played(few), played(many)[::10]
+    assert np.abs(one[-1] - pose).max() > 1e-3
+    np.testing.assert_allclose(one, other, atol=1e-9)
+
+
 def test_a_simulation_that_overflows_ends_before_it(
     mujoco: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -127,3 +127,24 @@ def test_what_a_log_does_not_excite_is_hidden_and_not_known() -> None:
     assert found.known(both).all()
     assert not found.known(alone).any()
     assert (both @ found.x)[0] == pytest.approx(x[0] + 2 * x[1], abs=0.1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_told_and_known_does_not_depend_on_units(seed: int) -> None:
+    """Of numbers in units a million times as large or small, one of which is not excited."""
+    columns, x, numbers = random_columns(seed)
+    columns[..., 1] = 2.0 * columns[..., 0]
+    torque = columns @ x + 0.1 * np.random.default_rng(seed).standard_normal((240, 4))
+    units = np.array([1e6, 1e6, 1e-6, 1e3, 1e-3])
+    one, other = (
+        solve(normal_blocks(columns * factor, torque, numbers)) for factor in (np.ones(5), units)
+    )
+    rows = np.array([[0, 0, 1, 0, 0], [0, 0, 0, 1, 0], [0, 0, 0, 0, 1], [1, 2, 0, 0, 0.0]])
+    np.testing.assert_allclose(one.x[2:], (units * other.x)[2:], rtol=1e-6)
+    np.testing.assert_allclose(one.noise, other.noise, rtol=1e-6)
+    np.testing.assert_allclose(one.deviation(rows), other.deviation(rows * units), rtol=1e-5)
+    for row, known in zip(np.eye(5), (False, False, True, True, True), strict=True):
+        assert one.known(row[None]).tolist() == other.known((row * units)[None]).tolist() == [known]
+    assert one.known(rows).all()
+    assert other.known(rows * units).all()
+    assert one.widening == pytest.approx(other.widening, rel=1e-4)

@@ -39,6 +39,7 @@ from paminsa_viz.model import (
     LoadCase,
     actuator_velocity,
     inverse_dynamics,
+    static_torques,
 )
 from paminsa_viz.model.design import PARAMETERS
 from paminsa_viz.model.reach import check_reach
@@ -221,6 +222,9 @@ def test_what_a_motion_takes_of_its_limits_is_that_of_its_whole_period() -> None
     plan = Plan(info.family.curve(some_motion(info), periods=2), 2 * PERIOD)
     rows = kept_limits(ROBOT, limits_of(ROBOT), plan, ExcitationSettings(period=PERIOD))
     assert [row.name for row in rows][:8] == list(LIMITED[:8])
+    assert [row.name for row in rows if row.least] == [
+        "distance from the guides", "distance to the limits of reach",
+    ]  # fmt: skip
     t = np.linspace(0.0, PERIOD, 4001)
     pose, velocity, acceleration = plan.at(t)
     measured = [
@@ -291,6 +295,31 @@ def test_impossible_searches_are_refused() -> None:
     weak = limits_of(ROBOT)._replace(torque=np.array([20.0, 20.0, 20.0, 50.0]))
     with pytest.raises(NoExcitation, match="force of M4 is beyond its limit"):
         optimize_excitation(ROBOT, weak, ExcitationSettings(random=12))
+
+
+def test_a_stage_brings_back_the_best_allowed_motion_and_its_worth() -> None:
+    info = information(samples=64)
+    start = 0.05 * some_motion(info)
+    search = Search(info, ExcitationSettings(period=PERIOD, random=1), time.monotonic(), go_on)
+    assert not info.sharp  # of a step there is no slope
+    worth, best = search._improve(start, 20.0, 3)
+    assert worth > info.evaluate(start, 20.0).value + 1.0
+    assert (worth, best.tolist()) == (search.best_value, search.best.tolist())
+    assert worth == pytest.approx(info.evaluate(best, 20.0).value)
+    assert info.evaluate(best, 20.0).worst >= -TOLERANCE
+
+
+def test_each_limit_that_home_exceeds_is_named() -> None:
+    limits = limits_of(ROBOT)
+    torque = limits.torque.copy()
+    held = np.abs(static_torques(ROBOT, preset_center(ROBOT.geometry)))
+    for actuator in np.flatnonzero(held > 1e-3):
+        few = torque.copy()
+        few[actuator] = 0.999 * held[actuator]
+        with pytest.raises(NoExcitation, match=f"the {LIMITED[4 + actuator]} is beyond its limit"):
+            optimize_excitation(
+                ROBOT, limits._replace(torque=few), ExcitationSettings(random=2, period=PERIOD)
+            )
 
 
 def test_torque_rms_of_motions_is_over_their_own_samples() -> None:
@@ -365,7 +394,7 @@ def test_stages_go_on_with_the_best_motions_of_those_before() -> None:
             return worth, start
 
     starts = np.zeros((GROUP, info.family.size))
-    starts[:, 0] = np.random.default_rng(2).permutation(GROUP)
+    starts[:, 0] = np.arange(GROUP)  # the best come last
     search = Scripted(info, settings, time.monotonic(), go_on)
     search.run(starts)
     assert search.over

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification import InvalidLog, log_poses, make_log
 from paminsa_viz.identification.estimate import half_widths, normal_blocks, solve
 from paminsa_viz.identification.filtering import (
     _FIRST,
     _REACH,
     _SECOND,
+    LOWEST_RATE,
     OVERSAMPLING,
     SETTLING,
     Signals,
@@ -51,6 +55,23 @@ def test_as_many_samples_are_kept_as_the_band_needs() -> None:
     assert thinning_for(39.9 * OVERSAMPLING, 10.0) == 3
     assert thinning_for(40.0 * OVERSAMPLING, 10.0) == 4
     assert thinning_for(1.0, 10.0) == 1
+
+
+def test_cut_offs_are_possible_from_above_nothing_to_a_share_of_the_rate() -> None:
+    log = make_log(*clean_signals(1, duration=20.0, rate=200.0))
+    pose, pieces = log_poses(APPENDIX_4.geometry, log)
+    most = log.rate / LOWEST_RATE
+
+    def filtered(cut_off: float) -> Any:
+        return filter_log(
+            log, APPENDIX_4.geometry, pose, pieces, cut_off=cut_off, transition_speed=0.01
+        )
+
+    for possible in (0.7, most):
+        assert np.isfinite(filtered(possible).torque).all()
+    for impossible in (0.0, -1.0, np.nextafter(most, np.inf), np.nan, np.inf):
+        with pytest.raises(InvalidInput, match=f"above 0 and at most {most:g} Hz is needed"):
+            filtered(impossible)
 
 
 @pytest.mark.parametrize("thinning", [1, 2])

@@ -18,7 +18,8 @@ from paminsa_viz.identification import (
     identity_row,
     make_log,
 )
-from paminsa_viz.identification.columns import base_scale
+from paminsa_viz.identification.base_parameters import LEG_PARAMETERS
+from paminsa_viz.identification.columns import LARGE_SHARE, base_scale
 from paminsa_viz.identification.estimate import RESOLUTION
 from paminsa_viz.identification.filtering import Signals
 from paminsa_viz.identification.identify import filtered, require_motion, shifted
@@ -238,6 +239,8 @@ def test_opt_in_numbers_are_found() -> None:
     contrasts = [item for item in legs.estimates if item.parameter.kind == "leg"]
     assert len(contrasts) == 24
     assert np.isnan(legs.identity.value)  # with the legs' columns, too, the identity is held
+    sizes = LARGE_SHARE * base_scale(APPENDIX_4)[list(LEG_PARAMETERS)]
+    assert [item.parameter.most for item in contrasts] == pytest.approx([*sizes] * 3)
     of_legs = np.reshape([item.value for item in contrasts], (3, 8))
     np.testing.assert_allclose(of_legs.sum(axis=0), 0.0, atol=1e-12)
     assert sum(abs(item.value) > 1.5 * item.half_width for item in contrasts) == 0

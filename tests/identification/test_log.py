@@ -107,6 +107,17 @@ def test_a_gap_is_refused_or_splits_and_is_never_closed_up(signals: list[Any]) -
     assert any("split" in note for note in log.notes)
 
 
+def test_pieces_begin_where_the_log_says_and_behind_rows_that_are_left_out() -> None:
+    log = make_log(*clean_signals(1, duration=20.0, rate=RATE))
+    position = log.position.copy()
+    position[1500:1510, 3] = 5.0  # out of reach
+    split = replace(log, starts=(0, 1007, 2007, 3001), split=True, position=position)
+    _, pieces = log_poses(APPENDIX_4.geometry, split)
+    assert [(piece.start, piece.stop) for piece in pieces] == [
+        (0, 1007), (1007, 1500), (1510, 2007), (2007, 3001), (3001, 4000),
+    ]  # fmt: skip
+
+
 def test_uneven_rows_are_resampled_and_that_is_stated(signals: list[Any]) -> None:
     t, _, torque = signals
     jitter = np.random.default_rng(0).uniform(-0.2, 0.2, t.size) / RATE
@@ -116,6 +127,8 @@ def test_uneven_rows_are_resampled_and_that_is_stated(signals: list[Any]) -> Non
     log = make_log(t + jitter, position, torque)
     assert any("resampled" in note for note in log.notes)
     np.testing.assert_allclose(np.diff(log.t), 1 / log.rate, rtol=1e-9)
+    assert log.t[0] == t[0]
+    assert t[-1] - 1.01 / log.rate < log.t[-1] <= t[-1] + 1e-6 / log.rate
     exact = inverse_kinematics(APPENDIX_4.geometry, multi_sine(1)(log.t)[0]).actuators
     np.testing.assert_allclose(log.position, exact, atol=1e-6)
 

@@ -93,6 +93,21 @@ def test_masses_stay_possible_whatever_the_log_says(identified: Any) -> None:
         nearest_masses(identified, spread=0.0)
 
 
+def test_a_fit_that_holds_the_identity_tells_the_masses_too() -> None:
+    """Of a right robot's log without noise, the ten parameters that are left give the design."""
+    settings = replace(QUICK, constrain=True)
+    log = simulated(1, BUILT, noise_seed=None, rate=250.0)
+    found = nearest_masses(identify(BUILT, log, settings))
+    assert found.misfit < 1e-2
+    np.testing.assert_allclose(
+        base_parameters(found.design), base_parameters(BUILT), rtol=1e-3, atol=1e-4
+    )
+    other = nearest_masses(identify(APPENDIX_4, log, settings))
+    np.testing.assert_allclose(
+        base_parameters(other.design)[5:], base_parameters(BUILT)[5:], rtol=1e-2, atol=1e-3
+    )
+
+
 def test_friction_and_rotors_go_to_the_drives() -> None:
     ratio = 20.0
     drives = tuple(
@@ -120,12 +135,15 @@ def test_rotors_keep_their_mean_and_differ_as_the_log_says() -> None:
     drives = tuple(
         Drive(name="d", rotor_inertia=inertia, gear_ratio=20.0) for inertia in (1e-4, 2e-4, 4.5e-4)
     )
-    design = replace(BUILT, drives=(*drives, None))
+    axis = Drive(name="axis", transmission="screw", lead=0.01, rotor_inertia=1e-5)
+    design = replace(BUILT, drives=(*drives, axis))
     settings = replace(QUICK, rotors=True)
     found = identify(design, simulated(1, design, noise_seed=None, rate=250.0), settings)
     before = np.array(design.drive_inertia[:3])
     told = [found.estimate(name).value for name in ("ΔJ_1", "ΔJ_2")]
-    after = np.array(nearest_masses(found).design.drive_inertia[:3])
+    *rotors, lift = nearest_masses(found).design.drive_inertia
+    assert lift == pytest.approx(design.drive_inertia[3], rel=1e-12)
+    after = np.array(rotors)
     assert after.mean() == pytest.approx(before.mean(), rel=1e-9)
     np.testing.assert_allclose(after[:2] - after.mean(), told, atol=1e-12)
     # what the log is compared with is the design's own difference from the mean

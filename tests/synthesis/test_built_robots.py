@@ -64,6 +64,8 @@ def test_what_is_said_of_a_built_robot_holds_from_scratch(name: str) -> None:
     ):
         assert near < stated <= drawn.min() + 1e-9
     assert clearance(design, found.worst).least == pytest.approx(found.clearance, abs=1e-8)
+    thousandths = 1000.0 * found.overlapping
+    assert thousandths == pytest.approx(round(thousandths), abs=1e-9)
     share = np.mean(apart < 0)
     assert abs(found.overlapping - share) <= 4 * np.sqrt(0.25 / 400) * (0 < share < 1) + 0.01
     # guides and shafts

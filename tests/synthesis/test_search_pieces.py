@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import replace
+from dataclasses import fields, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,6 +14,7 @@ from paminsa_viz.progress import Canceled
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.studies.executors import here
 from paminsa_viz.synthesis import Effort, ObjectiveLimit, Regime, SynthesisCase
+from paminsa_viz.synthesis.masses.program import InnerSolution
 from paminsa_viz.synthesis.search import solve
 from paminsa_viz.synthesis.search.evaluation import REFUSED
 from paminsa_viz.synthesis.search.outer import (
@@ -166,6 +167,10 @@ def test_trials_about_an_answer() -> None:
     turns = [cloud(case, answers, turn=turn) for turn in (0, 2, 3)]
     assert turns[0] == turns[1] != turns[2]
     assert cloud(replace(case, seed=1), answers) != turns[0]
+
+
+def test_a_solution_is_printed_without_its_program() -> None:
+    assert [item.name for item in fields(InnerSolution) if not item.repr] == ["program", "solution"]
 
 
 def test_a_robot_as_numbers_of_the_search() -> None:

@@ -1,0 +1,234 @@
+"""Geometry and workspace of a report: sizes, shares of poses, torques, maps, and the drawing."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Limit,
+    check_reach,
+    inverse_kinematics,
+    singular_radius,
+    static_torques,
+)
+from paminsa_viz.model.kinematics import LEG_AXES
+from paminsa_viz.model.reach import workspace_height, workspace_radius
+from paminsa_viz.palette import LEG_COLORS, LIFT_COLOR
+from paminsa_viz.plots.formats import drawing
+from paminsa_viz.report import design_section, workspace_section
+from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.trajectory import PRESET
+from tests.blocks.said import cells, said
+from tests.support.samples import random_poses
+
+G = APPENDIX_4.geometry
+POSE = (0.05, -0.03, 0.3, -0.52)
+REQUEST = ReportRequest(
+    design=APPENDIX_4, trajectory=PRESET["arch"].build(G).sample(5), pose=POSE,
+    made=datetime(2026, 1, 2, 3, 4, tzinfo=UTC), command="report",
+)  # fmt: skip
+
+
+def test_sizes_follow_from_the_lengths() -> None:
+    values = [value for _, value in cells(workspace_section._sizes(G, 0.3))]
+    shown = [f"{1e3 * size:.4g} mm" for size in (
+        workspace_radius(G), workspace_height(G), 1.05, 1.5 * 0.25, 0.3635)]  # fmt: skip
+    assert values[:5] == shown
+    assert values[5] == "± 73.4°"
+    assert values[6] == f"{1e3 * float(singular_radius(G, 0.3)):.4g} mm"
+    wider = APPENDIX_4.vary({"geometry.platform_radius": 0.4}).geometry
+    assert cells(workspace_section._sizes(wider, 0.3))[5][1] == "none"
+
+
+def test_shares_are_of_the_middles_of_the_cells_of_a_box(monkeypatch: pytest.MonkeyPatch) -> None:
+    counts = (7, 6, 3, 5)
+    monkeypatch.setattr(workspace_section, "CELLS", counts)
+    table = workspace_section._shares(APPENDIX_4)
+    turn = np.arccos(0.1 / 0.35)
+    halves = (workspace_radius(G), workspace_radius(G), turn, workspace_height(G))
+    axes = [
+        np.linspace(-half, half, 2 * n + 1)[1::2] for half, n in zip(halves, counts, strict=True)
+    ]
+    x, y, theta, z = np.meshgrid(*axes, indexing="ij")
+    status = check_reach(G, np.stack([x, y, theta, z - G.platform_joint_height], axis=-1)).status
+    expected = []
+    for limit in Limit:
+        if count := int((status == limit).sum()):
+            text = limit.explanation
+            words = text[0].upper() + text[1:]
+            expected.append((words, f"{100 * count / status.size:.1f} %"))
+    assert cells(table) == expected
+    assert [row.kind for row in table.rows] == ["total"] + ["plain"] * (len(expected) - 1)
+    assert f"on a grid of {status.size} poses" in table.caption
+    assert "|θ| ≤ 73.4°" in table.caption
+
+
+def test_torques_of_random_poses_by_their_shares(monkeypatch: pytest.MonkeyPatch) -> None:
+    poses = random_poses(np.random.default_rng(0), APPENDIX_4, 400)
+    monkeypatch.setattr(workspace_section, "workspace_poses", lambda g, count, seed: poses)
+    (table,) = workspace_section._torques(REQUEST)
+    size = np.abs(static_torques(APPENDIX_4, poses))
+    for j, row in enumerate(cells(table)):
+        column = np.sort(size[:, j])
+        numbers = [np.sqrt(np.mean(column**2)), *np.quantile(column, [0.5, 0.95, 0.99])]
+        unit = "N" if j == 3 else "N·m"
+        assert [cell.partition(" ")[2] for cell in row[1:]] == [unit] * 4
+        for cell, number in zip(row[1:], numbers, strict=True):
+            assert float(cell.partition(" ")[0]) == pytest.approx(number, rel=5e-4)
+
+    def refused(*given: Any) -> None:
+        raise workspace_section.InvalidInput("poses", "none is found")
+
+    monkeypatch.setattr(workspace_section, "workspace_poses", refused)
+    assert said(workspace_section._torques(REQUEST)) == [
+        ("Static torques over the workspace: none is found.", "warn")
+    ]
+
+
+def test_maps_of_a_report_take_the_width_that_they_are_given(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The torques all of it with their caption, force and condition number half of it each."""
+    note, *figures = workspace_section.maps_section(REQUEST).blocks
+    assert "θ = 17.19° and z = −520 mm" in note.text  # type: ignore
+    made = [(one.half, one.draw.keywords) for one in figures]  # type: ignore
+    assert [half for half, _ in made] == [False, True, True]
+    assert [options["caption"] for _, options in made] == [True, False, False]
+    widths = [options["width_mm"] for _, options in made]
+    assert widths == [170.0, 85.0, 85.0]  # of a page with margins of 20 mm
+    choices: list[str] = []
+
+    def chosen(data: Any, choice: Any) -> None:
+        choices.append(choice.kind)
+        assert choice.shared
+
+    monkeypatch.setattr(workspace_section, "choose_scales", chosen)
+    for signed, unit in ((True, "N m"), (False, "N"), (False, "1")):
+        data: Any = SimpleNamespace(signed=signed, unit=unit, title="t")
+        workspace_section._map_figure(data, 1.0, half=False)
+    assert choices == ["linear", "linear", "symlog"]
+
+
+@pytest.fixture(scope="module")
+def drawn() -> Any:
+    """Both views with all their lines, in meters."""
+    configuration = inverse_kinematics(G, POSE)
+    with drawing():
+        page = workspace_section.draw_sketch(configuration)
+        page.draw_without_rendering()
+    return configuration, page
+
+
+def test_rings_are_drawn_at_the_joints_and_feet(drawn: Any) -> None:
+    configuration, page = drawn
+    for area, view in zip(page.axes, ([0, 1], [0, 2]), strict=True):
+        marked = [line for line in area.lines if line.get_marker() == "o"]
+        for leg, color in enumerate(LEG_COLORS):
+            own = [line for line in marked if line.get_markeredgecolor() == color]
+            foot, rings = sorted(own, key=lambda line: len(line.get_xdata()))
+            axis = 0.35 * np.array([*LEG_AXES[leg], 0.0])
+            np.testing.assert_allclose(foot.get_xydata(), axis[None, view], atol=1e-12)
+            joints = [configuration.points[n][leg][view] for n in (3, 4, 5, 7, 8, 9)]
+            np.testing.assert_allclose(rings.get_xydata(), joints, atol=1e-12)
+            assert foot.get_markersize() > rings.get_markersize()
+
+
+def test_frame_platform_and_loci_are_where_they_are(drawn: Any) -> None:
+    configuration, page = drawn
+    top, side = page.axes
+    circles = [
+        line for line in top.lines
+        if line.get_marker() != "o" and len(line.get_xdata()) > 100
+    ]  # fmt: skip
+    radii = [np.hypot(*line.get_xydata().T) for line in circles]
+    for found, radius in zip(radii, (0.35, float(singular_radius(G, POSE[2]))), strict=True):
+        np.testing.assert_allclose(found, radius, rtol=1e-12)
+    turns = np.unwrap(np.arctan2(*circles[0].get_xydata().T[::-1]))
+    assert turns[-1] - turns[0] == pytest.approx(2 * np.pi)
+    (cross,) = [line for line in top.lines if line.get_marker() == "+"]
+    np.testing.assert_array_equal(cross.get_xydata(), [[0.0, 0.0]])
+    plate = np.array(configuration.points[5]) - [0.0, 0.0, G.platform_joint_height]
+    for area, view in ((top, [0, 1]), (side, [0, 2])):
+        (patch,) = area.patches
+        np.testing.assert_allclose(patch.get_xy()[:3], plate[:, view], atol=1e-12)
+    # from the side: arms from the carriage to joints 2, shafts, and the joints 5 on their plate
+    hub = [0.0, float(configuration.actuators[3])]
+    lift = [line.get_xydata() for line in side.lines if line.get_color() == LIFT_COLOR]
+    arms = [ends for ends in lift if np.allclose(ends[0], hub)]
+    np.testing.assert_allclose(
+        sorted(tuple(ends[1]) for ends in arms),
+        sorted(tuple(point[[0, 2]]) for point in np.array(configuration.points[2])), atol=1e-12,
+    )  # fmt: skip
+    assert len(lift) == 6
+    shafts = [line.get_xydata() for line in top.lines if line.get_color() == LIFT_COLOR]
+    assert all(np.allclose(ends[0], ends[1]) for ends in shafts)  # they are upright
+    guides = [line for area in (top, side) for line in area.lines if line.get_linestyle() == "--"]
+    assert len(guides) == 7  # of the legs, and the circle of singular positions
+    level = [line for line in side.lines if line.get_linestyle() == ":"]
+    assert [set(line.get_ydata()) for line in level] == [{0.0}]
+    posts = [
+        line.get_xydata() for line in side.lines
+        if np.isclose(np.ptp(line.get_ydata()), G.platform_joint_height)
+        and np.allclose(line.get_xdata(), line.get_xdata()[0]) and len(line.get_xdata()) == 2
+        and line.get_color() not in LEG_COLORS
+    ]  # fmt: skip
+    assert len(posts) == 3
+
+
+def test_views_stand_side_by_side_with_their_words_and_legs_are_numbered(drawn: Any) -> None:
+    configuration, page = drawn
+    top, side = (area.get_position(original=True) for area in page.axes)
+    assert top.x0 == 0.0
+    assert side.x1 == pytest.approx(1.0)
+    assert top.width == pytest.approx(side.width)
+    assert 0.0 < side.x0 - top.x1 < 0.1
+    assert top.y1 == side.y1 == pytest.approx(1.0)
+    assert top.y0 * page.get_figheight() == pytest.approx(side.y0 * page.get_figheight())
+    assert 0.2 < top.y0 * page.get_figheight() < 0.5  # inches for the words below
+    for text, box in zip(page.texts, (top, side), strict=True):
+        x, y = text.get_position()
+        assert x == pytest.approx(box.x0 + box.width / 2, abs=1e-9)
+        assert 0.0 < y < box.y0
+    for area, view in zip(page.axes, ([0, 1], [0, 2]), strict=True):
+        assert [text.get_text() for text in area.texts] == ["1", "2", "3"]
+        for leg, text in enumerate(area.texts):
+            axis = 0.35 * np.array([*LEG_AXES[leg], 0.0])
+            point = axis if view == [0, 1] else np.array(configuration.points[2])[leg]
+            np.testing.assert_allclose(text.xy, point[view], atol=1e-12)
+            shift = np.array(text.xyann)
+            if view == [0, 2]:
+                assert shift[0] == 0.0
+                assert shift[1] > 0.0
+            else:  # beside the leg
+                ahead = (np.array(configuration.points[5])[leg] - axis)[:2]
+                assert abs(shift @ ahead) < 1e-9
+                assert shift[0] * -ahead[1] + shift[1] * ahead[0] > 0
+                assert 8.0 < np.hypot(*shift) < 20.0
+        # everything is inside, with a margin
+        (x0, x1), (y0, y1) = area.get_xlim(), area.get_ylim()
+        for number in (2, 3, 4, 5, 7, 8, 9):
+            points = np.array(configuration.points[number])[:, view]
+            assert (points > [x0, y0]).all()
+            assert (points < [x1, y1]).all()
+        around = max(0.35, float(singular_radius(G, POSE[2])))
+        assert x0 < -around
+        assert x1 > around
+
+
+def test_where_the_provenance_comes_from() -> None:
+    def verified(found: Any) -> str:
+        table = design_section.provenance_section(REQUEST, found).blocks[0]
+        return dict(cells(table))["Verified"]
+
+    assert verified("no engine") == "no"
+    assert verified(SimpleNamespace(passed=True)) == "passed"
+    assert verified(SimpleNamespace(passed=False)) == "failed"
+    table: Any = design_section.provenance_section(REQUEST, "no").blocks[0]
+    assert dict(cells(table))["Made"].startswith("2026-01-02 03:04")
+    assert (table.words, table.literal) == (2, True)
