@@ -7,14 +7,13 @@ from collections.abc import Sequence
 
 from paminsa_viz.actuation.polytope import wrench_polytope
 from paminsa_viz.actuation.wrench_capability import actuator_limits, capability
+from paminsa_viz.blocks.external_load import load_notes
 from paminsa_viz.blocks.kinds import Block, Note, Row, Table
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.model.grids import Grid, solve_field
-from paminsa_viz.model.load import center_wrench
-from paminsa_viz.model.statics import load_torques
 from paminsa_viz.quantities import find
 from paminsa_viz.studies.metrics import global_indices
 from paminsa_viz.studies.region import RegionResults, default_region
@@ -30,29 +29,7 @@ KEYS = (
 
 def forces_blocks(design: Design, pose: Array) -> list[Block]:
     """Return the load, the actuators' limits and the capability at a pose (4,)."""
-    return [*_load(design, pose), _limits(design), *_capability(design, pose)]
-
-
-def _load(design: Design, pose: Array) -> list[Block]:
-    if not design.load.acts:
-        return [Note("No external force or moment acts on the platform.")]
-    wrench = center_wrench(design.load, pose[2])
-    names = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z")
-    units = ("N",) * 3 + ("N m",) * 3
-    rows = [
-        Row((name, "bearings alone" if name in ("M_x", "M_y") else "actuators", value))
-        for name, value in zip(names, map(format_value, wrench, units), strict=True)
-    ]
-    against = load_torques(design.geometry, design.load, pose)
-    rows += [
-        Row((name, "required against the load", format_value(value, unit)))
-        for name, value, unit in zip(ACTUATORS, against, TORQUE_UNITS, strict=True)
-    ]
-    caption = (
-        "The load at the platform's center, in base axes, at the report's pose. M_x, M_y and the "
-        "horizontal moments of the offset do no work: no actuator sees them."
-    )
-    return [Table(("Symbol", "Carried by", "Value"), tuple(rows), caption, words=2)]
+    return [*load_notes(design, pose), _limits(design), *_capability(design, pose)]
 
 
 def _limits(design: Design) -> Table:

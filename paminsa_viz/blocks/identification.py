@@ -40,7 +40,7 @@ def identification_blocks(findings: Findings) -> list[Block]:
     blocks.append(Note(f"RMS of what is left: {rest}."))
     blocks.append(estimates_table(findings))
     if one.unknown:
-        reasons = rows(*((item.symbol, item.reason) for item in one.unknown))
+        reasons = rows(*((item.symbol, item.reason()) for item in one.unknown))
         blocks.append(Table(("", "Why"), reasons, "Unknown parameters.", words=2))
     blocks += [causes_table(findings), unseen_note(findings)]
     if (checks := checks_table(findings)).rows:
@@ -58,7 +58,7 @@ def estimates_table(findings: Findings) -> Table:
         if item.known:
             text = interval_text(factor * item.value, factor * item.half_width)
         cells = (heading(item.symbol, p.unit), p.label, text, number(factor * p.design, 4))
-        found.append(Row(cells, _estimate_kind(item), hint=item.reason))
+        found.append(Row(cells, _estimate_kind(item), hint=item.reason()))
     caption = "Numbers that the log tells; marked where the design's is outside the interval."
     return Table(("", "Parameter", "Log, 95 %", "Design"), tuple(found), caption, words=2)
 
@@ -180,7 +180,7 @@ def identification_data(found: Findings, written: Sequence[Path]) -> dict[str, A
         "log": {"rows": len(log.t)} | record(log, "name", "rate_Hz", "duration_s"),
         "notes": one.notes,
         "parameters": [
-            record(item, "symbol", "value", "half_width_95", "known", "reason")
+            record(item, "symbol", "value", "half_width_95", "known") | {"reason": item.reason()}
             | record(item.parameter, "label", "unit", "design")
             for item in one.estimates
         ],

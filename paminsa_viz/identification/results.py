@@ -50,9 +50,8 @@ class Estimate:
         """Upper end of the interval."""
         return self.value + self.half_width
 
-    @property
     def reason(self) -> str:
-        """Why it is unknown and what motion would tell it, or an empty string."""
+        """Return why it is unknown and what motion would tell it, or an empty string."""
         if self.known:
             return ""
         motion = f"{self.parameter.motion} would tell it"

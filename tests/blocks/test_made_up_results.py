@@ -17,7 +17,7 @@ import pytest
 from paminsa_viz.actuation.ratios import GearRatios
 from paminsa_viz.actuation.selection import DriveFigures
 from paminsa_viz.blocks import clearance as clearance_words
-from paminsa_viz.blocks import drives
+from paminsa_viz.blocks import drives, trajectory
 from paminsa_viz.blocks.calibration import (
     calibration_data,
     combinations_table,
@@ -237,7 +237,15 @@ def test_nearest_bodies_of_many_poses_are_counted_by_kind() -> None:
     table, note = clearance_words.pose_blocks(groups, here)
     assert cells(table) == [(next(iter(PairGroup)).value, "a of leg 2", "b", "4 mm")]
     assert said([note]) == [("Least clearance: 4 mm, a of leg 2 and b.", "ok")]
-    assert said([clearance_words.verdict(here, 0.005)])[0][1] == "bad"
+    kinds = [clearance_words.verdict(d, ("a", "b"), 0.005).kind for d in (-1e-3, 4e-3, 5e-3)]
+    assert kinds == ["bad", "warn", "ok"]
+    assert clearance_words.verdict(np.nan, ("", "")).kind == "muted"
+
+
+def test_one_pose_that_can_be_taken_is_enough_for_a_table() -> None:
+    note, table = clearance_words.region_blocks(distances([np.nan, 0.004], [-1, 1]))
+    assert said([note])[0][0].startswith("1 of 2 poses can be taken; 0.0 %")
+    assert cells(table) == [("a", "b", "1", "4 mm")]
 
 
 def test_most_kinds_of_bodies_are_listed_up_to_a_number() -> None:
@@ -297,6 +305,28 @@ def test_a_motion_that_can_be_run_or_not() -> None:
     data = trajectory_data(failed)["failure"]
     assert (data["t_s"], data["leg"], data["pose"]) == (0.25, 2, POSE)
     assert data["explanation"] == near.explanation
+
+
+def test_crossings_have_their_torques_in_the_limit_or_no_bound(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(trajectory, "escape_inertia", lambda design, pose: 0.123456)
+    items = [
+        SimpleNamespace(
+            locus=SimpleNamespace(label=name), t=t, residual=0.0123456,
+            torque=(1.5, 2.5, -3.5, 450.0),
+        )
+        for name, t in (("circle", 0.123456), ("turn", 1.5))
+    ]  # fmt: skip
+    analysis: Any = SimpleNamespace(
+        crossings=items, unbounded=items[1:], design=APPENDIX_4,
+        trajectory=SimpleNamespace(at=lambda t: SimpleNamespace(pose=POSE)),
+    )  # fmt: skip
+    assert cells(trajectory._crossings(analysis)) == [
+        ("circle", "0.1235 s", "0.0123 N·m", "1.5 N·m", "2.5 N·m", "−3.5 N·m", "450 N",
+         "0.123 kg·m²"),
+        ("turn", "1.5 s", "0.0123 N·m", *["no bound"] * 4, "0.123 kg·m²"),
+    ]  # fmt: skip
 
 
 def test_computed_torques_beside_a_published_table() -> None:

@@ -213,6 +213,7 @@ def test_limits_of_an_excitation_by_their_shares() -> None:
     )
     found = Excitation.__new__(Excitation)
     object.__setattr__(found, "limits", limits)
+    assert limits_table(found).literal
     rows: tuple[Row, ...] = limits_table(found).rows
     assert [row.cells[4] for row in rows] == ["41 %", "50 %", "125 %"]
     assert [row.kind for row in rows] == ["plain", "plain", "marked"]

@@ -22,6 +22,7 @@ from paminsa_viz.blocks import (
     drives,
     evaluation,
     excitation,
+    external_load,
     forces,
     identification,
     loads,
@@ -149,6 +150,10 @@ def _excitation(_: Path) -> Said:
     settings = ExcitationSettings(evaluations=3, seconds=60.0, random=20)
     found = optimize_excitation(design, limits, settings)
     return excitation.excitation_blocks(found), excitation.excitation_data(design, found)
+
+
+def _external_load(_: Path) -> Said:
+    return list(external_load.load_notes(robot()[0], np.array(POSE))), None
 
 
 def _forces(_: Path) -> Said:

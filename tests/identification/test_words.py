@@ -119,11 +119,11 @@ def test_a_cause_says_what_it_may_as_well_be() -> None:
 def test_an_estimate_says_why_it_is_unknown_and_the_identity_whether_it_holds() -> None:
     parameter = FitParameter("b_1", "N", "weight", "base", 25.0, 2.5, "any motion")
     item = Estimate(parameter, 24.0, 1.0, True)
-    assert (item.symbol, item.low, item.high, item.reason) == ("b_1", 23.0, 25.0, "")
+    assert (item.symbol, item.low, item.high, item.reason()) == ("b_1", 23.0, 25.0, "")
     wide = replace(item, half_width=3.0, known=False)
-    assert wide.reason == "the interval is wider than ± 2.5; any motion would tell it"
+    assert wide.reason() == "the interval is wider than ± 2.5; any motion would tell it"
     lost = replace(item, half_width=np.inf, known=False)
-    assert lost.reason == "the motion does not excite it; any motion would tell it"
+    assert lost.reason() == "the motion does not excite it; any motion would tell it"
     found = SimpleNamespace(estimates=(item, wide))
     found.unknown = Identification.unknown.fget(found)  # type: ignore[attr-defined]
     assert found.unknown == (wide,)

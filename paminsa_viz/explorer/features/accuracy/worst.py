@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from viser import Icon
 
+from paminsa_viz.blocks.kinds import heading, shown
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
@@ -63,8 +64,8 @@ def worst_html(frame: Frame) -> str:
         return ""
     rows = []
     for name, item in zip(ERRORS.values(), outcome.result or (), strict=False):
-        unit, pose = display_unit(item.unit), item.pose and format_pose(item.pose)
-        rows.append((name, unit.text, item.value * unit.factor, pose, item.reason))
+        pose = item.pose and format_pose(item.pose)
+        rows.append((heading(name, item.unit), shown(item.value, item.unit), pose, item.reason))
     low, high = (display_unit("rad").factor * end for end in outcome.job.theta)
     return render(
         "accuracy/worst.j2", rows=rows, problem=outcome.problem, message=GO, low=low, high=high,

@@ -6,21 +6,20 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
+from paminsa_viz.blocks.external_load import load_notes
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.kit.design_numbers import GROUPS, SliderGroup, is_changed, slider
 from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Entry, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Dropdown, Slider
 from paminsa_viz.explorer.kit.robot_texts import gauge_html, of_pose
-from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.kit.text import blocks_html
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.kept import kept
 from paminsa_viz.model import (
     Geometry,
     LoadFrame,
     Parameter,
-    center_wrench,
-    load_torques,
     lumped_matrix,
 )
 from paminsa_viz.model.arrays import Array
@@ -86,14 +85,8 @@ def _folder(group: SliderGroup) -> Folder:
 
 def load_html(frame: Frame) -> str:
     """Return the load at the platform's center: what the actuators carry, and what bearings do."""
-    design = frame.shown_design
-    pose = frame.configuration.pose
-    wrench = center_wrench(design.load, float(pose[2]))
-    against = load_torques(design.geometry, design.load, pose)
-    rows = [(name, float(value), "N" if name == "F₄" else "N·m")
-            for name, value in zip(("τ₁", "τ₂", "τ₃", "F₄"), against, strict=True)]  # fmt: skip
-    text = render("design/load.j2", acts=design.load.acts, wrench=wrench.tolist(), rows=rows)
-    return of_pose(frame, text)
+    notes = load_notes(frame.shown_design, frame.configuration.pose)
+    return of_pose(frame, blocks_html("load", *notes))
 
 
 def _set_frame(state: State, frame: LoadFrame) -> State:

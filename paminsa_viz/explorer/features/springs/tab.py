@@ -11,7 +11,7 @@ from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.settings import MILLIMETERS
 from paminsa_viz.explorer.state.springs import LENGTHS, SpringSettings, SpringsFrom
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.units import number
+from paminsa_viz.units import format_value, number
 
 GAP = 1e-6
 """Gap of a certificate that is not worth a word [N m]."""
@@ -27,9 +27,9 @@ def springs_html(frame: Frame) -> str:
     (spring,) = fit.springs
     low, high = fit.reach[0]
     facts = [
-        ("stiffness on each leg", f"{number(spring.stiffness, 4)} N/m"),
-        ("free length", f"{number(1e3 * spring.free_length, 4)} mm"),
-        ("length in use", f"{1e3 * low:.0f} to {1e3 * high:.0f} mm"),
+        ("stiffness on each leg", format_value(spring.stiffness, "N/m")),
+        ("free length", format_value(spring.free_length, "m")),
+        ("length in use", f"{format_value(low, 'm', 3)} to {format_value(high, 'm', 3)}"),
     ]
     rows = [("largest on the map", fit.before, fit.after, "N·m")]
     rows += [
