@@ -137,6 +137,20 @@ def test_a_limit_of_a_sum_is_of_all_its_groups_together(starts: list[int]) -> No
     assert found.limit_prices == pytest.approx([2.0], abs=1e-5)  # of more of the second
 
 
+@pytest.mark.parametrize("large", [1.0, 1e6])
+def test_limits_are_met_closely_however_large_a_goal_is(large: float) -> None:
+    """A circle of 4096 tangents, as far as possible toward (1, 2)."""
+    angle = 2.0 * np.pi * np.arange(4096) / 4096
+    circle = MaxAbs(np.column_stack([np.cos(angle), np.sin(angle)]), np.zeros(4096))
+    goal = MaxAbs(-large * np.array([[1.0, 2.0]]), np.zeros(1), absolute=False)
+    variables = plain(np.eye(2), [0, 0], [2, 2])
+    found = solve(
+        Program(np.zeros(2), variables, ((1.0, goal),), limits=((1.0, circle),), scale=large)
+    )
+    assert circle.value(found.state) <= 1.0 + 1e-8
+    assert found.value == pytest.approx(-large * np.sqrt(5.0), rel=1e-6)
+
+
 @pytest.mark.parametrize(("name", "value"), [("MAX_ROUNDS", 0), ("ACCEPTED", -np.inf)])
 def test_what_is_not_solved_is_said_so(
     name: str, value: float, monkeypatch: pytest.MonkeyPatch

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from paminsa_viz.engines import verification
 from paminsa_viz.engines.exported import exported_mjcf, exported_usd
 from paminsa_viz.engines.mechanism import Link, Rod, as_cylinder, build_mechanism, link_color
-from paminsa_viz.engines.mjcf import TIME_STEP, Servos, mjcf_text
+from paminsa_viz.engines.mjcf import SERVO_FREQUENCY, TIME_STEP, Servos, mjcf_text
 from paminsa_viz.engines.mujoco_model import play
 from paminsa_viz.engines.poses import start_values, workspace_poses
 from paminsa_viz.engines.simulated_log import simulate_log
@@ -214,6 +214,18 @@ def test_mjcf_is_seen_whole_from_aside_and_lit_from_above() -> None:
     assert [float(defaults[name]) for name in ("contype", "conaffinity", "mass")] == [0, 0, 0]
     assert int(defaults["group"]) < 3 <= int(of("default/site")["group"])  # what a viewer shows
     assert numbers(of("default/equality")["solref"]) == pytest.approx([2 * TIME_STEP, 1.0])
+
+
+def test_servos_are_critically_damped_where_the_other_actuators_are_free() -> None:
+    """A unit torque on one gives it (M^-1)_ii; m q'' + d q' + k q = 0 has a double root."""
+    rng = np.random.default_rng(3)
+    half = rng.normal(size=(4, 4))
+    inertia = half @ half.T + np.eye(4)
+    found = Servos.critical(inertia)
+    for i in range(4):
+        felt = 1.0 / np.linalg.solve(inertia, np.eye(4)[i])[i]
+        roots = np.roots([felt, found.damping[i], found.stiffness[i]])
+        np.testing.assert_allclose(roots, -SERVO_FREQUENCY, rtol=1e-6)
 
 
 def test_actuators_of_mjcf_are_servos_about_the_start_or_motors_with_what_holds_it() -> None:

@@ -114,6 +114,20 @@ def test_inertias_of_no_rigid_body_are_refused() -> None:
     assert caught.value.field == "inertias.b7_axial"
 
 
+def test_a_flat_disc_is_just_a_rigid_body() -> None:
+    flat = APPENDIX_4.vary({"inertias.b7_axial": 0.0060, "inertias.b7_transverse": 0.003})
+    assert build_mechanism(flat).links
+
+
+@pytest.mark.parametrize(("mass", "inertia"), [(0.0, 0.0), (0.5, 0.0), (0.0, 0.01), (0.5, 0.01)])
+def test_a_payload_is_there_if_it_has_mass_or_inertia(mass: float, inertia: float) -> None:
+    design = APPENDIX_4.vary({"payload.mass": mass, "payload.inertia": inertia})
+    parts = [part for link in build_mechanism(design).links for part in link.parts]
+    found = [part for part in parts if part.name == "payload"]
+    assert [part.mass for part in found] == ([mass] if mass or inertia else [])
+    assert all(part.inertia[2] == inertia for part in found)
+
+
 def test_counterweights_have_the_numbers_of_the_design_and_stand_in_their_bars() -> None:
     weights = (
         Counterweight("b8", 8, 0.1, 0.8), Counterweight("b3", 7, 0.2, 0.4),

@@ -77,6 +77,8 @@ def test_joints_join_the_bodies_where_they_stand(design: Design) -> None:
         if kind == "PhysicsSphericalJoint":
             np.testing.assert_allclose(p0, p1, atol=1e-13, err_msg=name)
             continue
+        over = [0.0, 1.0, 0.0, 0.0] if joint["physics:axis"] == "Y" else [1.0, 0.0, 0.0, 0.0]
+        np.testing.assert_allclose(joint["physics:localRot1"], over, atol=1e-15)
         axis = np.eye(3)["XYZ".index(joint["physics:axis"])]
         np.testing.assert_allclose(r0.apply(axis), r1.apply(axis), atol=1e-13, err_msg=name)
         off = p1 - p0

@@ -11,21 +11,16 @@ import pytest
 
 from paminsa_viz.model import (
     APPENDIX_4,
-    Limit,
-    check_reach,
     inverse_kinematics,
     singular_radius,
-    static_torques,
 )
 from paminsa_viz.model.kinematics import LEG_AXES
-from paminsa_viz.model.reach import workspace_height, workspace_radius
 from paminsa_viz.palette import LEG_COLORS, LIFT_COLOR
 from paminsa_viz.plots.formats import drawing
 from paminsa_viz.report import design_section, workspace_section
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.trajectory import PRESET
-from tests.blocks.said import cells, said
-from tests.support.samples import random_poses
+from tests.blocks.said import cells
 
 G = APPENDIX_4.geometry
 POSE = (0.05, -0.03, 0.3, -0.52)
@@ -33,62 +28,6 @@ REQUEST = ReportRequest(
     design=APPENDIX_4, trajectory=PRESET["arch"].build(G).sample(5), pose=POSE,
     made=datetime(2026, 1, 2, 3, 4, tzinfo=UTC), command="report",
 )  # fmt: skip
-
-
-def test_sizes_follow_from_the_lengths() -> None:
-    values = [value for _, value in cells(workspace_section._sizes(G, 0.3))]
-    shown = [f"{1e3 * size:.4g} mm" for size in (
-        workspace_radius(G), workspace_height(G), 1.05, 1.5 * 0.25, 0.3635)]  # fmt: skip
-    assert values[:5] == shown
-    assert values[5] == "± 73.4°"
-    assert values[6] == f"{1e3 * float(singular_radius(G, 0.3)):.4g} mm"
-    wider = APPENDIX_4.vary({"geometry.platform_radius": 0.4}).geometry
-    assert cells(workspace_section._sizes(wider, 0.3))[5][1] == "none"
-
-
-def test_shares_are_of_the_middles_of_the_cells_of_a_box(monkeypatch: pytest.MonkeyPatch) -> None:
-    counts = (7, 6, 3, 5)
-    monkeypatch.setattr(workspace_section, "CELLS", counts)
-    table = workspace_section._shares(APPENDIX_4)
-    turn = np.arccos(0.1 / 0.35)
-    halves = (workspace_radius(G), workspace_radius(G), turn, workspace_height(G))
-    axes = [
-        np.linspace(-half, half, 2 * n + 1)[1::2] for half, n in zip(halves, counts, strict=True)
-    ]
-    x, y, theta, z = np.meshgrid(*axes, indexing="ij")
-    status = check_reach(G, np.stack([x, y, theta, z - G.platform_joint_height], axis=-1)).status
-    expected = []
-    for limit in Limit:
-        if count := int((status == limit).sum()):
-            text = limit.explanation
-            words = text[0].upper() + text[1:]
-            expected.append((words, f"{100 * count / status.size:.1f} %"))
-    assert cells(table) == expected
-    assert [row.kind for row in table.rows] == ["total"] + ["plain"] * (len(expected) - 1)
-    assert f"on a grid of {status.size} poses" in table.caption
-    assert "|θ| ≤ 73.4°" in table.caption
-
-
-def test_torques_of_random_poses_by_their_shares(monkeypatch: pytest.MonkeyPatch) -> None:
-    poses = random_poses(np.random.default_rng(0), APPENDIX_4, 400)
-    monkeypatch.setattr(workspace_section, "workspace_poses", lambda g, count, seed: poses)
-    (table,) = workspace_section._torques(REQUEST)
-    size = np.abs(static_torques(APPENDIX_4, poses))
-    for j, row in enumerate(cells(table)):
-        column = np.sort(size[:, j])
-        numbers = [np.sqrt(np.mean(column**2)), *np.quantile(column, [0.5, 0.95, 0.99])]
-        unit = "N" if j == 3 else "N·m"
-        assert [cell.partition(" ")[2] for cell in row[1:]] == [unit] * 4
-        for cell, number in zip(row[1:], numbers, strict=True):
-            assert float(cell.partition(" ")[0]) == pytest.approx(number, rel=5e-4)
-
-    def refused(*given: Any) -> None:
-        raise workspace_section.InvalidInput("poses", "none is found")
-
-    monkeypatch.setattr(workspace_section, "workspace_poses", refused)
-    assert said(workspace_section._torques(REQUEST)) == [
-        ("Static torques over the workspace: none is found.", "warn")
-    ]
 
 
 def test_maps_of_a_report_take_the_width_that_they_are_given(

@@ -240,7 +240,8 @@ def test_refusals_name_their_cause() -> None:
         "reach": straight_path([0.0, 0.0, 0.3, -0.5], [2.0, 0.0, 0.3, -0.5]),
         "double": straight_path(meet - shift, meet + shift),
     }
-    for cause, path in cases.items():
+    back = straight_path(cases["rest"].goal, cases["rest"].start)
+    for cause, path in (*cases.items(), ("rest", back)):
         with pytest.raises(CrossingRefused) as refusal:
             time_optimal(APPENDIX_4, path, MotionLimits(torque=5.0))
         assert refusal.value.cause == cause

@@ -27,6 +27,9 @@ from paminsa_viz.trajectory import (
     round_trip,
     via_points,
 )
+from paminsa_viz.trajectory.paths import spline_path, straight_path
+from paminsa_viz.trajectory.planners import TURN_LENGTH, shared_time
+from paminsa_viz.trajectory.sampled import Locus, Passage
 from tests.support.samples import with_knee
 from tests.trajectory.plans import ALL_PRESETS, LAWS, PLANS, A, B, C, inside, place, preset_plan
 
@@ -333,3 +336,46 @@ def test_preset_circle_has_a_radius_of_two_sevenths_of_the_bases(radius: float) 
     far = plan.at(np.linspace(0, plan.duration, 2000)).pose[:, :2]
     middle = (far.max(axis=0) + far.min(axis=0)) / 2
     np.testing.assert_allclose(np.linalg.norm(far - middle, axis=1), 2 / 7 * radius, rtol=1e-3)
+
+
+def test_waypoints_share_the_time_by_the_roots_of_their_distances_and_ends_take_longer() -> None:
+    """1.3 times as long at both ends; a turn counts as the way of a point on it."""
+    ways = np.array([[0.3, 0.0, 0.0, 0.4], [0.0, 0.04, 0.0, 0.03], [0.0, 0.0, 0.25, 0.0]])
+    lengths = np.array([0.5, 0.05, 0.25 * TURN_LENGTH])
+    for order in ([0, 1, 2], [2, 1, 0], [1, 0, 2], [0, 1], [1]):
+        share = np.sqrt(lengths[order])
+        if len(order) > 1:
+            share = share * ([1.3, 1.0, 1.3] if len(order) == 3 else 1.3)
+        found = shared_time(np.concatenate([np.zeros((1, 4)), np.cumsum(ways[order], axis=0)]))
+        np.testing.assert_allclose(np.diff(found), share / share.sum(), rtol=1e-12)
+        assert (found[0], found[-1]) == (0.0, 1.0)
+
+
+def test_a_round_trip_passes_loci_at_instants_that_mirror_each_other() -> None:
+    plan = replace(
+        point_to_point(A, B, 2.0),
+        passages=(Passage(0.2, Locus.CIRCLE), Passage(0.9, Locus.ROTATION)),
+    )
+    assert [(item.t, item.locus) for item in round_trip(plan).passages] == [
+        (pytest.approx(0.1), Locus.CIRCLE), (pytest.approx(0.45), Locus.ROTATION),
+        (pytest.approx(0.55), Locus.ROTATION), (pytest.approx(0.9), Locus.CIRCLE),
+    ]  # fmt: skip
+
+
+def test_a_chain_passes_loci_when_its_plans_do() -> None:
+    first = replace(point_to_point(A, B, 2.0), passages=(Passage(0.25, Locus.CIRCLE),))
+    second = replace(point_to_point(B, A, 6.0), passages=(Passage(0.5, Locus.ROTATION),))
+    assert chain(first, second, first).passages == (
+        Passage(0.05, Locus.CIRCLE), Passage(0.5, Locus.ROTATION), Passage(0.85, Locus.CIRCLE),
+    )  # fmt: skip
+
+
+def test_a_spline_through_two_poses_is_straight_and_one_pose_is_none() -> None:
+    s = np.linspace(0.0, 1.0, 7)
+    for order in (0, 1, 2):
+        np.testing.assert_allclose(
+            spline_path([A, B])(s, order), straight_path(A, B)(s, order), atol=1e-15
+        )
+    for poses_ in ([A], [A, [np.nan, 0, 0, 0]], A):
+        with pytest.raises(InvalidInput, match="at least two finite poses"):
+            spline_path(poses_)

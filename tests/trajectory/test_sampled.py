@@ -155,6 +155,8 @@ def test_digits_are_noted_with_what_second_differences_make_of_them(
         assert notes[0].startswith(f"{name} is written in steps of 0.0001 {unit};")
         assert f"wrong by {noise:.2g} {unit}/s²" in notes[0]
     assert not any("steps of" in note for note in from_samples(t[:2], pose[:2]).notes)
+    few = from_samples(t[1:4], pose[1:4]).notes
+    assert any("steps of" in note for note in few) == noted
 
 
 @pytest.mark.parametrize("column", range(4))
@@ -233,3 +235,14 @@ def test_numbers_of_any_size_make_a_finite_motion_or_are_refused(
         return
     between = made.at(np.linspace(0.0, made.duration, 50))
     assert all(np.isfinite(values).all() for values in (*between, *made.at(made.t)))
+
+
+def test_rates_are_off_in_parts_of_the_largest_of_given_and_own() -> None:
+    """x = sin t: cos t times 1/2 is off by |cos t| / 2 of 1, cos t times 2 by as much of 2."""
+    t = np.linspace(0.0, 6.0, 601)
+    pose = np.outer(np.sin(t), [0.1, 0.0, 0.0, 0.0])
+    rate = np.outer(np.cos(t), [0.1, 0.0, 0.0, 0.0])
+    typical = 50.0 * np.median(np.abs(np.cos(0.5 * (t[1:] + t[:-1]))))
+    for factor in (0.5, 2.0):
+        notes = from_samples(t, pose, factor * rate).notes
+        assert any(f"typically off by {typical:.0f} % of" in note for note in notes)

@@ -153,7 +153,11 @@ def test_points_are_added_where_a_law_is_too_fast_and_nowhere_else(share: float)
     z = program.solve(path.law)
     rate = own.duration / share
     curve = TimedPath(path, BSpline(z.t, z.c / rate**2, z.k), tuple(path.place(path.rests)))
-    needed = program.needed(curve)[1]
+    u, needed, _ = program.needed(curve)
+    ends = curve.breaks
+    assert (u > ends[:-1, None]).all()  # at the knots themselves the law may bend
+    assert (u < ends[1:, None]).all()
+    np.testing.assert_allclose(u + u[:, ::-1], np.tile(ends[:-1] + ends[1:], (u.shape[1], 1)).T)
     before = len(program.points)
     assert program.tighten(curve, 0.01) == (needed.max() > 1.01) == (share > 1.01)
     assert len(program.points) - before == np.count_nonzero(needed.max(axis=1) > 1.01)
@@ -227,4 +231,7 @@ def test_time_of_constant_accelerations_with_a_stop_between_is_that_of_their_for
     assert law.duration == pytest.approx(0.6 / 2 + 0.4 / 2 + 0.4 + 0.6, rel=1e-9)
     assert law.breaks * law.duration == pytest.approx(np.array([0, 0.3, 0.5, 0.9, 1.5]), rel=1e-9)
     assert law.time_at(0.3) == pytest.approx(0.3, rel=1e-9)
+    assert law.time_at(1.0) == pytest.approx(law.duration, rel=1e-12)
+    for at, time in ((0.0, 0.0), (0.03, 0.009**0.5), (0.5, 0.5), (0.6, 0.5 + 0.08**0.5)):
+        assert law.time_at(at) == pytest.approx(time, rel=1e-6)
     assert law.place_at(np.array([0.15]))[0] == pytest.approx(0.075, rel=1e-9)

@@ -37,6 +37,7 @@ from paminsa_viz.trajectory import (
     equations,
     point_to_point,
     simulate,
+    simulation,
 )
 from paminsa_viz.trajectory import plant as formulas
 from paminsa_viz.trajectory.equations import robot_numbers
@@ -277,3 +278,32 @@ def test_turn_error_is_the_angle_from_one_arm_to_the_other(angles: tuple[float, 
     turn = np.exp(1j * (angles[0] - angles[1]))
     assert abs(np.exp(1j * found) - turn) < 1e-12
     assert abs(found) <= np.pi
+
+
+@pytest.mark.parametrize(("end", "kept"), [(0.25, 3), (0.2, 2)])
+def test_a_motion_ends_at_its_event_once_also_where_a_sample_stands(end: float, kept: int) -> None:
+    """And a solver that gives up fails, unless the robot has come within 10 mm of a limit."""
+    states = np.arange(20.0).reshape(2, 10)
+    last = states[-1] if end == 0.2 else np.full(10, 7.0)
+    solution = SimpleNamespace(
+        t=np.array([0.1, 0.2]), y=states.T, status=1, message="too stiff",
+        t_events=[np.array([end])], y_events=[last[None]],
+    )  # fmt: skip
+
+    def room(least: float):  # type: ignore[no-untyped-def]
+        return lambda t, pose: np.r_[np.full(13, 1.0), least]
+
+    trajectory = point_to_point(HOME, ASIDE).sample(100)
+    event, t, found = simulation._end(trajectory, solution, room(0.0))
+    assert t.tolist() == [0.1, 0.2, end][:kept]
+    assert len(found) == kept
+    np.testing.assert_array_equal(found[-1], last)
+    assert (event.t, event.pose) == (end, tuple(last[:4]))
+    solution.status = -1
+    for least, fails in ((0.0099, False), (0.0101, True)):
+        if not fails:
+            event, t, _ = simulation._end(trajectory, solution, room(least))
+            assert (event.t, t.tolist()) == (0.2, [0.1, 0.2])
+            continue
+        with pytest.raises(SimulationFailed, match="too stiff"):
+            simulation._end(trajectory, solution, room(least))
