@@ -2,14 +2,34 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from paminsa_viz.explorer.browser.style import NARROWEST, style_html
+from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.features.accuracy import monte_carlo, worst
+from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.features.drives import tab as drives
+from paminsa_viz.explorer.features.motion import simulation
+from paminsa_viz.explorer.features.requirements import actions as requirements
+from paminsa_viz.explorer.features.springs import actions as springs
+from paminsa_viz.explorer.features.stiffness import tab as stiffness
+from paminsa_viz.explorer.features.tolerances import actions as tolerances
 from paminsa_viz.explorer.kit.design_numbers import GROUPS
 from paminsa_viz.explorer.kit.design_numbers import label as label_of
-from paminsa_viz.explorer.tabs import WORKSPACES
+from paminsa_viz.explorer.kit.entries import Html
+from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.state.stiffness import ElasticJob
+from paminsa_viz.explorer.tabs import WORKSPACES, answers
 from tests.support.chromium import Tab, until
+from tests.support.tasks import finished
+
+if TYPE_CHECKING:
+    from tests.support.page import Browser
 
 pytestmark = pytest.mark.browser
 
@@ -100,3 +120,57 @@ def test_nothing_is_cut_off(tab: Tab) -> None:
                 assert row["right"] < row["left"], f"{text} runs into its number"
                 assert row["room"] >= 0, f"the number of {text} is cut off"
                 assert row["end"] <= width, f"the number of {text} is off the page"
+
+
+def answered() -> State:
+    """Return a state with what is computed at once, of a robot under load and its reference."""
+    state = motions.choose_preset(initial_state(), "arch")
+    load = {"load.force_x": -123.4, "load.force_z": -987.6, "load.moment_z": 12.3}
+    state = actions.vary(actions.move(state, x=0.08, y=-0.05, theta=-0.8), load)
+    state = requirements.suggest(balancing.balance_now(state))
+    state = state.updated("monte_carlo.settings", robots=20)
+    state = state.updated("requirements.largest.settings", seconds=1.0)
+    for task in (
+        monte_carlo.DRAW, springs.FIT, tolerances.DRAW, worst.WORST, drives.SEARCH,
+        requirements.LARGEST,
+    ):  # fmt: skip
+        state = finished(task, task.start(state))
+    job = ElasticJob(state.document.design, state.last_reachable.pose, "load")
+    state = stiffness.ANALYSIS.deliver(state, solve(stiffness.analyze_elasticity, job))
+    return finished(simulation.SIMULATION, simulation.simulate(state))
+
+
+WIDER = """() => [...document.querySelectorAll("section")].flatMap(section =>
+  [...section.querySelectorAll("*")]
+    .filter(one => one.getBoundingClientRect().right > section.getBoundingClientRect().right + 0.5)
+    .slice(-1)
+    .map(one => `${section.id}: ${one.innerText}`))"""
+"""What of each section is wider than it, by the innermost of it."""
+
+
+@pytest.mark.slow
+def test_no_text_or_table_of_an_answer_is_wider_than_the_narrowest_dock(browser: Browser) -> None:
+    """Of the page's own texts and styles; what surrounds them in viser is padding on both sides."""
+    state = answered()
+    frame, texts = compute(state), {}
+    for _, answer in answers():
+        if answer.exists(state):
+            shown = [entry for entry in answer.entries if isinstance(entry, Html)]
+            texts[answer.key] = "".join(
+                one.content if isinstance(one.content, str) else one.content(frame)
+                for one in shown
+                if one.visible is None or one.visible(state)
+            )
+    assert len([text for text in texts.values() if "<table" in text]) >= 10
+    sections = "".join(
+        f'<section id="{key}" style="width: {NARROWEST}px">{text}</section>'
+        for key, text in texts.items()
+    )
+    page = browser.new_context().new_page()
+    page.set_content(
+        f"<!doctype html><body style='font-family: sans-serif'>{style_html()}{sections}"
+    )
+    assert page.evaluate(WIDER) == []
+    page.evaluate("document.querySelector('section td').style.minWidth = '500px'")
+    assert len(page.evaluate(WIDER)) == 1
+    page.close()
