@@ -21,10 +21,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.design import Design
@@ -33,6 +32,9 @@ from paminsa_viz.model.kinematics import AXIS_ANGLES
 from paminsa_viz.model.parameters import BAR_ENDS
 from paminsa_viz.palette import LEG_COLORS, LIFT_COLOR, rgb
 from paminsa_viz.palette import PLATFORM as PLATFORM_COLOR
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 Point = tuple[float, float, float]
 
@@ -317,6 +319,8 @@ def as_cylinder(rod: Rod) -> Bar | None:
     length = math.dist(rod.start, rod.end)
     if length < LEAST_ROD:
         return None
+    from scipy.spatial.transform import Rotation  # slow to load
+
     turn = Rotation.align_vectors([(end - start) / length], [(0.0, 0.0, 1.0)])[0]
     x, y, z = (0.5 * (start + end)).tolist()
     return Bar((x, y, z), turn, length, rod.radius)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.engines.mechanism import LIFT, POSE_JOINTS, Link, MechanismTree, leg_name
@@ -19,6 +19,9 @@ from paminsa_viz.model.reach import check_reach, workspace_height, workspace_rad
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 from paminsa_viz.model.singularity import measure_singularity, singular_rotation
 from paminsa_viz.units import format_ascii
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 WORST_CONDITION = CONDITION_LIMIT
 """Largest condition number of a drawn pose. Torques grow without bound toward a singularity, and
@@ -92,6 +95,8 @@ def link_frame(link: Link, values: Mapping[str, float]) -> tuple[Array, Rotation
 
     Axes (3,) are in the link's own frame, as the joints move it one after the other.
     """
+    from scipy.spatial.transform import Rotation  # slow to load
+
     place, turn = np.asarray(link.place, float), Rotation.from_euler("z", link.heading)
     fixed = []
     for joint in link.joints:

@@ -79,7 +79,7 @@ class TimeLaw:
     def __call__(self, u: Array, order: int = 0) -> Array:
         """Return the law or a derivative of it, up to the third, at instants u (n,).
 
-        Outside [0, 1] it is at rest. At a jump it is the value after it.
+        Outside [0, 1] it is at rest. At a jump it is the value after it, at 1 that before it.
         """
         inside = _derivatives(self.profile, self.ramp, self.blend)[order](np.clip(u, 0.0, 1.0))
         if order == 0:

@@ -158,7 +158,7 @@ class Pair(NamedTuple):
     third: Any
 
 
-def explained(p: Pair, a: Any) -> Any:
+def explained(p: Pair, a: Any) -> Any:  # which is of no statement
     """A formula with comments."""
     # before the first
     x = p.first * a  # beside it

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import itertools
 from collections.abc import Callable
 from typing import Any
 
@@ -69,16 +68,16 @@ ENDS: dict[str, Callable[[Tab, Any], Any]] = {
 def test_long_pauses_take_no_part_of_a_number(tab: Tab) -> None:
     tab.open_tab("Masses")
     before, steps = tab.state, len(tab.session._history.past)
-    for label, text, place, end in (
-        (MASS, "3.063", lambda: tab.state.document.design.joints.j7, "Tab"),
-        (X, "33.5", lambda: 1e3 * tab.state.document.pose[0], "Enter"),
+    for label, text, pauses, place, end in (
+        (MASS, "3.063", (3000, 1100), lambda: tab.state.document.design.joints.j7, "Tab"),
+        (X, "33.5", (30, 30, 1100), lambda: 1e3 * tab.state.document.pose[0], "Enter"),
     ):
         if label == X:
             tab.open_tab("Pose")
         field = tab.number_box(label)
         start = place()
         field.click()
-        for key, pause in zip(text, itertools.cycle((3000, 1100, 30)), strict=False):
+        for key, pause in zip(text, (*pauses, *[30] * len(text)), strict=False):
             field.press(key)
             tab.page.wait_for_timeout(pause)
             assert place() == start

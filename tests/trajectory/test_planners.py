@@ -362,6 +362,14 @@ def test_a_round_trip_passes_loci_at_instants_that_mirror_each_other() -> None:
     ]  # fmt: skip
 
 
+def test_a_chain_passes_loci_when_its_plans_do() -> None:
+    first = replace(point_to_point(A, B, 2.0), passages=(Passage(0.25, Locus.CIRCLE),))
+    second = replace(point_to_point(B, A, 6.0), passages=(Passage(0.5, Locus.ROTATION),))
+    assert chain(first, second, first).passages == (
+        Passage(0.05, Locus.CIRCLE), Passage(0.5, Locus.ROTATION), Passage(0.85, Locus.CIRCLE),
+    )  # fmt: skip
+
+
 def test_a_spline_through_two_poses_is_straight_and_one_pose_is_none() -> None:
     s = np.linspace(0.0, 1.0, 7)
     for order in (0, 1, 2):

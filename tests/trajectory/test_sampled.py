@@ -155,6 +155,8 @@ def test_digits_are_noted_with_what_second_differences_make_of_them(
         assert notes[0].startswith(f"{name} is written in steps of 0.0001 {unit};")
         assert f"wrong by {noise:.2g} {unit}/s²" in notes[0]
     assert not any("steps of" in note for note in from_samples(t[:2], pose[:2]).notes)
+    few = from_samples(t[1:4], pose[1:4]).notes
+    assert any("steps of" in note for note in few) == noted
 
 
 @pytest.mark.parametrize("column", range(4))

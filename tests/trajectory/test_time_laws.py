@@ -29,6 +29,17 @@ def test_from_rest_at_zero_to_rest_at_one(law: TimeLaw) -> None:
     assert (np.diff(law(np.linspace(0, 1, 500))) > 0).all()
 
 
+@pytest.mark.parametrize("profile", Profile)
+def test_at_both_ends_derivatives_are_those_inside_and_there_are_none_outside(
+    profile: Profile,
+) -> None:
+    law = TimeLaw(profile, 0.3, 0.4)
+    for order in (1, 2, 3):
+        ends, inside = law(np.array([0.0, 1.0]), order), law(np.array([1e-12, 1 - 1e-12]), order)
+        np.testing.assert_allclose(ends, inside, atol=1e-7)
+        assert not law(np.array([-1e-12, 1 + 1e-12]), order).any()
+
+
 @given(laws)
 def test_derivatives(law: TimeLaw) -> None:
     u, h = between(law), 1e-6

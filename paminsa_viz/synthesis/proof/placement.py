@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, KneeBranch
@@ -88,6 +87,8 @@ class CenterSearch:
         free: Sequence[bool],
         both_sides: bool,
     ) -> None:
+        from scipy.ndimage import binary_dilation  # slow to load
+
         self._design, self._region, self._grows = design, region, grows
         self._requirements = requirements
         self._free = np.array(free)
@@ -100,7 +101,7 @@ class CenterSearch:
         axes = [np.pad(axis, 1, mode="reflect", reflect_type="odd") for axis in
                 (volume.x, volume.y, volume.z)]  # fmt: skip
         inside = np.pad(volume.inside, 1)
-        around: NDArray[np.bool_] = np.logical_and(ndimage.binary_dilation(inside), ~inside)
+        around: NDArray[np.bool_] = np.logical_and(binary_dilation(inside), ~inside)
         self._broken = self._chosen(axes, around, MOST_POSITIONS)
         self._inside = self._chosen(axes, inside, CANDIDATES)
         self._cell = volume.cell

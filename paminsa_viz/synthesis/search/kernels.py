@@ -11,9 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.model import compiled, kinematic_formulas, leg, measures, robot
-
-STRICT = {key: value for key, value in compiled.OPTIONS.items() if key != "fastmath"}
+from paminsa_viz.model import kinematic_formulas, leg, measures, robot
 
 TORQUE_COLUMNS = ("tau_1", "tau_2", "tau_3", "f_4", "max_torque", "rms_torque")
 """Quantities whose extremes `torques` returns."""
@@ -22,13 +20,19 @@ TORQUE_COLUMNS = ("tau_1", "tau_2", "tau_3", "f_4", "max_torque", "rms_torque")
 @cache
 def load() -> tuple[Any, Any, Any, Any]:
     """Compile the kernels, or load them from disk: conditions, torques, radii, plate."""
-    return _conditions(), _torques(), _radii(), _plate()
+    from paminsa_viz.model.compiled import OPTIONS, kernel, register  # brings Numba
+
+    strict = kernel(**{key: value for key, value in OPTIONS.items() if key != "fastmath"})
+    return (
+        _conditions(strict, register), _torques(strict, register), _radii(strict, register),
+        _plate(strict, register),
+    )  # fmt: skip
 
 
-def _conditions() -> Any:
-    digest = compiled.register(measures.dexterity)
+def _conditions(strict: Any, register: Any) -> Any:
+    digest = register(measures.dexterity)
 
-    @compiled.kernel(**STRICT)
+    @strict
     def conditions(m, xy, turns, z):  # type: ignore[no-untyped-def]
         """Return the least and largest condition number over all xy (n, 2) and turns (k, 2)."""
         least, most = np.inf, 0.0
@@ -45,10 +49,10 @@ def _conditions() -> Any:
     return conditions
 
 
-def _torques() -> Any:
-    digest = compiled.register(robot.unit_torques, kinematic_formulas.wrench_torques)
+def _torques(strict: Any, register: Any) -> Any:
+    digest = register(robot.unit_torques, kinematic_formulas.wrench_torques)
 
-    @compiled.kernel(**STRICT)
+    @strict
     def torques(m, imbalance, lift, wrench, xy, turns, z, out):  # type: ignore[no-untyped-def]
         """Fill ``out`` (2, 6) with the least and largest of `TORQUE_COLUMNS` over all poses.
 
@@ -88,11 +92,11 @@ def _torques() -> Any:
     return torques
 
 
-def _radii() -> Any:
-    digest = compiled.register(leg.leg_position)
+def _radii(strict: Any, register: Any) -> Any:
+    digest = register(leg.leg_position)
     axes = tuple(zip(robot.AXIS_X, robot.AXIS_Y, strict=True))
 
-    @compiled.kernel(**STRICT)
+    @strict
     def radii(m, guide, xy, turns, z, out):  # type: ignore[no-untyped-def]
         """Fill ``out`` (4,) with the largest radii about z of joints 5, 8, 9 and the guide's end.
 
@@ -151,12 +155,12 @@ def plate_distance(corners: Any, low: Any, top: Any, x: Any, y: Any, z: Any) -> 
     return np.sqrt(nearest + above * above)
 
 
-def _plate() -> Any:
-    digest = compiled.register(leg.leg_position, plate_distance)
+def _plate(strict: Any, register: Any) -> Any:
+    digest = register(leg.leg_position, plate_distance)
     axes = tuple(zip(robot.AXIS_X, robot.AXIS_Y, strict=True))
     golden = 0.5 * (np.sqrt(5.0) - 1.0)
 
-    @compiled.kernel(**STRICT)
+    @strict
     def plate(m, layer, radius, corners, low, top, enough, xy, turns, z):  # type: ignore[no-untyped-def]
         """Return the least distance of B4's tube from the platform's plate over all poses [m].
 
