@@ -94,6 +94,15 @@ def test_who_carries_a_load() -> None:
     ]  # fmt: skip
 
 
+def test_differences_are_exactly_the_values_that_differ() -> None:
+    other = APPENDIX_4.vary({"links.b3": 0.5, "gravity": 1.62})
+    rows = design.changes_table(APPENDIX_4, other).rows
+    assert [(row.cells[2], row.cells[3:5]) for row in rows] == [
+        ("links.b3", ("0.406", "0.5")), ("gravity", ("9.81", "1.62")),
+    ]  # fmt: skip
+    assert design.changes_table(other, other).rows == ()
+
+
 def test_computed_maps_beside_published_ones() -> None:
     position = np.array([[0.01, 0.02], [-0.03, 0.05], [0.9, 0.9]])
     poses = np.column_stack([position, np.full(3, 0.2), np.full(3, -0.5)])
