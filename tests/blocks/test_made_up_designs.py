@@ -20,6 +20,7 @@ from paminsa_viz.blocks import (
     forces,
     maps,
 )
+from paminsa_viz.blocks.external_load import load_notes
 from paminsa_viz.model.design import APPENDIX_4, Counterweight
 from paminsa_viz.model.drive import ACTUATORS, Drive
 from paminsa_viz.trajectory import PRESET, analyze
@@ -76,21 +77,30 @@ def test_who_carries_a_load() -> None:
         {f"load.{name}": 1.0 + i for i, name in enumerate(
             ("force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z"))}
     )  # fmt: skip
-    (table,) = forces._load(loaded, np.array([0.0, 0.0, 0.0, -0.5]))
-    rows = cells(table)
-    assert [row[:2] for row in rows[:6]] == [
-        ("F_x", "actuators"), ("F_y", "actuators"), ("F_z", "actuators"),
-        ("M_x", "bearings alone"), ("M_y", "bearings alone"), ("M_z", "actuators"),
-    ]  # fmt: skip
-    assert [row[2] for row in rows[:6]] == ["1 N", "2 N", "3 N", "4 N·m", "5 N·m", "6 N·m"]
-    assert [row[0] for row in rows[6:]] == list(ACTUATORS)
-    assert rows[9][2].endswith(" N")
-    note = forces._load(APPENDIX_4, np.array([0.0, 0.0, 0.0, -0.5]))
-    assert said(note)[0][0].startswith("No external force")
+    pose = np.array([0.0, 0.0, 0.0, -0.5])
+    (drive, _), (bearings, _) = said(load_notes(loaded, pose))
+    for value in ("F_x = 1 N", "F_y = 2 N", "F_z = 3 N", "M_z = 6 N"):
+        assert value in drive
+        assert value not in bearings
+    assert all(name in drive for name in ACTUATORS)
+    for value in ("M_x = 4 N", "M_y = 5 N"):
+        assert value in bearings
+        assert value not in drive
+    ((nothing, _),) = said(load_notes(APPENDIX_4, pose))
+    assert nothing.startswith("No external force")
     driven = replace(APPENDIX_4, drives=(Drive("m", rated_torque=2.0), None, None, None))
     assert [row[:2] for row in cells(forces._limits(driven))] == [
         ("M1", "drive"), ("M2", "default"), ("M3", "default"), ("M4", "default"),
     ]  # fmt: skip
+
+
+def test_differences_are_exactly_the_values_that_differ() -> None:
+    other = APPENDIX_4.vary({"links.b3": 0.5, "gravity": 1.62})
+    rows = design.changes_table(APPENDIX_4, other).rows
+    assert [(row.cells[2], row.cells[3:5]) for row in rows] == [
+        ("links.b3", ("0.406", "0.5")), ("gravity", ("9.81", "1.62")),
+    ]  # fmt: skip
+    assert design.changes_table(other, other).rows == ()
 
 
 def test_computed_maps_beside_published_ones() -> None:

@@ -218,7 +218,7 @@ def test_axes_have_the_stiffness_of_the_drives_where_one_moves_along_them() -> N
 def estimate(**changes: Any) -> Any:
     parameter = SimpleNamespace(unit="m", label="a length", design=0.3)
     values = {"parameter": parameter, "symbol": "l", "known": True, "value": 0.301,
-              "half_width": 0.002, "reason": "why"}  # fmt: skip
+              "half_width": 0.002, "reason": lambda: "why"}  # fmt: skip
     return SimpleNamespace(**values | changes)
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from paminsa_viz import old_names
 from paminsa_viz.files.design_file import load_design, read_design, save_design
 from paminsa_viz.files.design_schema import KEY_OF, KEYS, unit_suffix
-from paminsa_viz.files.design_writer import differences, write_design
+from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.files.errors import DesignFileError, FileError
 from paminsa_viz.files.plain_data import UnusableData, parse_plain_toml
 from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, KneeBranch
@@ -179,13 +179,6 @@ def test_inaccessible_files_are_one_line_errors(tmp_path) -> None:
         load_design("nul\0byte")
     with pytest.raises(FileError, match="its folder does not exist"):
         save_design(APPENDIX_4, tmp_path / "no" / "robot.toml")
-
-
-def test_differences_are_exactly_the_values_that_differ() -> None:
-    other = APPENDIX_4.vary({"links.b3": 0.5, "gravity": 1.62})
-    found = {key.path: (first, second) for key, first, second in differences(APPENDIX_4, other)}
-    assert found == {"links.b3_kg": (0.406, 0.5), "gravity_m_per_s2": (9.81, 1.62)}
-    assert differences(other, other) == []
 
 
 @pytest.mark.parametrize(("old", "knee"), list(old_names.KNEES.items()))

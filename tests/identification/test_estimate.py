@@ -148,3 +148,14 @@ def test_what_is_told_and_known_does_not_depend_on_units(seed: int) -> None:
     assert one.known(rows).all()
     assert other.known(rows * units).all()
     assert one.widening == pytest.approx(other.widening, rel=1e-4)
+
+
+@pytest.mark.parametrize(("share", "known"), [(0.95e-4, True), (1.05e-4, False)])
+def test_a_sum_is_known_of_which_a_ten_thousandth_is_not_excited(share: float, known: bool) -> None:
+    columns, x, numbers = random_columns(3)
+    columns[..., 1] = 2.0 * columns[..., 0]
+    torque = columns @ x + 0.1 * np.random.default_rng(0).standard_normal((240, 4))
+    found = solve(normal_blocks(columns, torque, numbers))
+    # by columns of one size the hidden direction is (1, -1) / sqrt(2)
+    row = np.array([[1.0 + share, 1.0 - share, 0.0, 0.0, 0.0]])
+    assert found.known(row * np.sqrt(np.diag(found.information))).tolist() == [known]

@@ -13,11 +13,12 @@ from scipy.spatial.transform import Rotation
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.precision import error_rows as rows
-from paminsa_viz.precision.calibration import calibrate, describe
+from paminsa_viz.precision.calibration import Calibration, calibrate, describe
 from paminsa_viz.precision.calibration_plan import plan_calibration
 from paminsa_viz.precision.calibration_problem import CalibrationProblem, measuring_poses
 from paminsa_viz.precision.drive_errors import Bound
 from paminsa_viz.precision.leg_lengths import (
+    INDEX,
     LENGTHS,
     design_lengths,
     deviation_array,
@@ -197,6 +198,43 @@ def test_a_share_of_the_poses_is_held_back() -> None:
     with pytest.raises(InvalidInput) as caught:
         calibrate(APPENDIX_4, measured, validate=0.9)
     assert "a share from" not in str(caught.value)
+
+
+def test_deviations_of_lengths_are_the_roots_of_their_variances() -> None:
+    """Angles by the radius that turned them into lengths; none where a length is not told."""
+    made: Any = Calibration.__new__(Calibration)
+    weights = np.zeros((3, len(LENGTHS)))
+    weights[0, INDEX["bar_94"]] = 1.0
+    turned = np.zeros((3, len(LENGTHS)))
+    turned[2, INDEX["axis_angle"]] = 1.0
+    for name, value in (
+        ("combinations", [SimpleNamespace(weights=one) for one in (weights, turned)]),
+        ("covariance", np.diag(np.full(42, 4e-8))), ("start", APPENDIX_4),
+    ):  # fmt: skip
+        object.__setattr__(made, name, value)
+    found = made.standard_deviations
+    assert found[0, INDEX["bar_94"]] == pytest.approx(2e-4)
+    assert found[2, INDEX["axis_angle"]] == pytest.approx(2e-4 / 0.35)
+    assert np.isfinite(found).sum() == 2
+
+
+def test_what_is_better_counts_angles_by_the_radius_of_the_platform() -> None:
+    made: Any = Calibration.__new__(Calibration)
+    object.__setattr__(made, "start", APPENDIX_4)
+
+    def improved(old: list[float], new: list[float], held: bool = False) -> bool:
+        pair = [SimpleNamespace(rms=np.array([*one, 0, 0, 0]), poses=9) for one in (old, new)]
+        none = SimpleNamespace(rms=np.full(6, np.nan), poses=0)
+        for name, one in (("before", pair[0]), ("after", pair[1])):
+            object.__setattr__(made, name, none if held else one)
+            object.__setattr__(made, f"{name}_held", one if held else none)
+        return made.improved
+
+    for held in (False, True):
+        assert not improved([1.0, 0.0, 0.5], [1.1, 0.0, 0.0], held)
+        assert improved([1.0, 0.0, 0.0], [0.9, 0.0, 1.0], held)
+        assert improved([1.0, 0.0, 1.0], [1.0, 0.0, 0.9], held)
+        assert not improved([1.0, 0.0, 0.0], [1.0, 0.0, 0.0], held)
 
 
 def test_a_combination_is_said_by_its_leading_lengths_with_their_signs() -> None:

@@ -184,7 +184,7 @@ def test_balance_is_shown_unless_the_design_is_balanced() -> None:
     motion = request_for().trajectory
     tables = blocks(balance_section(analyze(APPENDIX_4, motion)), Table)
     assert "+994 %" in tables[1].rows[0].cells
-    assert tables[2].rows[0].cells == ("M_p2 [N]", "9.1", "0", "−100.0 %")
+    assert tables[2].rows[0].cells == ("M_p2 [N]", "9.1", "0", "−100 %")
     after = balance(APPENDIX_4).after
     peaks = analyze(after, motion).summary
     assert tables[2].rows[2] == Row(("largest in motion",), "group")
