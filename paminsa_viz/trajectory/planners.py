@@ -107,6 +107,7 @@ def circle(
     return Plan(curve, duration, name, f"circle, {law.profile.value}")
 
 
+@kinds_checked
 def arch(
     start: ArrayLike,
     goal: ArrayLike,

@@ -185,6 +185,7 @@ NAN = [np.nan, 0, 0, 0]
         ("angle", lambda: circle(A, 0.1, angle=np.nan)),
         ("plane", lambda: circle(A, 0.1, plane="zx")),
         ("height", lambda: arch(A, B, -0.1)),
+        ("height", lambda: arch(A, B, "x")),  # type: ignore[arg-type]
         ("lift_share", lambda: arch(A, B, 0.1, lift_share=0.6)),
         ("overlap", lambda: arch(A, B, 0.1, overlap=1.5)),
         ("overlap", lambda: arch(A, B, 0.1, lift_share=0.5, overlap=0.0)),
