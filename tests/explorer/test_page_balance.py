@@ -33,7 +33,7 @@ def test_one_click_balances_and_undo_takes_it_back(balance: Tab) -> None:
     assert static_imbalance(balance.state.document.design) == pytest.approx(0, abs=1e-12)
     assert balance.state.document.reference == APPENDIX_4
     text = until(lambda: balance.text("balance-result"), "the tables")
-    assert re.search(r"m7 \[kg\]\s+0.28\s+3.063\s+\+2.783", text)
+    assert re.search(r"m7 \[kg\]\s+0.28\s+3.063\s+\+994 %", text)
     assert "no added mass is below 8.349 kg" in text
     balance.open_tab("Pose")
     until(lambda: not balance.torques()[:3].any(), "no static torques")
@@ -91,7 +91,7 @@ def test_price_of_a_balance_is_shown_for_all_four_actuators(balance: Tab) -> Non
     status.get_by_text("The price: M4: largest at rest +").wait_for()
     text = until(lambda: balance.text("balance-result"), "the tables")
     for group in ("largest at rest", "largest in motion", "RMS in motion", "largest power"):
-        assert re.search(rf"{group}\s+before\s+after\s+change(\s+M[1-4] \[[^\]]+\].*){{4}}", text)
+        assert re.search(rf"{group}\s+(M[1-4] \[[^\]]+\].*\s+){{4}}", text)
     assert re.search(r"M4 \[N\]\s+\d+\.\d\s+308\.6\s+\+\d+\.\d %", text)
     assert "κ ≤ 10" in text
 

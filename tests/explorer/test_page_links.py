@@ -113,6 +113,7 @@ def test_link_in_a_tab_with_other_work_offers_that(open_tab: Callable[..., Tab])
     until(lambda: tab.state.offered, "what was kept is offered")
     tab.click("Open it")
     until(lambda: tab.state.document == work, "the work is back")
+    assert tab.page.evaluate("window.Plotly === undefined"), "it is sent with the first chart"
 
 
 @pytest.mark.parametrize(

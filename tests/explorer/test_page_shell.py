@@ -70,7 +70,6 @@ def test_value_of_a_map_is_written_at_the_pointer_and_follows_the_angle(tab: Tab
     assert readout.bounding_box()["x"] > at[0] + 4
     tab.page.mouse.move(box["x"] + box["width"] + 200, at[1])
     readout.wait_for(state="detached")
-    assert tab.page.evaluate("window.Plotly === undefined"), "it is sent with the first chart"
 
 
 NEW_FRAME = """() => {

@@ -82,7 +82,7 @@ def test_what_twenty_seconds_tell_and_what_they_do_not() -> None:
     unknown = {item.symbol for item in found.unknown}
     assert {"b_9", "b_10"} <= unknown  # spin inertia of the bars
     assert not {"b_1", "M_p2", "b_6", "b_7", "c1", "c4"} & unknown
-    assert all("would tell it" in item.reason for item in found.unknown)
+    assert all("would tell it" in item.reason() for item in found.unknown)
     assert found.identity.holds
     assert len(found.notes) == 1  # no warning
 
@@ -101,7 +101,7 @@ def test_a_motion_along_z_leaves_the_legs_masses_unknown() -> None:
     found = identify(APPENDIX_4, make_log(t, position, torque + noise), QUICK)
     assert {"b_4", "b_6", "b_8", "b_11", "c1"} <= {item.symbol for item in found.unknown}
     assert found.estimate("b_1").known
-    assert "horizontal accelerations would tell it" in found.estimate("b_6").reason
+    assert "horizontal accelerations would tell it" in found.estimate("b_6").reason()
     assert "b_6 (horizontal accelerations)" in found.advice
     assert "\n" not in found.advice
 

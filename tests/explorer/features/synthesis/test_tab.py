@@ -341,7 +341,7 @@ def test_a_stopped_search_gives_the_best_robot_so_far(
     assert answer is not None
     assert answer.canceled
     assert np.isfinite(answer.objective)
-    assert ", stopped" in text.result_html(compute(desk.state))
+    assert "before it was stopped" in text.result_html(compute(desk.state))
 
 
 def test_a_search_without_a_robot_so_far_is_stopped_at_once(asked: State) -> None:
