@@ -72,6 +72,15 @@ def test_value_of_a_map_is_written_at_the_pointer_and_follows_the_angle(tab: Tab
     readout.wait_for(state="detached")
 
 
+def test_tab_that_is_opened_by_hand_stays_open(tab: Tab) -> None:
+    maps = tab.page.get_by_role("tab", name="Torque maps", exact=True)
+    for _ in range(3):
+        tab.page.evaluate("window.paminsa.openTab('Answer')")
+        maps.click()  # before the page has seen that the other one has opened
+        tab.wait_frames(500)
+        assert maps.get_attribute("aria-selected") == "true"
+
+
 NEW_FRAME = """() => {
   const all = [...document.querySelectorAll("[data-paminsa-frame]")];
   const marks = all.find((one) => one.offsetParent);

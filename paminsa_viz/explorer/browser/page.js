@@ -153,6 +153,13 @@
   };
   every(200, followTabs);
   // Opens a tab by its path, and those around it before.
+  // Whoever opens a tab by hand wants no other one of its row, which may have been asked for a
+  // moment before.
+  for (const kind of ["pointerdown", "keydown"])
+    document.addEventListener(kind, ({ target, isTrusted }) => {
+      const tab = isTrusted && target.closest?.('[role="tab"]');
+      if (tab) wanted = wanted.filter((path) => rowOf(path) !== rowOf(pathOf(tab)));
+    }, { capture: true, signal: stopped.signal });
   const openTab = (path) => {
     const all = withOuter(path);
     wanted = [...wanted.filter((each) => !all.includes(each)), ...all];
