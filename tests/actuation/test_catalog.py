@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 from pathlib import Path
 from typing import Any
@@ -27,7 +26,7 @@ from paminsa_viz.actuation.sizing import size_drives
 from paminsa_viz.actuation.wrench_capability import DEFAULT_LIMITS
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.trajectory import PRESETS
-from tests.support.documentation import missing
+from tests.support.documentation import defaults_of, missing
 
 HEAD = "kind,name,source,rotor_inertia_g_cm2,rated_torque_mNm,peak_torque_Nm,rated_speed_rpm,"
 HEAD += "top_speed_rad_per_s,envelope_rpm_Nm,gear_ratio,efficiency,brake"
@@ -153,8 +152,7 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
 )
 def test_defaults_are_those_of_the_descriptions(function: Any, defaults: dict[str, Any]) -> None:
     """One motion at its own pace, any ratio of inertias, a change of a twentieth."""
-    found = inspect.signature(function).parameters
-    assert {name: found[name].default for name in defaults} == defaults
+    assert defaults_of(function, defaults) == defaults
 
 
 def test_a_catalog_without_a_part_says_which(tmp_path: Path) -> None:

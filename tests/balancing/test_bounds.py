@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -40,7 +39,7 @@ from paminsa_viz.balancing.program import Solution
 from paminsa_viz.balancing.springs import STIFFEST, Anchor, springs_of
 from paminsa_viz.model import APPENDIX_4, Grid, InvalidDesign, InvalidInput
 from paminsa_viz.model.parameters import LARGEST as LARGEST_BY_UNIT
-from tests.support.documentation import missing
+from tests.support.documentation import defaults_of, missing
 
 POSE = [0.02, 0.01, 0.1, -0.5]
 FEW = Grid.over((0.0, 0.0, 0.0, -0.5), x=np.array([-0.05, 0.05]))
@@ -121,8 +120,7 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
 )
 def test_defaults_are_those_of_the_descriptions(function: Any, defaults: dict[str, Any]) -> None:
     """A front of twelve points, a twentieth to both sides, two hundred robots, springs to 1e5."""
-    found = inspect.signature(function).parameters
-    assert {name: found[name].default for name in defaults} == defaults
+    assert defaults_of(function, defaults) == defaults
 
 
 def test_a_gap_is_what_is_above_the_bound_and_never_negative() -> None:

@@ -194,7 +194,7 @@ def test_comments_are_printed_where_they_stand_and_those_for_tools_are_not() -> 
     assert "/* A formula with comments. */" in lines
 
 
-def sparing(a: Any, b: Any, d: Any) -> Any:
+def arithmetic(a: Any, b: Any, d: Any) -> Any:
     """Python, C and JavaScript need the same parentheses here."""
     x = a - b - d + a * b / d * -a
     y = -(a + b) * (x - d) / (a * b) - -b
@@ -254,10 +254,10 @@ def printed(language: Any, *formulas: Any) -> dict[str, list[str]]:
 
 
 def test_there_are_no_needless_parentheses() -> None:
-    source = [line.strip() for line in inspect.getsource(sparing).splitlines()[2:]]
+    source = [line.strip() for line in inspect.getsource(arithmetic).splitlines()[2:]]
     for language, start in ((C99(), "const double "), (JavaScript(), "const ")):
-        functions = printed(language, sparing, conditions)
-        lines = [line.removeprefix(start) for line in functions["sparing"][-5:-1]]
+        functions = printed(language, arithmetic, conditions)
+        lines = [line.removeprefix(start) for line in functions["arithmetic"][-5:-1]]
         assert lines == [f"{line};" for line in source]
         equal = language.equality("==")
         assert [line.removeprefix(start) for line in functions["conditions"][-5:-1]] == [

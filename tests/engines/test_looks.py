@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import replace
@@ -31,7 +30,7 @@ from paminsa_viz.model.reach import workspace_height, workspace_radius
 from paminsa_viz.palette import LEG_COLORS, LIFT_COLOR, PLATFORM, rgb
 from tests.engines.test_usd import frame, prims
 from tests.support import samples
-from tests.support.documentation import missing
+from tests.support.documentation import defaults_of, missing
 
 WEIGHTED = replace(APPENDIX_4, counterweights=(Counterweight("b3", 7, 0.1, 0.8),))
 RANDOM = samples.random_design(np.random.default_rng(7))
@@ -288,8 +287,7 @@ def test_numbers_of_the_command_line_are_those_of_the_program() -> None:
 )
 def test_defaults_are_those_of_the_descriptions(function: Any, defaults: dict[str, Any]) -> None:
     """Servos that hold the start pose, steps of a tenth of a millisecond, 1 kHz."""
-    found = inspect.signature(function).parameters
-    assert {name: found[name].default for name in defaults} == defaults
+    assert defaults_of(function, defaults) == defaults
 
 
 def test_sites_of_mjcf_are_where_its_loads_and_loops_are() -> None:

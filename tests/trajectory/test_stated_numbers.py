@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -53,7 +52,7 @@ from paminsa_viz.trajectory.sampled import (
 )
 from paminsa_viz.trajectory.shortest import EXCEEDED, FINE, LEAST, PIECES, ROUNDS, SETTLED
 from paminsa_viz.trajectory.time_optimal import TIGHTENED, WIDEST
-from tests.support.documentation import missing
+from tests.support.documentation import defaults_of, missing
 from tests.trajectory.plans import A, B
 
 HOME = (0.0, 0.0, 0.0, -0.5)
@@ -176,8 +175,7 @@ def test_what_is_just_possible_is_done_and_what_is_just_not_is_refused(
     ],
 )  # fmt: skip
 def test_defaults_are_those_of_the_descriptions(function: Any, defaults: dict[str, Any]) -> None:
-    found = inspect.signature(function).parameters
-    assert {name: found[name].default for name in defaults} == defaults
+    assert defaults_of(function, defaults) == defaults
 
 
 @pytest.mark.parametrize("plan", [point_to_point(A, B), arch(A, B, 0.08)], ids=["move", "arch"])
