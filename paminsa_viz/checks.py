@@ -129,10 +129,19 @@ def check_arguments(
             rule.check(named[rule.name])
 
 
+def check_fields(record: object) -> None:
+    """Raise `InvalidInput` if a field of a data class is not of the kind of its annotation."""
+    for rule in _rules(type(record).__init__):
+        if rule.name in vars(record):
+            rule.check(getattr(record, rule.name))
+
+
 @cache
 def _rules(function: Callable[..., Any]) -> tuple[_Rule, ...]:
     rules = []
     for place, item in enumerate(inspect.signature(function).parameters.values()):
+        if item.annotation is item.empty:  # such as self
+            continue
         found = _kinds(_annotation(item.annotation, function))
         if found and item.kind is not item.VAR_KEYWORD:
             kinds, allowed = found

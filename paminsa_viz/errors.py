@@ -98,6 +98,48 @@ class UnreachablePose(PaminsaError):
         super().__init__(explanation)
 
 
+class FileError(PaminsaError):
+    """A file that cannot be read or written, and why.
+
+    Attributes:
+        source: Name of the file.
+        problem: What is wrong and what is expected, in words.
+    """
+
+    def __init__(self, source: str, problem: str, place: str = "") -> None:
+        self.source = source
+        self.problem = problem
+        super().__init__(f"{printable(source)}{place}: {problem}")
+
+
+class TableFileError(FileError):
+    """A table that is refused.
+
+    Attributes:
+        source: Name of the file.
+        problem: What is wrong and what is allowed, in words.
+        row: Row as a spreadsheet counts it (the header is row 1), or None.
+        column: Name of the column, or an empty string.
+        value: The cell's text, or None.
+    """
+
+    def __init__(
+        self,
+        source: str,
+        problem: str,
+        *,
+        row: int | None = None,
+        column: str = "",
+        value: str | None = None,
+    ) -> None:
+        self.row = row
+        self.column = column
+        self.value = value
+        place = "" if row is None else f", row {row}"
+        place += f", column {printable(column[:LONGEST_VALUE])}" if column else ""
+        super().__init__(source, problem, place)
+
+
 LONGEST_LIST = 600
 """Longest list of names in a message [characters]: it fits on a small screen."""
 

@@ -68,6 +68,17 @@ def _plain(value: float, digits: int, flags: str = "") -> str:
     return f"{float(text):{flags}.0f}" if text[-4:] in ("e+02", "e+03", "e+04") else text
 
 
+def read_number(text: str) -> float | None:
+    """Return the number that a cell of a table holds, also NaN and infinite; None if it holds none.
+
+    Python's float() also takes 1_000 and the digits of other scripts; a table must not.
+    """
+    try:
+        return float(text) if text.isascii() and "_" not in text else None
+    except ValueError:
+        return None
+
+
 def fixed(value: float, decimals: int) -> str:
     """Return a number with a fixed count of decimals, a true minus sign and no negative zero."""
     if math.isnan(value):

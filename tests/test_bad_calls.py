@@ -39,9 +39,16 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.plots import map_data
 from paminsa_viz.precision import nominal_lengths
-from paminsa_viz.quantities import find, parse_requirement
+from paminsa_viz.quantities import (
+    Requirement,
+    Requirements,
+    Workspace,
+    WorkspaceShape,
+    find,
+    parse_requirement,
+)
 from paminsa_viz.synthesis import find_objective
-from paminsa_viz.trajectory import circle
+from paminsa_viz.trajectory import PRESET, Controller, circle
 from tests.test_api import CALLABLES
 
 POSE = np.array([0.01, 0.02, 0.1, -0.5])
@@ -244,4 +251,26 @@ NAMED: dict[str, Any] = {
 def test_a_name_of_nothing_is_refused_in_one_line(what: str) -> None:
     with pytest.raises((InvalidInput, InvalidDesign), match=NO_NAME) as caught:
         NAMED[what]()
+    assert "\n" not in str(caught.value)
+
+
+WRONG_KINDS = {
+    "high: a number": lambda: Requirement("condition", high="a"),  # type: ignore[arg-type]
+    "bounds: a tuple": lambda: Requirements("a"),  # type: ignore[arg-type]
+    "bounds: each has to be a Requirement": lambda: Requirements((3,)),  # type: ignore[arg-type]
+    "theta: two finite": lambda: Requirements(theta=("a", 1.0)),  # type: ignore[arg-type]
+    "shape: a WorkspaceShape": lambda: Workspace("box", (1.0,) * 3),  # type: ignore[arg-type]
+    "size: three": lambda: Workspace(WorkspaceShape.CYLINDER, (1.0, 1.0)),  # type: ignore[arg-type]
+    "center: three": lambda: Workspace(WorkspaceShape.BOX, (1.0,) * 3, (0.0, "a", None)),  # type: ignore[arg-type]
+    "control: a ControlMode": lambda: Controller("pd"),  # type: ignore[arg-type]
+    "duration: a number": lambda: PRESET["arch"].build(APPENDIX_4).lasting("1"),  # type: ignore[arg-type]
+    "geometry: a Geometry or a Design": lambda: PRESET["arch"].build("a"),  # type: ignore[arg-type]
+    "changes: a Mapping": lambda: APPENDIX_4.vary(None),  # type: ignore[arg-type]
+}
+
+
+@pytest.mark.parametrize("what", WRONG_KINDS)
+def test_records_and_methods_refuse_other_kinds_in_one_line(what: str) -> None:
+    with pytest.raises(InvalidInput, match=what) as caught:
+        WRONG_KINDS[what]()
     assert "\n" not in str(caught.value)

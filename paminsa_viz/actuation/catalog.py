@@ -21,11 +21,13 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from paminsa_viz.actuation.drive_table import DriveTable, pair_table
 from paminsa_viz.checks import kinds_checked
-from paminsa_viz.errors import InvalidDesign, PaminsaError, name_hint, printable
+from paminsa_viz.errors import InvalidDesign, TableFileError, name_hint
 from paminsa_viz.model.drive import Drive
-from paminsa_viz.units import COLUMN_UNITS
+from paminsa_viz.units import COLUMN_UNITS, read_number
 
 KINDS = ("motor", "gear", "screw", "belt")
 """What a row can be."""
@@ -51,26 +53,8 @@ _FIELDS = {item.name: item for item in fields(Drive)}
 _TEXTS = ("name", "source", "kind")
 
 
-class CatalogError(PaminsaError):
-    """A catalog that cannot be used.
-
-    Attributes:
-        source: Name of the file.
-        row: Line of the file, counted from 1, or None.
-        column: Name of the column, or None.
-        problem: What is wrong and what is allowed.
-    """
-
-    def __init__(
-        self, source: str, problem: str, *, row: int | None = None, column: str | None = None
-    ) -> None:
-        self.source = source
-        self.row = row
-        self.column = column
-        self.problem = problem
-        place = [] if row is None else [f"row {row}"]
-        place += [] if column is None else [f"column {printable(column[:LONGEST_NAME])}"]
-        super().__init__(f"{source}{': ' if place else ''}{', '.join(place)}: {problem}")
+class CatalogError(TableFileError):
+    """A catalog that cannot be used."""
 
 
 @dataclass(frozen=True)
@@ -284,15 +268,12 @@ def _value(column: _Column, text: str, source: str, row: int) -> Any:
         if text.lower() not in ("yes", "no"):
             raise refused("yes or no is needed")
         return text.lower() == "yes"
-    try:
-        if column.field == "envelope":
-            pairs = [pair.split() for pair in text.split(";") if pair.strip()]
-            return tuple(
-                (float(speed) * column.factors[0], float(torque) * column.factors[1])
-                for speed, torque in pairs
-            )
-        return float(text) * column.factors[0]
-    except ValueError:
-        if column.field == "envelope":
-            raise refused("pairs are needed, 0 0.9; 3000 0.9; 5000 0.4") from None
-        raise refused("a number is needed") from None
+    if column.field == "envelope":
+        pairs = [tuple(map(read_number, pair.split())) for pair in text.split(";") if pair.strip()]
+        if any(len(pair) != 2 or None in pair for pair in pairs):
+            raise refused("pairs are needed, 0 0.9; 3000 0.9; 5000 0.4")
+        return tuple(tuple(np.multiply(pair, column.factors).tolist()) for pair in pairs)
+    number = read_number(text)
+    if number is None:
+        raise refused("a number is needed")
+    return number * column.factors[0]

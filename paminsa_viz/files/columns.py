@@ -6,7 +6,7 @@ import difflib
 from dataclasses import dataclass
 
 from paminsa_viz.files.errors import TableFileError, printable, shown
-from paminsa_viz.units import COLUMN_UNITS
+from paminsa_viz.units import COLUMN_UNITS, read_number
 
 TIME = "t_s"
 POSE = ("x_m", "y_m", "theta_rad", "z_m")
@@ -183,18 +183,10 @@ def _split(text: str) -> tuple[str, str]:
 
 def _hint(name: str, header: tuple[str, ...], kind: TableKind) -> str:
     """Return advice for an unknown column."""
-    if _is_number(name):
+    if read_number(name) is not None:
         return f"the first row has to name the columns: {','.join(kind.needed)}"
     near = [known for known in kind.columns if known.lower() == name.lower()]
     if name in RESULTS and not (near and near[0] not in header):
         return "it is a result, which is computed and not read; remove it"
     near = near or difflib.get_close_matches(printable(name[:50]), kind.columns, 1, 0.6)
     return f"did you mean {near[0]}?" if near else f"there are {','.join(kind.columns)}"
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

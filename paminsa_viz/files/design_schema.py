@@ -145,7 +145,8 @@ def key_hint(table: str, name: str) -> str:
     elsewhere = [key for key in KEYS if key.name == name]
     if by_symbol or elsewhere:
         return _did_you_mean(table, (by_symbol or elsewhere)[0])
-    here = [*TABLES[table], *(() if table else FILE_KEYS)]
+    chosen = [key for of_table, key in CHOICES if of_table == table]
+    here = [*TABLES[table], *chosen, *(() if table else FILE_KEYS)]
     near = difflib.get_close_matches(name, here, 1, 0.6)
     if near:
         key = TABLES[table].get(near[0])

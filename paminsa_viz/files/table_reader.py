@@ -21,6 +21,7 @@ from paminsa_viz.files.atomic import as_file_error
 from paminsa_viz.files.columns import Column, TableKind, match_columns
 from paminsa_viz.files.errors import TableFileError, shown
 from paminsa_viz.files.tables import ROWS_AT_ONCE
+from paminsa_viz.units import read_number
 
 MOST_BLANK_ROWS = 20_000
 """Blank rows that may end a table."""
@@ -245,7 +246,7 @@ def _is_blank(record: list[str]) -> bool:
 
 def _numbers(cells: list[list[str]]) -> NDArray[np.float64] | None:
     """Return rows of equal length as an array, or None if one of them is no finite number."""
-    # Python's float() also takes 1_000 and the digits of other scripts; a table must not.
+    # What `read_number` does, for all of them at once.
     text = "".join(chain.from_iterable(cells))
     if not text.isascii() or "_" in text:
         return None
@@ -260,10 +261,7 @@ def _numbers(cells: list[list[str]]) -> NDArray[np.float64] | None:
 def _cell_problem(cell: str) -> str:
     if not cell.strip():
         return MISSING
-    try:
-        number = float(cell) if cell.isascii() and "_" not in cell else None
-    except ValueError:
-        number = None
+    number = read_number(cell)
     if number is None:
         return f"{shown(cell)} is not a number"
     return "" if np.isfinite(number) else f"{shown(cell)} is not a finite number"

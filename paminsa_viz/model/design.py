@@ -13,6 +13,7 @@ from difflib import get_close_matches
 from functools import lru_cache
 from typing import Any
 
+from paminsa_viz.checks import require_kind
 from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.accuracy import (
     Deviations,
@@ -199,7 +200,9 @@ class Design(Group, path="design"):
 
         Raises:
             InvalidDesign: If a path does not exist or a value is not possible.
+            InvalidInput: If the changes are no mapping.
         """
+        require_kind(changes, "changes", Mapping)
         grouped: dict[str, dict[str, float | None]] = {}
         for path, value in changes.items():
             group, _, name = path.rpartition(".")

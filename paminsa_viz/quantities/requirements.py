@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.checks import check_fields, require_each
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.quantity import Quantity
@@ -39,6 +42,7 @@ class Requirement:
     z: Range | None = None
 
     def __post_init__(self) -> None:
+        check_fields(self)
         find([self.quantity])
         given = [bound for bound in (self.low, self.high) if bound is not None]
         if not given:
@@ -94,10 +98,13 @@ class Workspace:
     center: tuple[float | None, float | None, float | None] = (0.0, 0.0, None)
 
     def __post_init__(self) -> None:
-        if not all(math.isfinite(extent) and extent > 0 for extent in self.size):
-            raise InvalidInput("workspace.size", f"positive numbers are needed, not {self.size}")
-        if not all(place is None or math.isfinite(place) for place in self.center):
-            raise InvalidInput("workspace.center", f"finite numbers are needed, not {self.center}")
+        check_fields(self)
+        if not (_are_finite(self.size, 3) and min(self.size) > 0):
+            problem = f"three positive numbers are needed, not {self.size}"
+            raise InvalidInput("workspace.size", problem)
+        if not _are_finite([0.0 if place is None else place for place in self.center], 3):
+            problem = f"three finite numbers are needed, not {self.center}"
+            raise InvalidInput("workspace.center", problem)
         if self.shape is WorkspaceShape.CYLINDER and self.size[0] != self.size[1]:
             raise InvalidInput("workspace.size", "a cylinder has one diameter along x and y")
 
@@ -122,6 +129,8 @@ class Requirements:
     workspace: Workspace | None = None
 
     def __post_init__(self) -> None:
+        check_fields(self)
+        require_each(self.bounds, "bounds", Requirement)
         _check_range("theta", self.theta)
 
     def headings(self, requirement: Requirement) -> Range:
@@ -130,5 +139,11 @@ class Requirements:
 
 
 def _check_range(name: str, limits: Range | None) -> None:
-    if limits is not None and not (all(map(math.isfinite, limits)) and limits[0] <= limits[1]):
+    if limits is not None and not (_are_finite(limits, 2) and limits[0] <= limits[1]):
         raise InvalidInput(name, f"two finite numbers, least and largest, are needed, not {limits}")
+
+
+def _are_finite(values: Sequence[Any], count: int) -> bool:
+    """Whether values are so many finite numbers."""
+    numbers = [isinstance(each, int | float) and math.isfinite(each) for each in values]
+    return len(numbers) == count and all(numbers)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers
 from paminsa_viz.trajectory.sampled import RATE, STEPS, Passage, States, Trajectory, sample_times
@@ -207,8 +208,13 @@ class Plan:
             problem = f"{STEPS[0]:g} to {STEPS[1]:g} s are possible, not {self.duration!r}"
             raise InvalidInput("duration", problem)
 
+    @kinds_checked
     def lasting(self, duration: float) -> Plan:
-        """Return the same motion with another duration [s]."""
+        """Return the same motion with another duration [s].
+
+        Raises:
+            InvalidInput: If it is no number, or out of range.
+        """
         return replace(self, duration=float(duration))
 
     def at(self, t: ArrayLike) -> States:

@@ -11,9 +11,9 @@ from functools import partial
 
 import numpy as np
 
-from paminsa_viz.model.arguments import of_geometry
+from paminsa_viz.model.arguments import geometry_of, of_geometry
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.reach import workspace_height
 from paminsa_viz.trajectory.plan import Plan
 from paminsa_viz.trajectory.planners import PLACE, arch, circle, line, point_to_point, via_points
@@ -57,12 +57,20 @@ class Preset:
     Attributes:
         key: Short name for files and links.
         label: What a person reads.
-        build: Makes the plan for a robot.
+        planner: Makes the plan for a robot's lengths.
     """
 
     key: str
     label: str
-    build: Callable[[Geometry], Plan]
+    planner: Callable[[Geometry], Plan]
+
+    def build(self, geometry: Geometry | Design) -> Plan:
+        """Return the motion for a robot.
+
+        Raises:
+            InvalidInput: If it is neither a geometry nor a design.
+        """
+        return self.planner(geometry_of(geometry))
 
 
 @of_geometry

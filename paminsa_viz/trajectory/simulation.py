@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.checks import check_fields
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
@@ -73,6 +74,7 @@ class Controller:
     derivative: tuple[float, float, float, float] | None = None
 
     def __post_init__(self) -> None:
+        check_fields(self)
         for name in ("bandwidth", "damping"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value >= 0):

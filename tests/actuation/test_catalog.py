@@ -78,7 +78,7 @@ def test_the_shipped_catalog_is_generic_and_drives_every_preset() -> None:
 @pytest.mark.parametrize(
     ("text", "row", "column", "told"),
     [
-        ("", None, None, "first line names the columns"),
+        ("", None, "", "first line names the columns"),
         ("kind;name;source\n", 1, "kind;name;source", "columns are separated by commas"),
         ("zzzz,name,source\n", 1, "zzzz", "there are name, source, kind, rotor_inertia,"),
         (HEAD.replace("rated_torque_mNm", "rated_torque"), 1, "rated_torque", "rated_torque_Nm"),
@@ -87,12 +87,13 @@ def test_the_shipped_catalog_is_generic_and_drives_every_preset() -> None:
         (HEAD.replace("envelope_rpm_Nm", "envelope"), 1, "envelope", "envelope_rpm_Nm"),
         (f"{HEAD},peak_torque_mNm", 1, "peak_torque_Nm", "two columns"),
         (HEAD.replace(",source", ""), 1, "source", "missing"),
-        (f"{HEAD}\n{MOTOR},3", 2, None, "13 cells, and there are 12 columns"),
+        (f"{HEAD}\n{MOTOR},3", 2, "", "13 cells, and there are 12 columns"),
         (f"{HEAD}\n{MOTOR.replace('motor', 'engine')}", 2, "kind", "there are motor, gear"),
         (f"{HEAD}\n{MOTOR.replace('own measurement', '')}", 2, "source", '"generic"'),
         (f"{HEAD}\n{MOTOR.replace('320', '')}", 2, "rated_torque_mNm", "each motor needs it"),
-        (f"{HEAD}\n{MOTOR.replace('320', '0,32')}", 2, None, "cells"),
+        (f"{HEAD}\n{MOTOR.replace('320', '0,32')}", 2, "", "cells"),
         (f"{HEAD}\n{MOTOR.replace('320', '0.3 Nm')}", 2, "rated_torque_mNm", "a number is needed"),
+        (f"{HEAD}\n{MOTOR.replace('320', '3_20')}", 2, "rated_torque_mNm", "a number is needed"),
         (f"{HEAD}\n{MOTOR.replace('30,', '-30,', 1)}", 2, "rotor_inertia_g_cm2", "at least 0"),
         (f"{HEAD}\n{MOTOR.replace('320', 'inf')}", 2, "rated_torque_mNm", "finite"),
         (f"{HEAD}\n{MOTOR.replace('6000', '2000')}", 2, "envelope_rpm_Nm", "increase"),
@@ -101,24 +102,24 @@ def test_the_shipped_catalog_is_generic_and_drives_every_preset() -> None:
         (f"{HEAD}\ngear,two,x,,,,,,,50,1.2,", 2, "efficiency", "at most 1"),
         (f"{HEAD}\ngear,two,x,,,,,,,0,0.9,", 2, "gear_ratio", "above 0"),
         (f"{HEAD}\nscrew,two,x,,,,,,,,,", 2, "lead", "lead_mm"),
-        ("x" * (LARGEST_CATALOG + 1), None, None, "is larger than 5 MB"),
-        ("\n".join([HEAD, *[MOTOR] * MOST_ROWS]), None, None, f"has more than {MOST_ROWS} rows"),
-        (f'{HEAD}\nmotor,"one', None, None, "is no CSV: "),
+        ("x" * (LARGEST_CATALOG + 1), None, "", "is larger than 5 MB"),
+        ("\n".join([HEAD, *[MOTOR] * MOST_ROWS]), None, "", f"has more than {MOST_ROWS} rows"),
+        (f'{HEAD}\nmotor,"one', None, "", "is no CSV: "),
         (HEAD.replace("envelope_rpm_Nm", "envelop_rpm_Nm"), 1, "envelop_rpm_Nm", "envelope_rpm_Nm"),
         (f"{HEAD}\n{MOTOR.replace('one', BELL)}", 2, "name", "one line of printable text"),
         (f"{HEAD}\n{MOTOR.replace('one', 201 * 'o')}", 2, "name", "at most 200 characters"),
         (f"{HEAD}\n{MOTOR.replace('one', ' ')}", 2, "name", "a name is needed"),
     ],
-    ids=range(30),
+    ids=range(31),
 )
 def test_impossible_catalogs_are_refused_in_one_line(
-    text: str, row: int | None, column: str | None, told: str
+    text: str, row: int | None, column: str, told: str
 ) -> None:
     with pytest.raises(CatalogError) as caught:
         read_catalog(text, "my.csv")
     assert (caught.value.row, caught.value.column) == (row, column)
     assert told in caught.value.problem
-    assert str(caught.value).startswith("my.csv: ")
+    assert str(caught.value).startswith("my.csv: " if row is None else f"my.csv, row {row}")
     assert "\n" not in str(caught.value)
 
 

@@ -78,7 +78,7 @@ def test_what_would_make_a_drive_fit_is_said(capsys) -> None:
     ("words", "place"),
     [
         (("--catalog", "none.csv"), "none.csv"),
-        (("--catalog", "bad.csv"), "bad.csv: row 2, column rotor_inertia_kg_cm2"),
+        (("--catalog", "bad.csv"), "bad.csv, row 2, column rotor_inertia_kg_cm2"),
         (("--cycle", "ellipse", "1", "0"), "--cycle ellipse"),
         (("--cycle", "arch", "0", "0"), "repeats"),
         (("--cycle", "arch", "1", "0", "--preset", "arch"), "--cycle excludes"),

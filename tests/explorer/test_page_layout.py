@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -12,21 +14,32 @@ from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.features.accuracy import monte_carlo, worst
 from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.features.calibration import actions as calibration
+from paminsa_viz.explorer.features.compare.tab import COMPARISON
 from paminsa_viz.explorer.features.drives import tab as drives
+from paminsa_viz.explorer.features.identification import actions as identification
+from paminsa_viz.explorer.features.loads.solving import ALONG_MOTION, find_loads
 from paminsa_viz.explorer.features.motion import simulation
 from paminsa_viz.explorer.features.requirements import actions as requirements
 from paminsa_viz.explorer.features.springs import actions as springs
 from paminsa_viz.explorer.features.stiffness import tab as stiffness
+from paminsa_viz.explorer.features.synthesis import actions as synthesis
 from paminsa_viz.explorer.features.tolerances import actions as tolerances
 from paminsa_viz.explorer.kit.design_numbers import GROUPS
 from paminsa_viz.explorer.kit.design_numbers import label as label_of
-from paminsa_viz.explorer.kit.entries import Html
-from paminsa_viz.explorer.state.outcome import solve
+from paminsa_viz.explorer.kit.entries import Answer, Entry, Html, Tabs
+from paminsa_viz.explorer.state.motion import Kind, Timing
+from paminsa_viz.explorer.state.outcome import Outcome, solve
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.stiffness import ElasticJob
-from paminsa_viz.explorer.tabs import WORKSPACES, answers
+from paminsa_viz.explorer.state.synthesis import SearchResult
+from paminsa_viz.explorer.tabs import WORKSPACES, answers, sections
+from paminsa_viz.quantities.requirement_text import requirement_label
+from paminsa_viz.synthesis.answer.prices import RequirementPrice
+from paminsa_viz.synthesis.search.case import Regime
+from paminsa_viz.synthesis.search.result import BoundOutcome, RelaxedBound, SynthesisResult
 from tests.support.chromium import Tab, until
-from tests.support.tasks import finished
+from tests.support.tasks import delivered, finished
 
 if TYPE_CHECKING:
     from tests.support.page import Browser
@@ -122,55 +135,112 @@ def test_nothing_is_cut_off(tab: Tab) -> None:
                 assert row["end"] <= width, f"the number of {text} is off the page"
 
 
+def searched(state: State) -> State:
+    """Return the state with an answer of the synthesis, as a search would have made it."""
+    state = synthesis.SEARCH.start(state.updated("synthesis.settings", allow_overlap=True))
+    job = state.synthesis.running
+    assert job is not None
+    bounds = state.document.requirements.bounds
+    found = SynthesisResult(
+        case=job.case, design=job.reference.vary({"geometry.base_radius": 0.4123}),
+        workspace=replace(job.case.workspace, center=(0.0, 0.0, -0.5512)), regime=Regime.SMALLER,
+        feasible=True, objective=0.4321,
+        outcomes=tuple(BoundOutcome(bound, -12.345, -1.234, active=True) for bound in bounds),
+        states=(), refused={Regime.LARGER: "R_pl is at most 0.3 m, R_b at least 0.3 m"},
+        relaxed=tuple(RelaxedBound(bound, -12.345, 1.234) for bound in bounds),
+        canceled=False, poses=1234,
+    )  # fmt: skip
+    state = delivered(synthesis.SEARCH, state, Outcome(job, SearchResult(found)))
+    state = synthesis.PRICES.start(state)
+    prices = state.synthesis.prices.running
+    assert prices is not None
+    priced = tuple(
+        RequirementPrice(requirement_label(one), "N m", 10.0, 0.2, 0.42, 0.39, 0.075)
+        for one in bounds
+    )
+    return delivered(synthesis.PRICES, state, Outcome(prices, priced))
+
+
 def answered() -> State:
-    """Return a state with what is computed at once, of a robot under load and its reference."""
+    """Return a state with an answer of each kind, of a robot under load and its reference."""
     state = motions.choose_preset(initial_state(), "arch")
     load = {"load.force_x": -123.4, "load.force_z": -987.6, "load.moment_z": 12.3}
     state = actions.vary(actions.move(state, x=0.08, y=-0.05, theta=-0.8), load)
     state = requirements.suggest(balancing.balance_now(state))
     state = state.updated("monte_carlo.settings", robots=20)
     state = state.updated("requirements.largest.settings", seconds=1.0)
+    state = state.updated("calibration.settings", poses=24)
     for task in (
         monte_carlo.DRAW, springs.FIT, tolerances.DRAW, worst.WORST, drives.SEARCH,
-        requirements.LARGEST,
+        requirements.LARGEST, calibration.PROPOSE, balancing.FRONT,
     ):  # fmt: skip
         state = finished(task, task.start(state))
+    state = finished(calibration.CALIBRATE, calibration.use_example(state))
+    state = finished(identification.IDENTIFY, identification.use_examples(state))
+    state = searched(state)
     job = ElasticJob(state.document.design, state.last_reachable.pose, "load")
     state = stiffness.ANALYSIS.deliver(state, solve(stiffness.analyze_elasticity, job))
-    return finished(simulation.SIMULATION, simulation.simulate(state))
+    state = finished(simulation.SIMULATION, simulation.simulate(state))
+    state = state.updated("loads.settings", along=True)
+    analysis = compute(state).analysis
+    assert analysis is not None
+    return ALONG_MOTION.deliver(state, solve(find_loads, analysis))
 
 
-WIDER = """() => [...document.querySelectorAll("section")].flatMap(section =>
+WIDER = """scrolled => [...document.querySelectorAll("section")].flatMap(section =>
   [...section.querySelectorAll("*")]
     .filter(one => one.getBoundingClientRect().right > section.getBoundingClientRect().right + 0.5)
+    .filter(one => !scrolled || !one.closest(".pv-note:has(> .pv-identify)"))
     .slice(-1)
     .map(one => `${section.id}: ${one.innerText}`))"""
-"""What of each section is wider than it, by the innermost of it."""
+"""What of each section is wider than it, by the innermost of it; without what can be scrolled."""
+
+
+def pages(entries: Sequence[Entry], state: State) -> Iterator[Html]:
+    """Yield the HTML of entries and of what is in them, as far as it is seen."""
+    for entry in entries:
+        inner = entry.tabs.values() if isinstance(entry, Tabs) else [getattr(entry, "entries", ())]
+        if isinstance(entry, Answer) and not entry.exists(state):
+            continue
+        if entry.visible is not None and not entry.visible(state):
+            continue
+        if isinstance(entry, Html):
+            yield entry
+        for each in inner:
+            yield from pages(each, state)
 
 
 @pytest.mark.slow
-def test_no_text_or_table_of_an_answer_is_wider_than_the_narrowest_dock(browser: Browser) -> None:
+def test_no_text_or_table_is_wider_than_the_narrowest_dock(browser: Browser) -> None:
     """Of the page's own texts and styles; what surrounds them in viser is padding on both sides."""
     state = answered()
-    frame, texts = compute(state), {}
-    for _, answer in answers():
-        if answer.exists(state):
-            shown = [entry for entry in answer.entries if isinstance(entry, Html)]
-            texts[answer.key] = "".join(
+    crossed = motions.change(
+        motions.limit(motions.choose_kind(state, Kind.MOVE), "torque", 10.0),
+        start=(0.03, 0.02, 0.8, -0.5), goal=(0.03, 0.02, 1.75, -0.5), timing=Timing.SHORTEST,
+        cross=True,
+    )  # fmt: skip
+    missing = {answer.key for _, answer in answers() if not answer.exists(state)}
+    assert missing == {"balance.tornado_answer", "identify.excited_answer"}  # a line and a chart
+    tables = {path: section.entries() for path, section in sections().items()}
+    texts = {}
+    for name, shown in (("all", state), ("crossed", crossed)):
+        frame = compute(shown)
+        for path, entries in (*tables.items(), ("comparison", [COMPARISON])):
+            texts[f"{path}, {name}"] = "".join(
                 one.content if isinstance(one.content, str) else one.content(frame)
-                for one in shown
-                if one.visible is None or one.visible(state)
+                for one in pages(entries, shown)
             )
-    assert len([text for text in texts.values() if "<table" in text]) >= 10
-    sections = "".join(
+    assert len([text for text in texts.values() if "<table" in text]) >= 20
+    content = "".join(
         f'<section id="{key}" style="width: {NARROWEST}px">{text}</section>'
         for key, text in texts.items()
     )
     page = browser.new_context().new_page()
-    page.set_content(
-        f"<!doctype html><body style='font-family: sans-serif'>{style_html()}{sections}"
-    )
-    assert page.evaluate(WIDER) == []
+    for font, scrolled in (("sans-serif", False), ("DejaVu Sans", True)):  # one of the widest
+        page.set_content(
+            f"<!doctype html><body style='font-family: {font}'>{style_html()}{content}"
+        )
+        assert page.evaluate(WIDER, scrolled) == []
     page.evaluate("document.querySelector('section td').style.minWidth = '500px'")
-    assert len(page.evaluate(WIDER)) == 1
+    assert len(page.evaluate(WIDER, True)) == 1
     page.close()

@@ -73,6 +73,7 @@ def refusal(content: str | bytes, source: str = "up.toml") -> DesignFileError:
         (VERSION + "[joints]\nb3_kg = 1", 3, "joints.b3_kg", "did you mean b3_kg in [links]"),
         (VERSION + "b3_kg = 1", 2, "b3_kg", "did you mean b3_kg in [links]"),
         (VERSION + "[geometry]\nR_b = 1", 3, "geometry.R_b", "did you mean base_radius_m"),
+        (VERSION + "[geometry]\nkne = 1", 3, "geometry.kne", "did you mean knee?"),
         (VERSION + "nam = 'x'", 2, "nam", "did you mean name?"),
         (VERSION + "zzz = 'x'", 2, "zzz", "there are gravity_m_per_s2"),
         (VERSION + 'name = "a\\u0007"', 2, "name", "a name is one line"),

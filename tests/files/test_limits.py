@@ -7,10 +7,10 @@ import json
 
 import pytest
 
-from paminsa_viz.errors import PaminsaError
+from paminsa_viz.errors import LONGEST_VALUE, PaminsaError
 from paminsa_viz.files.columns import POSES
 from paminsa_viz.files.design_file import LARGEST_FILE, LONGEST_LINE, parse_toml, read_design
-from paminsa_viz.files.errors import SHOWN_CHARACTERS, DesignFileError, TableFileError, shown
+from paminsa_viz.files.errors import DesignFileError, TableFileError, shown
 from paminsa_viz.files.plain_data import (
     LARGEST_INTEGER,
     MOST_LEVELS,
@@ -78,9 +78,9 @@ def test_rows_of_tables() -> None:
 
 
 def test_what_a_message_shows_of_a_value_is_short() -> None:
-    assert shown("x" * (SHOWN_CHARACTERS - 2)) == repr("x" * (SHOWN_CHARACTERS - 2))
-    cut = shown("x" * (SHOWN_CHARACTERS - 1))
-    assert len(cut) == SHOWN_CHARACTERS
+    assert shown("x" * (LONGEST_VALUE - 2)) == repr("x" * (LONGEST_VALUE - 2))
+    cut = shown("x" * (LONGEST_VALUE - 1))
+    assert len(cut) == LONGEST_VALUE
     assert cut.endswith("x...'")
     for value, text in (
         (True, "true"), ({}, "a table"), ([1], "a list"), (1.5, "1.5"),
