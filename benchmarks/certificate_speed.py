@@ -7,11 +7,10 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.measure import heading, number, table
+from benchmarks.measure import heading, number, processor_time, table
 from paminsa_viz.model import APPENDIX_4, measure_singularity, static_torques
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.synthesis.proof.certificate import prove
@@ -23,16 +22,6 @@ from tests.synthesis.robots import NEEDED, TURN, cylinder
 BOXES = 8192
 TOLERANCES = (0.016, 0.005, 0.001)
 """Of the largest workspaces [m]."""
-
-
-def cpu(run: Callable[[], object], times: int = 7) -> float:
-    """Return the processor time of the best of several runs [s]."""
-    found = []
-    for _ in range(times):
-        start = time.process_time()
-        run()
-        found.append(time.process_time() - start)
-    return min(found)
 
 
 def poses() -> Array:
@@ -89,12 +78,12 @@ def speed() -> None:
     half = np.full((BOXES, 4), 0.004)
     times = {
         "condition number": (
-            cpu(lambda: measure_singularity(APPENDIX_4.geometry, middle)),
-            cpu(lambda: condition_bounds(APPENDIX_4, middle, half)),
+            processor_time(lambda: measure_singularity(APPENDIX_4.geometry, middle)),
+            processor_time(lambda: condition_bounds(APPENDIX_4, middle, half)),
         ),
         "torques and F_4": (
-            cpu(lambda: static_torques(APPENDIX_4, middle)),
-            cpu(lambda: static_bounds(APPENDIX_4, middle, half)),
+            processor_time(lambda: static_torques(APPENDIX_4, middle)),
+            processor_time(lambda: static_bounds(APPENDIX_4, middle, half)),
         ),
     }
     heading(f"A box against a pose, on arrays of {BOXES}")

@@ -5,12 +5,11 @@ Run: ``python -m benchmarks.loads_speed``.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.measure import heading, number, table
+from benchmarks.measure import heading, number, processor_time, table
 from paminsa_viz.elastostatics.bar_loads import (
     all_bar_loads,
     field_bar_loads,
@@ -26,16 +25,6 @@ from paminsa_viz.model.grids import solve_field, xy_grid
 from paminsa_viz.trajectory import PRESET, analyze
 
 CELLS = 72
-
-
-def cpu(run: Callable[[], object]) -> float:
-    """Return the processor time of the best of seven runs [s]."""
-    times = []
-    for _ in range(7):
-        start = time.process_time()
-        run()
-        times.append(time.process_time() - start)
-    return min(times)
 
 
 def main() -> None:
@@ -93,7 +82,7 @@ def main() -> None:
     rows = []
     for name, (run, count) in runs.items():
         run()
-        spent = cpu(run)
+        spent = processor_time(run)
         first = first or spent / count
         rows.append(
             (name, f"{number(1e3 * spent)} ms", f"{number(1e6 * spent / count)} µs",

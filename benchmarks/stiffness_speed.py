@@ -5,11 +5,9 @@ Run: ``python -m benchmarks.stiffness_speed``.
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 
-from benchmarks.measure import best, heading, number, table
+from benchmarks.measure import best, heading, number, processor_time, table
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes
 from paminsa_viz.elastostatics.leg_matrices import structure
 from paminsa_viz.elastostatics.stiffness import field_stiffness, platform_stiffness
@@ -19,16 +17,6 @@ from paminsa_viz.model.grids import solve_field, xy_grid
 from paminsa_viz.quantities import QUANTITIES
 
 CELLS = 72
-
-
-def cpu(run) -> float:  # type: ignore[no-untyped-def]
-    """Return the processor time of the best of five runs [s]: one core's, on any machine."""
-    times = []
-    for _ in range(5):
-        start = time.process_time()
-        run()
-        times.append(time.process_time() - start)
-    return min(times)
 
 
 def main() -> None:
@@ -69,7 +57,7 @@ def main() -> None:
     }  # fmt: skip
     rows = []
     for name, (run, count) in runs.items():
-        wall, core = best(run), cpu(run)
+        wall, core = best(run), processor_time(run)
         rows.append([name, number(1e3 * wall * every / count), number(1e3 * core * every / count),
                      number(1e6 * wall / count)])  # fmt: skip
     heading(f"Stiffness of {every} poses")
