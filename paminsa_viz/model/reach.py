@@ -101,6 +101,13 @@ class Reach(OfLimits):
         """Return the status as words for tables, such as ``ok`` or ``stretched:leg2``, (...)."""
         return status_words(self.status, self.leg)
 
+    def explanation(self, at: tuple[int, ...] = ()) -> str:
+        """Return why the pose of an index cannot be taken: which limit, which leg, by how much."""
+        text, leg = Limit(int(self.status[at])).explanation, int(self.leg[at])
+        if leg < 0:
+            return text
+        return f"{text} (leg {leg + 1}, by {_short(1e3 * float(self.excess[at]), 2)} mm)"
+
 
 def status_words(status: ArrayLike, leg: ArrayLike = -1) -> NDArray[np.str_]:
     """Return status codes as words; the leg is added, by the paper's number, where there is one."""
@@ -187,7 +194,7 @@ def require_reachable(geometry: Geometry, pose: ArrayLike) -> None:
     result = check_reach(geometry, pose)
     if result.ok.all():
         return
-    first = tuple(np.argwhere(~result.ok)[0])
+    first = tuple(np.argwhere(~result.ok)[0].tolist())
     where = np.asarray(pose, dtype=float)[first]
     limit = Limit(int(result.status[first]))
     leg, excess = int(result.leg[first]) + 1, float(result.excess[first])
@@ -196,9 +203,7 @@ def require_reachable(geometry: Geometry, pose: ArrayLike) -> None:
         f"pose ({_short(1e3 * x)} mm, {_short(1e3 * y)} mm, {_short(np.degrees(theta))} deg, "
         f"{_short(1e3 * z)} mm)"
     )
-    text += f" cannot be taken: {limit.explanation}"
-    if leg:
-        text += f" (leg {leg}, by {_short(1e3 * excess, 2)} mm)"
+    text += f" cannot be taken: {result.explanation(first)}"
     raise UnreachablePose(tuple(map(float, where)), leg, limit.word, excess, text)
 
 

@@ -15,7 +15,15 @@ import pytest
 import paminsa_viz.blocks
 from paminsa_viz.actuation import Duty, duty_cycle, generic_catalog, select_drives
 from paminsa_viz.actuation.ratios import catalog_ratios
-from paminsa_viz.balancing import balance
+from paminsa_viz.balancing import (
+    SpringPlace,
+    at_joint,
+    balance,
+    fit_springs,
+    on_slider,
+    spring_torques,
+)
+from paminsa_viz.balancing.tolerance import length_tolerance, mass_tolerance
 from paminsa_viz.blocks import (
     accuracy,
     calibration,
@@ -28,9 +36,11 @@ from paminsa_viz.blocks import (
     loads,
     maps,
     requirements,
+    springs,
     stiffness,
     sweep,
     synthesis,
+    tolerances,
     trajectory,
     verification,
     workspace,
@@ -57,6 +67,7 @@ from paminsa_viz.files.published_table import PublishedTorques
 from paminsa_viz.identification import optimize_excitation
 from paminsa_viz.identification.excitation import ExcitationLimits, ExcitationSettings
 from paminsa_viz.identification.findings import investigate
+from paminsa_viz.model import static_torques
 from paminsa_viz.plots.map_values import map_data, workspace_field
 from paminsa_viz.precision.calibration import calibrate
 from paminsa_viz.precision.calibration_plan import plan_calibration
@@ -209,6 +220,14 @@ def _requirements(_: Path) -> Said:
     return blocks, data
 
 
+def _springs(_: Path) -> Said:
+    design, pose = robot()[0], np.array(POSE)
+    fit = fit_springs(design, [SpringPlace(on_slider(0.1), at_joint(9))], pose[None])
+    torque = static_torques(design, pose)
+    held = torque + spring_torques(design, fit.springs, pose)
+    return list(springs.springs_blocks(fit, torque, held)), None
+
+
 def _stiffness(_: Path) -> Said:
     design, _motion = robot()
     found = platform_stiffness(design, POSE)
@@ -233,6 +252,16 @@ def _synthesis(_: Path) -> Said:
     none = synthesis.AnswerChecks(None, None, "it is not installed", None)
     blocks = synthesis.synthesis_blocks(found) + synthesis.answer_blocks(found, none)
     return blocks, synthesis.synthesis_data(found, 1.0) | synthesis.checks_data(found, none)
+
+
+def _tolerances(_: Path) -> Said:
+    design, pose = robot()[0], np.array(POSE)
+    masses = mass_tolerance(design, 0.02, pose)
+    lengths = length_tolerance(design, 0.01, pose[None], samples=5)
+    blocks = [
+        *tolerances.mass_tolerance_blocks(masses), *tolerances.length_tolerance_blocks(lengths),
+    ]  # fmt: skip
+    return blocks, None
 
 
 def _trajectory(_: Path) -> Said:

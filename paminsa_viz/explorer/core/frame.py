@@ -13,7 +13,6 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import (
     Configuration,
     Design,
-    Limit,
     Reach,
     Singularity,
     check_reach,
@@ -98,11 +97,7 @@ class Frame:
     def explanation(self) -> str:
         """One sentence that says why, in millimeters."""
         if self.health is Health.UNREACHABLE:
-            limit, leg = Limit(int(self.requested.status)), int(self.requested.leg)
-            text = limit.explanation
-            if leg >= 0:
-                text += f" (leg {leg + 1}, by {1e3 * float(self.requested.excess):.1f} mm)"
-            return text
+            return self.requested.explanation()
         if self.health is Health.NEAR:
             limit = self.state.condition_limit
             condition = float(self.singularity.condition)

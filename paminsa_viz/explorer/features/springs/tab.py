@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from paminsa_viz.blocks.kinds import Note
+from paminsa_viz.blocks.springs import springs_blocks
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.springs import actions as springs
 from paminsa_viz.explorer.kit.entries import Answer, Button, Entry, Html
 from paminsa_viz.explorer.kit.inputs import Pair
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
-from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.kit.text import blocks_html
 from paminsa_viz.explorer.state.settings import MILLIMETERS
 from paminsa_viz.explorer.state.springs import LENGTHS, SpringSettings, SpringsFrom
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.units import format_value, number
 
-GAP = 1e-6
-"""Gap of a certificate that is not worth a word [N m]."""
+BESIDE = Note(
+    "Springs are not part of the design: maps, motions and the numbers above are of the robot "
+    "without them.",
+    "muted",
+)
 
 
 def springs_html(frame: Frame) -> str:
@@ -22,24 +26,12 @@ def springs_html(frame: Frame) -> str:
     state = frame.state
     fit, held = springs.FIT.result(state), springs.relieved(state, frame.torques)
     if fit is None or held is None or springs.FIT.runs(state):
-        empty = render("springs/result.j2", rows=[], facts=[], lines=[])
-        return springs.FIT.text(state, "springs", "Fitting …", "No springs") or empty
-    (spring,) = fit.springs
-    low, high = fit.reach[0]
-    facts = [
-        ("stiffness on each leg", format_value(spring.stiffness, "N/m")),
-        ("free length", format_value(spring.free_length, "m")),
-        ("length in use", f"{format_value(low, 'm', 3)} to {format_value(high, 'm', 3)}"),
-    ]
-    rows = [("largest on the map", fit.before, fit.after, "N·m")]
-    rows += [
-        (f"M{j + 1} at this pose", frame.torques[j], held[j], "N·m" if j < 3 else "N")
-        for j in range(4)
-    ]
-    better = f" by more than {number(fit.gap, 2)} N·m" if fit.gap > GAP else ""
-    lines = [f"Certified: no other stiffness and free length is better{better}."]
-    lines += filter(None, [springs.FIT.stale_text(state)])
-    return render("springs/result.j2", rows=rows, facts=facts, lines=lines)
+        without = blocks_html("springs", BESIDE)
+        return springs.FIT.text(state, "springs", "Fitting …", "No springs") or without
+    return blocks_html(
+        "springs", *springs_blocks(fit, frame.torques, held), BESIDE,
+        stale=springs.FIT.stale_text(state),
+    )  # fmt: skip
 
 
 def _free_lengths(state: State) -> tuple[float, float]:

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
+from paminsa_viz.blocks.tolerances import length_tolerance_blocks, mass_tolerance_blocks
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.tolerances.actions import DRAW, of_masses
 from paminsa_viz.explorer.kit.entries import Answer, Button, Entry, Html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
-from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.kit.text import blocks_html
 from paminsa_viz.explorer.state.tolerances import ToleranceSettings
-from paminsa_viz.model import PARAMETER
-
-LEADING = 3
-"""Masses that are named, by their share in the variance."""
 
 
 def masses_html(frame: Frame) -> str:
@@ -19,20 +16,7 @@ def masses_html(frame: Frame) -> str:
     state = frame.state
     mass = state.tolerances.settings.mass
     found = of_masses(frame.shown_design, state.last_reachable.pose, mass)
-    rows = [("M_p2", found.nominal, found.deviation, abs(found.nominal) + found.worst, "N")]
-    rows += [
-        (f"M{j + 1}", float(found.torque[j]), float(found.torque_deviation[j]),
-         float(found.torque_worst[j]), "N·m")
-        for j in range(3)
-    ]  # fmt: skip
-    shares = [(_symbol(path), share) for path, share in list(found.shares.items())[:LEADING]]
-    return render("tolerances/masses.j2", rows=rows, shares=shares)
-
-
-def _symbol(path: str) -> str:
-    if path in PARAMETER:
-        return PARAMETER[path].symbol
-    return f"counterweight {int(path.split('.')[1]) + 1}"
+    return blocks_html("tolerance-masses", *mass_tolerance_blocks(found))
 
 
 def lengths_html(frame: Frame) -> str:
@@ -40,10 +24,9 @@ def lengths_html(frame: Frame) -> str:
     state, found = frame.state, DRAW.result(frame.state)
     if found is None or DRAW.runs(state):
         return DRAW.text(state, "tolerance", "Computing …", "No sample") or ""
-    return render(
-        "tolerances/lengths.j2", found=found, robots=found.peaks.size,
-        lost=int((found.lost > 0).sum()), stale=DRAW.stale_text(state),
-    )  # fmt: skip
+    return blocks_html(
+        "tolerance", *length_tolerance_blocks(found), bold=[1], stale=DRAW.stale_text(state)
+    )
 
 
 _setting = SettingInputs("tolerance", "tolerances.settings", ToleranceSettings)

@@ -33,7 +33,7 @@ def test_balanced_robot_still_has_torques_within_tolerances(state: State) -> Non
     for worst in found.torque_worst:
         assert f"{worst:.3f}" in text
     exact = balanced.updated("tolerances.settings", mass=0.0)
-    assert "0.000 N·m" in panel.masses_html(compute(exact))
+    assert panel.masses_html(compute(exact)).count("<td>0.000</td>") >= 4  # no spread
 
 
 def test_lengths_are_drawn_on_request_and_go_stale(state: State) -> None:
