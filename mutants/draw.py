@@ -13,7 +13,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-
 Key = tuple[str, str, str, str, int]
 """File, line of code, before, after, and number of a mutant."""
 
@@ -103,7 +102,10 @@ def candidates(path: str, source: bytes) -> list[Mutant]:
         for other in others:
             after = ast.unparse(other)
             if after != before:
-                place, text = (path, node.lineno, node.col_offset, start, end), (before, after, code)
+                place, text = (
+                    (path, node.lineno, node.col_offset, start, end),
+                    (before, after, code),
+                )
                 found.append(Mutant(*place, *text, seen[text]))
                 seen[text] += 1
     return found
