@@ -21,7 +21,7 @@ from paminsa_viz.blocks import (
     maps,
 )
 from paminsa_viz.blocks.external_load import load_notes
-from paminsa_viz.model.design import APPENDIX_4, Counterweight
+from paminsa_viz.model.design import APPENDIX_4, Counterweight, KneeBranch
 from paminsa_viz.model.drive import ACTUATORS, Drive
 from paminsa_viz.trajectory import PRESET, analyze
 from tests.blocks.said import cells, said
@@ -50,8 +50,8 @@ def test_facts_of_a_map_are_those_of_its_cells() -> None:
     values = np.arange(6.0).reshape(1, 2, 3)
     data: Any = SimpleNamespace(
         design=APPENDIX_4, reference=None, theta=0.2, z=-0.5, status=status.astype(np.uint8),
-        leg=leg, x=np.array([0.0, 0.02, 0.04]), y=np.array([0.0, 0.05]), unit="N m",
-        values=values, singular_radius=0.25, display=(1.0, "N·m"),
+        leg=leg, x=np.array([0.01, 0.03, 0.05]), y=np.array([0.02, 0.07]), unit="N m",
+        values=values, singular_radius=0.25, display=(10.0, "dN·m"),
     )  # fmt: skip
     facts = maps.maps_data(data, ("tau_1",), 1e9)
     assert facts["cells"] == [3, 2]
@@ -69,6 +69,35 @@ def test_facts_of_a_map_are_those_of_its_cells() -> None:
     notes = said(maps.maps_blocks(data, facts))
     assert any(text.endswith("singular circle: none") for text, _ in notes)
     assert "published" not in facts
+    table: Any = maps.maps_blocks(data, facts)[2]
+    assert table.literal
+    assert table.head == ("[dN·m]", "Least", "Largest", "Median size", "90 % of size <")
+    counted = values[0][maps._counting(data, 1e9)]
+    assert cells(table)[0][:3] == ("tau_1", *(maps.number(10 * end) for end in (
+        counted.min(), counted.max())))  # fmt: skip
+    of_torques = {"maps": dict.fromkeys(maps.TORQUES, facts["maps"]["tau_1"])}
+    table = maps.maps_blocks(data, facts | of_torques)[2]
+    assert table.head[3:] == ("Median |tau|", "90 % of |tau| <")
+    published: Any = SimpleNamespace(position=np.zeros((2, 2)), torque=np.ones((2, 4)))
+    beside = maps.maps_data(data, ("tau_1",), 1e9, published)
+    assert beside.pop("published") == maps.off_published(data, published)
+    assert beside.keys() == facts.keys()
+
+
+def test_a_difference_counts_where_both_robots_do() -> None:
+    other = APPENDIX_4.vary({"geometry.platform_radius": 0.2})
+    x = y = np.linspace(-0.3, 0.3, 13)
+
+    def counted(design: Any, reference: Any) -> np.ndarray:
+        data: Any = SimpleNamespace(
+            design=design, reference=reference, x=x, y=y, theta=0.3, z=-0.5
+        )  # fmt: skip
+        return maps._counting(data, 8.0)
+
+    one, two = counted(APPENDIX_4, None), counted(other, None)
+    assert (one & ~two).any()
+    assert (two & ~one).any()
+    np.testing.assert_array_equal(counted(APPENDIX_4, other), one & two)
 
 
 def test_who_carries_a_load() -> None:
@@ -88,6 +117,7 @@ def test_who_carries_a_load() -> None:
         assert value not in drive
     ((nothing, _),) = said(load_notes(APPENDIX_4, pose))
     assert nothing.startswith("No external force")
+    assert forces._limits(APPENDIX_4).words == 2
     driven = replace(APPENDIX_4, drives=(Drive("m", rated_torque=2.0), None, None, None))
     assert [row[:2] for row in cells(forces._limits(driven))] == [
         ("M1", "drive"), ("M2", "default"), ("M3", "default"), ("M4", "default"),
@@ -175,6 +205,82 @@ def test_a_design_beside_appendix_4() -> None:
     assert cells(table) == [(weights[0].place, "0.5 kg")]
 
 
+def test_tables_of_designs_have_their_words_and_digits() -> None:
+    exact = APPENDIX_4.vary({"links.b1": 1.23456789})
+    weight = Counterweight("b3", 4, 0.05, 0.123456789)
+    motor = Drive("motor", gear_ratio=12.5)
+    held = replace(exact, counterweights=(weight,), drives=(motor, None, None, None))
+    _, table, weights = design.design_blocks(held)
+    (marked,) = (row for row in table.rows if row.kind == "marked")  # type: ignore
+    assert marked.cells[2] == "1.23457 kg"
+    assert (table.words, design.design_blocks(APPENDIX_4)[1].words) == (2, 2)  # type: ignore
+    assert cells(weights) == [(weight.place, "0.12346 kg")]
+    assert design.values_table(held).words == 4
+    data = design.values_data(held)
+    assert data["drives"] == {"M1": motor}
+    assert data["counterweights"] == (weight,)
+    assert data["values"]["links.b1_kg"] == 1.23456789
+    assert "drives" not in design.values_data(exact)
+    assert design.difference_blocks(held, exact, ("a", "b"))[0].words == 6  # type: ignore
+    for sign in (1.0, -1.0):
+        pushed, harder = (APPENDIX_4.vary({"load.force_x": sign * force}) for force in (4.0, 5.0))
+        (row,) = cells(design.difference_blocks(pushed, harder, ("a", "b"))[0])
+        assert row[4] == "+25 %"
+    pushed, back = (APPENDIX_4.vary({"load.force_x": force}) for force in (4.0, -4.0))
+    (row,) = cells(design.difference_blocks(pushed, back, ("a", "b"))[0])
+    assert row[4] == "−200 %"
+    stiff, other = APPENDIX_4, APPENDIX_4.vary({"elastic.ball": 2e4})
+    for pair in ((stiff, other), (other, stiff)):
+        (row,) = cells(design.difference_blocks(*pair, ("a", "b"))[0])
+        assert ("rigid" in row, row[4]) == (True, "")
+        (row,) = cells(design.changes_table(*pair))
+        assert "rigid" in row
+
+
+def test_robots_differ_by_more_than_rounding_and_by_what_is_left_open() -> None:
+    """A stroke that is set differs from one that follows the guide's length."""
+
+    def rows(first: Any, second: Any) -> list[tuple[str, ...]]:
+        return [row[2:5] for row in cells(design.changes_table(first, second))]
+
+    b1 = APPENDIX_4.links.b1
+    for share, differs in ((0.95e-9, False), (1.05e-9, True)):
+        other = APPENDIX_4.vary({"links.b1": b1 * (1 + share)})
+        assert bool(rows(APPENDIX_4, other)) == differs
+    for force, differs in ((0.95e-12, False), (1.05e-12, True)):
+        assert bool(rows(APPENDIX_4, APPENDIX_4.vary({"load.force_x": force}))) == differs
+    exact = APPENDIX_4.vary({"links.b1": 1.23456789})
+    assert rows(APPENDIX_4, exact) == [("links.b1", "1.221", "1.23457")]
+    stroke = APPENDIX_4.geometry.stroke
+    stored = APPENDIX_4.vary({"geometry.guide_stroke": stroke})
+    follows = f"{1e3 * stroke:.6g} (l_B10)"
+    assert rows(APPENDIX_4, stored) == [
+        ("geometry.guide_stroke", follows, follows.removesuffix(" (l_B10)"))
+    ]
+    assert rows(stored, APPENDIX_4)[0][1:] == rows(APPENDIX_4, stored)[0][:0:-1]
+    assert rows(stored, stored) == []
+
+
+def test_choices_counterweights_and_drives_in_which_robots_differ() -> None:
+    motor = Drive("motor", gear_ratio=12.5)
+    one = replace(
+        APPENDIX_4, counterweights=(Counterweight("b3", 4, 0.05, 0.1234567),
+                                    Counterweight("b3", 4, 0.05, 0.5)),
+    )  # fmt: skip
+    other = replace(
+        APPENDIX_4.with_knee(KneeBranch.UPPER), drives=(None, motor, None, None),
+        counterweights=(Counterweight("b8", 8, 0.05, 0.7654321),),
+    )  # fmt: skip
+    assert [row[2:] for row in cells(design.changes_table(one, other))] == [
+        ("geometry.knee", "lower", "upper"), ("", "0.623457", "0", "−100 %"),
+        ("", "0", "0.765432", "new"), ("", "no drive", "12.5:1"),
+    ]  # fmt: skip
+    row = design.changes_table(one, other).rows[-1]
+    assert row.cells[0] == "M2"
+    assert row.cells[4].hint == motor.summary  # type: ignore
+    assert cells(design.changes_table(one, other, under="geometry")) == []
+
+
 def test_choices_of_a_design_stand_behind_the_numbers_of_their_table() -> None:
     tables = [row.cells[0] for row in design.values_table(APPENDIX_4).rows]
     for _table, name in design.CHOICES:
@@ -237,6 +343,125 @@ def test_a_balance_with_its_goals_masses_and_bounds() -> None:
     assert said(blocks)[0] == ("No mass changes.", "muted")
 
 
+def test_digits_and_thresholds_of_a_balance() -> None:
+    def found(label: str, after: float, objective: float, left: Any = APPENDIX_4) -> Any:
+        value = SimpleNamespace(label=label, limit=None, before=1.23456789, after=after, unit="N m")
+        bounds = (("joints.j7", 2.0, 1.05e-9), ("joints.j5", 3.0, 1e-9), ("links.b3", 4.0, 0.5))
+        active = tuple(
+            SimpleNamespace(name=name, side="high", bound=bound + 1e-8, unit="kg", price=price)
+            for name, bound, price in bounds
+        )
+        return SimpleNamespace(
+            values=(value, SimpleNamespace(**vars(value) | {"label": "limit", "limit": 3.1234567})),
+            active=active, objective=objective, after=left, before=APPENDIX_4, lower_bound=1.0,
+            gap=1.0, seconds=0.5,
+        )  # fmt: skip
+
+    table: Any = balance.bounds_table(found("goal", 1.0, 1.0))
+    assert table.words == 3
+    assert cells(table) == [
+        ("m_7", "joints.j7", "≤", "2 kg", "1.05·10⁻⁹ N·m / kg"),
+        ("m_B3", "links.b3", "≤", "4 kg", "0.5 N·m / kg"),
+    ]
+    # what keeps M_p2 from zero, to either side, costs newtons
+    heavy = APPENDIX_4.vary({"joints.j7": 9.0})
+    assert balance.static_imbalance(heavy) * balance.static_imbalance(APPENDIX_4) < 0
+    even = balance.balance(APPENDIX_4).after
+    for left, unit in ((APPENDIX_4, "N"), (heavy, "N"), (even, "N·m")):
+        cell = cells(balance.bounds_table(found("M_p2", 1.0, 1.0, left)))[1][4]
+        assert cell == f"0.5 {unit} / kg"
+    for after, objective, close in (
+        (1.0, 1.0 + 0.95e-6, True), (1.0, 1.0 + 1.05e-6, False), (0.0, 0.95e-9, True),
+        (0.0, 1.05e-9, False),
+    ):  # fmt: skip
+        assert (balance._minimized(found("goal", after, objective)) is not None) == close
+    goals, *_ = balance.optimum_blocks(found("goal", 1.23456789, 1.0))
+    assert cells(goals) == [
+        ("goal", "1.23457", "1.23457", "N·m"),
+        ("limit, at most 3.12346", "1.23457", "1.23457", "N·m"),
+    ]
+    for size, text in ((1e-9, "0"), (-1e-9, "0"), (1.05e-9, "1.05·10⁻⁹"), (-1.5, "−1.5")):
+        assert balance._tidy(size, 6) == text
+    assert balance._contributions(APPENDIX_4).words == 2
+
+
+def test_masses_that_a_balance_changes_as_data() -> None:
+    weight = Counterweight("b3", 7, 0.05, 0.75)
+    before = replace(APPENDIX_4, counterweights=(weight,))
+    after = replace(
+        before.vary({"joints.j7": 1.0}), counterweights=(replace(weight, mass=0.5),)
+    )  # fmt: skip
+    found: Any = SimpleNamespace(
+        before=before, after=after, values=("v",), active=("a",), objective=1.0, lower_bound=0.5,
+        gap=0.25, seconds=0.125,
+    )  # fmt: skip
+    j7 = APPENDIX_4.joints.j7
+    assert balance.changed_masses(found) == [
+        ("joints.j7", j7, 1.0), ("counterweights.0.mass", 0.75, 0.5),
+    ]  # fmt: skip
+    data = balance.optimum_data(found)
+    assert data.pop("counterweights") == [
+        vars(after.counterweights[0])
+        | {"room": balance.room_text(after.geometry, after.counterweights[0])}
+    ]
+    assert data == {
+        "values": ("v",), "active_bounds": ("a",), "objective": 1.0, "lower_bound": 0.5,
+        "gap": 0.25, "seconds": 0.125,
+        "changes": {"joints.j7": {"before": j7, "after": 1.0},
+                    "counterweights.0.mass": {"before": 0.75, "after": 0.5}},
+    }  # fmt: skip
+
+
+def test_the_room_of_a_counterweight_is_rounded_to_the_safe_side(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    weight = Counterweight("b3", 7, 0.05, 0.75)
+
+    def text(depth: float | None, geometry: Any = APPENDIX_4.geometry) -> str:
+        room = None if depth is None else SimpleNamespace(
+            inward=-0.0101, outward=0.0201, low=-0.0301, high=0.0401, clear_depth=depth
+        )  # fmt: skip
+        monkeypatch.setattr(balance, "counterweight_clearance", lambda *given: room)
+        return balance.room_text(geometry, weight)
+
+    assert text(None) == "The robot can take no pose."
+    extent = "at most −10 mm inward and 21 mm outward of its leg axis, 31 mm below and 41 mm above"
+    meet = "It can meet neither the platform nor the robot's axis, where M4 is"
+    assert extent in text(0.0)
+    assert text(0.0).endswith(f"{meet}.")
+    assert text(np.inf).endswith("It may run into the platform, or M4, at any height.")
+    height = APPENDIX_4.geometry.platform_joint_height
+    for knee, side, sign in ((KneeBranch.LOWER, "below", -1.0), (KneeBranch.UPPER, "above", 1.0)):
+        z = sign * 0.30001 - height
+        shown = f"{(np.floor if sign < 0 else np.ceil)(1e3 * z):.0f} mm".replace("-", "−")
+        found = text(0.30001, APPENDIX_4.with_knee(knee).geometry)
+        assert found.endswith(f"{meet}, while the platform is {side} z = {shown}.")
+    assert balance._mm(0.012) == balance._mm(0.012, np.floor) == "12 mm"
+
+
+def test_the_papers_balance_or_what_comes_nearest_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    trajectory = PRESET["arch"].build(APPENDIX_4.geometry).sample(5)
+    even = balance.balance(APPENDIX_4).after
+    heavy = APPENDIX_4.vary({"joints.j7": 9.0})
+    for after, begin in (
+        (even, "The paper’s balance"), (heavy, "Within these bounds"),
+        (APPENDIX_4.vary({"joints.j7": 0.4}), "Within these bounds"),
+    ):  # fmt: skip
+        optimum = SimpleNamespace(before=APPENDIX_4, after=after)
+        monkeypatch.setattr(balance, "balance", lambda design, found=optimum: found)
+        table, *others = balance._balanced(analyze(APPENDIX_4, trajectory))
+        assert len(others) == 2
+        assert table.caption.startswith(begin)  # type: ignore
+    # too heavy is not balanced either, and what cannot begin the motion has no figure
+    assert len(balance.balance_blocks(analyze(heavy, trajectory))) == 5
+    far = replace(trajectory, pose=trajectory.pose + np.array([2.0, 0.0, 0.0, 0.0]))
+    assert len(balance._balanced(analyze(APPENDIX_4, far))) == 2
+    one, other = analyze(APPENDIX_4, far), analyze(APPENDIX_4, trajectory)
+    monkeypatch.setattr(balance, "analyze", lambda *given, **options: one)
+    monkeypatch.setattr(balance, "sizes_in_motion", lambda analysis: [np.zeros(4)] * len(IN_MOTION))
+    assert len(balance._balanced(other)) == 2
+
+
 def test_what_a_balance_changes_of_the_actuators() -> None:
     def effect(label: str, unit: str, before: float, after: float, group: str = "") -> Effect:
         return Effect(label, unit, before, after, group)
@@ -258,7 +483,12 @@ def test_what_a_balance_changes_of_the_actuators() -> None:
     assert "more torque" not in balance.effects_table([*found[:2], found[3]]).caption
     assert not balance.grown(effect("mass", "kg", 20.0, 25.0))
     assert balance.grown(effect("M1", "N m", 0.0, 1e-6, group))
-    assert not balance.grown(effect("M1", "N m", 0.0, 1e-10, group))
+    assert not balance.grown(effect("M1", "N m", 0.0, 1e-9, group))
+    assert balance.grown(effect("M1", "N m", 0.0, 1.05e-9, group))
+    assert not balance.grown(effect("M1", "N m", 100.0, 100.48, group))
+    assert balance.grown(effect("M1", "N m", 100.0, 100.52, group))
+    (row,) = cells(balance.effects_table([effect("size", "m", 0.01234567, 0.02)]))
+    assert row[:3] == ("size [mm]", "12.35", "20")
 
 
 def test_a_balanced_design_needs_nothing() -> None:

@@ -285,7 +285,7 @@ def test_what_ends_a_volume_and_what_each_requirement_removes(
         VolumeCause(16, CauseKind.REQUIREMENT, "", "", 0),
         VolumeCause(17, CauseKind.REQUIREMENT, "", "", 1),
     )  # fmt: skip
-    areas = {first: 1.0, reach: 3.0}
+    areas = {first: 0.5, reach: 1.5}
     monkeypatch.setattr(
         requirements, "volume_surface", lambda volume: SimpleNamespace(areas=lambda: areas)
     )
@@ -404,7 +404,7 @@ def verified(**changes: Any) -> Any:
 
 @pytest.fixture
 def figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    drawings = [SimpleNamespace(title=title) for title in ("first", "last")]
+    drawings = [SimpleNamespace(title=title) for title in ("first", "other", "last")]
     monkeypatch.setattr(verification, "verification_figures", lambda found: drawings)
 
 
@@ -450,6 +450,24 @@ def test_formulas_beside_engines() -> None:
     assert (data["static_poses"], data["dynamic_states"]) == (7, 25)
     assert data["engines"][0]["passed"]
     assert list(data["as_printed"]) == ["APP3_MC4", "ALL"]
+
+
+def test_digits_of_differences_and_names_of_misprints(monkeypatch: pytest.MonkeyPatch) -> None:
+    off = compared(1.23456)
+    *_, relative, rms = (cell for cell in verification._rows("", off)[1].cells)
+    assert verification._rows("", off)[1].cells[2:4] == ("1.2 N·m", "0.87 N·m")
+    assert (relative, rms) == ("0.12", "0.087")
+    misprints = verification._misprints(verified(published={Misprint.ALL: off}))
+    assert cells(misprints)[0][1:] == ("0.12", "0.12", "0.093", "0.0099")
+    assert verification.misprint_name(Misprint.APP3_MC4 | Misprint.EQ13_LEG_SPIN) == "ALL"
+    later = SimpleNamespace(t=5.0 + np.arange(25.0), size=25)
+    assert verification.verification_data(verified(wanted=later))["simulation"]["until_s"] == 24.0
+    drawn: list[Any] = []
+    monkeypatch.setattr(
+        "paminsa_viz.plots.series_figure.render_series", lambda *a, **k: drawn.append((a, k))
+    )
+    verification._figure(SimpleNamespace(data="d", title="t"))  # type: ignore
+    assert drawn == [(("d", "svg"), {"title": "t", "caption": False})]
 
 
 @pytest.mark.usefixtures("figures")
