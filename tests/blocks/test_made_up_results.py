@@ -38,6 +38,8 @@ from paminsa_viz.blocks.drives import (
     ratio_table,
 )
 from paminsa_viz.blocks.trajectory import (
+    crossings_table,
+    passages_blocks,
     published_differences,
     published_notes,
     reference_note,
@@ -56,6 +58,7 @@ from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.trajectory import (
     PRESET,
+    CrossingDrift,
     ShortestMotion,
     ShortestStretch,
     TrajectoryAnalysis,
@@ -445,11 +448,40 @@ def test_crossings_have_their_torques_in_the_limit_or_no_bound(
         crossings=items, unbounded=items[1:], design=APPENDIX_4,
         trajectory=SimpleNamespace(at=lambda t: SimpleNamespace(pose=POSE)),
     )  # fmt: skip
-    assert cells(trajectory._crossings(analysis)) == [
+    assert cells(crossings_table(analysis)) == [
         ("circle", "0.1235 s", "0.0123 N·m", "1.5 N·m", "2.5 N·m", "−3.5 N·m", "450 N",
          "0.123 kg·m²"),
         ("turn", "1.5 s", "0.0123 N·m", *["no bound"] * 4, "0.123 kg·m²"),
     ]  # fmt: skip
+
+
+def test_passages_of_a_plan_have_their_speeds_and_drifts(monkeypatch: pytest.MonkeyPatch) -> None:
+    item = SimpleNamespace(
+        crossing=SimpleNamespace(s=0.56789, locus=SimpleNamespace(label="circle")),
+        speed=1.2345, speed_range=(0.5, 2.0), residual=2.34e-14,
+    )  # fmt: skip
+    plan: Any = SimpleNamespace(
+        crossings=(item, item), durations=(0.37234, 11.0), plan=SimpleNamespace(duration=0.5)
+    )
+    drifts = (
+        CrossingDrift(0.2, 1.0, 0.01234, (3e-6, 4e-6, 1e-5, 9.0)),
+        CrossingDrift(0.2, 1.0, 0.01234, (3e-9, 4e-9, -1e-8, 9.0)),
+    )
+    monkeypatch.setattr(trajectory, "payload_drift", lambda design, plan, error: drifts)
+    monkeypatch.setattr(trajectory, "unplanned_torque", lambda item, duration: 1000 * duration)
+    found = passages_blocks(APPENDIX_4, plan)
+    row = ("circle", "0.5679", "1.23 1/s", "0.5 1/s", "2 1/s", "2·10⁻¹⁴ N·m", "500 N·m")
+    assert cells(found[1]) == [row] * 2
+    assert said(found) == [
+        ("Within the limits 0.372 s to 11 s are possible.", "plain"),
+        ("circle: 0.1 kg more payload lets the platform drift by 5 µm and 2.1″ in 12 ms.", "warn"),
+        (
+            "circle: 0.1 kg more payload lets the platform drift by less than 0.01 µm and less "
+            "than 0.036″ in 12 ms.", "warn",
+        ),
+    ]  # fmt: skip
+    plan.crossings, drifts = (), ()
+    assert len(passages_blocks(APPENDIX_4, plan)) == 1
 
 
 def test_computed_torques_beside_a_published_table() -> None:
