@@ -21,8 +21,10 @@ from paminsa_viz.blocks import (
     maps,
 )
 from paminsa_viz.blocks.external_load import load_notes
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import APPENDIX_4, Counterweight, KneeBranch
 from paminsa_viz.model.drive import ACTUATORS, Drive
+from paminsa_viz.model.load import LoadFrame
 from paminsa_viz.trajectory import PRESET, analyze
 from tests.blocks.said import cells, said
 
@@ -115,6 +117,15 @@ def test_who_carries_a_load() -> None:
     for value in ("M_x = 4 N", "M_y = 5 N"):
         assert value in bearings
         assert value not in drive
+    turning = loaded.vary({f"load.{name}": 0.0 for name in ("force_y", "moment_y")})
+    turning = replace(turning, load=replace(turning.load, frame=LoadFrame.PLATFORM))
+    turned = " ".join(
+        text for text, _ in said(load_notes(turning, np.add(pose, (0.0, 0.0, 0.3, 0.0))))
+    )
+    for name, size in (("F", "N"), ("M", "N·m")):
+        along = 1.0 if name == "F" else 4.0
+        for axis, part in (("x", np.cos(0.3)), ("y", np.sin(0.3))):
+            assert f"{name}_{axis} = {along * part:.4g} {size}" in turned
     ((nothing, _),) = said(load_notes(APPENDIX_4, pose))
     assert nothing.startswith("No external force")
     assert forces._limits(APPENDIX_4).words == 2
@@ -122,6 +133,34 @@ def test_who_carries_a_load() -> None:
     assert [row[:2] for row in cells(forces._limits(driven))] == [
         ("M1", "drive"), ("M2", "default"), ("M3", "default"), ("M4", "default"),
     ]  # fmt: skip
+
+
+def test_quantities_that_a_robot_has_none_of_say_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each reason once, with all the quantities that it holds for."""
+    known, *rest = forces.find(("payload", "speed", "moment", "turn_speed"))
+
+    class Missing:
+        key, unit, title = "payload", "N", "none"
+
+        def __init__(self, symbol: str, reason: str) -> None:
+            self.symbol, self.reason = symbol, reason
+
+        def over(self, here: Any, design: Any) -> float:
+            raise InvalidInput("design", self.reason)
+
+    given = [known, Missing("A", "one"), Missing("B", "two"), Missing("C", "one")]
+    monkeypatch.setattr(forces, "find", lambda keys: given)
+    metrics = [SimpleNamespace(value=lambda over, n=n: n) for n in (1.5, 2.5, 3.5)]
+    monkeypatch.setattr(forces, "global_indices", lambda keys: metrics)
+    table = forces.index_table(APPENDIX_4, np.array([0.0, 0.0, 0.0, -0.5]), (), "About. ")
+    assert len(rest) == 3
+    assert cells(table)[0][3:] == ("1.5 kg", "2.5 kg", "3.5 kg")
+    assert [row[2:] for row in cells(table)[1:]] == [("–",) * 4] * 3
+    assert table.words == 2
+    assert table.caption.startswith("About. At the report's pose")
+    assert table.caption.endswith(
+        " A, C: no value, design: one. B: no value, design: two."
+    )  # fmt: skip
 
 
 def test_differences_are_exactly_the_values_that_differ() -> None:

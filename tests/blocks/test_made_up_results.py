@@ -16,8 +16,10 @@ import pytest
 
 from paminsa_viz.actuation.ratios import GearRatios
 from paminsa_viz.actuation.selection import DriveFigures
+from paminsa_viz.balancing import whole_mass
 from paminsa_viz.blocks import clearance as clearance_words
 from paminsa_viz.blocks import drives, trajectory
+from paminsa_viz.blocks.balance import mass_facts
 from paminsa_viz.blocks.calibration import (
     calibration_blocks,
     calibration_data,
@@ -54,6 +56,7 @@ from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.drive import ACTUATORS, Drive
 from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.trajectory import (
@@ -480,8 +483,29 @@ def test_passages_of_a_plan_have_their_speeds_and_drifts(monkeypatch: pytest.Mon
             "than 0.036″ in 12 ms.", "warn",
         ),
     ]  # fmt: skip
+    for shift, text in (
+        ((0.95e-8, 0.0, 1.7e-7, 1.0), "less than 0.01 µm and less than 0.036″"),
+        ((0.0, 1.05e-8, -1.8e-7, 1.0), "0.01 µm and 0.037″"),
+    ):
+        assert f" by {text} in" in trajectory._drift_text(CrossingDrift(0.2, 1.0, 0.01, shift))
     plan.crossings, drifts = (), ()
     assert len(passages_blocks(APPENDIX_4, plan)) == 1
+
+
+def test_numbers_that_a_report_opens_with() -> None:
+    """The largest torque of M1 to M3 and force of M4, by their sizes."""
+    peaks = [SimpleNamespace(peak=peak) for peak in (1.5, -7.12345, 2.5, -456.789)]
+    analysis: Any = SimpleNamespace(summary=peaks, check=SimpleNamespace(first=None))
+    facts = trajectory.trajectory_facts(analysis)
+    assert [fact.value for fact in facts] == ["7.12 N·m", "456.8 N"]
+    analysis.summary, analysis.check.first = (), "why"
+    *rest, failed = trajectory.trajectory_facts(analysis)
+    assert [fact.value for fact in rest] == [NONE, NONE]
+    assert (failed.value, failed.kind) == ("fails", "bad")
+    loaded = APPENDIX_4.vary({"payload.mass": 2.0})
+    mass, imbalance = mass_facts(loaded)
+    assert mass.value == f"{whole_mass(loaded):.4g} kg"
+    assert imbalance.value == f"{static_imbalance(loaded):.3g} N".replace("-", "−")
 
 
 def test_computed_torques_beside_a_published_table() -> None:

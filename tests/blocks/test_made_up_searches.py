@@ -452,6 +452,19 @@ def test_formulas_beside_engines() -> None:
     assert list(data["as_printed"]) == ["APP3_MC4", "ALL"]
 
 
+def test_the_verdict_of_a_verification_in_a_word() -> None:
+    fact = verification.verification_fact(None)
+    assert (fact.value, fact.note, fact.kind) == (NONE, "not done", "plain")
+    wrong = EngineCheck("MuJoCo", "3.1", compared(1.23456), compared(1e-9))
+    for found, word, kind, size in (
+        (verified(), "passed", "ok", "2·10⁻¹⁰"),
+        (verified(engines=(wrong,)), "failed", "bad", "0.12"),
+    ):
+        fact = verification.verification_fact(found)
+        assert (fact.value, fact.kind) == (word, kind)
+        assert fact.note == f"largest difference {size} of the largest torque"
+
+
 def test_digits_of_differences_and_names_of_misprints(monkeypatch: pytest.MonkeyPatch) -> None:
     off = compared(1.23456)
     *_, relative, rms = (cell for cell in verification._rows("", off)[1].cells)
