@@ -20,17 +20,6 @@ from paminsa_viz.balancing import whole_mass
 from paminsa_viz.blocks import clearance as clearance_words
 from paminsa_viz.blocks import drives, trajectory
 from paminsa_viz.blocks.balance import mass_facts
-from paminsa_viz.blocks.calibration import (
-    calibration_blocks,
-    calibration_data,
-    combinations_table,
-    deviation_blocks,
-    errors_table,
-    fitted_text,
-    plan_blocks,
-    poses_table,
-    verdict,
-)
 from paminsa_viz.blocks.drives import (
     FIGURES_HEAD,
     cycle_text,
@@ -52,13 +41,11 @@ from paminsa_viz.blocks.trajectory import (
     trajectory_data,
 )
 from paminsa_viz.clearance import PairGroup
-from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.drive import ACTUATORS, Drive
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.trajectory import (
     PRESET,
     CrossingDrift,
@@ -557,113 +544,3 @@ def test_a_simulated_robot_off_its_motion() -> None:
     run.stopped = PathEvent(0.75, Limit.SINGULAR, -1, 0.0, POSE)
     assert said(simulation_notes(run))[1][1] == "bad"
     assert simulation_data(run)["stopped"]["t_s"] == 0.75
-
-
-# ------------------------------------------------------------------------------------- calibration
-
-
-def errors(poses: int, size: float, coordinates: int = 6) -> Any:
-    values = size * (1.0 + np.arange(coordinates))
-    return SimpleNamespace(poses=poses, rms=values, largest=3.0 * values)
-
-
-def calibrated(held: int, **changes: Any) -> Any:
-    weights = np.zeros((3, len(LENGTHS)))
-    weights[1, 2] = 1.0
-    combinations = [
-        SimpleNamespace(weights=weights, value=1e-3 * n, half_width=1e-4, singular_value=2.0)
-        for n in range(1, 14)
-    ]
-    spread = np.full((3, len(LENGTHS)), np.nan)
-    spread[0, 0] = 2e-4
-    values = {
-        "before": errors(20, 1e-3), "after": errors(20, 1e-5), "before_held": errors(held, 2e-3),
-        "after_held": errors(held, 2e-5), "improved": True, "combinations": combinations,
-        "noise": 1.5e-5, "design": APPENDIX_4, "standard_deviations": spread, "start": APPENDIX_4,
-        "determined": np.isfinite(spread), "rank": 13, "singular_values": np.arange(42, 0, -1.0),
-    }  # fmt: skip
-    return SimpleNamespace(**values | changes)
-
-
-def test_errors_of_a_calibration_before_and_after() -> None:
-    table = errors_table(calibrated(5))
-    assert table.head[1:] == tuple(
-        f"{name}: {kind}"
-        for name in ("fitted", "held back") for kind in ("before", "after", "largest")
-    )  # fmt: skip
-    assert table.rows[0].cells == ("x [µm]", "1000", "10.0", "30.0", "2000", "20.0", "60.0")
-    # lengths first, then angles
-    assert [row.cells[0][0] for row in table.rows] == ["x", "y", "z", "θ", "t", "t"]
-    assert table.rows[2].cells[1] == "4000"
-    for count, rest in ((5, ", 5 held back"), (0, "")):
-        note, *_ = calibration_blocks(calibrated(count))
-        assert said([note])[0][0] == f"20 poses of 6 coordinates fitted{rest}."
-    known = {"singular_values": np.array([9.0, 5.0, 3.0, 2.0])}
-    ends = {2: "singular values 9 to 5, then 3.", 3: "9 to 3, then 2.", 4: "9 to 2."}
-    for rank, text in ends.items():
-        said_of = calibration_blocks(calibrated(0, rank=rank, **known))[3].text  # type: ignore
-        assert f"{rank} of 42 combinations" in said_of
-        assert text in said_of
-    assert len(errors_table(calibrated(0)).head) == 4
-    four = calibrated(0, before=errors(9, 1e-3, 4), after=errors(9, 1e-5, 4))
-    assert len(errors_table(four).rows) == 4
-    kinds = {
-        (0, True): "warn", (5, True): "ok", (0, False): "bad", (5, False): "bad",
-    }  # fmt: skip
-    for (held, improved), kind in kinds.items():
-        assert verdict(calibrated(held, improved=improved)).kind == kind
-    data = calibration_data(calibrated(5), "log")
-    assert data["held_back"]["after"]["rms"]["y_m"] == pytest.approx(4e-5)
-    assert data["fitted"]["before"]["largest"]["x_m"] == pytest.approx(3e-3)
-    assert data["held_back"]["before"]["poses"] == 5
-    name = f"{LEG_NAMES[1]}.{LENGTHS[2].name}_{LENGTHS[2].unit}"
-    assert data["combinations"][0]["weights"] == {name: 1.0}
-    some = calibrated(5)
-    some.combinations[0].weights[0, :4] = (1e-6, -0.5, 1.05e-6, -1e-6)
-    weights = list(calibration_data(some, "log")["combinations"][0]["weights"].values())
-    assert weights == [-0.5, 1.05e-6, 1.0]
-
-
-def test_combinations_best_and_worst_known_ones() -> None:
-    found = calibrated(0)
-    assert [row[0] for row in cells(combinations_table(found))] == [str(n) for n in range(1, 14)]
-    some = cells(combinations_table(found, 4))
-    assert [row[0] for row in some] == ["1", "2", "12", "13"]
-    assert some[3][2] == "13.00 ± 0.10"
-    assert len(cells(combinations_table(found, 13))) == 13
-    assert combinations_table(found).words == 2
-    shown = calibration_blocks(found)[4]
-    assert [row[0] for row in cells(shown)] == [str(n) for n in (*range(1, 6), *range(9, 14))]
-    text = fitted_text(found)
-    assert text.startswith("13 of 42 combinations")
-    assert "29 keep their value; noise 15 µm" in text
-
-
-def test_deviations_with_an_interval_or_in_sums() -> None:
-    table, note = deviation_blocks(calibrated(0))
-    assert table.rows[0].cells[2] == "0.00 ± 0.20"  # type: ignore
-    assert table.words == 2  # type: ignore
-    longer = calibrated(0, design=APPENDIX_4.vary({"leg2.bar_94": 1.23456e-4}))
-    (shown,) = (
-        row for row in deviation_blocks(longer)[0].rows  # type: ignore
-        if any(cell.startswith("0.1") for cell in row.cells[2:])
-    )  # fmt: skip
-    assert shown.cells[3] == "0.12"
-    assert [cell.kind for cell in table.rows[0].cells[2:]] == ["plain", "muted", "muted"]  # type: ignore
-    assert "Without ±" in note.text  # type: ignore
-    known = np.full((3, len(LENGTHS)), 1e-4)
-    whole = calibrated(0, standard_deviations=known, determined=np.isfinite(known))
-    assert "Without ±" not in deviation_blocks(whole)[1].text  # type: ignore
-    plan: Any = SimpleNamespace(standard_deviations=calibrated(0).standard_deviations)
-    table, _ = plan_blocks(plan)
-    assert tuple(table.rows[0].cells[2:]) == ("± 0.2", "in sums", "in sums")  # type: ignore
-
-
-def test_poses_to_measure_in_millimeters_and_degrees() -> None:
-    poses = np.array([[0.01, 0.02, math.pi / 6, -0.5, 0.0, 0.0]])
-    readings = np.array([[math.pi, 0.5 * math.pi, 0.0, -0.25]])
-    plan: Any = SimpleNamespace(measurements=SimpleNamespace(poses=poses, actuators=readings))
-    assert cells(poses_table(plan)) == [
-        ("1", "10.0", "20.0", "30.00", "−500.0", "180.00", "90.00", "0.00", "−250.0")
-    ]
-    assert poses_table(plan).literal
