@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -111,6 +111,11 @@ class Shortfall:
     limit: float
     attainable: float
 
+    def text(self, name: str) -> str:
+        """Return what is required and what is possible, with a name for the limit's label."""
+        least = f"the least possible is {self.attainable:.6g} {self.unit}"
+        return f"{name} of at most {self.limit:.6g} {self.unit} is required; {least}"
+
 
 @dataclass(frozen=True)
 class Relaxation:
@@ -128,6 +133,11 @@ class Relaxation:
     bound: float
     needed: float
 
+    def text(self, name: str) -> str:
+        """Return how to move the bound, with a name for its mass."""
+        how = "raise the upper" if self.side == "high" else "lower the lower"
+        return f"{how} bound of {name} from {self.bound:.6g} kg to {self.needed:.6g} kg"
+
 
 class InfeasibleBounds(PaminsaError):
     """No masses within the bounds meet all limits.
@@ -141,18 +151,17 @@ class InfeasibleBounds(PaminsaError):
     def __init__(self, limits: tuple[Shortfall, ...], relax: tuple[Relaxation, ...]) -> None:
         self.limits = limits
         self.relax = relax
-        shortfalls = "; ".join(
-            f"{item.label} of at most {item.limit:.6g} {item.unit} is requested and "
-            f"{item.attainable:.6g} {item.unit} is the least"
-            for item in limits
-        )
-        remedy = ", ".join(
-            f"{'raise the upper' if item.side == 'high' else 'lower the lower'} bound of "
-            f"{item.name} from {item.bound:.6g} kg to {item.needed:.6g} kg"
-            for item in relax
-        )
-        remedy = remedy or "no other bounds would help either"
-        super().__init__(f"the bounds do not allow it: {shortfalls}; {remedy}")
+        super().__init__(f"the bounds do not allow it: {'; '.join(self.sentences())}")
+
+    def sentences(self, name: Callable[[str], str] = str) -> list[str]:
+        """Return what cannot be met, each of them, and what to move.
+
+        Args:
+            name: Gives what is said for a label or a path; what it is by default.
+        """
+        short = [item.text(name(item.label)) for item in self.limits]
+        moves = [item.text(name(item.name)) for item in self.relax]
+        return [*short, *(moves or ["no other bounds would help: let other masses change"])]
 
 
 @of_design

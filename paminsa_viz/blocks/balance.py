@@ -9,11 +9,21 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.balancing import Optimum, TermValue, balance
+from paminsa_viz.balancing import Optimum, TermValue, balance, whole_mass
 from paminsa_viz.balancing.effects import IN_MOTION, Effect, effects, sizes_in_motion
 from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.design import changes_table
-from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, rows, series_figure
+from paminsa_viz.blocks.kinds import (
+    Block,
+    Cell,
+    Fact,
+    Note,
+    Row,
+    Table,
+    heading,
+    rows,
+    series_figure,
+)
 from paminsa_viz.dimensions.attached import disc_radius
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.design import PARAMETER, Design, Geometry, KneeBranch
@@ -38,17 +48,25 @@ NOTABLE = 0.005
 LEAST_PRICE = 1e-9
 """What a bound costs at least that is named, a unit of its own."""
 
+RULE = (
+    "The static torques of M1 to M3 are M_p2 times a map of the geometry (Eqs. 5 and 8): with "
+    "M_p2 = 0 they carry no weight, anywhere, on either branch of the knee."
+)
+"""What static balance is."""
+
+
+def mass_facts(design: Design) -> list[Fact]:
+    """Return how heavy a robot is, and how far from balance."""
+    return [
+        Fact("Moving mass", format_value(whole_mass(design), "kg"), "legs, platform, payload"),
+        Fact("M_p2", format_value(static_imbalance(design), "N", 3), "0 is static balance"),
+    ]
+
 
 def balance_blocks(analysis: TrajectoryAnalysis) -> list[Block]:
     """Return M_p2 body by body, and the paper's balance, compared on the motion."""
     design = analysis.design
-    blocks: list[Block] = [
-        Note(
-            "The static torques of M1 to M3 are M_p2 times a map of the geometry (Eqs. 5 and 8): "
-            "with M_p2 = 0 they carry no weight, anywhere, on either branch of the knee."
-        ),
-        _contributions(design),
-    ]
+    blocks: list[Block] = [Note(RULE), _contributions(design)]
     if abs(static_imbalance(design)) < BALANCED:
         blocks.append(Note("The design is balanced: M1 to M3 carry no weight.", "ok"))
     else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import (
     Block,
+    Fact,
     Figure,
     Note,
     Row,
@@ -19,18 +21,23 @@ from paminsa_viz.blocks.kinds import (
     series_figure,
 )
 from paminsa_viz.files.published_table import PublishedTorques
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.trajectory import (
+    CrossingDrift,
     PathCheck,
     PathEvent,
     ShortestMotion,
     ShortestStretch,
     Simulation,
+    TimeOptimalPlan,
     Trajectory,
     TrajectoryAnalysis,
     escape_inertia,
+    payload_drift,
+    unplanned_torque,
 )
-from paminsa_viz.units import format_value
+from paminsa_viz.units import NONE, format_value, number
 
 if TYPE_CHECKING:
     from paminsa_viz.plots.series import FigureKind
@@ -91,13 +98,28 @@ def trajectory_blocks(
         for item in analysis.unbounded
     ]
     if analysis.crossings:
-        blocks.append(_crossings(analysis))
+        blocks.append(crossings_table(analysis))
     known = {name: other for name, other in (others or {}).items() if other and other.summary}
     if analysis.summary:
         found = [row for each in ({"": analysis} | known).items() for row in _loads(*each)]
         head = ("", *(heading for _, _, heading, _ in LOADS))
         blocks.append(Table(head, tuple(found), "Required actuator torques on the motion."))
     return blocks
+
+
+def trajectory_facts(analysis: TrajectoryAnalysis) -> list[Fact]:
+    """Return the largest torque and force of a motion, and that the robot cannot run it."""
+    torque = force = NONE
+    if analysis.summary:
+        torque = format_value(max(abs(one.peak) for one in analysis.summary[:3]), "N m", 3)
+        force = format_value(abs(analysis.summary[3].peak), "N", 4)
+    facts = [
+        Fact("Peak torque", torque, "M1 to M3 on the trajectory"),
+        Fact("Peak force", force, "M4 on the trajectory"),
+    ]
+    if analysis.check.first is not None:
+        facts.append(Fact("Trajectory", "fails", "the robot cannot run it", "bad"))
+    return facts
 
 
 def samples_text(trajectory: Trajectory) -> str:
@@ -127,7 +149,8 @@ def _loads(name: str, analysis: TrajectoryAnalysis) -> tuple[Row, ...]:
     return actuator_rows(*cells)
 
 
-def _crossings(analysis: TrajectoryAnalysis) -> Table:
+def crossings_table(analysis: TrajectoryAnalysis) -> Table:
+    """Return the torques of a motion where it crosses singularities, and what moves it there."""
     found = []
     for item in analysis.crossings:
         pose = analysis.trajectory.at(item.t).pose
@@ -144,13 +167,56 @@ def _crossings(analysis: TrajectoryAnalysis) -> Table:
                 format_value(inertia, "kg m^2", 3),
             )
         )
-    head = ("", "At", "t_sᵀ F", *ACTUATORS, "t_sᵀ M t_s")
+    head = ("", "At", "Force along t_s", *ACTUATORS, "Inertia along t_s")
     text = (
         "Crossings of singularities and the torques in the limit. There the actuators have no "
         "authority along the escape twist t_s: what the model does not know of moves the platform "
-        "along it, against the inertia t_sᵀ M t_s only."
+        "along it, against its inertia only."
     )
     return Table(head, rows(*found), text)
+
+
+PAYLOAD_ERROR = 0.1
+"""Payload that the model does not know of, whose drift is told [kg]."""
+
+
+def passages_blocks(design: Design, plan: TimeOptimalPlan) -> list[Table | Note]:
+    """Return how fast a planned motion passes singularities, and what is not certain there."""
+    low, high = (format_value(end, "s", 3) for end in plan.durations)
+    passed = [
+        (
+            item.crossing.locus.label,
+            number(item.crossing.s, 4),
+            *(format_value(rate, "1/s", 3) for rate in (item.speed, *item.speed_range)),
+            format_value(item.residual, "N m", 1),
+            format_value(unplanned_torque(item, plan.plan.duration), "N m", 3),
+        )
+        for item in plan.crossings
+    ]
+    head = ("", "s", "ṡ", "Least ṡ", "Largest ṡ", "Force along t_s", "Quintic law")
+    caption = (
+        "Passages of the path s = 0 to 1, with the speeds that the limits allow, and what the "
+        "quintic law in the same time would need of M1 to M3 at 1 kHz."
+    )
+    drifts = payload_drift(design, plan, PAYLOAD_ERROR)
+    return [
+        Note(f"Within the limits {low} to {high} are possible."),
+        *([Table(head, rows(*passed), caption)] if passed else []),
+        *(
+            Note(f"{item.crossing.locus.label}: {_drift_text(drift)}", "warn")
+            for item, drift in zip(plan.crossings, drifts, strict=True)
+        ),
+    ]
+
+
+def _drift_text(drift: CrossingDrift) -> str:
+    moved, turned = math.hypot(*drift.shift[:2]), abs(drift.shift[2])
+    far = format_value(moved, "m:um", 2) if moved > 1e-8 else "less than 0.01 µm"
+    wide = format_value(turned, "rad:arcsec", 2) if turned > 1.75e-7 else "less than 0.036″"
+    return (
+        f"{format_value(PAYLOAD_ERROR, 'kg')} more payload lets the platform drift by {far} and "
+        f"{wide} in {number(1e3 * drift.time, 2)} ms."
+    )
 
 
 def shortest_note(found: ShortestStretch) -> Note:

@@ -10,6 +10,7 @@ import numpy as np
 from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import (
     Block,
+    Fact,
     Figure,
     Note,
     Row,
@@ -21,7 +22,7 @@ from paminsa_viz.engines.verification import Comparison, Verification
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.plots.series_builders import SYMBOLS
 from paminsa_viz.plots.verified import VerificationFigure, verification_figures
-from paminsa_viz.units import format_value, number
+from paminsa_viz.units import NONE, format_value, number
 
 
 def verification_blocks(found: Verification) -> list[Block]:
@@ -57,6 +58,15 @@ def verification_blocks(found: Verification) -> list[Block]:
         for figure in verification_figures(found)
     ]
     return [*blocks, figures[0], _simulation(found), _misprints(found), figures[-1]]
+
+
+def verification_fact(found: Verification | None) -> Fact:
+    """Return the verdict in a word; None for a verification that was not done."""
+    if found is None:
+        return Fact("Verification", NONE, "not done")
+    word, kind = ("passed", "ok") if found.passed else ("failed", "bad")
+    note = f"largest difference {number(found.worst, 2)} of the largest torque"
+    return Fact("Verification", word, note, kind)
 
 
 def _figure(figure: VerificationFigure) -> bytes:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from paminsa_viz.blocks.kinds import Fact, Note, Row, Table
+from paminsa_viz.blocks.verification import verification_fact
 from paminsa_viz.engines.verification import Verification
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.report.claim import MeasuredClaim
@@ -28,7 +29,6 @@ def claims_html(found: Verification, claims: Sequence[MeasuredClaim], made: date
         made: When.
     """
     sections = [claims_section(claims), verification_section(found)]
-    word, kind = ("passed", "ok") if found.passed else ("failed", "bad")
     return template().render(
         kind="verification",
         title=f"PAMINSA verification: {found.design.name}",
@@ -42,7 +42,7 @@ def claims_html(found: Verification, claims: Sequence[MeasuredClaim], made: date
                 "Claims", f"{_holding(claims)} of {len(claims)} hold", "measured in this run",
                 "ok" if _holding(claims) == len(claims) else "bad",
             ),
-            Fact("Engines", word, f"largest difference {number(found.worst, 2)}", kind),
+            verification_fact(found),
         ],
         sections=list(enumerate(sections, 1)),
         colors=COLORS,

@@ -8,13 +8,12 @@ from pathlib import Path
 from jinja2 import Template
 from markupsafe import Markup
 
-from paminsa_viz.balancing import whole_mass
-from paminsa_viz.blocks.kinds import Fact
+from paminsa_viz.blocks.balance import mass_facts
+from paminsa_viz.blocks.trajectory import trajectory_facts
+from paminsa_viz.blocks.verification import verification_fact
 from paminsa_viz.checks import kinds_checked
-from paminsa_viz.engines.verification import Verification
 from paminsa_viz.identification.findings import investigate
 from paminsa_viz.model.reach import require_reachable
-from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.palette import BAD, INK, MUTED, OK, WARN
 from paminsa_viz.progress import Progress, go_on, keep_on
 from paminsa_viz.report.design_section import design_section, provenance_section
@@ -37,8 +36,8 @@ from paminsa_viz.report.sections import (
 )
 from paminsa_viz.report.workspace_section import maps_section, workspace_section
 from paminsa_viz.templates import html_environment
-from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
-from paminsa_viz.units import NONE, format_pose, format_value, number, symbols_html
+from paminsa_viz.trajectory import analyze
+from paminsa_viz.units import format_pose, symbols_html
 from paminsa_viz.version import __version__
 
 STEPS = (
@@ -111,7 +110,11 @@ def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
         title=f"PAMINSA design report: {request.design.name}",
         design=request.design.name,
         lines=_head(request),
-        opening=_facts(request, analysis, found),
+        opening=[
+            *mass_facts(request.design),
+            *trajectory_facts(analysis),
+            verification_fact(None if isinstance(found, str) else found),
+        ],
         sections=list(enumerate((section for section in sections if section.blocks), 1)),
         colors=COLORS,
         version=__version__,
@@ -132,30 +135,3 @@ def _head(request: ReportRequest) -> list[str]:
         f"{request.design.geometry.knee.label.capitalize()}, pose {format_pose(request.pose)}",
         f"Trajectory “{request.trajectory.name}”, {request.trajectory.duration:.3g} s",
     ]
-
-
-def _facts(
-    request: ReportRequest, analysis: TrajectoryAnalysis, found: Verification | str
-) -> list[Fact]:
-    """Return the numbers that the report opens with."""
-    design = request.design
-    torque = force = NONE
-    if analysis.summary:
-        top = max(analysis.summary[:3], key=lambda summary: abs(summary.peak))
-        torque = format_value(abs(top.peak), "N m", 3)
-        force = format_value(abs(analysis.summary[3].peak), "N", 4)
-    facts = [
-        Fact("Moving mass", format_value(whole_mass(design), "kg"), "legs, platform, payload"),
-        Fact("M_p2", format_value(static_imbalance(design), "N", 3), "0 is static balance"),
-        Fact("Peak torque", torque, "M1 to M3 on the trajectory"),
-        Fact("Peak force", force, "M4 on the trajectory"),
-    ]
-    if analysis.check.first is not None:
-        facts.append(Fact("Trajectory", "fails", "the robot cannot run it", "bad"))
-    if isinstance(found, str):
-        facts.append(Fact("Verification", NONE, "not done"))
-    else:
-        word, kind = ("passed", "ok") if found.passed else ("failed", "bad")
-        note = f"largest difference {number(found.worst, 2)} of the largest torque"
-        facts.append(Fact("Verification", word, note, kind))
-    return facts

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from paminsa_viz.blocks.balance import RULE
 from paminsa_viz.blocks.kinds import Block, Figure, Note
 from paminsa_viz.blocks.workspace import workspace_blocks
 from paminsa_viz.model.arrays import Array
@@ -53,10 +54,7 @@ def maps_section(request: ReportRequest) -> Section:
         return map_data(field, request.design, request.pose, quantities)
 
     blocks: list[Block] = [
-        Note(
-            f"All maps are at θ = {format_value(theta, 'rad')} and z = {format_value(z, 'm')}. The "
-            "torques of M1 to M3 are one number, M_p2, times a map that the lengths alone decide."
-        ),
+        Note(f"θ = {format_value(theta, 'rad')}, z = {format_value(z, 'm')}. {RULE}"),
         _map_figure(maps(*TORQUES), 170.0, half=False),
         _map_figure(maps("f_4"), 85.0, half=True),
         _map_figure(maps("condition"), 85.0, half=True),

@@ -81,11 +81,9 @@ class PlannedCrossing:
     @property
     def explanation(self) -> str:
         """Text of the crossing."""
-        torques = ", ".join(f"{torque:.4g}" for torque in self.torque[:3])
         return (
-            f"crosses the {self.crossing.locus.label} at {self.t:.4g} s, where M1 to M3 make "
-            f"{torques} N m and M4 {self.torque[3]:.4g} N; actuators have no authority there along "
-            "the escape twist"
+            f"crosses the {self.crossing.locus.label} at {self.t:.4g} s; actuators have no "
+            "authority there along the escape twist"
         )
 
 

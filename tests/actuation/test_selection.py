@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 
 from paminsa_viz.actuation.catalog import generic_catalog
-from paminsa_viz.actuation.drive_table import drive_table
+from paminsa_viz.actuation.drive_table import combined, drive_table
 from paminsa_viz.actuation.duty import ActuatorLoad, Duty, DutyCycle, duty_cycle
 from paminsa_viz.actuation.ratios import catalog_ratios, ratio_intervals
 from paminsa_viz.actuation.selection import Selection, cloud, figures, select_drives, size_design
-from paminsa_viz.actuation.sizing import _weights, fitting_time, size_drives
+from paminsa_viz.actuation.sizing import _weights, fitting_time, size_drives, thermal_share
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.trajectory import PRESET
-from tests.actuation.motor_loads import motor_torque
+from tests.actuation.motor_loads import GEAR, SERVO, motor_torque
 
 
 @cache
@@ -62,6 +62,30 @@ def test_figures_are_those_of_the_motors_own_torque_and_speed() -> None:
                 assert given.ratios == pytest.approx(ends)
             else:
                 assert np.isnan(given.ratios).all()
+
+
+def test_figures_of_a_load_turned_around_are_the_same() -> None:
+    """The largest torque, speed and power may be negative."""
+    drive = combined(SERVO, replace(GEAR, coulomb=1e-3))
+    for load in cycle().loads:
+        passages = tuple(
+            p._replace(signals=-p.signals, held=-p.held) for p in load.passages
+        )  # fmt: skip
+        turned = replace(load, passages=passages)
+        here, there = (figures(size_drives(one, drive_table([drive])), 0) for one in (load, turned))
+        assert replace(here, thermal=0.0) == replace(there, thermal=0.0)
+
+
+def test_a_winding_has_a_temperature_if_its_time_and_its_torque_are_known() -> None:
+    load = cycle().loads[0]
+    for time, rated in ((9.0, 0.3), (None, 0.3), (9.0, None)):
+        drive = replace(combined(SERVO, GEAR), thermal_time_constant=time, rated_torque=rated)
+        table = drive_table([drive])
+        found = figures(size_drives(load, table), 0).thermal
+        if time is None or rated is None:
+            assert np.isnan(found)
+        else:
+            assert found == thermal_share(load, table)[0] > 0
 
 
 def test_the_first_feasible_drives_are_a_designs() -> None:

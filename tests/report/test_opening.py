@@ -10,6 +10,10 @@ from typing import Any
 import pytest
 
 from paminsa_viz.balancing import whole_mass
+from paminsa_viz.blocks.balance import mass_facts
+from paminsa_viz.blocks.kinds import Fact
+from paminsa_viz.blocks.trajectory import trajectory_facts
+from paminsa_viz.blocks.verification import verification_fact
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.report import claims, claims_page, page
@@ -40,20 +44,25 @@ def made(passed: bool) -> Any:
     )  # fmt: skip
 
 
+def opening(analysis: Any, found: Any) -> dict[str, Fact]:
+    facts = [*mass_facts(APPENDIX_4), *trajectory_facts(analysis), verification_fact(found)]
+    return {fact.label: fact for fact in facts}
+
+
 def test_numbers_that_a_report_opens_with() -> None:
     analysis = analyze(APPENDIX_4, MOTION)
     loads = [SimpleNamespace(peak=peak) for peak in (-4.0, 3.0, -2.0, -250.0)]
     shown: Any = SimpleNamespace(summary=loads, check=analysis.check)
-    facts = {fact.label: fact for fact in page._facts(request(), shown, made(True))}
+    facts = opening(shown, made(True))
     assert facts["Moving mass"].value == f"{whole_mass(APPENDIX_4):.2f} kg"
     assert (facts["Peak torque"].value, facts["Peak force"].value) == ("4 N·m", "250 N")
     assert "Trajectory" not in facts
     assert (facts["Verification"].value, facts["Verification"].kind) == ("passed", "ok")
     assert facts["Verification"].note.startswith("largest difference 1.5·10⁻¹³ of")
-    found = {fact.label: fact for fact in page._facts(request(), shown, made(False))}
+    found = opening(shown, made(False))
     assert (found["Verification"].value, found["Verification"].kind) == ("failed", "bad")
     none: Any = SimpleNamespace(summary=[], check=SimpleNamespace(first=object()))
-    facts = {fact.label: fact for fact in page._facts(request(), none, "no engine")}
+    facts = opening(none, None)
     assert (facts["Peak torque"].value, facts["Peak force"].value) == (NONE, NONE)
     assert facts["Trajectory"].kind == "bad"
     assert (facts["Verification"].value, facts["Verification"].note) == (NONE, "not done")

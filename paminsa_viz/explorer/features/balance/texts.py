@@ -10,6 +10,7 @@ from markupsafe import Markup
 from paminsa_viz.balancing import InfeasibleBounds
 from paminsa_viz.blocks.balance import (
     BALANCED,
+    RULE,
     bound_name,
     bounds_table,
     certificate_note,
@@ -30,7 +31,7 @@ from paminsa_viz.explorer.state.balance import (
 )
 from paminsa_viz.kept import kept
 from paminsa_viz.model import Design, PaminsaError, static_imbalance
-from paminsa_viz.units import format_pose, format_value, number, percent_change
+from paminsa_viz.units import format_pose, format_value, number, percent_change, symbols_html
 
 MAX_BOUNDS = 6
 """Most active bounds that are listed."""
@@ -42,7 +43,7 @@ def status_html(frame: Frame) -> str:
     if OPTIMUM.runs(state):
         return status("balance-status", "plain", "Optimizing …")
     if outcome is None:
-        return render("balance/intro.j2")
+        return render("balance/intro.j2", rule=RULE)
     if outcome.error is not None:
         return problem_html(outcome.error)
     headline = _headline(outcome, state.document.design)
@@ -53,10 +54,8 @@ def problem_html(problem: PaminsaError, testid: str = "balance-status") -> str:
     """Return why there is no result, and which bounds to move."""
     if not isinstance(problem, InfeasibleBounds):
         return status(testid, "bad", "Not possible", str(problem))
-    return render(
-        "balance/infeasible.j2", testid=testid, limits=problem.limits, relax=problem.relax,
-        variable=bound_name,
-    )  # fmt: skip
+    lines = (Markup(symbols_html(text)) for text in problem.sentences(bound_name))
+    return status(testid, "bad", "The bounds do not allow it", *lines)
 
 
 def _headline(outcome: BalanceOutcome, current: Design) -> tuple[str, ...]:

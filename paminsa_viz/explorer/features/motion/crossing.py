@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import math
-
 from markupsafe import Markup
 
+from paminsa_viz.blocks.kinds import Note, Table
+from paminsa_viz.blocks.trajectory import crossings_table, passages_blocks
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.kit.text import blocks_html, render, status
 from paminsa_viz.kept import kept
 from paminsa_viz.model import Design
-from paminsa_viz.trajectory import CrossingDrift, TimeOptimalPlan, payload_drift, unplanned_torque
-from paminsa_viz.units import number
-
-PAYLOAD_ERROR = 0.1
-"""Payload that the model does not know of, whose drift is shown [kg]."""
+from paminsa_viz.trajectory import TimeOptimalPlan
+from paminsa_viz.units import format_value
 
 
 def chart_html(frame: Frame) -> str:
@@ -36,49 +33,31 @@ def _chart(design: Design, found: TimeOptimalPlan) -> str:
 
 def crossing_html(frame: Frame) -> str:
     """Return the crossings of the motion; empty if none is planned."""
-    document = frame.state.document
     planned = motions.planned(frame.state)
-    if planned.crossing is None:
+    plan = planned.crossing
+    if plan is None or frame.analysis is None:
         return ""
-    lines = list(crossing_lines(document.design, planned.crossing))
-    if planned.deviation:
-        text = number(1e3 * planned.deviation, 3)
-        lines.insert(0, f"path changed by up to {text} mm along the escape twist")
-    count = len(planned.crossing.crossings)
-    title = f"Passes {count} singularit{'y' if count == 1 else 'ies'}"
-    level = "warn" if count else "plain"
-    return render("status.j2", testid="motion-crossing", level=level, title=title, lines=lines)
+    count = len(plan.crossings)
+    far = format_value(planned.deviation, "m", 3)
+    title = status(
+        "motion-crossing", "warn" if count else "plain",
+        f"Passes {count} singularit{'y' if count == 1 else 'ies'}",
+        f"path changed by up to {far} along the escape twist" if planned.deviation else "",
+    )  # fmt: skip
+    blocks = list(passages(frame.state.document.design, plan))
+    loads = crossings_table(frame.analysis)
+    if loads.rows:
+        blocks += [loads, Note(loads.caption)]
+    narrow = [_turned(one) if isinstance(one, Table) else one for one in blocks]
+    return title + blocks_html("motion-passages", *narrow)
 
 
 @kept(4)
-def crossing_lines(design: Design, found: TimeOptimalPlan) -> tuple[str, ...]:
-    """Return what each crossing of a plan needs, and what cannot be certified there."""
-    low, high = (number(value, 3) for value in found.durations)
-    lines = [f"possible within the limits: {low} s to {high} s"]
-    for item, drift in zip(
-        found.crossings, payload_drift(design, found, PAYLOAD_ERROR), strict=True
-    ):
-        torques = ", ".join(number(torque, 3) for torque in item.torque[:3])
-        speeds = [number(value, 3) for value in (item.speed, *item.speed_range)]
-        naive = number(unplanned_torque(item, found.plan.duration), 3)
-        lines += [
-            f"{item.crossing.locus.label} at {number(item.t, 4)} s (s = {item.crossing.s:.4f}): "
-            f"in the limit M1–M3 {torques} N·m, M4 {number(item.torque[3], 3)} N",
-            f"generalized force along the escape twist {number(item.residual, 1)} N·m; "
-            f"without the condition: {naive} N·m at 1 kHz",
-            f"ṡ = {speeds[0]} /s, of {speeds[1]} to {speeds[2]} /s within the limits",
-            drift_text(drift),
-        ]
-    return tuple(lines)
+def passages(design: Design, plan: TimeOptimalPlan) -> tuple[Table | Note, ...]:
+    """Return what the passages of a plan need, and what is not certain there."""
+    return tuple(passages_blocks(design, plan))
 
 
-def drift_text(drift: CrossingDrift) -> str:
-    """Return what the actuators have no authority over."""
-    moved, turned = math.hypot(*drift.shift[:2]), math.degrees(abs(drift.shift[2]))
-    far = f"{number(1e6 * moved, 2)} µm" if moved > 1e-8 else "less than 0.01 µm"
-    wide = f"{number(3600 * turned, 2)}″" if turned > 1e-5 else "less than 0.036″"
-    return (
-        f"no authority along the escape twist, inertia there {number(drift.inertia, 3)} kg·m²: "
-        f"{number(PAYLOAD_ERROR)} kg more payload lets it drift by {far} and {wide} "
-        f"in {number(1e3 * drift.time, 2)} ms"
-    )
+def _turned(table: Table) -> Table:
+    """Return a table with a column for each crossing, which the dock is wide enough for."""
+    return table.turned(*range(1, len(table.head)))

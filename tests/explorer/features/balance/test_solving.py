@@ -190,7 +190,7 @@ def test_infeasible_bounds_are_reported_with_what_to_relax() -> None:
     assert isinstance(outcome.error, InfeasibleBounds)
     text = status(after)
     assert "The bounds do not allow it" in text
-    assert "<b>raise</b> weight on B8 past 8 from 0.5 to 3.896 kg" in text
+    assert "raise the upper bound of weight on B8 past 8 from 0.5 kg to 3.8962 kg" in text
     assert details_html(outcome) == ""
     # What is suggested suffices; the report goes once something is changed, and only then.
     relaxed = balancing.change_settings(after, slot_b8=CounterweightSlot(0.1, 3.897))
