@@ -53,6 +53,11 @@ def test_shares_are_of_the_middles_of_the_cells_of_a_box(monkeypatch: pytest.Mon
     assert "|θ| ≤ 73.4°" in table.caption
 
 
+def test_the_middle_is_among_the_poses_that_are_counted_and_their_number_is_round() -> None:
+    assert all(count % 2 for count in workspace.CELLS)
+    assert workspace.SAMPLED % 1000 == 0
+
+
 def test_torques_of_random_poses_by_their_shares(monkeypatch: pytest.MonkeyPatch) -> None:
     poses = random_poses(np.random.default_rng(0), APPENDIX_4, 400)
     monkeypatch.setattr(workspace, "workspace_poses", lambda g, count, seed: poses)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from benchmarks.code_speed import GOALS, text_size
-from paminsa_viz.codegen import controller_kit
+from paminsa_viz.codegen import controller_kit, kit
 from paminsa_viz.codegen.kit import (
     ROWS,
     SINGLE_BOUNDS,
@@ -31,6 +31,7 @@ from paminsa_viz.model import (
     inverse_kinematics,
     leg,
 )
+from paminsa_viz.model.design import PARAMETER
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.lumped import term_factors
 from paminsa_viz.model.parameters import Counterweight
@@ -410,6 +411,16 @@ def test_vectors_are_regular_poses_from_all_of_the_workspace_and_a_tenth_out_of_
     np.testing.assert_allclose(given[inside], found, rtol=1e-12)
     for wanted, digits in (("c", np.cos(pose[:, 2])), ("s", np.sin(pose[:, 2]))):
         np.testing.assert_allclose(column(wanted)[:, 0], digits, rtol=1e-15)
+
+
+def test_vectors_of_a_robot_twice_as_large_are_twice_as_far_away() -> None:
+    """To the last bit, as 2 is a power of 2; those out of reach are so by a length."""
+    lengths = [
+        path for path, item in PARAMETER.items() if path[:8] == "geometry" and item.unit == "m"
+    ]
+    large = APPENDIX_4.vary({path: 2.0 * APPENDIX_4.value(path) for path in lengths})
+    one, other = kit._poses(APPENDIX_4), kit._poses(large)
+    np.testing.assert_array_equal(other[:ROWS], one[:ROWS] * [2.0, 2.0, 1.0, 2.0])
 
 
 def test_only_code_becomes_single_precision() -> None:
