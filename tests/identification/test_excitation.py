@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import time
 from dataclasses import replace
@@ -377,6 +378,26 @@ def test_nothing_goes_on_when_no_evaluation_or_no_time_is_left() -> None:
     assert evaluations(few) == 7
     assert evaluations(replace(few, evaluations=0)) == 0
     assert evaluations(replace(few, seconds=5.0), begin=5.1) == 0
+
+
+def test_a_search_says_every_ten_evaluations_how_much_of_its_budget_is_spent() -> None:
+    """Of evaluations or of the time, of which more is spent; and begins with no motion at all."""
+    info = information(samples=64)
+
+    def shares(seconds: float, begin: float = 0.0) -> list[float]:
+        found: list[float] = []
+        settings = ExcitationSettings(period=PERIOD, evaluations=25, seconds=seconds, random=1)
+        search = Search(info, settings, time.monotonic() - begin, lambda done: found.append(done))
+        assert not search.best.any()
+        assert search.best_value == -np.inf
+        with contextlib.suppress(Canceled):
+            while True:
+                search._spend()
+        return found
+
+    assert shares(1e5) == pytest.approx([0.0, 0.4, 0.8], abs=1e-6)
+    assert shares(1e4, begin=6e3)[:2] == pytest.approx([0.6, 0.6], abs=1e-3)
+    assert shares(5.0, begin=6.0) == [1.0]
 
 
 def test_stages_go_on_with_the_best_motions_of_those_before() -> None:
