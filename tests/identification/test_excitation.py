@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.special import logsumexp, softmax
 
 from paminsa_viz.actuation import actuator_limits
 from paminsa_viz.errors import InvalidInput
@@ -32,11 +33,20 @@ from paminsa_viz.identification.excitation_search import (
     random_motions,
     shrunk,
 )
-from paminsa_viz.identification.information import LIMITED, Evaluation, Information
+from paminsa_viz.identification.information import (
+    COULOMB_SHARE,
+    LIMITED,
+    Evaluation,
+    Information,
+    _soft_least,
+    natural_height,
+)
 from paminsa_viz.identification.multi_sine import MultiSineFamily
 from paminsa_viz.model import (
     APPENDIX_4,
+    Drive,
     Friction,
+    KneeBranch,
     LoadCase,
     actuator_velocity,
     inverse_dynamics,
@@ -158,6 +168,56 @@ def test_room_is_what_the_model_leaves_of_every_limit() -> None:
     found = [*room[:, :10].T, room[:, 10:].min(axis=1)]
     np.testing.assert_allclose(found, wanted, atol=1e-9)
     assert len(wanted) == len(LIMITED)
+
+
+@pytest.mark.parametrize("knee", KneeBranch)
+@pytest.mark.parametrize("own", [1e-4, 1.0], ids=["sharp", "soft"])
+def test_torques_of_a_search_have_rotors_and_a_step_that_is_soft_enough(
+    knee: KneeBranch, own: float
+) -> None:
+    """As soft as that of the slowest actuator's column, or as the design's own."""
+    servo = Drive("servo", rotor_inertia=1e-4, gear_ratio=50.0)
+    axis = Drive("axis", rotor_inertia=2e-5, transmission="screw", lead=0.01)
+    friction = replace(ROBOT.friction, transition_speed=own)
+    design = replace(ROBOT, drives=(servo, None, None, axis), friction=friction).with_knee(knee)
+    info = information(design, samples=64)
+    limits, states = info.limits, info.states(some_motion(info))
+    pose, velocity, acceleration = np.split(states, 3, axis=-1)
+    soft = replace(friction, transition_speed=max(own, COULOMB_SHARE * limits.speed.min()))
+    torque = inverse_dynamics(replace(design, friction=soft), pose, velocity, acceleration).torque
+    room = info.at(states).room
+    np.testing.assert_allclose(room[:, 4:8], 1 - np.abs(torque) / limits.torque, atol=1e-9)
+    away = knee.sign * (-pose[:, 3] - design.geometry.platform_joint_height)
+    height = (away - limits.clearance) / design.geometry.base_radius
+    np.testing.assert_allclose(room[:, 9], height, atol=1e-12)
+    np.testing.assert_allclose(natural_height(design.geometry, pose), away, atol=1e-12)
+    assert (away > 0).all()
+
+
+def test_a_motion_out_of_reach_tells_nothing_and_keeps_no_limit() -> None:
+    info = information(samples=64)
+    far = 60.0 * some_motion(info)
+    found = info.evaluate(far, 50.0)
+    assert (found.value, found.worst) == (-np.inf, -np.inf)
+    assert found.room.tolist() == [-1.0] * len(LIMITED)
+    assert not found.slope.any()
+    assert not found.room_slope.any()
+    assert (found.slope.shape, found.room_slope.shape) == ((info.family.size,), (11, far.size))
+    values = info.log_det(np.stack([far, some_motion(info)]))
+    assert values[0] == -np.inf
+    assert values[1] == pytest.approx(info.log_det(some_motion(info)))
+
+
+def test_the_least_room_is_softened_limit_by_limit() -> None:
+    """-log(sum e^(-s r))/s over the samples of each limit, reach over all of its twelve."""
+    room = np.random.default_rng(2).uniform(-1.0, 1.0, (30, 22))
+    for sharpness in (5.0, 300.0):
+        soft, shares = _soft_least(room, sharpness)
+        parts = [room[:, [i]] for i in range(10)] + [room[:, 10:]]
+        wanted = [-logsumexp(-sharpness * part) / sharpness for part in parts]
+        np.testing.assert_allclose(soft, wanted, rtol=1e-12)
+        weights = np.concatenate([softmax(-sharpness * part) for part in parts], axis=1)
+        np.testing.assert_allclose(shares, weights, atol=1e-14)
 
 
 def test_information_is_that_of_measured_torques() -> None:
