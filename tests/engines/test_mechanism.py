@@ -142,6 +142,15 @@ def test_inertias_of_no_rigid_body_are_refused() -> None:
     assert caught.value.field == "inertias.b7_axial"
 
 
+def test_what_only_turns_about_the_vertical_is_a_flat_disc() -> None:
+    """So that it is a possible body; its inertias about x and y do nothing."""
+    design = APPENDIX_4.vary({"payload.inertia": 0.02, "payload.mass": 1.0})
+    parts = {part.name: part for link in build_mechanism(design).links for part in link.parts}
+    for name in ("platform", "payload", "leg2_B10", "leg3_B2"):
+        x, y, z = parts[name].inertia
+        assert x == y == 0.5 * z > 0.0
+
+
 def test_a_flat_disc_is_just_a_rigid_body() -> None:
     flat = APPENDIX_4.vary({"inertias.b7_axial": 0.0060, "inertias.b7_transverse": 0.003})
     assert build_mechanism(flat).links

@@ -32,7 +32,17 @@ from paminsa_viz.identification.columns import (
 )
 from paminsa_viz.identification.estimate import CONFIDENCE, ITERATIONS, normal_blocks, solve
 from paminsa_viz.identification.excitation import FINE, NOISE_SHARE
-from paminsa_viz.identification.excitation_search import GROUP, HOP, HOP_SIZE, HOPS, STAGES
+from paminsa_viz.identification.excitation_search import (
+    GROUP,
+    HOP,
+    HOP_SIZE,
+    HOPS,
+    LEAST_REACH,
+    MOST_OUTSIDE,
+    REACH,
+    STAGES,
+    TOLERANCE,
+)
 from paminsa_viz.identification.filtering import LOWEST_RATE, ORDER, OVERSAMPLING, SETTLING
 from paminsa_viz.identification.identify import (
     FEW_SECONDS,
@@ -180,6 +190,9 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         f"softened by 1/{first:g}, 1/{second:g} and 1/{third:g}, and {kept} and then {left} of",
         f"Later groups are {HOPS} motions near the best one, its {HOP_SIZE:g}-fold with "
         f"coefficients moved by {HOP:g} at random, and one more of the {search.random}.",
+        f"A stage changes each by at most {REACH:g}, and by a quarter of that where {MOST_OUTSIDE} "
+        f"steps in a row leave the workspace, down to {LEAST_REACH:g}; on the way a limit may be "
+        f"exceeded by {TOLERANCE:g} of it",
         f"{search.samples} times a period in the search and {FINE * search.samples} times at the",
     ]
     assert missing("identification", sentences) == []
