@@ -98,6 +98,25 @@ def test_servos_follow_their_controls(mujoco: Any, design: Design) -> None:
     assert gap < 1e-5
 
 
+def test_what_is_written_beside_the_robot_is_plain(mujoco: Any) -> None:
+    """MuJoCo's own shape of an impedance as stiff as it takes; a sky that is lighter at its top."""
+    model = mujoco.MjModel.from_xml_string(mjcf_text(APPENDIX_4))
+    given = ET.fromstring(mjcf_text(APPENDIX_4))
+    (equality,) = given.iterfind("default/equality")
+    impedance = [float(number) for number in equality.attrib["solimp"].split()]
+    assert impedance[:2] == [mujoco.mjMAXIMP] * 2
+    assert impedance[2:] == [0.001, 0.5, 2.0]  # of MuJoCo's defaults
+    assert model.opt.tolerance == 1e-12
+    (light,) = given.iterfind("worldbody/light")
+    assert np.linalg.norm([float(part) for part in light.attrib["dir"].split()]) == 1.0
+    (sky,) = given.iterfind("asset/texture")
+    assert {int(sky.attrib[side]) for side in ("width", "height")} == {256}
+    colors = np.array([list(map(float, sky.attrib[key].split())) for key in ("rgb1", "rgb2")])
+    assert (colors[0] > colors[1]).all()
+    assert (np.diff(colors) > 0).all()  # bluish
+    assert (colors <= 1.0).all()
+
+
 def test_geoms_add_no_mass_and_touch_nothing(mujoco: Any) -> None:
     model = mujoco.MjModel.from_xml_string(mjcf_text(APPENDIX_4))
     assert model.ngeom > 20

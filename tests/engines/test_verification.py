@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 import xml.etree.ElementTree as ET
 from dataclasses import replace
@@ -318,3 +319,19 @@ def test_a_workspace_too_small_to_draw_from_is_named(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(poses, "_ROUNDS", 1)
     with pytest.raises(InvalidInput, match=r"only \d+ of 5000 found in a workspace this small"):
         workspace_poses(APPENDIX_4.geometry, 5000)
+
+
+def test_as_many_poses_as_all_rounds_find_are_given(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("paminsa_viz.engines.poses._DRAWN", 40)
+    monkeypatch.setattr("paminsa_viz.engines.poses._ROUNDS", 2)
+    with pytest.raises(InvalidInput, match=r"only \d+ of 80 found") as refused:
+        workspace_poses(APPENDIX_4.geometry, 80)
+    (found,) = re.findall(r"only (\d+) of", str(refused.value))
+    assert len(workspace_poses(APPENDIX_4.geometry, int(found))) == int(found) > 3
+    with pytest.raises(InvalidInput, match=f"only {found} of"):
+        workspace_poses(APPENDIX_4.geometry, int(found) + 1)
+
+
+def test_states_are_compared_up_to_the_number_the_documentation_names() -> None:
+    stated = f"every sample of a trajectory (at most {verification.MOST_STATES:,} of them)"
+    assert not missing("verification", [stated])

@@ -86,7 +86,7 @@ def test_a_claim_fails_where_one_value_is_off(
 
 def test_one_heading_of_the_circle_is_enough_to_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     right = claims.singular_radius
-    for at in (-0.4, 0.9):
+    for at in (-0.4, 0.0, 0.3, 0.9):
         monkeypatch.setattr(
             claims, "singular_radius", lambda g, t, at=at: right(g, t) + 3e-10 * (t == at)
         )

@@ -207,3 +207,32 @@ def test_where_the_provenance_comes_from() -> None:
     table: Any = design_section.provenance_section(REQUEST, "no").blocks[0]
     assert dict(cells(table))["Made"].startswith("2026-01-02 03:04")
     assert (table.words, table.literal) == (2, True)
+
+
+def test_lines_marks_and_letters_are_as_thick_and_large_as_drawn_for_print(drawn: Any) -> None:
+    """Of a page 9 inches wide: bars, platform, plates and guides from thick to thin [points]."""
+    _, page = drawn
+    assert page.get_size_inches()[0] == 9.0
+    assert workspace_section.DPI == 150.0
+    assert {text.get_fontsize() for text in page.texts} == {10.0}
+    shared = {("-", 2.2), ("--", 1.1)}
+    for area, own in zip(
+        page.axes, ({("-", 0.8), ("--", 0.8)}, {("-", 1.2), (":", 0.8)}), strict=True
+    ):
+        lines = [line for line in area.lines if line.get_marker() == "None"]
+        marks = [line for line in area.lines if line.get_marker() != "None"]
+        assert {(line.get_linestyle(), line.get_linewidth()) for line in lines} == shared | own
+        sizes = {(mark.get_marker(), mark.get_markersize()) for mark in marks}
+        assert sizes - {("+", 8.0)} == {("o", 4.5), ("o", 9.0)}
+        assert (("+", 8.0) in sizes) == (area is page.axes[0])
+        assert {mark.get_markeredgewidth() for mark in marks} == {1.0}
+        assert [(plate.get_linewidth(), plate.get_alpha()) for plate in area.patches] == [
+            (1.3, 0.8)
+        ]
+        assert {text.get_fontsize() for text in area.texts} == {10.0}
+        assert {len(line.get_xdata()) for line in lines} == (
+            {2, 181} if area is page.axes[0] else {2}
+        )
+        thick = [line for line in lines if line.get_linewidth() == 2.2]
+        # of each leg four bars and the shaft; from the side the arms of the lift as well
+        assert len(thick) == (15 if area is page.axes[0] else 18)
