@@ -16,7 +16,7 @@ import pytest
 
 from paminsa_viz.blocks import requirements, synthesis, verification
 from paminsa_viz.blocks.data import plain
-from paminsa_viz.blocks.excitation import excitation_blocks, limits_table
+from paminsa_viz.blocks.excitation import excitation_blocks, excitation_data, limits_table
 from paminsa_viz.blocks.kinds import Figure
 from paminsa_viz.blocks.sweep import sweep_blocks, sweep_data
 from paminsa_viz.engines.verification import Comparison, EngineCheck, Verification
@@ -344,6 +344,9 @@ def test_a_sweep_with_a_motion_and_one_that_went_on(tmp_path: Any) -> None:
         "samples": motion.size, "status": summary.motion,
     }  # fmt: skip
     assert (data["seconds"], data["rows"], data["found"]) == (1.235, 9, 2)
+    summary.motion = Counter({"stretched": 9})
+    text = f"{motion.name}: 0 designs can run it, 9 stretched"
+    assert text in [text for text, _ in said(sweep_blocks(tmp_path, summary, 1.25))]
     summary.study.trajectory, summary.found, summary.motion = None, 0, Counter()
     assert said(sweep_blocks(tmp_path, summary, 1.25)) == [
         (f"{tmp_path}: 9 designs, 3 bad, 1.2 s", "plain")
@@ -358,7 +361,7 @@ def test_how_an_exciting_motion_was_found() -> None:
     found: Any = SimpleNamespace(
         settings=SimpleNamespace(periods=3, period=12.5, harmonics=5), evaluations=200,
         seconds=4.5678, parameters=13, log_det=-1.25, random=30, random_log_det=-9.75,
-        narrowing=1.3866, limits=(KeptLimit("force", 2.0, 4.0, "N", 0.123456),),
+        narrowing=1.3866, limits=(KeptLimit("force", 2.34567, 4.56789, "N", 0.123456),),
     )  # fmt: skip
     first, second, table = excitation_blocks(found)
     assert said([first, second]) == [
@@ -366,7 +369,15 @@ def test_how_an_exciting_motion_was_found() -> None:
         ("log det of the information of 13 parameters −1.2, of the best of 30 random motions "
          "−9.8: intervals narrower by 1.39 on average.", "plain"),
     ]  # fmt: skip
-    assert cells(table) == [("force", "2 N", "≤ 4 N", "0.123 s", "50 %")]
+    assert cells(table) == [("force", "2.35 N", "≤ 4.57 N", "0.123 s", "51 %")]
+    found.plan = SimpleNamespace(duration=37.5)
+    assert excitation_data(APPENDIX_4, found) == {
+        "design": APPENDIX_4.name, "period_s": 12.5, "harmonics": 5, "duration_s": 37.5,
+        "log_det_random": -9.75, "parameters": 13, "log_det": -1.25, "random": 30,
+        "evaluations": 200, "seconds": 4.5678,
+        "limits": [{"name": "force", "value": 2.34567, "limit": 4.56789, "unit": "N",
+                    "t": 0.123456, "least": False, "kept": True}],
+    }  # fmt: skip
     odd = (
         KeptLimit("none", 0.0, 0.5, "m", 0.0, True), KeptLimit("free", 3.0, math.inf, "N", 0.0),
         KeptLimit("broken", 5.0, 4.0, "N", 0.0),
