@@ -8,9 +8,13 @@ from __future__ import annotations
 
 import ast
 import random
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+
+Key = tuple[str, str, str, str, int]
+"""File, line of code, before, after, and number of a mutant."""
 
 
 @dataclass(frozen=True)
@@ -23,6 +27,7 @@ class Mutant:
         start, end: Bytes of the file that are replaced.
         before, after: Source of the node, as ``ast.unparse`` writes it.
         code: The first line of the node as it stands in the file.
+        number: How many changes of the file before this one read the same.
     """
 
     path: str
@@ -33,6 +38,12 @@ class Mutant:
     before: str
     after: str
     code: str
+    number: int
+
+    @property
+    def key(self) -> Key:
+        """What tells it from all others, wherever in the file it stands."""
+        return self.path, self.code, self.before, self.after, self.number
 
     def apply(self, source: bytes) -> bytes:
         """Return the file with the change."""
@@ -79,7 +90,7 @@ def candidates(path: str, source: bytes) -> list[Mutant]:
     for line in lines:
         starts.append(starts[-1] + len(line))
     found, tree = [], ast.parse(source)
-    alike = set(_alike(tree))
+    alike, seen = set(_alike(tree)), Counter[tuple[str, str, str]]()
     for node, others in _changes(tree):
         if node in alike:
             continue
@@ -91,8 +102,12 @@ def candidates(path: str, source: bytes) -> list[Mutant]:
         for other in others:
             after = ast.unparse(other)
             if after != before:
-                place = (path, node.lineno, node.col_offset, start, end)
-                found.append(Mutant(*place, before, after, code))
+                place, text = (
+                    (path, node.lineno, node.col_offset, start, end),
+                    (before, after, code),
+                )
+                found.append(Mutant(*place, *text, seen[text]))
+                seen[text] += 1
     return found
 
 

@@ -29,7 +29,7 @@ from typing import NoReturn
 
 import pytest
 
-from mutants.draw import Mutant, drawn
+from mutants.draw import Key, Mutant, candidates, drawn
 from mutants.record import Order, Record, Recorder, function_at, imported_of_others
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -172,13 +172,32 @@ class Copy:
             os._exit(code)
 
 
-def equivalent() -> dict[tuple[str, str, str, str], str]:
-    """Return the reasons of mutants that are equivalent, by file, line of code, before, after."""
-    table = tomllib.loads((ROOT / "mutants" / "equivalent.toml").read_text())
-    return {
-        (entry["path"], entry["code"], entry["before"], entry["after"]): entry["reason"]
-        for entry in table.get("mutant", [])
+def equivalent() -> tuple[dict[Key, str], list[str]]:
+    """Return the reasons of mutants that are equivalent, and what is wrong with the list.
+
+    An entry is one mutant; where several of a file read the same, its ``numbers`` say which. What
+    is no mutant of the source any more, or does not say which, counts for none.
+    """
+    table = tomllib.loads((ROOT / "mutants" / "equivalent.toml").read_text()).get("mutant", [])
+    files = {path: ROOT / path for path in sorted({entry["path"] for entry in table})}
+    known = {
+        mutant.key
+        for path, file in files.items()
+        if file.exists()
+        for mutant in candidates(path, file.read_bytes())
     }
+    found: dict[Key, str] = {}
+    wrong = []
+    for entry in table:
+        text = entry["path"], entry["code"], entry["before"], entry["after"]
+        keys = [(*text, number) for number in entry.get("numbers", [0])]
+        if not known.issuperset(keys):
+            wrong.append(f"no mutant of the source any more: {' | '.join(text)}")
+        elif "numbers" not in entry and (*text, 1) in known:
+            wrong.append(f"one of several, `numbers` have to say which: {' | '.join(text)}")
+        else:
+            found |= dict.fromkeys(keys, entry["reason"])
+    return found, wrong
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -201,7 +220,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for room in given.rooms:
         if not (ROOT / "paminsa_viz" / room).is_dir() or not (ROOT / "tests" / room).is_dir():
             parser.error(f"{room}: a folder of paminsa_viz and of tests is needed")
-    reasons, counts = equivalent(), Counter[tuple[str, str]]()
+    counts = Counter[tuple[str, str]]()
+    reasons, wrong = equivalent()
+    for problem in wrong:
+        print(f"mutants/equivalent.toml: {problem}", file=sys.stderr)
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder, contextlib.ExitStack() as stack:
         file = writer = None
         if given.out is not None:
@@ -218,12 +240,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
                     continue
                 place = f"{mutant.path}:{mutant.line}:{mutant.column}"
                 text = f"{room} {number} {place}  {mutant.before}  →  {mutant.after}"
-                key = (mutant.path, mutant.code, mutant.before, mutant.after)
                 if copy is None:
                     print(text)
                     continue
-                if key in reasons:
-                    verdict, detail = "equivalent", reasons[key]
+                if mutant.key in reasons:
+                    verdict, detail = "equivalent", reasons[mutant.key]
                 else:
                     killer = copy.killer(room, mutant)
                     verdict, detail = ("survived", "") if killer is None else ("killed", killer)

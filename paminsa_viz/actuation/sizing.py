@@ -372,12 +372,11 @@ def fitting_time(
 
     if fits(1.0):
         return 1.0
-    good = 2.0
+    bad, good = 1.0, 2.0
     while not fits(good):
-        good *= 2.0
-        if good > SLOWEST:
+        if good >= SLOWEST:
             return float("inf")
-    bad = good / 2.0
+        bad, good = good, min(2.0 * good, SLOWEST)
     while good - bad > 1e-3 * good:
         middle = 0.5 * (good + bad)
         good, bad = (middle, bad) if fits(middle) else (good, middle)

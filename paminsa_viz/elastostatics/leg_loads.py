@@ -217,7 +217,10 @@ def _add_plane(
     between = cos_phi * cos_psi + sin_phi * sin_psi  # cosine of the angle from B4 to B8
 
     def span(bar: str, length: Number, axial: Number, moment: Number) -> None:
-        """Add a bar whose moment falls from ``moment`` at one end to zero at the other."""
+        """Add a bar whose moment falls from ``moment`` at one end to zero at the other.
+
+        Each is a row of its own, whose square counts: signs are left out.
+        """
         section, part = sections[bar], bar.upper()
         if np.ndim(axial) or axial:
             rows.put(part, material.axial(section, length), z=axial)
@@ -229,14 +232,14 @@ def _add_plane(
     outer, inner = g.coupler_length * (k - 1) / k, g.coupler_length / k
     at_4 = outer * cos_psi
     span("b4", outer, sin_psi, at_4)
-    span("b4", inner, -in_b8 * between, at_4)
+    span("b4", inner, in_b8 * between, at_4)
     upper, lower = g.crank_length * (k - 1) / k, g.crank_length / k
     at_3 = upper * cos_phi
     span("b3", upper, sin_phi + in_b8, at_3)
-    span("b3", lower, -in_b7 * between, at_3)
-    span("b8", g.crank_length, -in_b8, 0.0)
-    span("b7", g.short_coupler_length, -in_b7, 0.0)
-    span("b2", g.shaft_length, -k, 0.0)
+    span("b3", lower, in_b7 * between, at_3)
+    span("b8", g.crank_length, in_b8, 0.0)
+    span("b7", g.short_coupler_length, in_b7, 0.0)
+    span("b2", g.shaft_length, k, 0.0)
     reach = np.abs(points[8][0])
     span("b10", reach, 0.0, (k - 1) * reach)
 

@@ -114,7 +114,8 @@ def random_motions(
         info: What the limits are known from.
         count: How many are drawn; those that no size makes possible are left out.
         seed: Of the random numbers.
-        tick: Called a dozen times on the way.
+        tick: Called a dozen times on the way: the sizes are halved between 0 and 4 standard
+            deviations.
 
     Raises:
         NoExcitation: If there is none.

@@ -230,7 +230,7 @@ class LawProgram:
     def _terms(self, s: Array, law: Array, slope: Array) -> Terms:
         """Return the limits at places (n,), where the law before has z and dz (n,)."""
         along = self._path(s, 1)
-        rates, none = self._limits.rates * self._unit ** np.array([[1.0], [2.0], [3.0]]), 0.0 * s
+        rates, none = self._limits.rates[:2] * self._unit ** np.array([[1.0], [2.0]]), 0.0 * s
         found: list[tuple[Array, Array, Array, Array]] = []
         for size, most in zip(
             (np.linalg.norm(along[:, PLACE], axis=1), along[:, 2]), rates[0], strict=True

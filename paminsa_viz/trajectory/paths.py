@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 _GAUSS = np.polynomial.legendre.leggauss(8)
 
 _METRIC = np.array([1.0, 1.0, TURN_LENGTH**2, 1.0])
-_CELLS = 16  # polynomials of the length run between two breaks
+_CELLS = 16  # polynomials of the length run between two breaks, at least
+_ROUGH = 1e-11  # share of the largest speed by which a polynomial may be off before it is halved
+_HALVINGS = 16  # of polynomials where a motion nearly stands still
 _SAME = 1e-9  # difference below which two instants are one
 _AT_REST = 1e-9  # share of the largest speed below which a motion stands still
 _OFF_REST = 1e-5  # share of a piece by which directions are looked at off an instant of rest
@@ -203,7 +205,10 @@ class TracedPath:
 
     @cached_property
     def _run(self) -> PPoly:
-        """The length run [m] by the instant of unit time: polynomials through 8 speeds a cell."""
+        """The length run [m] by the instant of unit time.
+
+        Polynomials through 8 speeds a cell; where they are off between these, it is halved.
+        """
         from scipy.interpolate import PPoly
 
         breaks = self.breaks
@@ -212,12 +217,32 @@ class TracedPath:
             (breaks[:-1, None] + np.diff(breaks)[:, None] * share).ravel(), breaks[-1]
         )
         nodes = 0.5 * (1.0 + _GAUSS[0])
-        size = np.diff(begin)
-        speed = self._speed((begin[:-1, None] + size[:, None] * nodes).ravel())
-        powers = np.linalg.inv(np.vander(nodes, increasing=True)) @ speed.reshape(-1, len(nodes)).T
-        order = np.arange(len(nodes))[:, None]
-        rates = PPoly((powers / size**order)[::-1], begin)
+        halves = np.concatenate([0.5 * nodes, 0.5 + 0.5 * nodes])
+        inverse = np.linalg.inv(np.vander(nodes, increasing=True))
+        between = np.vander(halves, len(nodes), increasing=True) @ inverse
+        low, size = begin[:-1], np.diff(begin)
+        speed = self._speeds(low, size, nodes)
+        cells, most = [], _ROUGH * speed.max()
+        for _ in range(_HALVINGS):
+            finer = self._speeds(low, size, halves)
+            rough = np.abs(finer - speed @ between.T).max(axis=1) > most
+            cells.append((low[~rough], size[~rough], speed[~rough]))
+            half = 0.5 * size[rough]
+            low, size = np.concatenate([low[rough], low[rough] + half]), np.tile(half, 2)
+            speed = np.concatenate(np.split(finer[rough], 2, axis=1))
+            if not len(low):
+                break
+        cells.append((low, size, speed))
+        low, size, speed = map(np.concatenate, zip(*cells, strict=True))
+        order = np.argsort(low)
+        powers = inverse @ speed[order].T / size[order] ** np.arange(len(nodes))[:, None]
+        rates = PPoly(powers[::-1], np.append(low[order], breaks[-1]))
         return rates.antiderivative()
+
+    def _speeds(self, low: Array, size: Array, shares: Array) -> Array:
+        """Return speeds at shares (m,) of cells (n,), (n, m)."""
+        at = low[:, None] + size[:, None] * shares
+        return self._speed(at.ravel()).reshape(at.shape)
 
     def _speed(self, u: Array) -> Array:
         return np.sqrt(self.curve(u, 1) ** 2 @ _METRIC)

@@ -26,6 +26,7 @@ from paminsa_viz.actuation.sizing import size_drives
 from paminsa_viz.actuation.wrench_capability import DEFAULT_LIMITS
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.trajectory import PRESETS
+from paminsa_viz.units import COLUMN_UNITS
 from tests.support.documentation import defaults_of, missing
 
 HEAD = "kind,name,source,rotor_inertia_g_cm2,rated_torque_mNm,peak_torque_Nm,rated_speed_rpm,"
@@ -63,6 +64,31 @@ def test_numbers_are_read_in_the_units_of_their_columns() -> None:
     assert found.pairs(0).drive(0).reflected_inertia == pytest.approx(2500 * 3e-6)
 
 
+@pytest.mark.parametrize("speed", COLUMN_UNITS["rad/s"])
+@pytest.mark.parametrize("torque", COLUMN_UNITS["N m"])
+def test_envelopes_are_read_in_every_pair_of_units(speed: str, torque: str) -> None:
+    """A corner at 300 rad/s and 0.4 N m, written in the units of the column."""
+    w, tau = 300.0 / COLUMN_UNITS["rad/s"][speed], 0.4 / COLUMN_UNITS["N m"][torque]
+    head = HEAD.replace("envelope_rpm_Nm", f"envelope_{speed}_{torque}")
+    row = MOTOR.replace("0 0.95; 3000 0.95; 6000 0.4", f"0 {2 * tau!r}; {w!r} {tau!r}")
+    (motor,) = read_catalog(f"{head}\n{row}", "my.csv").motors
+    assert motor.envelope == (
+        pytest.approx((0.0, 0.8), rel=1e-12), pytest.approx((300.0, 0.4), rel=1e-12)
+    )  # fmt: skip
+
+
+def test_a_file_is_read_to_its_end_or_refused(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    path, text = tmp_path / "my.csv", f"{HEAD}\n{MOTOR}"
+    monkeypatch.setattr(catalog, "LARGEST_CATALOG", len(text))
+    path.write_text(text)
+    assert load_catalog(path) == read_catalog(text, "my.csv")
+    path.write_text(f"{text}\n")
+    with pytest.raises(CatalogError, match="is larger than"):
+        load_catalog(path)
+
+
 def test_the_shipped_catalog_is_generic_and_drives_every_preset() -> None:
     catalog = generic_catalog()
     parts = [*catalog.motors, *catalog.gears, *catalog.transmissions]
@@ -81,8 +107,13 @@ def test_the_shipped_catalog_is_generic_and_drives_every_preset() -> None:
         ("", None, "", "first line names the columns"),
         ("kind;name;source\n", 1, "kind;name;source", "columns are separated by commas"),
         ("zzzz,name,source\n", 1, "zzzz", "there are name, source, kind, rotor_inertia,"),
-        (HEAD.replace("rated_torque_mNm", "rated_torque"), 1, "rated_torque", "rated_torque_Nm"),
-        (HEAD.replace("_g_cm2", "_oz_in2"), 1, "rotor_inertia_oz_in2", "rotor_inertia_kg_cm2"),
+        (
+            HEAD.replace("rated_torque_mNm", "rated_torque"),
+            1,
+            "rated_torque",
+            "not known; there are rated_torque_Nm",
+        ),
+        (HEAD.replace("_g_cm2", "_oz_in2"), 1, "rotor_inertia_oz_in2", "its unit is missing"),
         (HEAD.replace("efficiency", "eficiencia"), 1, "eficiencia", "did you mean efficiency"),
         (HEAD.replace("envelope_rpm_Nm", "envelope"), 1, "envelope", "envelope_rpm_Nm"),
         (f"{HEAD},peak_torque_mNm", 1, "peak_torque_Nm", "two columns"),
@@ -109,8 +140,10 @@ def test_the_shipped_catalog_is_generic_and_drives_every_preset() -> None:
         (f"{HEAD}\n{MOTOR.replace('one', BELL)}", 2, "name", "one line of printable text"),
         (f"{HEAD}\n{MOTOR.replace('one', 201 * 'o')}", 2, "name", "at most 200 characters"),
         (f"{HEAD}\n{MOTOR.replace('one', ' ')}", 2, "name", "a name is needed"),
+        (HEAD.replace("efficiency", "peak"), 1, "peak", "did you mean peak_torque_Nm, peak_t"),
+        (HEAD.replace("efficiency", "weight"), 1, "weight", "there are name, source, kind"),
     ],
-    ids=range(31),
+    ids=range(33),
 )
 def test_impossible_catalogs_are_refused_in_one_line(
     text: str, row: int | None, column: str, told: str
@@ -119,7 +152,9 @@ def test_impossible_catalogs_are_refused_in_one_line(
         read_catalog(text, "my.csv")
     assert (caught.value.row, caught.value.column) == (row, column)
     assert told in caught.value.problem
-    assert str(caught.value).startswith("my.csv: " if row is None else f"my.csv, row {row}")
+    place = "" if row is None else f", row {row}"
+    place += f", column {column}" if column else ""
+    assert str(caught.value) == f"my.csv{place}: {caught.value.problem}".replace(BELL, r"o\x07ne")
     assert "\n" not in str(caught.value)
 
 

@@ -9,10 +9,18 @@ import pytest
 from scipy.integrate import simpson
 
 from paminsa_viz.actuation.drive_table import combined, drive_table, pair_table
-from paminsa_viz.actuation.duty import ActuatorLoad, Duty, DutyMotion, duty_cycle, load_signals
+from paminsa_viz.actuation.duty import (
+    BLOCK_WIDTH,
+    ActuatorLoad,
+    Duty,
+    DutyMotion,
+    Signal,
+    duty_cycle,
+    load_signals,
+)
 from paminsa_viz.actuation.sizing import LIMITS, fitting_time, size_drives, thermal_share
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model import APPENDIX_4, static_torques
 from paminsa_viz.model.load import LoadCase
 from paminsa_viz.trajectory import PRESET, actuator_inertia, analyze
 from tests.actuation.loads import random_load
@@ -109,19 +117,28 @@ def test_winding_has_at_most_a_mean_heat_and_a_slow_one_has_that() -> None:
     np.testing.assert_allclose(share[-1], mean[-1], rtol=1e-6)
 
 
+@pytest.mark.parametrize("scale", [1.0, 1e-6])
 @pytest.mark.parametrize("repeats", [1.0, 4.0])
-def test_winding_temperature_of_constant_torques_in_turn_has_a_closed_form(repeats: float) -> None:
-    """Three samples a motion, so that each of them counts: q_1 for 3 s, rest, q_2 for 2 s, rest."""
+def test_winding_temperature_of_constant_torques_in_turn_has_a_closed_form(
+    repeats: float, scale: float
+) -> None:
+    """Three samples a motion, so that each of them counts: q_1 for 3 s, rest, q_2 for 2 s, rest.
+
+    And all times a millionth of that.
+    """
     rng = np.random.default_rng(2)
     time, t = 4.0, np.array([0.0, 0.5, 3.0])
     first, second = (np.tile(random_load(rng, 9).passages[0].signals[:, [3]], 3) for _ in range(2))
-    drive = replace(SERVO, gear_ratio=20.0, thermal_time_constant=time, brake=True)
+    drive = replace(SERVO, gear_ratio=20.0, thermal_time_constant=scale * time, brake=True)
     table = drive_table([drive])
     q_1, q_2 = (
         float((table.factors()[0] @ part[:, 0] / drive.rated_torque) ** 2)
         for part in (first, second)
     )
-    passages = (DutyMotion(t, first, repeats, 1.0, 0.0), DutyMotion(t[:2] * 4, second, 1, 0.3, 0.0))
+    passages = (
+        DutyMotion(t, first, repeats, 1.0, 0.0),
+        DutyMotion(t[:2] * 4, second, 1.0, 0.3, 0.0),
+    )
     passages = (passages[0], passages[1]._replace(signals=second[:, :2]))
     one = [(q_1, 3.0), (0.0, 1.0)] * int(repeats) + [(q_2, 2.0), (0.0, 0.3)]
     temperature, peak = 0.0, 0.0
@@ -131,6 +148,7 @@ def test_winding_temperature_of_constant_torques_in_turn_has_a_closed_form(repea
             fade = np.exp(-span / time)
             temperature = heat + (temperature - heat) * fade
             peak = max(peak, temperature)
+    passages = tuple(p._replace(t=scale * p.t, dwell=scale * p.dwell) for p in passages)
     share = thermal_share(ActuatorLoad("M1", passages, 1.0), table)[0]
     assert share == pytest.approx(peak, rel=1e-9)
 
@@ -168,15 +186,23 @@ def test_feasible_drives_are_ordered_and_the_nearest_limit_is_named(motion) -> N
 
 
 def test_the_time_scaling_that_fits_is_the_least(motion) -> None:  # type: ignore[no-untyped-def]
+    """To a thousandth: speeds fall as the time grows, so that a top speed decides it."""
     cycle = duty_cycle(APPENDIX_4, [Duty(motion)])
-    table = pair_table([replace(SERVO, top_speed=120.0, rated_speed=None)], [GEAR])
-    factor = fitting_time(cycle, 0, table)
-    assert factor > 1
-    assert size_drives(cycle.stretched(factor).loads[0], table).feasible[0]
-    assert not size_drives(cycle.stretched(0.99 * factor).loads[0], table).feasible[0]
-    # speeds fall as the time grows: with a drive that is so much faster hardly any is needed
-    faster = pair_table([replace(SERVO, top_speed=120.0 * factor / 1.05, rated_speed=None)], [GEAR])
-    assert fitting_time(cycle, 0, faster) == pytest.approx(1.05, rel=2e-3)
+    speed = GEAR.gear_ratio * cycle.loads[0].top_speed
+    for least in (1.05, 1.859376, 3.0, 600.0, 999.0):
+        drive = replace(SERVO, rated_torque=9.0, peak_torque=9.0, rated_speed=None)
+        table = pair_table([replace(drive, top_speed=speed / least)], [GEAR])
+        for start in (1.0, 1.02):
+            factor = fitting_time(cycle.stretched(start), 0, table) * start
+            assert least <= factor <= 1.001 * least
+        if least == 600.0:  # ten halvings of 512 to 1000 are a thousandth of it, and no more
+            halved = (fitting_time(cycle, 0, table) - 512.0) / 488.0 * 2**10
+            assert halved == pytest.approx(round(halved), abs=1e-6)
+        assert size_drives(cycle.stretched(factor).loads[0], table).feasible[0]
+        assert not size_drives(cycle.stretched(0.999 * least).loads[0], table).feasible[0]
+    slow = pair_table([replace(drive, top_speed=speed / 1001.0)], [GEAR])
+    assert fitting_time(cycle, 0, slow) == np.inf
+    assert fitting_time(cycle, 0, pair_table([replace(drive, top_speed=speed)], [GEAR])) == 1.0
     hopeless = pair_table([replace(SERVO, rated_torque=1e-6)], [GEAR])
     assert fitting_time(cycle, 0, hopeless) == np.inf
 
@@ -186,7 +212,7 @@ def test_a_stretched_cycle_is_that_of_the_slower_motion() -> None:
     design = replace(design, load=LoadCase(force_x=20.0, force_z=-50.0))
     plan = PRESET["quintic"].build(design.geometry)
     slow = duty_cycle(design, [Duty(plan.lasting(3.0).sample(200))]).loads
-    fast = duty_cycle(design, [Duty(plan.lasting(1.5).sample(400))], slower=2.0).loads
+    fast = duty_cycle(design, [Duty(plan.lasting(1.2).sample(500))], slower=2.5).loads
     for one, two in zip(slow, fast, strict=True):
         scale = np.abs(one.signals).max(axis=1, keepdims=True) + 1e-9
         ends = slice(2, -2)  # where the speed is zero but for rounding its sign is anything
@@ -196,8 +222,14 @@ def test_a_stretched_cycle_is_that_of_the_slower_motion() -> None:
 
 @pytest.mark.parametrize(
     ("duties", "argument"),
-    [([], "duties"), ([{"repeats": 0.5}], "repeats"), ([{"dwell": -1.0}], "dwell")],
-    ids=["none", "repeats", "dwell"],
+    [
+        ([], "duties"),
+        ([{"repeats": 0.5}], "repeats"),
+        ([{}, {"repeats": np.inf}], "repeats"),
+        ([{"dwell": -1.0}], "dwell"),
+        ([{"dwell": np.inf}], "dwell"),
+    ],
+    ids=["none", "repeats", "endless", "dwell", "forever"],
 )
 def test_impossible_cycles_are_refused(motion, duties, argument: str) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(InvalidInput) as caught:
@@ -214,6 +246,82 @@ def test_the_load_on_the_platform_is_driven_and_held() -> None:
     for j, load in enumerate(loaded):
         np.testing.assert_allclose(load.torque, analyze(pushed, motion).torque[:, j], rtol=1e-12)
     assert abs(loaded[0].held - bare[0].held) > 1.0
+    held = static_torques(pushed, motion.pose[-1])
+    assert [load.held for load in loaded] == pytest.approx(np.abs(held), rel=1e-13)
+
+
+def test_inertia_of_a_cycle_is_that_of_the_motion_with_most() -> None:
+    """M1 to M3 turn more of the robot in one motion, M4 moves as much in both."""
+    motions = [PRESET[key].build(APPENDIX_4.geometry).sample(100) for key in ("arch", "circle")]
+    apart = [[one.inertia for one in duty_cycle(APPENDIX_4, [Duty(m)]).loads] for m in motions]
+    both = [one.inertia for one in duty_cycle(APPENDIX_4, [Duty(m) for m in motions]).loads]
+    assert both == np.max(apart, axis=0).tolist()
+    assert both[0] > 1.001 * np.min(apart, axis=0)[0]
+
+
+def test_signals_are_a_torque_by_the_direction_of_its_power() -> None:
+    """Driving, braking or at rest, however small; their sum is the torque."""
+    sizes = np.array([-2.0, -1e-3, -1e-200, 0.0, 1e-200, 1e-3, 2.0])
+    torque, speed = (part.ravel() for part in np.meshgrid(sizes, sizes))
+    growth = np.arange(float(len(torque)))
+    found = load_signals(torque, growth, speed)
+    same, opposite = (np.sign(torque) == sign * np.sign(speed) for sign in (1, -1))
+    for signal, where in (
+        (Signal.DRIVING, same & (speed != 0)),
+        (Signal.BRAKING, opposite & (speed != 0) & (torque != 0)),
+        (Signal.REST, speed == 0),
+    ):
+        big = np.abs(torque * speed) > 0  # else the power is zero in floating point
+        np.testing.assert_array_equal(found[signal][big], np.where(where, torque, 0.0)[big])
+    np.testing.assert_array_equal(found[:3].sum(axis=0), torque)
+    assert (np.count_nonzero(found[:3], axis=0) <= 1).all()
+    others = (found[Signal.ACCELERATION], found[Signal.SPEED], found[Signal.SIGN])
+    np.testing.assert_array_equal(others, (growth, speed, np.sign(speed)))
+    assert len(Signal) == len(found)
+
+
+@pytest.mark.parametrize("size", [2, BLOCK_WIDTH, BLOCK_WIDTH + 1, 3 * BLOCK_WIDTH - 1])
+def test_blocks_bound_their_samples_tightly(size: int) -> None:
+    load = random_load(np.random.default_rng(size), size, bias=1.0)
+    blocks, speed = load.blocks, np.abs(load.signals[Signal.SPEED])
+    assert len(blocks.speed) == np.ceil(size / BLOCK_WIDTH)
+    np.testing.assert_array_equal(blocks.signals.reshape(6, -1)[:, :size], load.signals)
+    for place in range(len(blocks.speed)):
+        part = slice(place * BLOCK_WIDTH, (place + 1) * BLOCK_WIDTH)
+        inside = load.signals[:, part]
+        middle, half = blocks.middle[:, place], blocks.half_range[:, place]
+        np.testing.assert_allclose(middle + half, inside.max(axis=1), atol=1e-12)
+        np.testing.assert_allclose(middle - half, inside.min(axis=1), atol=1e-12)
+        assert blocks.speed_least[place] == speed[part].min()
+        assert blocks.speed_top[place] == speed[part].max()
+        center = min(part.start + BLOCK_WIDTH // 2, size - 1)
+        np.testing.assert_array_equal(blocks.sample[:, place], load.signals[:, center])
+        assert blocks.speed_sample[place] == speed[center]
+
+
+@pytest.mark.parametrize("scale", [0.01, 1.0, -1.0])
+def test_figures_of_a_load_are_those_of_its_samples(scale: float) -> None:
+    """Also of torques below 1, and where the largest are negative: turned around, it is the same.
+
+    The trapezoidal rule is another integral than the load's own.
+    """
+    (passage,) = random_load(np.random.default_rng(8), 4001, bias=1.0).passages
+    given = scale * passage.signals[:3].sum(axis=0)
+    w = np.sign(scale) * passage.signals[Signal.SPEED]
+    signals = load_signals(given, np.sign(scale) * passage.signals[Signal.ACCELERATION], w)
+    held = 2.0 * float(given[0])
+    load = ActuatorLoad("M1", (DutyMotion(passage.t, signals, 3.0, 0.5, held),), 1.0)
+    total = passage.t[-1] + 0.5
+    np.testing.assert_allclose(load.torque, given, rtol=1e-15)
+    assert load.peak == max(np.abs(given).max(), abs(held))
+    assert load.top_speed == np.abs(w).max()
+    assert load.top_power == pytest.approx(np.abs(given * w).max(), rel=1e-15)
+    square = np.trapezoid(given**2, passage.t) + 0.5 * held**2
+    assert load.rms == pytest.approx(np.sqrt(square / total), rel=1e-5)
+    assert load.mean_speed == pytest.approx(np.trapezoid(np.abs(w), passage.t) / total, rel=1e-5)
+    assert (
+        replace(load, passages=(load.passages[0]._replace(dwell=0.0),)).peak == np.abs(given).max()
+    )
 
 
 def test_what_is_held_is_the_largest_in_size_of_the_dwells() -> None:

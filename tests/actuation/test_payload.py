@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from paminsa_viz.actuation import payload
 from paminsa_viz.actuation.payload import _Torques, payload_change, payload_time_scaling
 from paminsa_viz.balancing import balance
 from paminsa_viz.engines.poses import workspace_poses
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, static_torques
+from paminsa_viz.model.load import LoadCase
 from paminsa_viz.trajectory import PRESET, analyze
 from tests.support.samples import random_design
 
@@ -63,6 +67,39 @@ def test_readings_are_those_of_the_actuator_that_changes_most(seed: int) -> None
         found = _Torques(t, gravity, bare, full).change(slower)
         assert found[:2] == pytest.approx(np.max(changes, axis=0)[:2], rel=1e-12)
         assert found.rms == pytest.approx(max(change[2] for change in changes), rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("root", "found"),
+    [(1050.0, np.nan), (1000.0, 1000.0), (990.0, 990.0), (1.0, 1.0), (1.05e-3, 1.05e-3), (9e-4, 0)],
+)
+def test_scalings_are_looked_for_between_a_thousandth_and_a_thousand(
+    root: float, found: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the payload's torque is at its largest the robot's is zero: its share is c/s^2."""
+    gravity, none = np.array([[1.0], [0.0]]) * np.ones(3), np.zeros((2, 3))
+    full = np.array([[0.0], [0.05 * root**2]]) * np.ones(3)
+    torques = _Torques(np.array([0.0, 1.0]), gravity, none, full)
+    monkeypatch.setattr(payload, "_torques", lambda *_: torques)
+    motion = PRESET["arch"].build(APPENDIX_4.geometry).sample(2)
+    scaling = payload_time_scaling(APPENDIX_4, motion, 1.0)
+    assert scaling.largest == pytest.approx(found, rel=1e-9, nan_ok=True)
+
+
+def test_the_load_stays_and_the_robots_own_payload_and_friction_do_not() -> None:
+    design = APPENDIX_4.vary(
+        {"payload.mass": 9.0, "payload.inertia": 0.3, "friction.viscous_rotary": 5.0}
+    )
+    design = replace(design, load=LoadCase(force_x=40.0, moment_z=3.0))
+    motion = PRESET["arch"].build(design.geometry).sample(200)
+    smooth = design.without_friction().vary({"payload.inertia": 0.0})
+    one, two = (
+        analyze(smooth.vary({"payload.mass": mass}), motion).torque[:, :3] for mass in (0.0, 5.0)
+    )
+    found = payload_change(design, motion, 5.0)
+    peak = np.abs(one).max(axis=0)
+    assert found.largest == pytest.approx((np.abs(two - one).max(axis=0) / peak).max(), rel=1e-9)
+    assert found.peak == pytest.approx(np.abs(np.abs(two).max(axis=0) / peak - 1).max(), rel=1e-9)
 
 
 def test_a_balanced_robot_has_no_such_scaling() -> None:

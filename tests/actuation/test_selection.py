@@ -10,16 +10,23 @@ import numpy as np
 import pytest
 
 from paminsa_viz.actuation.catalog import generic_catalog
-from paminsa_viz.actuation.drive_table import drive_table
-from paminsa_viz.actuation.duty import ActuatorLoad, Duty, DutyCycle, duty_cycle
+from paminsa_viz.actuation.drive_table import combined, drive_table
+from paminsa_viz.actuation.duty import (
+    ActuatorLoad,
+    Duty,
+    DutyCycle,
+    DutyMotion,
+    duty_cycle,
+    load_signals,
+)
 from paminsa_viz.actuation.ratios import catalog_ratios, ratio_intervals
 from paminsa_viz.actuation.selection import Selection, cloud, figures, select_drives, size_design
-from paminsa_viz.actuation.sizing import _weights, fitting_time, size_drives
+from paminsa_viz.actuation.sizing import _weights, fitting_time, size_drives, thermal_share
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.trajectory import PRESET
-from tests.actuation.motor_loads import motor_torque
+from tests.actuation.motor_loads import GEAR, SERVO, motor_torque
 
 
 @cache
@@ -62,6 +69,39 @@ def test_figures_are_those_of_the_motors_own_torque_and_speed() -> None:
                 assert given.ratios == pytest.approx(ends)
             else:
                 assert np.isnan(given.ratios).all()
+
+
+def test_figures_of_a_load_turned_around_are_the_same() -> None:
+    """The largest torque, speed and power may be negative."""
+    drive = combined(SERVO, replace(GEAR, coulomb=1e-3))
+    for load in cycle().loads:
+        passages = tuple(
+            p._replace(signals=-p.signals, held=-p.held) for p in load.passages
+        )  # fmt: skip
+        turned = replace(load, passages=passages)
+        here, there = (figures(size_drives(one, drive_table([drive])), 0) for one in (load, turned))
+        assert replace(here, thermal=0.0) == replace(there, thermal=0.0)
+
+
+def test_power_is_largest_in_size_also_where_the_motor_only_brakes() -> None:
+    still, speed = np.zeros(3), np.array([1.0, 2.0, 3.0])
+    signals = load_signals(np.array([-4.0, -9.0, -5.0]), still, speed)
+    load = ActuatorLoad("M1", (DutyMotion(np.arange(3.0), signals, 1.0, 0.0, 0.0),), 0.0)
+    drive = replace(SERVO, gear_ratio=10.0)
+    found = figures(size_drives(load, drive_table([drive])), 0)
+    assert (found.top_power, found.peak) == pytest.approx((18.0, 0.9))
+
+
+def test_a_winding_has_a_temperature_if_its_time_and_its_torque_are_known() -> None:
+    load = cycle().loads[0]
+    for time, rated in ((9.0, 0.3), (None, 0.3), (9.0, None)):
+        drive = replace(combined(SERVO, GEAR), thermal_time_constant=time, rated_torque=rated)
+        table = drive_table([drive])
+        found = figures(size_drives(load, table), 0).thermal
+        if time is None or rated is None:
+            assert np.isnan(found)
+        else:
+            assert found == thermal_share(load, table)[0] > 0
 
 
 def test_the_first_feasible_drives_are_a_designs() -> None:
@@ -138,6 +178,7 @@ def test_advice_where_each_of_three_has_a_drive_but_not_the_same() -> None:
     nothing = np.empty(0, np.intp)
     found = replace(selection(), rows=(nothing,) * 3 + selection().rows[3:])
     assert found.advice(1).endswith("M1, M2 and M3 have feasible drives, but none in common")
+    assert not found.feasible
 
 
 def test_a_table_without_drives_and_orders_that_are_none_are_refused() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -10,10 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from paminsa_viz.actuation.polytope import wrench_polytope
+from paminsa_viz.actuation.polytope import _point_inside, wrench_polytope
 from paminsa_viz.actuation.wrench_capability import (
     DEFAULT_LIMITS,
     TRANSMISSION,
+    _least,
     actuator_limits,
     capability,
     field_capability,
@@ -117,7 +119,7 @@ def test_faces_are_where_their_actuator_is_at_its_limit(design: Design) -> None:
         found = wrench_polytope(design, pose)
         np.testing.assert_allclose(found.rows.T @ found.center, found.torque, atol=1e-9)
         left = (found.torque[:, None] - found.rows.T @ found.vertices.T) / found.limits[:, None]
-        np.testing.assert_allclose(np.abs(left), 1.0)
+        np.testing.assert_allclose(left.T, list(product((-1.0, 1.0), repeat=3)))
         normals, distances = found.normals
         at = found.vertices / [1.0, 1.0, found.length] @ normals.T
         for face, name in enumerate(found.faces):
@@ -127,7 +129,12 @@ def test_faces_are_where_their_actuator_is_at_its_limit(design: Design) -> None:
         assert found.holds
         assert distances[found.limiting_face] == distances.min() > 0
         most = np.abs(found.vertices[:, 2]).max()
-        assert len(found.section(0.1 * most)) > 2
+        for moment in (-0.1 * most, 0.1 * most):
+            polygon = found.section(moment)
+            wrenches = np.column_stack([polygon, np.full(len(polygon), moment)])
+            use = np.abs(found.torque - wrenches @ found.rows) / found.limits
+            assert len(polygon) > 2
+            np.testing.assert_allclose(np.sort(use)[:, 1:], 1.0, rtol=1e-8)
         assert found.section(1.01 * most).shape == (0, 2)
 
 
@@ -140,6 +147,34 @@ def test_a_robot_that_does_not_hold_itself_has_zero_outside() -> None:
     assert found.normals[1].min() < 0
     just = replace(found, limits=np.abs(found.torque))
     assert just.holds
+    assert replace(just, torque=-found.torque).holds
+    for actuator in range(3):
+        less = just.limits.copy()
+        less[actuator] *= 1 - 1e-12
+        for torque in (found.torque, -found.torque):
+            assert not replace(just, torque=torque, limits=less).holds
+
+
+def test_sides_of_a_polygon_far_from_zero_have_their_own_actuators() -> None:
+    """Of a robot that is far from holding itself; all along a side its actuator is at its limit."""
+    found = wrench_polytope(DRIVEN, poses(9, 1)[0])
+    found = replace(found, torque=found.torque + found.rows[:2].T @ [4000.0, -2500.0])
+    polygon = found.section()
+    assert len(polygon) == len(found.sectors) > 3
+    for k, name in enumerate(found.sectors):
+        for force in (polygon[k], polygon[(k + 1) % len(polygon)]):
+            use = (found.torque - found.rows[:2].T @ force) / found.limits
+            assert use[int(name[1]) - 1] == pytest.approx(1.0 if "+" in name else -1.0, rel=1e-6)
+
+
+def test_a_disc_in_half_planes_needs_bounds_that_are_lines() -> None:
+    """The largest disc in a square; none where a bound is no line, or is not finite."""
+    square = np.array([[1.0, 0.0, -3.0], [-1.0, 0.0, 1.0], [0.0, 2.0, -2.0], [0.0, -2.0, -2.0]])
+    assert _point_inside(square) == pytest.approx([2.0, 0.0], abs=1e-9)
+    for place, value in (((1, 2), -np.inf), ((1, 2), np.nan), ((0, 0), 0.0), ((0, 2), 1.0)):
+        broken = square.copy()
+        broken[place] = value
+        assert _point_inside(broken) is None
 
 
 def test_capability_is_where_pushing_in_mujoco_meets_a_limit() -> None:
@@ -184,6 +219,8 @@ def test_capability_is_where_pushing_in_mujoco_meets_a_limit() -> None:
 def test_payload_brings_m4_to_its_limit_and_no_other(seed: int) -> None:
     pose = poses(seed, 1)[0]
     most = float(capability(DRIVEN, pose).payload)
+    heavier = DRIVEN.vary({"payload.mass": most + 10.0})
+    assert capability(heavier, pose).payload == pytest.approx(most, rel=1e-9)
     loaded = DRIVEN.vary({"payload.mass": most})
     torque = static_torques(loaded, pose)
     assert torque[3] == pytest.approx(capability(DRIVEN, pose).limits.rated[3], rel=1e-12)
@@ -271,6 +308,26 @@ def test_capability_of_a_batch_is_that_of_its_poses() -> None:
         )
 
 
+def test_what_does_not_move_an_actuator_is_not_limited_by_it() -> None:
+    """Unless it has no room: room over size along an axis, where the size is not zero."""
+    room = np.array([[4.0, 4.0, 4.0, 0.0, -2.0], [9.0, 1.0, 9.0, 5.0, 5.0]])
+    size = np.array([[2.0, 2.0, 0.0, 0.0, 0.0], [0.5, 0.5, 3.0, 0.0, 1.0]])
+    expected = [2.0, 2.0, 3.0, np.inf, -2.0]
+    np.testing.assert_array_equal(_least(room, size), expected)
+    np.testing.assert_array_equal(_least(room.T, size.T, axis=1), expected)
+    np.testing.assert_array_equal(_least(np.array([[np.nan]]), np.ones((1, 1))), [np.nan])
+
+
+def test_at_a_singular_pose_nothing_is_known_also_what_m4_alone_decides() -> None:
+    """The platform as large as the base and not turned; beside it, all is finite."""
+    design = DRIVEN.vary({"geometry.platform_radius": DRIVEN.geometry.base_radius})
+    at = capability(design, [(0.05, 0.0, 0.0, -0.55), (0.05, 0.0, 0.3, -0.55)])
+    assert np.isfinite(at.torque[3]).all()
+    assert not np.isfinite(at.torque[:3, 0]).any()
+    for values in (at.payload, at.vertical_force, at.speed, at.turn_speed, at.moment):
+        assert np.isnan(values).tolist() == [True, False]
+
+
 def test_limits_are_the_drives_or_the_default() -> None:
     limits = actuator_limits(APPENDIX_4)
     assert limits.rated.tolist() == [own.rated for own in DEFAULT_LIMITS]
@@ -281,6 +338,9 @@ def test_limits_are_the_drives_or_the_default() -> None:
     np.testing.assert_allclose(driven.speed[:3], 4.0)
     one = replace(APPENDIX_4, drives=(Drive(rated_torque=0.5, gear_ratio=10.0), None, None, None))
     assert actuator_limits(one).peak[0] == actuator_limits(one).rated[0] == 5.0
+    for drive in (Drive(peak_torque=0.5), Drive(rated_torque=0.5)):
+        limits = actuator_limits(replace(APPENDIX_4, drives=(drive, None, None, None)))
+        assert limits.peak[0] == limits.rated[0] == 0.5
     assert actuator_limits(one).rated[1] == DEFAULT_LIMITS[1].rated
 
 

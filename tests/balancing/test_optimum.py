@@ -23,8 +23,12 @@ from paminsa_viz.balancing import (
     TrajectoryEnergy,
     TrajectoryPeak,
     TrajectoryRms,
+    beyond,
     optimize,
 )
+from paminsa_viz.balancing.changes import mass_space
+from paminsa_viz.balancing.optimum import ACTIVE, active_bounds
+from paminsa_viz.balancing.program import Solution
 from paminsa_viz.model import APPENDIX_4, BAR_ENDS, Friction
 from paminsa_viz.trajectory import Trajectory, analyze, solve_trajectory
 from tests.balancing.robots import PATHS, changes, field, measured, random_measures, solved, terms
@@ -145,3 +149,37 @@ def test_inertia_follows_a_link_only_on_request() -> None:
         after = optimize(APPENDIX_4, what, AddedMass()).after
         share = 0.5 if follows else 1.0
         assert after.inertias.b4_transverse == pytest.approx(share * 0.048)
+
+
+@pytest.mark.parametrize(("off", "reached"), [(0.0, True), (0.95e-6, True), (1.05e-6, False)])
+def test_bounds_are_reached_within_a_millionth_of_their_range(off: float, reached: bool) -> None:
+    """Of an amount from 1 to 3 kg, and of the lever of one from -1 to 1."""
+    weight = beyond("b8", 8, 0.2, 4.0)
+    space = mass_space(APPENDIX_4, Changes((MassRange("links.b4", 1.0, 3.0),), (weight,)))
+    first, last = space.variables[1].span
+    near = off * (last - first)
+    for amount, lever, sides in (
+        (1.0 + 2.0 * off, first + near, ("low", "nearest")),
+        (3.0 - 2.0 * off, last - near, ("high", "farthest")),
+    ):
+        found = Solution(
+            state=space.before, amounts=np.array([amount, 2.0]),
+            levers=(((0.0, amount),), ((lever, 2.0),)), value=0.0, bound=0.0,
+            prices=np.zeros(2), slopes=np.zeros(2), limit_prices=np.zeros(0), rounds=1,
+        )  # fmt: skip
+        touched = tuple(item.side for item in active_bounds(space, found))
+        assert touched == (sides if reached else ())
+
+
+def test_a_place_exactly_at_the_border_of_an_end_is_at_it() -> None:
+    weight = beyond("b8", 8, 0.2, 4.0)
+    space = mass_space(APPENDIX_4, Changes((), (weight,)))
+    first, last = space.variables[0].span
+    for side, lever in (
+        ("nearest", first + ACTIVE * (last - first)), ("farthest", last - ACTIVE * (last - first))
+    ):  # fmt: skip
+        found = Solution(
+            space.before, np.array([2.0]), (((lever, 2.0),),), 0.0, 0.0, np.zeros(1), np.zeros(1),
+            np.zeros(0), 1,
+        )  # fmt: skip
+        assert [item.side for item in active_bounds(space, found)] == [side]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import count
+from typing import Any
 
 import numpy as np
 import pytest
@@ -136,6 +137,21 @@ def test_only_the_magnification_unbalances_masses_at_joints() -> None:
     moved = replace(weight, beyond=1.05 * weight.beyond)
     worst = np.abs(static_torques(replace(WITH_WEIGHT, counterweights=(moved,)), POSES)[..., :3])
     assert 0.8 * worst.max() < lever.peaks.max() <= worst.max() * (1 + 1e-9)
+
+
+def test_a_draw_at_its_upper_end_is_the_longest_length(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Highest:
+        def uniform(self, low: float, high: float, size: int) -> Any:
+            return np.full(size, high)
+
+    monkeypatch.setattr(np.random, "default_rng", lambda seed: Highest())
+    pose = [0.02, 0.01, 0.1, -0.5]
+    name = "geometry.platform_radius"
+    found = length_tolerance(APPENDIX_4, {name: 0.05}, pose, samples=1)
+    longest = APPENDIX_4.vary({name: 1.05 * APPENDIX_4.value(name)})
+    torque = np.abs(static_torques(longest, pose)[:3]).max()
+    assert found.peaks == pytest.approx([torque])
+    assert found.nominal != pytest.approx(torque)
 
 
 def test_drawn_lengths_are_even_about_their_values() -> None:

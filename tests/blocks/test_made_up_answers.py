@@ -27,11 +27,12 @@ from paminsa_viz.blocks.synthesis import (
     relaxed_blocks,
     yield_blocks,
 )
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.answer.engine_check import MujocoCheck, MujocoRow
 from paminsa_viz.synthesis.answer.prices import RequirementPrice
-from paminsa_viz.synthesis.proof.evidence import Evidence, Verdict
+from paminsa_viz.synthesis.proof.evidence import Evidence, Proof, Verdict
 from paminsa_viz.synthesis.proof.families import Method
 from paminsa_viz.synthesis.search.case import ObjectiveLimit
 from paminsa_viz.synthesis.search.case_conflict import CaseConflict
@@ -79,6 +80,8 @@ def test_verdicts_on_requirements() -> None:
         ("condition", "leg 1", "9", NONE),
     ]  # fmt: skip
     assert [row[4] == NONE for row in cells(table)] == [True, False, True]
+    assert table.words == 2  # type: ignore
+    assert words.check_row(item(margin=0.0123456), asked).cells[3] == "12.3 mm"
     assert [row.kind for row in table.rows] == ["plain", "marked", "marked"]
     assert "over the required workspace, from θ −5.73° to 11.46°" in table.caption
     assert said([place, verdict_note]) == [
@@ -111,13 +114,14 @@ def test_what_would_have_to_give_way() -> None:
 
     assert notes(
         asked, (0, 1), relaxed(0, 1.23456, high=9.23451), relaxed(1, 2.0, low=-7.00041),
-        relaxed(1, None), relaxed(1, 3.0, low=-8.0, high=15.0),
+        relaxed(1, None), relaxed(1, 3.0, low=-8.0, high=15.0), relaxed(1, None, low=-8.0),
     ) == [
         "No pose meets these together: condition; tau_1.",
         "condition: would do with at most 9.235 (moved by 1.23).",
         "tau_1: would do with at least −7.001 N·m (moved by 2 N·m).",
         "tau_1: no other bound of it helps.",
         "tau_1: would do with at least −8 N·m and at most 15 N·m (moved by 3 N·m).",
+        "tau_1: no other bound of it helps.",
     ]  # fmt: skip
     placed = replace(asked, workspace=PLACE)
     assert notes(placed, (0,)) == ["No place of the workspace meets condition."]
@@ -144,6 +148,8 @@ def test_a_relaxed_bound_is_rounded_to_the_side_on_which_it_helps(value: float) 
         scale = int(power.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))) if power else 0
         shown = float(mantissa) * 10.0**scale
         assert 0.0 <= side * (shown - value) <= 1.001e-3 * abs(value)
+    stiff = Requirement("stiffness_x", low=1.0).entry.display
+    assert words._rounded(12345.6, stiff, math.floor) == "12.34 N/mm"
 
 
 def test_what_a_proof_rests_on() -> None:
@@ -172,6 +178,26 @@ def test_what_a_proof_rests_on() -> None:
         ("tau_1", "refuted", "margin −0.5 N·m"),
     ]
     assert [row.level for row in table.rows] == ["ok", "ok", "warn", "ok", "ok", "bad", "bad"]
+    assert table.words == 3
+    region = SimpleNamespace(
+        shape=WorkspaceShape.BOX, center=(0.1, 0.2, 0.3), theta=(-0.1, 0.2), half=(0.4, 0.5, 0.6)
+    )
+    whole: Any = Proof(Verdict.REFUTED, region, evidence, boxes=7, seconds=1.5)  # type: ignore
+    data = words.proof_data(whole)
+    assert (data["size_m"], data["center_m"]) == ([0.8, 1.0, 1.2], (0.1, 0.2, 0.3))
+    assert [one["requirement"] for one in data["evidence"]] == [
+        "reach", "home", "condition <= 8", "max_torque <= 15 N m", "stiffness_x >= 20 N/mm",
+        "stiffness_x >= 20 N/mm", "-5 <= tau_1 <= 12 N m",
+    ]  # fmt: skip
+    for workspace, broken in ((PLACE, TORQUE), (None, None)):
+        found: Any = SimpleNamespace(
+            workspace=workspace, requirement=broken, proof=whole, gap=0.01, limit=(1.0, 2.0, 3.0),
+            cause="max_torque", pose=pose, boxes=99, seconds=9.5,
+        )  # fmt: skip
+        data = words.largest_data(APPENDIX_4, found)
+        assert data["found"] == (workspace is not None)
+        assert data["broken"] == (broken and "max_torque <= 15 N m")
+        assert (data["boxes"], data["seconds"], data["gap_m"]) == (99, 9.5, 0.01)
     asked = Requirements((CONDITION,), (-0.1, 0.2), PLACE)
     notes = said(words.proof_blocks(APPENDIX_4, asked, proof))
     assert notes[0][0].endswith("θ −5.73° to 11.46°: refuted")
@@ -185,6 +211,33 @@ def test_what_a_proof_rests_on() -> None:
     assert notes[0][1] == "ok"
     whole: Any = SimpleNamespace(**vars(proven) | {"sampled": ()})
     assert words.verdict_text(whole) == "proven"
+
+
+def test_requirements_of_a_report_are_checked_finely_and_the_largest_workspace_is_asked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Any] = []
+
+    def check(design: Any, requirements: Any, *, fine: bool, volume: Any) -> Any:
+        asked.append((fine, volume))
+        return checked(item())
+
+    def largest(design: Any, requirements: Any, *, time_limit: float) -> Any:
+        raise InvalidInput("workspace", "there is none")
+
+    monkeypatch.setattr(words, "solve_volume", lambda design, requirements: "volume")
+    monkeypatch.setattr(words, "check_requirements", check)
+    monkeypatch.setattr(words, "largest_workspace", largest)
+    for bounds, place, tried in (
+        ((CONDITION,), PLACE, True), ((CONDITION,), None, False), ((), PLACE, False),
+        ((), None, False),
+    ):  # fmt: skip
+        blocks = words.requirements_blocks(APPENDIX_4, Requirements(bounds, (-0.1, 0.2), place))
+        kinds = [kind for text, kind in said(blocks) if text.startswith("The largest workspace")]
+        assert kinds == ["warn"] * tried
+    assert asked == [(True, "volume")] * 4
+    table = words.quantities_table()
+    assert table.words == 3
 
 
 def test_the_largest_workspace_and_what_ends_it() -> None:
@@ -254,16 +307,17 @@ def test_how_an_answer_meets_its_bounds() -> None:
         ("", NONE, NONE),
     ]  # fmt: skip
     assert [row.level for row in table.rows] == ["ok", "ok", "bad", "none"]
+    assert table.words == 2
 
 
 def test_prices_are_changes_of_the_objective() -> None:
     prices = [
-        RequirementPrice("κ", "", 8.0, 0.16, 0.62, 0.59, 0.1),
+        RequirementPrice("κ", "", 8.0, 0.16, 0.62, 0.5902345, 0.1),
         RequirementPrice("F", "N", 450.0, 9.0, 0.65, math.nan, 0.004),
     ]
     (table,) = price_blocks(answer(), prices)
     assert cells(table) == [
-        ("κ", "8", "0.16", "−10 mm", "20 mm", "0.1 m per 1"),
+        ("κ", "8", "0.16", "−9.77 mm", "20 mm", "0.1 m per 1"),
         ("F", "450 N", "9 N", NONE, "50 mm", "0.004 m per N"),
     ]
     assert len(said(price_blocks(answer(), []))) == 1
@@ -300,6 +354,7 @@ def test_an_engine_confirms_an_answer_or_not() -> None:
     ]  # fmt: skip
     assert cells(table) == [("yes", "a", "2 N"), ("no", "b", "−2 mm")]
     assert [row.kind for row in table.rows] == ["plain", "marked"]  # type: ignore
+    assert table.words == 2  # type: ignore
     (note, _) = mujoco_blocks(MujocoCheck("3.1", rows[:1], (), 1e-12))
     assert said([note])[0][0].startswith("MuJoCo 3.1 confirms it")
     assert said([note])[0][1] == "ok"
@@ -334,6 +389,7 @@ def test_masses_and_springs_of_an_answer() -> None:
         ("spring from A to B", "1.234 N/mm, free length 50 mm"),
         ("m, at most 2 kg", "price 0.5 per kg"),
     ]
+    assert table.words == 2  # type: ignore
     assert inner_blocks(answer()) == []
 
 

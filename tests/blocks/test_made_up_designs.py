@@ -1,4 +1,4 @@
-"""Tables of maps, designs, loads on the platform and balance whose results are made up.
+"""Tables of maps, designs and loads on the platform whose results are made up.
 
 No two numbers are alike, so that each cell can be told from all others.
 """
@@ -13,17 +13,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.balancing.effects import IN_MOTION, Effect
 from paminsa_viz.blocks import (
-    balance,
     design,
     forces,
     maps,
 )
 from paminsa_viz.blocks.external_load import load_notes
-from paminsa_viz.model.design import APPENDIX_4, Counterweight
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.design import APPENDIX_4, Counterweight, KneeBranch
 from paminsa_viz.model.drive import ACTUATORS, Drive
-from paminsa_viz.trajectory import PRESET, analyze
+from paminsa_viz.model.load import LoadFrame
 from tests.blocks.said import cells, said
 
 # ------------------------------------------------------------------------------------------ maps
@@ -50,8 +49,8 @@ def test_facts_of_a_map_are_those_of_its_cells() -> None:
     values = np.arange(6.0).reshape(1, 2, 3)
     data: Any = SimpleNamespace(
         design=APPENDIX_4, reference=None, theta=0.2, z=-0.5, status=status.astype(np.uint8),
-        leg=leg, x=np.array([0.0, 0.02, 0.04]), y=np.array([0.0, 0.05]), unit="N m",
-        values=values, singular_radius=0.25, display=(1.0, "N·m"),
+        leg=leg, x=np.array([0.01, 0.03, 0.05]), y=np.array([0.02, 0.07]), unit="N m",
+        values=values, singular_radius=0.25, display=(10.0, "dN·m"),
     )  # fmt: skip
     facts = maps.maps_data(data, ("tau_1",), 1e9)
     assert facts["cells"] == [3, 2]
@@ -69,6 +68,35 @@ def test_facts_of_a_map_are_those_of_its_cells() -> None:
     notes = said(maps.maps_blocks(data, facts))
     assert any(text.endswith("singular circle: none") for text, _ in notes)
     assert "published" not in facts
+    table: Any = maps.maps_blocks(data, facts)[2]
+    assert table.literal
+    assert table.head == ("[dN·m]", "Least", "Largest", "Median size", "90 % of size <")
+    counted = values[0][maps._counting(data, 1e9)]
+    assert cells(table)[0][:3] == ("tau_1", *(maps.number(10 * end) for end in (
+        counted.min(), counted.max())))  # fmt: skip
+    of_torques = {"maps": dict.fromkeys(maps.TORQUES, facts["maps"]["tau_1"])}
+    table = maps.maps_blocks(data, facts | of_torques)[2]
+    assert table.head[3:] == ("Median |tau|", "90 % of |tau| <")
+    published: Any = SimpleNamespace(position=np.zeros((2, 2)), torque=np.ones((2, 4)))
+    beside = maps.maps_data(data, ("tau_1",), 1e9, published)
+    assert beside.pop("published") == maps.off_published(data, published)
+    assert beside.keys() == facts.keys()
+
+
+def test_a_difference_counts_where_both_robots_do() -> None:
+    other = APPENDIX_4.vary({"geometry.platform_radius": 0.2})
+    x = y = np.linspace(-0.3, 0.3, 13)
+
+    def counted(design: Any, reference: Any) -> np.ndarray:
+        data: Any = SimpleNamespace(
+            design=design, reference=reference, x=x, y=y, theta=0.3, z=-0.5
+        )  # fmt: skip
+        return maps._counting(data, 8.0)
+
+    one, two = counted(APPENDIX_4, None), counted(other, None)
+    assert (one & ~two).any()
+    assert (two & ~one).any()
+    np.testing.assert_array_equal(counted(APPENDIX_4, other), one & two)
 
 
 def test_who_carries_a_load() -> None:
@@ -86,12 +114,50 @@ def test_who_carries_a_load() -> None:
     for value in ("M_x = 4 N", "M_y = 5 N"):
         assert value in bearings
         assert value not in drive
+    turning = loaded.vary({f"load.{name}": 0.0 for name in ("force_y", "moment_y")})
+    turning = replace(turning, load=replace(turning.load, frame=LoadFrame.PLATFORM))
+    turned = " ".join(
+        text for text, _ in said(load_notes(turning, np.add(pose, (0.0, 0.0, 0.3, 0.0))))
+    )
+    for name, size in (("F", "N"), ("M", "N·m")):
+        along = 1.0 if name == "F" else 4.0
+        for axis, part in (("x", np.cos(0.3)), ("y", np.sin(0.3))):
+            assert f"{name}_{axis} = {along * part:.4g} {size}" in turned
     ((nothing, _),) = said(load_notes(APPENDIX_4, pose))
     assert nothing.startswith("No external force")
+    assert forces._limits(APPENDIX_4).words == 2
     driven = replace(APPENDIX_4, drives=(Drive("m", rated_torque=2.0), None, None, None))
     assert [row[:2] for row in cells(forces._limits(driven))] == [
         ("M1", "drive"), ("M2", "default"), ("M3", "default"), ("M4", "default"),
     ]  # fmt: skip
+
+
+def test_quantities_that_a_robot_has_none_of_say_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each reason once, with all the quantities that it holds for."""
+    known, *rest = forces.find(("payload", "speed", "moment", "turn_speed"))
+
+    class Missing:
+        key, unit, title = "payload", "N", "none"
+
+        def __init__(self, symbol: str, reason: str) -> None:
+            self.symbol, self.reason = symbol, reason
+
+        def over(self, here: Any, design: Any) -> float:
+            raise InvalidInput("design", self.reason)
+
+    given = [known, Missing("A", "one"), Missing("B", "two"), Missing("C", "one")]
+    monkeypatch.setattr(forces, "find", lambda keys: given)
+    metrics = [SimpleNamespace(value=lambda over, n=n: n) for n in (1.5, 2.5, 3.5)]
+    monkeypatch.setattr(forces, "global_indices", lambda keys: metrics)
+    table = forces.index_table(APPENDIX_4, np.array([0.0, 0.0, 0.0, -0.5]), (), "About. ")
+    assert len(rest) == 3
+    assert cells(table)[0][3:] == ("1.5 kg", "2.5 kg", "3.5 kg")
+    assert [row[2:] for row in cells(table)[1:]] == [("–",) * 4] * 3
+    assert table.words == 2
+    assert table.caption.startswith("About. At the report's pose")
+    assert table.caption.endswith(
+        " A, C: no value, design: one. B: no value, design: two."
+    )  # fmt: skip
 
 
 def test_differences_are_exactly_the_values_that_differ() -> None:
@@ -175,6 +241,82 @@ def test_a_design_beside_appendix_4() -> None:
     assert cells(table) == [(weights[0].place, "0.5 kg")]
 
 
+def test_tables_of_designs_have_their_words_and_digits() -> None:
+    exact = APPENDIX_4.vary({"links.b1": 1.23456789})
+    weight = Counterweight("b3", 4, 0.05, 0.123456789)
+    motor = Drive("motor", gear_ratio=12.5)
+    held = replace(exact, counterweights=(weight,), drives=(motor, None, None, None))
+    _, table, weights = design.design_blocks(held)
+    (marked,) = (row for row in table.rows if row.kind == "marked")  # type: ignore
+    assert marked.cells[2] == "1.23457 kg"
+    assert (table.words, design.design_blocks(APPENDIX_4)[1].words) == (2, 2)  # type: ignore
+    assert cells(weights) == [(weight.place, "0.12346 kg")]
+    assert design.values_table(held).words == 4
+    data = design.values_data(held)
+    assert data["drives"] == {"M1": motor}
+    assert data["counterweights"] == (weight,)
+    assert data["values"]["links.b1_kg"] == 1.23456789
+    assert "drives" not in design.values_data(exact)
+    assert design.difference_blocks(held, exact, ("a", "b"))[0].words == 6  # type: ignore
+    for sign in (1.0, -1.0):
+        pushed, harder = (APPENDIX_4.vary({"load.force_x": sign * force}) for force in (4.0, 5.0))
+        (row,) = cells(design.difference_blocks(pushed, harder, ("a", "b"))[0])
+        assert row[4] == "+25 %"
+    pushed, back = (APPENDIX_4.vary({"load.force_x": force}) for force in (4.0, -4.0))
+    (row,) = cells(design.difference_blocks(pushed, back, ("a", "b"))[0])
+    assert row[4] == "−200 %"
+    stiff, other = APPENDIX_4, APPENDIX_4.vary({"elastic.ball": 2e4})
+    for pair in ((stiff, other), (other, stiff)):
+        (row,) = cells(design.difference_blocks(*pair, ("a", "b"))[0])
+        assert ("rigid" in row, row[4]) == (True, "")
+        (row,) = cells(design.changes_table(*pair))
+        assert "rigid" in row
+
+
+def test_robots_differ_by_more_than_rounding_and_by_what_is_left_open() -> None:
+    """A stroke that is set differs from one that follows the guide's length."""
+
+    def rows(first: Any, second: Any) -> list[tuple[str, ...]]:
+        return [row[2:5] for row in cells(design.changes_table(first, second))]
+
+    b1 = APPENDIX_4.links.b1
+    for share, differs in ((0.95e-9, False), (1.05e-9, True)):
+        other = APPENDIX_4.vary({"links.b1": b1 * (1 + share)})
+        assert bool(rows(APPENDIX_4, other)) == differs
+    for force, differs in ((0.95e-12, False), (1.05e-12, True)):
+        assert bool(rows(APPENDIX_4, APPENDIX_4.vary({"load.force_x": force}))) == differs
+    exact = APPENDIX_4.vary({"links.b1": 1.23456789})
+    assert rows(APPENDIX_4, exact) == [("links.b1", "1.221", "1.23457")]
+    stroke = APPENDIX_4.geometry.stroke
+    stored = APPENDIX_4.vary({"geometry.guide_stroke": stroke})
+    follows = f"{1e3 * stroke:.6g} (l_B10)"
+    assert rows(APPENDIX_4, stored) == [
+        ("geometry.guide_stroke", follows, follows.removesuffix(" (l_B10)"))
+    ]
+    assert rows(stored, APPENDIX_4)[0][1:] == rows(APPENDIX_4, stored)[0][:0:-1]
+    assert rows(stored, stored) == []
+
+
+def test_choices_counterweights_and_drives_in_which_robots_differ() -> None:
+    motor = Drive("motor", gear_ratio=12.5)
+    one = replace(
+        APPENDIX_4, counterweights=(Counterweight("b3", 4, 0.05, 0.1234567),
+                                    Counterweight("b3", 4, 0.05, 0.5)),
+    )  # fmt: skip
+    other = replace(
+        APPENDIX_4.with_knee(KneeBranch.UPPER), drives=(None, motor, None, None),
+        counterweights=(Counterweight("b8", 8, 0.05, 0.7654321),),
+    )  # fmt: skip
+    assert [row[2:] for row in cells(design.changes_table(one, other))] == [
+        ("geometry.knee", "lower", "upper"), ("", "0.623457", "0", "−100 %"),
+        ("", "0", "0.765432", "new"), ("", "no drive", "12.5:1"),
+    ]  # fmt: skip
+    row = design.changes_table(one, other).rows[-1]
+    assert row.cells[0] == "M2"
+    assert row.cells[4].hint == motor.summary  # type: ignore
+    assert cells(design.changes_table(one, other, under="geometry")) == []
+
+
 def test_choices_of_a_design_stand_behind_the_numbers_of_their_table() -> None:
     tables = [row.cells[0] for row in design.values_table(APPENDIX_4).rows]
     for _table, name in design.CHOICES:
@@ -187,86 +329,3 @@ def test_choices_of_a_design_stand_behind_the_numbers_of_their_table() -> None:
         if one != blocks[-1]:
             blocks.append(one)
     assert len(blocks) == len(set(blocks))
-
-
-# --------------------------------------------------------------------------------------- balance
-
-
-def test_a_balance_with_its_goals_masses_and_bounds() -> None:
-    weight = Counterweight("b3", 7, 0.05, 0.75)
-    after = replace(APPENDIX_4.vary({"joints.j7": 1.0, "inertias.b3_axial": 0.005}),
-                    counterweights=(weight,))  # fmt: skip
-    values = (
-        SimpleNamespace(label="goal", limit=None, before=1.5, after=1.25, unit="N"),
-        SimpleNamespace(label="mass", limit=2.5, before=-1e-13, after=2.0, unit="kg"),
-    )
-    bounds = (
-        ("joints.j7", "high", 2.0, "kg", 0.5), ("links.b3", "low", 0.25, "kg", 0.3),
-        ("links.b4", "low", 0.0, "kg", 0.2), ("lever", "farthest", 0.4, "m", 7.0),
-        ("inner", "nearest", 0.0, "m", 7.0), ("free", "high", 1.0, "kg", 1e-10),
-    )  # fmt: skip
-    keys = ("name", "side", "bound", "unit", "price")
-    active = tuple(SimpleNamespace(**dict(zip(keys, one, strict=True))) for one in bounds)
-    found: Any = SimpleNamespace(
-        before=APPENDIX_4, after=after, values=values, active=active, lower_bound=1.0,
-        objective=1.25, gap=0.25, seconds=0.1,
-    )  # fmt: skip
-    goals, masses, reached, *notes = balance.optimum_blocks(found)
-    assert cells(goals) == [("goal", "1.5", "1.25", "N"), ("mass, at most 2.5", "0", "2", "kg")]
-    changes = {row[2]: row[3:] for row in cells(masses)}
-    assert changes["joints.j7"] == ("0.28", "1", "+257 %")
-    assert changes["inertias.b3_axial"] == ("0.0038", "0.005", "+31.6 %")
-    assert len(changes) == 3  # and the counterweight
-    assert [row[1:] for row in cells(reached)] == [
-        ("joints.j7", "≤", "2 kg", "0.5 N / kg"), ("links.b3", "≥", "0.25 kg", "0.3 N / kg"),
-        ("lever", "lever ≤", "400 mm", "0.07 N / 10 mm"),
-    ]  # fmt: skip
-    assert cells(reached)[0][0] == "m_7"
-    assert said(notes)[-1] == (
-        "Certified optimal (duality gap 0.25): within the bounds no goal is below 1 N; this is "
-        "1.25 N.", "ok",
-    )  # fmt: skip
-    assert said(notes)[0][0].startswith(f"{weight.place}: ")
-    # of several goals the sum is least, which has no unit
-    several: Any = SimpleNamespace(**vars(found) | {"objective": 3.0})
-    assert cells(balance.bounds_table(several))[0][4] == "0.5 / kg"
-    assert "no weighted sum is below 1; this is 3." in balance.certificate_note(several).text
-    none: Any = SimpleNamespace(**vars(found) | {"after": APPENDIX_4, "active": active[2:3]})
-    blocks = balance.optimum_blocks(none)
-    assert [type(block).__name__ for block in blocks] == ["Table", "Note", "Note"]
-    assert said(blocks)[0] == ("No mass changes.", "muted")
-
-
-def test_what_a_balance_changes_of_the_actuators() -> None:
-    def effect(label: str, unit: str, before: float, after: float, group: str = "") -> Effect:
-        return Effect(label, unit, before, after, group)
-
-    group = next(iter(IN_MOTION))
-    found = [
-        effect("mass", "kg", 20.0, 25.0), effect("M1", "N m", 4.0, 1.0, group),
-        effect("M2", "N m", 3.0, 3.3, group), effect("M4", "N", 100.0, 100.4, group),
-    ]  # fmt: skip
-    table = balance.effects_table(found)
-    assert [row.cells[0] for row in table.rows] == [
-        "mass [kg]", group, "M1 [N·m]", "M2 [N·m]", "M4 [N]",
-    ]  # fmt: skip
-    assert [row.kind for row in table.rows] == ["plain", "group", "plain", "plain", "plain"]
-    assert table.rows[2].cells[1:] == ("4", "1", "−75.0 %")
-    kinds = [getattr(row.cells[-1], "kind", "") for row in table.rows]
-    assert kinds == ["plain", "", "plain", "bad", "plain"]  # by more than half a percent
-    assert "more torque" in table.caption
-    assert "more torque" not in balance.effects_table([*found[:2], found[3]]).caption
-    assert not balance.grown(effect("mass", "kg", 20.0, 25.0))
-    assert balance.grown(effect("M1", "N m", 0.0, 1e-6, group))
-    assert not balance.grown(effect("M1", "N m", 0.0, 1e-10, group))
-
-
-def test_a_balanced_design_needs_nothing() -> None:
-    trajectory = PRESET["arch"].build(APPENDIX_4.geometry).sample(5)
-    balanced = balance.balance(APPENDIX_4).after
-    kinds = {
-        name: said(balance.balance_blocks(analyze(one, trajectory)))
-        for name, one in (("before", APPENDIX_4), ("after", balanced))
-    }
-    assert ("The design is balanced: M1 to M3 carry no weight.", "ok") in kinds["after"]
-    assert all(kind != "ok" for _, kind in kinds["before"])

@@ -16,18 +16,10 @@ import pytest
 
 from paminsa_viz.actuation.ratios import GearRatios
 from paminsa_viz.actuation.selection import DriveFigures
+from paminsa_viz.balancing import whole_mass
 from paminsa_viz.blocks import clearance as clearance_words
 from paminsa_viz.blocks import drives, trajectory
-from paminsa_viz.blocks.calibration import (
-    calibration_data,
-    combinations_table,
-    deviation_blocks,
-    errors_table,
-    fitted_text,
-    plan_blocks,
-    poses_table,
-    verdict,
-)
+from paminsa_viz.blocks.balance import mass_facts
 from paminsa_viz.blocks.drives import (
     FIGURES_HEAD,
     cycle_text,
@@ -49,12 +41,11 @@ from paminsa_viz.blocks.trajectory import (
     trajectory_data,
 )
 from paminsa_viz.clearance import PairGroup
-from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.drive import ACTUATORS, Drive
 from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.trajectory import (
     PRESET,
     CrossingDrift,
@@ -95,6 +86,12 @@ def test_figures_of_a_drive_stand_below_their_headings() -> None:
     assert second.cells[3] == "−75 %"
     assert [row.kind for row in table.rows] == ["plain", "marked"]
     assert [row.cells[3].kind for row in table.rows] == ["plain", "bad"]  # type: ignore
+    assert (table.words, table.literal) == (2, True)
+    odd = on_a_load(rms=1.23456, peak=2.34567, top_power=3.45678, inertia_ratio=4.56789)
+    (row,) = figures_table("", [("", odd)]).rows
+    assert [row.cells[FIGURES_HEAD.index(name)] for name in (
+        "RMS [N·m]", "Peak [N·m]", "Power [W]", "Inertia ratio",
+    )] == ["1.23", "2.35", "3.46", "4.57"]  # fmt: skip
     nameless = replace(MOTOR, name="", mass=None, cost=None)
     ((_, name, *_, winding, mass, cost),) = cells(
         figures_table("", [("", on_a_load(drive=nameless, thermal=math.nan))])
@@ -115,6 +112,40 @@ def test_own_drives_are_there_or_not_on_a_load_or_without() -> None:
     assert table.rows[0].cells[3].kind == "ok"  # type: ignore
     assert table.rows[2].cells[3].kind == "bad"  # type: ignore
     assert table.rows[1].cells[2:] == ("", NONE)
+    assert (table.words, table.literal) == (2, True)
+
+
+def test_drives_of_a_design_and_whether_they_keep_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    motor = replace(
+        MOTOR, gear_ratio=12.3456, rotor_inertia=1.23456e-4, rated_torque=0.123456,
+        peak_torque=0.234567,
+    )  # fmt: skip
+    design = replace(APPENDIX_4, drives=(motor, None, replace(motor, peak_torque=None), None))
+    monkeypatch.setattr(drives, "duty_cycle", lambda design, duties: None)
+
+    def blocks(found: list[Any], first: Any = None, held: Any = design) -> list[Any]:
+        monkeypatch.setattr(drives, "size_design", lambda cycle, design: found)
+        analysis: Any = SimpleNamespace(
+            design=held, check=SimpleNamespace(first=first), trajectory=None
+        )
+        return drives.drives_blocks(analysis)
+
+    good, weak = on_a_load(), on_a_load(feasible=False)
+    _, table, verdict, own = blocks([good, None, good, None])
+    assert [row.cells[0] for row in table.rows] == ["M1", "M3"]
+    inertia = f"{motor.reflected_inertia:.3g} kg·m²"
+    assert table.rows[0].cells[2:] == ("12.35", inertia, "0.123 N·m", "0.235 N·m")
+    assert table.rows[1].cells[5] == NONE
+    assert (table.words, table.literal) == (2, True)
+    assert verdict.kind == "ok"
+    assert len(own.rows) == 4
+    verdict = blocks([good, None, weak, None])[2]
+    assert (verdict.text, verdict.kind) == ("Too weak for this motion, repeated: M3.", "bad")
+    assert len(blocks([], first="why")) == 3
+    assert blocks([], first="why")[2].kind == "bad"
+    assert blocks([], held=APPENDIX_4) == []
+    free = replace(design, drives=(None, replace(motor, rated_torque=None), None, None))
+    assert blocks([None] * 4, held=free)[1].rows[0].cells[4] == NONE
 
 
 def test_what_a_drive_gives_beside_its_limits() -> None:
@@ -141,6 +172,19 @@ def test_what_a_drive_gives_beside_its_limits() -> None:
     assert rows["one count"][0] == "0.4 µm"  # 20 mm / 50 / 1000
 
 
+def test_limits_of_a_drive_whose_torque_falls() -> None:
+    """The peak is that at rest, the top speed that of the last corner."""
+    falling = replace(
+        MOTOR, peak_torque=None, top_speed=None, envelope=((0.0, 6.0), (200.0, 4.0), (500.0, 1.0))
+    )
+    table = facts_table(on_a_load(drive=falling, top_power=222.22, inertia_ratio=4.56789))
+    rows = {label: rest for label, *rest in cells(table)}
+    assert rows["peak torque"][1] == "50 % of 6"
+    assert rows["top speed"][1] == "20 % of 4775"
+    assert (rows["peak power"][0], rows["inertia ratio"][0]) == ("222 W", "4.57")
+    assert table.literal
+
+
 def test_ratios_of_motors_and_how_they_were_found() -> None:
     found = [
         GearRatios("M1", "a", low, high, scanned, gaps)
@@ -151,12 +195,20 @@ def test_ratios_of_motors_and_how_they_were_found() -> None:
     assert cells(ratio_table(found)) == [
         ("M1", "a", text, way) for text, way in product(["10 to 20", "none", "none"], how)
     ]
+    assert ratio_table(found).words == 4
 
 
 def test_loads_and_lists_of_drives_by_actuator(monkeypatch: pytest.MonkeyPatch) -> None:
     """M1 to M3 as one where they have the same drive; M4 in newtons."""
     loads = tuple(
-        SimpleNamespace(name=name, peak=1.5, rms=0.75, top_speed=2.25, top_power=3.5, inertia=0.125)
+        SimpleNamespace(
+            name=name,
+            peak=1.50123,
+            rms=0.75012,
+            top_speed=2.25012,
+            top_power=3.50123,
+            inertia=0.12501,
+        )
         for name in ACTUATORS
     )
     monkeypatch.setattr(drives, "size_design", lambda cycle, design: [None] * 4)
@@ -185,6 +237,26 @@ def test_loads_and_lists_of_drives_by_actuator(monkeypatch: pytest.MonkeyPatch) 
     assert said(advised) == [
         ("M1 to M3: 2 of 10 drives are feasible.", "bad"), ("a slower motion.", "plain"),
     ]  # fmt: skip
+    sizings = [SimpleNamespace(table=range(10 + j)) for j in range(4)]
+    duty = SimpleNamespace(
+        trajectory=SimpleNamespace(name="m", duration=1.5), repeats=2.0, dwell=0.25
+    )
+    selection: Any = SimpleNamespace(
+        cycle=SimpleNamespace(loads=loads, duties=(duty,)), feasible=True, sizings=sizings,
+        rows=[range(2 + j) for j in range(4)], figures=lambda j, n: [on_a_load()] * n,
+    )  # fmt: skip
+    weak = [on_a_load(feasible=False, use=1.75), None, None, None]
+    monkeypatch.setattr(drives, "size_design", lambda cycle, design: weak)
+    catalog: Any = SimpleNamespace(name="c")
+    data = drives.selection_data(APPENDIX_4, catalog, selection, 2, ("", "b", "", ""))
+    assert data["motions"] == [{"name": "m", "duration_s": 1.5, "repeats": 2.0, "dwell_s": 0.25}]
+    second = data["actuators"][1]
+    assert [second[key] for key in ("name", "peak", "pairs", "feasible", "advice")] == [
+        "M2", 1.50123, 11, 3, "b",
+    ]  # fmt: skip
+    assert [one["margin"] for one in second["drives"]] == [0.25, 0.25]
+    assert [one and one["margin"] for one in data["own"]] == [-0.75, None, None, None]
+    monkeypatch.setattr(drives, "size_design", lambda cycle, design: [None] * 4)
     own = blocks(False, driven=True)[1]
     assert own.caption.startswith("The design's own drives")
     assert len(blocks(False, driven=True)) == len(blocks(False)) + 1
@@ -243,6 +315,16 @@ def test_nearest_bodies_of_many_poses_are_counted_by_kind() -> None:
     kinds = [clearance_words.verdict(d, ("a", "b"), 0.005).kind for d in (-1e-3, 4e-3, 5e-3)]
     assert kinds == ["bad", "warn", "ok"]
     assert clearance_words.verdict(np.nan, ("", "")).kind == "muted"
+    assert clearance_words.verdict(4e-3, ("a", "b")).kind == "ok"
+    assert clearance_words.verdict(0.0, ("a", "b"), 0.005).kind == "warn"
+    assert (table.words, clearance_words.region_blocks(over)[1].words) == (3, 2)  # type: ignore
+    first = distances(0.004, 0)
+    table, note = clearance_words.pose_blocks(dict.fromkeys(PairGroup, first), first)
+    assert len(table.rows) == len(PairGroup)  # type: ignore
+    assert said([note])[0][0].endswith("a of leg 1 and b.")
+    data = clearance_words.clearance_data(APPENDIX_4, 0, {}, first, over, 0.004)
+    assert data["least"]["bodies"] == ("a of leg 1", "b")
+    assert data["poses"]["below"] == 2
 
 
 def test_one_pose_that_can_be_taken_is_enough_for_a_table() -> None:
@@ -259,7 +341,7 @@ def test_most_kinds_of_bodies_are_listed_up_to_a_number() -> None:
         over, "shapes", SimpleNamespace(names=[(letters[i], "x") for i in range(count)])
     )
     _, table = clearance_words.region_blocks(over)
-    assert len(cells(table)) == clearance_words.MOST
+    assert len(cells(table)) == clearance_words.MOST == 12  # a dozen
 
 
 # -------------------------------------------------------------------------------------- trajectory
@@ -310,6 +392,37 @@ def test_a_motion_that_can_be_run_or_not() -> None:
     assert data["explanation"] == near.explanation
 
 
+def test_a_motion_beside_others_with_its_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Robots that cannot begin it have no rows, and the motion itself no figures then."""
+    motion = PRESET["arch"].build(APPENDIX_4.geometry).sample(20)
+    whole = analyze(APPENDIX_4, motion)
+    far = motion.pose + np.array([2.0, 0.0, 0.0, 0.0])
+    nowhere = analyze(APPENDIX_4, replace(motion, pose=far))
+    others = {"one": whole, "two": None, "three": nowhere}
+    for given, names in ((None, [""]), (others, ["", ", one"])):
+        table: Any = trajectory_blocks(whole, given)[-1]
+        assert [row.cells[0] for row in table.rows] == [
+            f"{name}{of}" for of in names for name in ACTUATORS
+        ]
+    assert said(trajectory_blocks(whole))[0][0].startswith(f"“{motion.name}” ({motion.kind}): ")
+    nameless = replace(whole, solved=replace(
+        whole.solved, trajectory=replace(motion, kind="")))  # fmt: skip
+    text = said(trajectory_blocks(nameless))[0][0]
+    assert text == f"“{motion.name}”: {motion.duration:.4g} s, {motion.size} samples."
+    drawn: list[Any] = []
+    monkeypatch.setattr(trajectory, "series_figure", lambda *a, **k: drawn.append((*a, k)))
+    assert trajectory.motion_figures(nowhere) == []
+    assert len(trajectory.motion_figures(whole)) == 4
+    assert [kind for kind, *_ in drawn] == ["pose", "torques", "breakdown", "power"]
+    assert [options["caption"] for *_, options in drawn] == [False, True, False, False]
+    unbounded = SimpleNamespace(t=0.123456, locus=SimpleNamespace(label="circle"), residual=0.12345)
+    object.__setattr__(nameless, "unbounded", (unbounded,))
+    text, kind = said(trajectory_blocks(nameless))[2]
+    assert text.startswith("At 0.1235 s this robot's torques have no bound")
+    assert "t_sᵀ F = 0.123 N·m instead" in text
+    assert kind == "bad"
+
+
 def test_crossings_have_their_torques_in_the_limit_or_no_bound(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -357,8 +470,29 @@ def test_passages_of_a_plan_have_their_speeds_and_drifts(monkeypatch: pytest.Mon
             "than 0.036″ in 12 ms.", "warn",
         ),
     ]  # fmt: skip
+    for shift, text in (
+        ((0.95e-8, 0.0, 1.7e-7, 1.0), "less than 0.01 µm and less than 0.036″"),
+        ((0.0, 1.05e-8, -1.8e-7, 1.0), "0.01 µm and 0.037″"),
+    ):
+        assert f" by {text} in" in trajectory._drift_text(CrossingDrift(0.2, 1.0, 0.01, shift))
     plan.crossings, drifts = (), ()
     assert len(passages_blocks(APPENDIX_4, plan)) == 1
+
+
+def test_numbers_that_a_report_opens_with() -> None:
+    """The largest torque of M1 to M3 and force of M4, by their sizes."""
+    peaks = [SimpleNamespace(peak=peak) for peak in (1.5, -7.12345, 2.5, -456.789)]
+    analysis: Any = SimpleNamespace(summary=peaks, check=SimpleNamespace(first=None))
+    facts = trajectory.trajectory_facts(analysis)
+    assert [fact.value for fact in facts] == ["7.12 N·m", "456.8 N"]
+    analysis.summary, analysis.check.first = (), "why"
+    *rest, failed = trajectory.trajectory_facts(analysis)
+    assert [fact.value for fact in rest] == [NONE, NONE]
+    assert (failed.value, failed.kind) == ("fails", "bad")
+    loaded = APPENDIX_4.vary({"payload.mass": 2.0})
+    mass, imbalance = mass_facts(loaded)
+    assert mass.value == f"{whole_mass(loaded):.4g} kg"
+    assert imbalance.value == f"{static_imbalance(loaded):.3g} N".replace("-", "−")
 
 
 def test_computed_torques_beside_a_published_table() -> None:
@@ -385,10 +519,10 @@ def test_computed_torques_beside_a_published_table() -> None:
 
 
 def test_a_simulated_robot_off_its_motion() -> None:
-    error = np.array([[0.001, -0.002, 0.01, 0.0], [-0.003, 0.001, -0.02, 0.0005]])
+    error = np.array([[0.001, -0.002, 0.01, 0.0], [-0.003, 0.001, -0.02, 0.0005], [0.0] * 4])
     run: Any = SimpleNamespace(
-        error=error, distance=np.array([0.004, 0.002]), stopped=None, t=np.array([0.0, 1.5]),
-        energy_drift=np.array([-2e-6, 1e-6]),
+        error=error, distance=np.array([0.003, 0.004, 0.002]), stopped=None,
+        t=np.array([0.0, 1.0, 1.5]), energy_drift=np.array([-2e-6, 1e-6]),
         controller=SimpleNamespace(control=SimpleNamespace(value="torques"), bandwidth=10.0),
         design=APPENDIX_4.vary({"payload.mass": 1.5}),
     )  # fmt: skip
@@ -410,89 +544,3 @@ def test_a_simulated_robot_off_its_motion() -> None:
     run.stopped = PathEvent(0.75, Limit.SINGULAR, -1, 0.0, POSE)
     assert said(simulation_notes(run))[1][1] == "bad"
     assert simulation_data(run)["stopped"]["t_s"] == 0.75
-
-
-# ------------------------------------------------------------------------------------- calibration
-
-
-def errors(poses: int, size: float, coordinates: int = 6) -> Any:
-    values = size * (1.0 + np.arange(coordinates))
-    return SimpleNamespace(poses=poses, rms=values, largest=3.0 * values)
-
-
-def calibrated(held: int, **changes: Any) -> Any:
-    weights = np.zeros((3, len(LENGTHS)))
-    weights[1, 2] = 1.0
-    combinations = [
-        SimpleNamespace(weights=weights, value=1e-3 * n, half_width=1e-4, singular_value=2.0)
-        for n in range(1, 14)
-    ]
-    spread = np.full((3, len(LENGTHS)), np.nan)
-    spread[0, 0] = 2e-4
-    values = {
-        "before": errors(20, 1e-3), "after": errors(20, 1e-5), "before_held": errors(held, 2e-3),
-        "after_held": errors(held, 2e-5), "improved": True, "combinations": combinations,
-        "noise": 1.5e-5, "design": APPENDIX_4, "standard_deviations": spread, "start": APPENDIX_4,
-        "determined": np.isfinite(spread), "rank": 13, "singular_values": np.arange(42, 0, -1.0),
-    }  # fmt: skip
-    return SimpleNamespace(**values | changes)
-
-
-def test_errors_of_a_calibration_before_and_after() -> None:
-    table = errors_table(calibrated(5))
-    assert table.head[1:] == tuple(
-        f"{name}: {kind}"
-        for name in ("fitted", "held back") for kind in ("before", "after", "largest")
-    )  # fmt: skip
-    assert table.rows[0].cells == ("x [µm]", "1000", "10.0", "30.0", "2000", "20.0", "60.0")
-    # lengths first, then angles
-    assert [row.cells[0][0] for row in table.rows] == ["x", "y", "z", "θ", "t", "t"]
-    assert table.rows[2].cells[1] == "4000"
-    assert len(errors_table(calibrated(0)).head) == 4
-    four = calibrated(0, before=errors(9, 1e-3, 4), after=errors(9, 1e-5, 4))
-    assert len(errors_table(four).rows) == 4
-    kinds = {
-        (0, True): "warn", (5, True): "ok", (0, False): "bad", (5, False): "bad",
-    }  # fmt: skip
-    for (held, improved), kind in kinds.items():
-        assert verdict(calibrated(held, improved=improved)).kind == kind
-    data = calibration_data(calibrated(5), "log")
-    assert data["held_back"]["after"]["rms"]["y_m"] == pytest.approx(4e-5)
-    assert data["fitted"]["before"]["largest"]["x_m"] == pytest.approx(3e-3)
-    assert data["held_back"]["before"]["poses"] == 5
-    name = f"{LEG_NAMES[1]}.{LENGTHS[2].name}_{LENGTHS[2].unit}"
-    assert data["combinations"][0]["weights"] == {name: 1.0}
-
-
-def test_combinations_best_and_worst_known_ones() -> None:
-    found = calibrated(0)
-    assert [row[0] for row in cells(combinations_table(found))] == [str(n) for n in range(1, 14)]
-    some = cells(combinations_table(found, 4))
-    assert [row[0] for row in some] == ["1", "2", "12", "13"]
-    assert some[3][2] == "13.00 ± 0.10"
-    assert len(cells(combinations_table(found, 13))) == 13
-    text = fitted_text(found)
-    assert text.startswith("13 of 42 combinations")
-    assert "29 keep their value; noise 15 µm" in text
-
-
-def test_deviations_with_an_interval_or_in_sums() -> None:
-    table, note = deviation_blocks(calibrated(0))
-    assert table.rows[0].cells[2] == "0.00 ± 0.20"  # type: ignore
-    assert [cell.kind for cell in table.rows[0].cells[2:]] == ["plain", "muted", "muted"]  # type: ignore
-    assert "Without ±" in note.text  # type: ignore
-    known = np.full((3, len(LENGTHS)), 1e-4)
-    whole = calibrated(0, standard_deviations=known, determined=np.isfinite(known))
-    assert "Without ±" not in deviation_blocks(whole)[1].text  # type: ignore
-    plan: Any = SimpleNamespace(standard_deviations=calibrated(0).standard_deviations)
-    table, _ = plan_blocks(plan)
-    assert tuple(table.rows[0].cells[2:]) == ("± 0.2", "in sums", "in sums")  # type: ignore
-
-
-def test_poses_to_measure_in_millimeters_and_degrees() -> None:
-    poses = np.array([[0.01, 0.02, math.pi / 6, -0.5, 0.0, 0.0]])
-    readings = np.array([[math.pi, 0.5 * math.pi, 0.0, -0.25]])
-    plan: Any = SimpleNamespace(measurements=SimpleNamespace(poses=poses, actuators=readings))
-    assert cells(poses_table(plan)) == [
-        ("1", "10.0", "20.0", "30.00", "−500.0", "180.00", "90.00", "0.00", "−250.0")
-    ]

@@ -1,4 +1,4 @@
-"""Tables of accuracy, loads, stiffness and logs whose results are made up.
+"""Tables of accuracy, loads and stiffness whose results are made up.
 
 No two numbers are alike, so that each cell can be told from all others.
 """
@@ -15,15 +15,15 @@ import pytest
 
 from paminsa_viz.blocks import (
     accuracy,
-    identification,
     loads,
     stiffness,
 )
 from paminsa_viz.blocks.kinds import Row, Table
 from paminsa_viz.model.accuracy import DriveAccuracy
-from paminsa_viz.model.design import APPENDIX_4, PARAMETER
+from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS
+from paminsa_viz.precision.drive_errors import Bound
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.quantities import QUANTITIES
 from tests.blocks.said import cells, said
@@ -115,6 +115,113 @@ def test_what_the_drives_errors_are_made_of() -> None:
     assert accuracy.drives_note(held).text == f"{text.split(':')[0]}; {linear.split(':')[0]}."
 
 
+def test_shares_are_listed_from_half_a_percent_on() -> None:
+    found = tolerances()
+    found.shares = np.zeros((6, len(LENGTHS)))
+    found.shares[1, :4] = (0.0048, 0.005, 0.0052, 0.6)
+    rows = accuracy.shares_table(found, 1).rows
+    assert [row.cells[1] for row in rows] == ["60.0 %", "0.5 %", "0.5 %"]
+
+
+def drive_rows(count: int) -> list[Any]:
+    """Errors of five coordinates, of which no two numbers are alike."""
+    units = {"x": "m:um", "y": "m:um", "xy": "m:um", "z": "m:um", "θ": "rad:arcsec"}
+    shape = np.linspace(0.0, 1.0, count) ** 2
+    return [
+        SimpleNamespace(
+            name=name, unit=unit, worst=1e-5 * (n + 1 + shape), linear=2e-5 * (n + 1 + shape),
+            rms=3e-5 * (n + 1 + shape),
+        )
+        for n, (name, unit) in enumerate(units.items())
+    ]  # fmt: skip
+
+
+def test_errors_by_the_drives_at_a_pose_and_over_a_region(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the pose each kind, over the region median, 95 % and largest of the exact ones."""
+    unbounded = Bound.SINGULAR
+    errors = SimpleNamespace(rows=drive_rows(41), poses=41, unbounded={unbounded: 7})
+    monkeypatch.setattr(accuracy, "region_errors", lambda field, accuracy, reached: errors)
+    monkeypatch.setattr(accuracy, "error_rows", lambda found: drive_rows(2))
+    region = SimpleNamespace(radius=0.12, theta=(0.0, 0.5), z=(-0.5, -0.6))
+    over: Any = SimpleNamespace(design=APPENDIX_4, region=region, field=None, reached=None)
+    here: Any = SimpleNamespace(ok=True, reason=lambda: "", pose=POSE)
+    parts, at, wide, lost = accuracy.drive_blocks(here, over)
+    assert said([parts])[0][0].startswith("M1 to M3 within")
+    assert said([lost]) == [
+        ("No bound at 7 of the 41 poses: the pose is singular.", "warn"),
+    ]  # fmt: skip
+    names = ["x [µm]", "y [µm]", "position [µm]", "z [µm]", "θ [″]"]
+    assert [row[0] for row in cells(at)] == [row[0] for row in cells(wide)] == names
+    for n, (one, other) in enumerate(zip(cells(at), cells(wide), strict=True)):
+        factor = 1e6 if n < 4 else 3600 * 180 / math.pi
+        shape = np.linspace(0.0, 1.0, 41) ** 2
+        median, most = np.quantile(shape, [0.5, 0.95])
+        assert [float(cell) for cell in one[1:]] == pytest.approx(
+            [factor * k * 1e-5 * (n + 1) for k in (1, 2, 3)], rel=5e-3
+        )
+        ends = (1e-5 * median, 1e-5 * most, 1e-5, 2e-5 * median, 3e-5 * median)
+        sizes = [k * 1e-5 * (n + 1) + end for k, end in zip((1, 1, 1, 2, 3), ends, strict=True)]
+        assert [float(cell) for cell in other[1:]] == pytest.approx(
+            [factor * size for size in sizes], rel=5e-3
+        )
+    keys = [cell.quantity for cell in at.rows[2].cells[1:]]  # type: ignore
+    assert keys == ["error_horizontal", "linear_error_horizontal", "rms_error_horizontal"]
+    assert all(key in QUANTITIES for key in keys)
+    where = "within 120 mm of the axis at θ 0°, 28.65° and z −500 mm, −600 mm"
+    assert f"over 41 poses {where}." in wide.caption  # type: ignore
+    here.ok, here.reason = False, lambda: "why"
+    none = accuracy.drive_blocks(here, over)[1]
+    assert said([none]) == [
+        ("No bound at the pose: why. The linear estimate is no bound.", "bad"),
+    ]  # fmt: skip
+    data = accuracy.accuracy_data(APPENDIX_4, here, region, errors)  # type: ignore
+    assert list(data["errors"]) == ["x_m", "y_m", "horizontal_m", "z_m", "theta_rad"]
+    assert data["errors"]["y_m"] == {"worst": 2e-5, "linear": 4e-5, "rms": pytest.approx(6e-5)}
+    whole = data["region"]["errors"]["x_m"]["worst"]
+    assert whole["largest"] == 2e-5
+    assert whole["median"] == pytest.approx(1e-5 * (1 + median))
+    assert whole["p95"] == pytest.approx(1e-5 * (1 + most))
+    assert data["region"]["unbounded"] == {unbounded.word: 7}
+    assert (data["bounded"], data["reason"]) == (False, "why")
+    assert data["half_widths"] == dict(zip(ACTUATORS, APPENDIX_4.accuracy.half_widths, strict=True))
+    assert data["deviations"] == dict(zip(ACTUATORS, APPENDIX_4.accuracy.deviations, strict=True))
+
+
+def test_legs_of_their_own_lengths_put_the_platform_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert accuracy.own_legs(APPENDIX_4, POSE).text.startswith("All legs have the lengths")
+    assert len(accuracy.manufacture_blocks(APPENDIX_4, POSE)) == 2
+    own = APPENDIX_4.vary({"leg1.bar_94": 1e-4})
+    assert len(accuracy.manufacture_blocks(own, POSE)) == 3
+    moved = SimpleNamespace(
+        ok=True, pose=np.add(POSE, (1e-5, -2e-5, 1e-4, 4.5678e-5)), tilt=(2e-4, -3e-4),
+        reason=lambda: "why",
+    )  # fmt: skip
+    monkeypatch.setattr(accuracy, "manufactured_pose", lambda design, pose: moved)
+    note = accuracy.own_legs(own, POSE)
+    assert note.text.endswith(
+        "put the platform off by x 10 µm, y −20 µm, z 45.7 µm, θ 20.6″, tilt about x 41.3″, "
+        "tilt about y −61.9″."
+    )
+    assert accuracy.manufacture_blocks(own, POSE)[-1] == note
+    moved.ok = False
+    assert said([accuracy.own_legs(own, POSE)]) == [
+        ("The design's own legs have no position: why.", "bad")
+    ]
+    moved.coordinates = np.arange(6.0)
+    robots: Any = SimpleNamespace(
+        errors=np.zeros((9, 6)), seed=3, solved=0.5, rms=np.arange(6.0),
+        quantile=lambda share: share * np.arange(1.0, 7.0),
+    )  # fmt: skip
+    data = accuracy.manufacture_data(own, POSE, robots)
+    assert data["actual"] == dict(
+        zip(("x_m", "y_m", "theta_rad", "z_m", *list(data["worst"])[4:]), range(6), strict=True)
+    )
+    assert list(data["robots"]["p95"].values()) == pytest.approx(0.95 * np.arange(1.0, 7.0))
+    assert data["robots"]["count"] == 9
+    assert data["actual_reason"] == "why"
+    assert "robots" not in accuracy.manufacture_data(own, POSE, None)
+
+
 # ----------------------------------------------------------------------------------------- loads
 
 
@@ -149,6 +256,68 @@ def test_forces_below_rounding_are_zero_and_infinite_ones_are_left_out() -> None
             assert found == pytest.approx([*inner[leg, place], 100 * use[leg, place]], rel=5e-3)
     hints = [getattr(cell, "hint", "") for cell in table.head[1:5]]
     assert [bool(hint) for hint in hints] == [False, False, False, True]
+
+
+def on_a_motion() -> Any:
+    """Loads of which each is the number of its place."""
+    joints, bars = len(loads.JOINTS), len(BARS)
+    at = np.arange(3.0 * joints).reshape(3, joints)
+    use = 1e-4 * np.arange(2.0 * 3 * bars).reshape(2, 3, bars)
+    use[:, 1] = use[::-1, 1]  # of leg 2 the first sample has the most
+    return SimpleNamespace(
+        peak=100.0 + at, peak_time=200.0 + at, rms=300.0 + at, equivalent=400.0 + at,
+        travel=500.0 + at, bar_peak=1.0 + np.arange(9.0 * bars).reshape(3, bars, 3),
+        utilization=use, design=APPENDIX_4, trajectory=SimpleNamespace(name="t"),
+    )  # fmt: skip
+
+
+def test_loads_on_a_motion_have_their_places() -> None:
+    found = on_a_motion()
+    joints, bars = loads.motion_blocks(found)
+    most = found.utilization.max(axis=0)
+    data = loads.motion_data(found)
+    assert len(data["legs"]) == 3
+    for leg in range(3):
+        for place, (joint, row) in enumerate(zip(loads.JOINTS, joints.rows, strict=True)):
+            numbers = [size + len(loads.JOINTS) * leg + place for size in (100, 200, 300, 400, 500)]
+            assert [float(cell) for cell in row.cells[1 + 4 * leg : 5 + 4 * leg]] == numbers[:4]
+            assert list(data["legs"][leg]["joints"][joint.key].values()) == numbers
+        for place, (bar, row) in enumerate(zip(BARS, bars.rows, strict=True)):
+            assert float(row.cells[4 + 4 * leg]) == pytest.approx(100 * most[leg, place], rel=1e-2)
+            one = data["legs"][leg]["bars"][bar]
+            assert list(one.values()) == [*found.bar_peak[leg, place], most[leg, place]]
+    assert (joints.words, bars.words) == (1, 1)
+    assert loads._text(loads.ROUNDING) == "1.00·10⁻⁹"
+
+
+def test_loads_of_joint_5_alone_are_those_in_its_forces() -> None:
+    pose = np.array(POSE)
+    forces = loads.joint_forces(APPENDIX_4, pose)
+    (table,) = (loads.joints_table(forces, None),)
+    for leg in range(3):
+        across = [row.cells[4 + 4 * leg] for row in table.rows]
+        assert across == [loads._text(one) for one in forces.force[leg, :, 1]]
+    data = loads.pose_data(APPENDIX_4, POSE, forces, loads.sideways_forces(APPENDIX_4, pose))
+    assert len(data["legs"]) == 3
+
+
+def test_loads_of_a_motion_that_fails_say_up_to_where(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(loads, "motion_loads", lambda analysis: on_a_motion())
+    analysis: Any = SimpleNamespace(design=APPENDIX_4, check=SimpleNamespace(first=None))
+    assert loads.until_text(analysis) == ""
+    whole = loads.loads_blocks(analysis, POSE)
+    assert not any(kind == "warn" for _, kind in said(whole))
+    analysis.check.first = SimpleNamespace(explanation="at a limit")
+    text = "Up to where the motion fails at a limit"
+    assert loads.until_text(analysis) == text
+    assert (f"{text}:", "warn") in said(loads.loads_blocks(analysis, POSE))
+    far = loads.loads_blocks(analysis, (2.0, 0.0, 0.0, -0.5))
+    assert said(far)[0][0].startswith(f"{loads.NO_FORCES}: ")
+    assert said(far)[0][1] == "bad"
+    monkeypatch.setattr(loads, "motion_loads", lambda analysis: None)
+    assert said(loads.loads_blocks(analysis, POSE))[-1] == (
+        "The robot cannot run the trajectory from its start.", "bad",
+    )  # fmt: skip
 
 
 # ------------------------------------------------------------------------------------- stiffness
@@ -206,110 +375,72 @@ def test_axes_have_the_stiffness_of_the_drives_where_one_moves_along_them() -> N
         scale = 1e-3 if axis < 3 else 1.0
         assert float(row.cells[2]) == pytest.approx(scale / expected[axis], rel=1e-3)
         assert row.cells[1].quantity in QUANTITIES  # type: ignore
+    assert [row.cells[0].partition("[")[2] for row in table.rows] == [
+        *["N/mm]"] * 3, *["N·m/rad]"] * 3, "N/mm]", "N·m/rad]",
+    ]  # fmt: skip
     assert [row.cells[1].quantity for row in table.rows] == [  # type: ignore
         "stiffness_x", "stiffness_y", "stiffness_z", "", "", "stiffness_theta",
         "stiffness_horizontal", "stiffness_tilt",
     ]  # fmt: skip
 
 
-# ---------------------------------------------------------------------------------------- a log
+def test_rounding_beside_the_largest_value_is_zero() -> None:
+    for size in (100.0, -100.0):
+        values = np.array([size, 1.04e-7, -1.04e-7, 0.96e-7, -0.96e-7, 1e-9 * 100.0])
+        kept = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 1.0])
+        np.testing.assert_array_equal(stiffness._rounded(values), kept * values)
 
 
-def estimate(**changes: Any) -> Any:
-    parameter = SimpleNamespace(unit="m", label="a length", design=0.3)
-    values = {"parameter": parameter, "symbol": "l", "known": True, "value": 0.301,
-              "half_width": 0.002, "reason": lambda: "why"}  # fmt: skip
-    return SimpleNamespace(**values | changes)
+def test_shares_are_under_the_load_or_under_forces_of_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Any] = []
 
+    def shares(design: Any, pose: Any, wrench: Any = None, *, shear: bool) -> Any:
+        asked.append((wrench, shear))
+        return SimpleNamespace(share=np.full(len(stiffness.SHARE_LABELS), 0.1 * len(asked)))
 
-def test_estimates_are_marked_where_the_design_is_outside_their_interval() -> None:
-    items = [
-        estimate(), estimate(value=0.303), estimate(value=0.297), estimate(value=0.3015),
-        estimate(known=False),
+    monkeypatch.setattr(stiffness, "strain_shares", shares)
+    pose = np.array(POSE)
+    assert list(stiffness.strain_cases(APPENDIX_4, pose, shear=True)) == [
+        "force x", "force y", "force z", "moment z",
     ]  # fmt: skip
-    findings: Any = SimpleNamespace(identification=SimpleNamespace(estimates=items))
-    table = identification.estimates_table(findings)
-    assert [row.kind for row in table.rows] == ["plain", "marked", "marked", "plain", "muted"]
-    assert table.rows[0].cells == ("l [mm]", "a length", "301.0 ± 2.0", "300")
-    assert table.rows[4].cells[2] == "unknown"
-    assert table.rows[0].hint == "why"
-
-
-def cause(text: str, named: bool, explains: float, unit: str = "m") -> Any:
-    return SimpleNamespace(
-        text=text, named=named, explains=explains, unit=unit, value=0.002, half_width=0.0001
-    )
-
-
-def test_named_causes_come_before_others_that_explain_something() -> None:
-    named = cause("n", True, 0.5)
-    others = [cause(f"o{i}", False, 0.1 - 0.01 * i) for i in range(8)]
-    none = cause("z", False, 0.0)
-    causes = SimpleNamespace(named=[named], ranked=[named, none, *others], unseen=["a", "b"])
-    findings: Any = SimpleNamespace(causes=causes)
-    table = identification.causes_table(findings)
-    assert [row.cells[0] for row in table.rows] == ["n", *(f"o{i}" for i in range(5))]
-    assert table.rows[0].cells[1:] == ("2.00 ± 0.10 mm", "50.0 %", "yes")
-    assert table.rows[1].cells[2:] == ("10.0 %", "no")
-    assert [row.kind for row in table.rows[:2]] == ["marked", "muted"]
-    assert identification.cause_size(cause("s", False, 0.1, "")) == "0.200 ± 0.010 %"
-    assert identification.unseen_note(findings).text.endswith("log: a; b.")
-
-
-@pytest.mark.parametrize(("holds", "kind"), [(True, "ok"), (False, "bad"), (None, "plain")])
-def test_the_identity_of_the_masses_and_the_verdict(holds: bool | None, kind: str) -> None:
-    identity: Any = SimpleNamespace(holds=holds, value=0.5, half_width=0.25, z=3.9)
-    note = identification.identity_note(identity)
-    assert note.kind == kind
-    if holds is not None:
-        word = "holds" if holds else "fails"
-        assert note.text == f"Identity of the masses: {word}, 0.50 ± 0.25 N, z = 3.9."
-    for named in ((), (cause("a", True, 0.5), cause("b", True, 0.1))):
-        findings: Any = SimpleNamespace(
-            identification=SimpleNamespace(identity=identity), causes=SimpleNamespace(named=named)
-        )
-        verdict = identification._verdict(findings)
-        fails = bool(named) or holds is False
-        assert verdict.kind == ("bad" if fails else "ok")
-        assert ("may be wrong: a; b" in verdict.text) == bool(named)
-        assert ("A spring may be" in verdict.text) == (not named and holds is False)
-        assert verdict.text.endswith(note.text)
-
-
-def test_masses_that_a_log_tells_and_those_that_keep_their_design() -> None:
-    parameter = PARAMETER["links.b1"]
-    items = [
-        SimpleNamespace(parameter=parameter, value=1.25, told=told, prior=1.2, deviation=0.05)
-        for told in (True, False)
+    np.testing.assert_array_equal([wrench for wrench, _ in asked], np.eye(6)[[0, 1, 2, 5]])
+    assert all(shear for _, shear in asked)
+    assert said(stiffness._loaded(APPENDIX_4, pose, shear=False)) == [
+        (stiffness.NOTHING_DEFLECTED, "plain")
     ]
-    findings: Any = SimpleNamespace(nearest=SimpleNamespace(masses=items))
-    table = identification.masses_table(findings)
-    assert [row.cells[2:] for row in table.rows] == [
-        ("1.250 ± 0.050", "1.2", ""), ("1.25", "1.2", "as designed: not in the log"),
-    ]  # fmt: skip
-    assert [row.kind for row in table.rows] == ["plain", "muted"]
+    carrying = APPENDIX_4.vary({"payload.mass": 2.0})  # its weight has one direction
+    asked.clear()
+    assert list(stiffness.strain_cases(carrying, pose, shear=False)) == ["load"]
+    assert asked == [(None, False)]
+    deflected, note, _ = stiffness._loaded(carrying, pose, shear=False)
+    assert "payload and load" in deflected.caption  # type: ignore
+    assert note.text.startswith("The motors bring")  # type: ignore
 
 
-def test_checks_by_other_logs() -> None:
-    check = SimpleNamespace(log=SimpleNamespace(name="two"), ratio=np.array([1.0, 1.1, 1.2, 1.3]))
-    payload = SimpleNamespace(
-        mass=2.0, half_width=0.1, free_mass=2.5, free_half_width=0.2, drift=3.0,
-        drift_half_width=0.3, gain=None,
+def test_tubes_and_the_ellipsoid_of_compliance() -> None:
+    fit = SimpleNamespace(
+        bar="B1", mass=1.23456, mass_ratio=0.12345, slender_ratio=0.23456, transverse_ratio=0.34567,
+        axial_ratio=0.45678,
     )  # fmt: skip
-
-    def rows(**changes: Any) -> list[tuple[str, ...]]:
-        found: Any = SimpleNamespace(**{"validation": None, "payload": None} | changes)
-        return cells(identification.checks_table(found))
-
-    assert rows() == []
-    ratios = ", ".join(f"{name} {r:.3g}" for name, r in zip(ACTUATORS, check.ratio, strict=True))
-    assert rows(validation=check) == [
-        ("Second log, “two”", f"residual over its own fit’s: {ratios}")
+    design = APPENDIX_4.vary({"elastic.b1_outer": 0.061, "elastic.b1_inner": 0.053})
+    assert cells(stiffness.sections_table(design, [fit])) == [  # type: ignore
+        ("B1", "61/53 mm", "1.235 kg", "0.123", "0.235", "0.346", "0.457")
     ]
-    found = rows(payload=payload)
-    assert found == [
-        ("Payload", "2.00 ± 0.10 kg"),
-        ("if F_4 drifted between the logs", "2.50 ± 0.20 kg, a drift of 3.00 ± 0.30 N"),
-    ]
-    payload.gain = (0.98, 0.01)
-    assert rows(payload=payload)[2] == ("Common gain of the torques", "0.980 ± 0.010")
+    table = stiffness._data(design)
+    assert table.words == 2
+    assert cells(table)[4][:2] == ("B1", "tube 61/53 mm")
+    area = math.pi / 4 * (61.0**2 - 53.0**2)
+    assert cells(table)[4][2].startswith(f"A {area:.4g} mm²")
+    found: Any = SimpleNamespace(
+        pose=np.array(POSE), softest_direction=0.12345,
+        ellipsoid=lambda: (np.array([1e-6, 2e-6, 3e-6]), np.arange(9.0).reshape(3, 3)),
+    )  # fmt: skip
+    text = stiffness._ellipsoid_text(APPENDIX_4, found)
+    assert text.startswith(
+        "Compliance ellipsoid: 0.001, 0.002, 0.003 mm/N, softest along (2.00, 5.00, 8.00)."
+    )
+    assert stiffness.softest_text(found) == "7.07° from x"
+    real = stiffness.platform_stiffness(APPENDIX_4, POSE)
+    stated = stiffness.stiffness_data(APPENDIX_4, real, shear=False)["stiffness"]
+    alike = [real.along(axis) for axis in range(6)]
+    np.testing.assert_array_equal(list(stated.values()), [*alike, real.horizontal, real.tilt])

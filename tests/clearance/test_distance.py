@@ -11,7 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from paminsa_viz.clearance.nearest import CAPSULE, CYLINDER
+from paminsa_viz.clearance.nearest import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    ConvexSolid,
+    nearest_on_circle,
+)
 from paminsa_viz.clearance.solids import NO_CORNERS, Primitive
 from paminsa_viz.model.arrays import Array
 from tests.clearance.coal_shapes import coal_request, coal_shape
@@ -175,3 +181,18 @@ def test_a_ball_and_a_bar_of_no_length() -> None:
     where = np.array([[(0.0, 0.0, 0.0), (0.5, 0.0, 0.0)], [(0.0, 0.0, 0.0), (0.0, 0.0, 0.0)]])
     upright = np.tile([1.0, 0.0, 0.0, 0.0], (2, 2, 1))
     assert distances(ball, ball, where, upright).distance == pytest.approx([0.3, -0.2])
+
+
+def test_of_places_that_are_as_near_the_first_one_is_kept() -> None:
+    """A circle about a box that is a line, and a bar across the middle of a box."""
+    long = ConvexSolid(BOX, 1.0, 0.0, 0.0, 0.0, NO_CORNERS, 0, 0)
+    around = nearest_on_circle(long, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.0)
+    assert around == (1.0, 0.0)
+    box, bar = (
+        Primitive(BOX, np.array(half), 0.0, NO_CORNERS, np.eye(3), np.zeros(3))
+        for half in ((0.25, 0.125, 0.0625), (0.5, 0.03125, 0.03125))
+    )
+    place = np.array([[[0.0, 0.0, 0.0], [0.0, 0.0, 0.5]]])
+    found = distances(box, bar, place, np.tile([1.0, 0.0, 0.0, 0.0], (1, 2, 1)))
+    assert found.distance[0] == 0.40625
+    assert (found.points[0, :, 0] == -0.25).all()

@@ -200,3 +200,15 @@ def test_the_capsule_about_a_body_lies_along_its_longest_solid() -> None:
     about = _common_rod(balls)
     assert sorted([about[2], about[5]]) == pytest.approx([0.3, 0.7])
     assert about[6] == pytest.approx(0.05)
+
+
+def test_solids_of_a_body_that_meet_reach_half_a_millimeter_into_each_other() -> None:
+    """Between the block of joint 3 and the neck on it, in the quill, and under joint 5's head."""
+    bodies = {body.name: body.solids for body in shapes_of(APPENDIX_4).bodies}
+    block, neck, _ = bodies["joint 3 of leg 1"]
+    assert block.extent[1, 2] - neck.extent[0, 2] == pytest.approx(5e-4)
+    _, _, core, _ = bodies["joint 1 of leg 1"]
+    slider = bodies["slider of leg 1"][0]
+    assert slider.extent[1, 1] - core.extent[1, 1] == pytest.approx(5e-4)
+    foot, head, _ = bodies["joint 5 of leg 1"]
+    assert head.extent[0, 2] - foot.extent[0, 2] == pytest.approx(6.5e-3)

@@ -6,12 +6,13 @@ import re
 import subprocess
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from benchmarks.code_speed import GOALS, text_size
-from paminsa_viz.codegen import controller_kit
+from paminsa_viz.codegen import controller_kit, kit
 from paminsa_viz.codegen.kit import (
     ROWS,
     SINGLE_BOUNDS,
@@ -31,10 +32,11 @@ from paminsa_viz.model import (
     inverse_kinematics,
     leg,
 )
+from paminsa_viz.model.design import PARAMETER
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.lumped import term_factors
 from paminsa_viz.model.parameters import Counterweight
-from paminsa_viz.model.reach import Limit, workspace_height, workspace_radius
+from paminsa_viz.model.reach import Limit, check_reach, workspace_height, workspace_radius
 from paminsa_viz.model.robot import inverse_dynamics_kernel
 from tests.codegen.printed import SANITIZERS, STRICT, compilers, sanitizes
 from tests.support.documentation import missing
@@ -412,7 +414,30 @@ def test_vectors_are_regular_poses_from_all_of_the_workspace_and_a_tenth_out_of_
         np.testing.assert_allclose(column(wanted)[:, 0], digits, rtol=1e-15)
 
 
+def test_vectors_of_a_robot_twice_as_large_are_twice_as_far_away() -> None:
+    """To the last bit, as 2 is a power of 2; those out of reach are so by a length."""
+    lengths = [
+        path for path, item in PARAMETER.items() if path[:8] == "geometry" and item.unit == "m"
+    ]
+    large = APPENDIX_4.vary({path: 2.0 * APPENDIX_4.value(path) for path in lengths})
+    one, other = kit._poses(APPENDIX_4), kit._poses(large)
+    np.testing.assert_array_equal(other[:ROWS], one[:ROWS] * [2.0, 2.0, 1.0, 2.0])
+
+
 def test_only_code_becomes_single_precision() -> None:
     text = '/* 1e-8 double */ static double a = 1.5e-3 * sqrt(2.0) + x2.y; "0.5"'
     expected = '/* 1e-8 double */ static float a = 1.5e-3f * sqrtf(2.0f) + x2.y; "0.5"'
     assert single_precision(text) == expected
+
+
+def test_poses_of_a_self_test_are_sought_among_forty_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So that robots that reach little of the box around them have some as well."""
+    drawn: list[int] = []
+
+    def reach(geometry: Any, poses: Any) -> Any:
+        drawn.append(len(poses))
+        return check_reach(geometry, poses)
+
+    monkeypatch.setattr(kit, "check_reach", reach)
+    assert len(kit._poses(APPENDIX_4)) == kit.ROWS + kit.ROWS // 10
+    assert drawn == [40 * kit.ROWS]

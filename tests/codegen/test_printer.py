@@ -175,20 +175,20 @@ def explained(p: Pair, a: Any) -> Any:  # which is of no statement
 def test_comments_are_printed_where_they_stand_and_those_for_tools_are_not() -> None:
     printer = Printer(C99())
     printer.add(explained)
-    lines = [line.strip() for line in printer.text().splitlines()]
-    assert "double first;  /* of the left side [m] */" in lines
-    assert "double second;" in lines
-    assert "double third;" in lines
+    lines = printer.text().splitlines()
+    assert "    double first;  /* of the left side [m] */" in lines
+    assert "    double second;" in lines
+    assert "    double third;" in lines
     body = lines[lines.index("{") + 1 :]
     assert body[:-1] == [
-        "/* before the first */",
-        "/* beside it */",
-        "const double x = p->first * a;",
-        "/* before the second */",
-        "/* within */",
-        "/* the one */",
-        "const double y = x < a ? x : a;",
-        "return y + p->third;",
+        "    /* before the first */",
+        "    /* beside it */",
+        "    const double x = p->first * a;",
+        "    /* before the second */",
+        "    /* within */",
+        "    /* the one */",
+        "    const double y = x < a ? x : a;",
+        "    return y + p->third;",
     ]
     assert "/* Two numbers. */" in lines
     assert "/* A formula with comments. */" in lines

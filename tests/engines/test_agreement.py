@@ -160,6 +160,10 @@ def test_batches_and_poses_out_of_reach(engine: Engine) -> None:
     np.testing.assert_allclose(found[[0, 3]], flat[:2])
     assert np.isnan(found[1:3]).all()
     assert robot.static_torques(np.empty((0, 4))).shape == (0, 4)
+    inertia = robot.actuator_inertia(mixed.reshape(2, 2, 4))
+    np.testing.assert_allclose(inertia[0, 0], robot.actuator_inertia(poses[0]))
+    np.testing.assert_allclose(inertia[1, 1], robot.actuator_inertia(poses[1]))
+    assert np.isnan(inertia[[0, 1], [1, 0]]).all()
     with pytest.raises(InvalidInput, match="poses"):
         robot.static_torques(poses[:, :3])
 

@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from paminsa_viz.engines.mechanism import Link, build_mechanism
-from paminsa_viz.engines.poses import joint_values, start_pose
+from paminsa_viz.engines.poses import joint_values, start_pose, unclosed
 from paminsa_viz.errors import InvalidDesign, UnreachablePose
 from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -101,10 +101,38 @@ def test_start_pose_is_regular_and_on_the_natural_side(knee: KneeBranch) -> None
         assert (pose[3] + design.geometry.platform_joint_height) * knee.sign < 0
 
 
+@BOTH
+@pytest.mark.parametrize(
+    ("crank", "coupler"), [(0.6, 0.7), (1.4, 0.7), (0.7, 1.4)], ids=["alike", "crank", "coupler"]
+)
+def test_a_start_is_halfway_between_the_shortest_and_the_longest_reach(
+    knee: KneeBranch, crank: float, coupler: float
+) -> None:
+    """From joint 8 to joint 5: no less than across at the center, nor than when folded."""
+    design = APPENDIX_4.vary(
+        {"geometry.crank_length": crank, "geometry.coupler_length": coupler}
+    ).with_knee(knee)
+    configuration = inverse_kinematics(design.geometry, start_pose(design))
+    eight, five = (np.asarray(configuration.points[number])[0] for number in (8, 5))
+    across = np.linalg.norm((five - eight)[:2])
+    least = max(across, abs(crank - coupler))
+    assert np.linalg.norm(five - eight) == pytest.approx(0.5 * (least + crank + coupler))
+    np.testing.assert_array_equal(start_pose(design)[:3], 0.0)
+
+
 def test_robot_singular_at_the_center_has_no_start_pose() -> None:
     same = Design(Geometry(base_radius=0.2, platform_radius=0.2))
     with pytest.raises(UnreachablePose, match="cannot close"):
         start_pose(same)
+
+
+def test_a_pose_at_which_the_bars_cannot_close_is_told_to_six_digits() -> None:
+    error = unclosed(np.array([1.23456789, -0.02, np.pi / 3, -5.0]))
+    assert str(error) == (
+        "the bars cannot close at x = 1234.57 mm, y = -20 mm, theta = 60 deg, z = -5000 mm"
+    )
+    assert error.pose == (1.23456789, -0.02, np.pi / 3, -5.0)
+    assert (error.leg, error.limit, error.excess) == (0, "configuration", 0.0)
 
 
 def test_inertias_of_no_rigid_body_are_refused() -> None:
@@ -112,6 +140,15 @@ def test_inertias_of_no_rigid_body_are_refused() -> None:
     with pytest.raises(InvalidDesign) as caught:
         build_mechanism(odd)
     assert caught.value.field == "inertias.b7_axial"
+
+
+def test_what_only_turns_about_the_vertical_is_a_flat_disc() -> None:
+    """So that it is a possible body; its inertias about x and y do nothing."""
+    design = APPENDIX_4.vary({"payload.inertia": 0.02, "payload.mass": 1.0})
+    parts = {part.name: part for link in build_mechanism(design).links for part in link.parts}
+    for name in ("platform", "payload", "leg2_B10", "leg3_B2"):
+        x, y, z = parts[name].inertia
+        assert x == y == 0.5 * z > 0.0
 
 
 def test_a_flat_disc_is_just_a_rigid_body() -> None:

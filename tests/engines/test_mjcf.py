@@ -5,17 +5,20 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from paminsa_viz.engines import exported, mujoco_model
 from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.mjcf import TIME_STEP, mjcf_text
 from paminsa_viz.engines.mujoco_model import MujocoRobot, play
 from paminsa_viz.errors import InvalidInput, UnreachablePose
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.load import LoadCase, LoadFrame
+from paminsa_viz.model.statics import static_torques
 from tests import oracle
 from tests.support import samples
 from tests.support.cases import BOTH, PROTOTYPES
@@ -93,6 +96,25 @@ def test_servos_follow_their_controls(mujoco: Any, design: Design) -> None:
     reference = oracle.actuators(APPENDIX_4, robot.pose(data.qpos))
     np.testing.assert_allclose(data.qpos[joints], reference, rtol=0, atol=1e-5)
     assert gap < 1e-5
+
+
+def test_what_is_written_beside_the_robot_is_plain(mujoco: Any) -> None:
+    """MuJoCo's own shape of an impedance as stiff as it takes; a sky that is lighter at its top."""
+    model = mujoco.MjModel.from_xml_string(mjcf_text(APPENDIX_4))
+    given = ET.fromstring(mjcf_text(APPENDIX_4))
+    (equality,) = given.iterfind("default/equality")
+    impedance = [float(number) for number in equality.attrib["solimp"].split()]
+    assert impedance[:2] == [mujoco.mjMAXIMP] * 2
+    assert impedance[2:] == [0.001, 0.5, 2.0]  # of MuJoCo's defaults
+    assert model.opt.tolerance == 1e-12
+    (light,) = given.iterfind("worldbody/light")
+    assert np.linalg.norm([float(part) for part in light.attrib["dir"].split()]) == 1.0
+    (sky,) = given.iterfind("asset/texture")
+    assert {int(sky.attrib[side]) for side in ("width", "height")} == {256}
+    colors = np.array([list(map(float, sky.attrib[key].split())) for key in ("rgb1", "rgb2")])
+    assert (colors[0] > colors[1]).all()
+    assert (np.diff(colors) > 0).all()  # bluish
+    assert (colors <= 1.0).all()
 
 
 def test_geoms_add_no_mass_and_touch_nothing(mujoco: Any) -> None:
@@ -289,12 +311,70 @@ def test_a_robot_that_falls_is_played_until_it_strays(mujoco: Any) -> None:
     assert alone.stray[0] < 1e-9
 
 
+@pytest.mark.parametrize("frame", LoadFrame)
+def test_a_simulation_stands_under_the_load_and_what_is_put_on_top_of_it(frame: LoadFrame) -> None:
+    """Held by the calculated torques; a newton more would move it a hundred times as far."""
+    load = LoadCase(40.0, 0.0, -60.0, moment_z=3.0, point_x=0.05, frame=frame)
+    design, more = replace(APPENDIX_4, load=load), np.array([0.0, 25.0, 0.0, 0.0, 0.0, -2.0])
+    whole = design.vary({"load.force_y": 25.0, "load.moment_z": 1.0})
+    times = np.linspace(0.0, 0.02, 3)
+    poses = np.tile([0.02, 0.01, 0.3, -0.5], (3, 1))
+    for held, on_top in ((design, None), (whole, more), (whole, np.tile(more, (3, 1)))):
+        torque = np.tile(static_torques(held, poses[0]), (3, 1))
+        found = play(design, times, poses, 0 * poses, torque, loads=on_top)
+        assert found.stray.max() < 1e-7
+        pushed = np.eye(6)[0] + (0.0 if on_top is None else on_top)
+        off = play(design, times, poses, 0 * poses, torque, loads=pushed)
+        assert off.stray.max() > 1e-5
+
+
+@pytest.mark.parametrize(
+    ("wait", "step", "count"),
+    [(1e-3, 1e-4, 10), (1.5e-4, 1e-4, 2), (0.5e-4, 1e-4, 1), (3e-4, 1.5e-4, 2)],
+)
+def test_steps_divide_the_times_and_loops_are_as_stiff_as_they_allow(
+    mujoco: Any, wait: float, step: float, count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And the gap is the largest distance along an axis of two points that belong together."""
+    robots: list[MujocoRobot] = []
+
+    class Noted(MujocoRobot):
+        def __init__(self, *args: Any, **options: Any) -> None:
+            super().__init__(*args, **options)
+            robots.append(self)
+
+    monkeypatch.setattr(mujoco_model, "MujocoRobot", Noted)
+    pose = np.tile([0.02, 0.01, 0.3, -0.5], (2, 1))
+    found = play(APPENDIX_4, [0.0, wait], pose, 0 * pose, 0 * pose, step=step)
+    (robot,) = robots
+    assert robot.model.opt.timestep == pytest.approx(wait / count)
+    np.testing.assert_allclose(robot.model.eq_solref, np.tile([2 * step, 1.0], (12, 1)))
+    pairs = zip(robot.model.eq_obj1id, robot.model.eq_obj2id, strict=True)
+    apart = [robot.data.site_xpos[one] - robot.data.site_xpos[two] for one, two in pairs]
+    assert found.gap[1] == pytest.approx(np.abs(apart).max(), rel=1e-6)
+
+
+def test_what_is_singular_for_an_export_has_a_condition_of_ten_thousand(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for condition, refused in ((9999.0, False), (1e4, True), (np.nan, True)):
+        measured = SimpleNamespace(condition=condition)
+        monkeypatch.setattr(exported, "measure_singularity", lambda *_, m=measured: m)
+        if refused:
+            with pytest.raises(InvalidInput, match="singular"):
+                exported_mjcf(APPENDIX_4)
+        else:
+            assert exported_mjcf(APPENDIX_4)
+
+
 def test_play_names_unusable_input() -> None:
     pose = np.array([[0.0, 0.0, 0.0, -0.5]])
     with pytest.raises(InvalidInput, match="times: increasing numbers are needed"):
         play(APPENDIX_4, [], pose[:0], pose[:0], pose[:0])
     with pytest.raises(InvalidInput, match="torques"):
         play(APPENDIX_4, [0.0], pose, 0 * pose, pose[:, :3])
+    with pytest.raises(InvalidInput, match="times: increasing numbers are needed"):
+        play(APPENDIX_4, [[0.0]], pose, 0 * pose, 0 * pose)
     two = np.repeat(pose, 2, axis=0)
     with pytest.raises(InvalidInput, match="times"):
         play(APPENDIX_4, [0.0, 0.0], two, 0 * two, 0 * two)

@@ -27,6 +27,7 @@ from paminsa_viz.engines.simulated_log import (
     Defects,
     HeavierBar,
     LogNoise,
+    _DefectiveRobot,
     correlated_noise,
     simulate_log,
 )
@@ -160,6 +161,27 @@ def test_noise_is_a_process_of_first_order_from_its_first_sample_on() -> None:
         expected.append(keep * expected[-1] + np.sqrt(1 - keep**2) * new)
     np.testing.assert_allclose(noise, expected, rtol=1e-12, atol=1e-14)
     np.testing.assert_array_equal(correlated_noise(40, step, 0.0, 7), white)
+
+
+def test_a_log_may_start_at_any_time() -> None:
+    """Its noise does not depend on what the clock shows."""
+    first, later = (
+        simulate_log(ROBOT, motion, rate=RATE, noise=LogNoise(), seed=5)
+        for motion in (MOTION, replace(MOTION, t=MOTION.t + 7.0))
+    )
+    np.testing.assert_allclose(later.t, first.t + 7.0)
+    np.testing.assert_allclose(later.torque, first.torque, atol=1e-9)
+    np.testing.assert_allclose(later.position, first.position, atol=1e-12)
+
+
+def test_one_torque_that_is_missing_is_enough_to_refuse_a_log(
+    plain, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    torque = np.ones((len(plain.t), 4))
+    torque[7, 2] = torque[9] = np.nan
+    monkeypatch.setattr(_DefectiveRobot, "inverse_dynamics", lambda _, *__: torque.copy())
+    with pytest.raises(InvalidInput, match=f"there is no torque at {plain.t[7]:.6g} s: out of"):
+        simulate_log(ROBOT, MOTION, rate=RATE)
 
 
 def test_impossible_logs_are_refused() -> None:

@@ -11,6 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from paminsa_viz.engines.exported import exported_usd
+from paminsa_viz.engines.mjcf import Servos
 from paminsa_viz.engines.poses import start_values
 from paminsa_viz.engines.usd import usd_text
 from paminsa_viz.errors import InvalidInput
@@ -128,6 +129,25 @@ def test_servos_stand_where_the_robot_does_and_drives_have_inertia() -> None:
     assert "PhysicsDriveAPI:linear" in joints["lift"][1]
     still = prims(exported_usd(design, servos=False), "        ")
     assert still["lift"][2]["drive:linear:physics:stiffness"] == 0
+
+
+def test_drives_have_the_gains_of_the_servos_for_a_degree_or_a_meter() -> None:
+    servos = Servos((10.0, 20.0, 30.0, 400.0), (1.0, 2.0, 3.0, 40.0))
+    pose = [0.05, -0.03, 0.2, -0.55]
+    degree = np.pi / 180
+    wanted = oracle.actuators(APPENDIX_4, np.array(pose)) / [degree] * np.array([1, 1, 1, degree])
+    for chosen in (servos, None):
+        joints = prims(usd_text(APPENDIX_4, pose=pose, servos=chosen), "        ")
+        for j, name in enumerate(("leg1_theta", "leg2_theta", "leg3_theta", "lift")):
+            way, per = ("angular", degree) if j < 3 else ("linear", 1.0)
+            own = {
+                what: joints[name][2][f"drive:{way}:physics:{what}"]
+                for what in ("stiffness", "damping", "targetPosition")
+            }
+            gains = (0.0, 0.0) if chosen is None else (servos.stiffness[j], servos.damping[j])
+            assert own["stiffness"] == pytest.approx(gains[0] * per)
+            assert own["damping"] == pytest.approx(gains[1] * per)
+            assert own["targetPosition"] == pytest.approx(wanted[j])
 
 
 def test_a_singular_pose_is_refused() -> None:

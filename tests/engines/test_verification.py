@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 import xml.etree.ElementTree as ET
 from dataclasses import replace
@@ -19,6 +20,7 @@ from paminsa_viz.engines.poses import workspace_poses
 from paminsa_viz.engines.verification import (
     EVERY_MISPRINT,
     Comparison,
+    EngineCheck,
     Verification,
     torque_scale,
     verify,
@@ -35,10 +37,14 @@ from paminsa_viz.model import (
     static_imbalance,
 )
 from paminsa_viz.model.parameters import Counterweight
+from paminsa_viz.model.reach import home_pose
+from paminsa_viz.model.singular_limit import CONDITION_LIMIT
+from paminsa_viz.model.statics import static_breakdown
 from paminsa_viz.trajectory import ImpossibleTrajectory, Trajectory, paper_like
 from tests import oracle
 from tests.support import samples
 from tests.support.cases import BOTH
+from tests.support.documentation import missing
 from tests.support.samples import with_knee
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("mujoco")]
@@ -160,6 +166,33 @@ def test_figures_of_a_comparison() -> None:
     }
 
 
+def test_torques_are_measured_by_the_largest_or_by_what_a_single_body_weighs() -> None:
+    """Of either sign, at any of the poses; without weight and torque, by a millionth."""
+    poses = samples.random_poses(np.random.default_rng(4), n=5)
+    weighed = np.abs(static_breakdown(APPENDIX_4, poses).per_leg).max(axis=(0, 2, 3))
+    torques = np.zeros((5, 4))
+    np.testing.assert_allclose(torque_scale(APPENDIX_4, poses, torques), weighed)
+    torques[2] = [1e5, -2e5, 0.0, -3e5]
+    wanted = [1e5, 2e5, weighed[2], 3e5]
+    np.testing.assert_allclose(torque_scale(APPENDIX_4, poses, torques), wanted)
+    afloat = APPENDIX_4.vary({"gravity": 0.0})
+    assert torque_scale(afloat, poses, 0 * torques).tolist() == [1e-6] * 4
+
+
+def test_one_engine_that_disagrees_or_one_kind_of_torques_fails() -> None:
+    good, bad = (Comparison(np.full((2, 4), x), np.ones((2, 4)), np.ones(4)) for x in (1.0, 2.0))
+    other = EngineCheck("other", "1", good, good)
+    whole = checked(misprints=(), poses=1)
+    for static, dynamic, agrees in (
+        (good, good, True), (good, bad, False), (bad, good, False), (bad, bad, False),
+    ):  # fmt: skip
+        check = EngineCheck("engine", "1", static, dynamic)
+        assert check.agrees(0.5) == agrees
+        found = replace(whole, engines=(check, other), tolerance=0.5)
+        assert found.passed == agrees
+        assert found.worst == (0.0 if agrees else 1.0)
+
+
 def test_a_torque_that_is_missing_fails() -> None:
     whole = np.ones((3, 4))
     holed = whole.copy()
@@ -174,9 +207,11 @@ def test_a_torque_that_is_missing_fails() -> None:
 
 
 def test_simulated_drift_is_reported() -> None:
+    assert missing("verification", ["once the platform has strayed by 2 % of R_b"]) == []
+    assert verification.STRAY_LIMIT == 0.02
     found = checked()
     played = found.played
-    assert played.until == found.wanted.size > found.trajectory.size
+    assert played.until == found.wanted.size == 401 > found.trajectory.size  # 0.4 s at 1 kHz
     assert played.stray[-1] < 1e-3
     drift = played.drift[-1]
     reach = np.linalg.norm(drift[[0, 1, 3]]) + 0.1 * abs(drift[2])
@@ -220,6 +255,12 @@ def test_long_trajectories_are_thinned(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.passed
 
 
+def test_a_long_motion_is_simulated_with_fewer_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(verification, "MOST_SIMULATED", 40)
+    found = checked(poses=1, misprints=(), tolerance=0.1)
+    assert found.wanted.size == 41
+
+
 def test_impossible_arguments_are_refused() -> None:
     for tolerance in (0.0, -1e-6, 0.11, 1e300, float("nan"), float("inf")):
         with pytest.raises(InvalidInput, match="tolerance"):
@@ -257,12 +298,40 @@ def test_workspace_poses_are_usable_everywhere(seed: int) -> None:
     height = poses[:, 3] + g.platform_joint_height
     assert 0.3 < (height > 0).mean() < 0.7
     determinant = measure_singularity(g, poses).determinant
-    assert len(set(np.sign(determinant))) == 1
+    home = measure_singularity(g, np.array(home_pose(g))).determinant
+    assert set(np.sign(determinant)) == {np.sign(home)}
     assert np.array_equal(poses, workspace_poses(g, 300, seed))
     assert np.array_equal(poses[:50], workspace_poses(g, 50, seed))
+
+
+def test_poses_are_drawn_up_to_where_torques_grow_without_bound() -> None:
+    """A tenth of R_b from stretched and folded legs, and up to the largest condition number."""
+    g = APPENDIX_4.geometry
+    found = measure_singularity(g, workspace_poses(g, 4000))
+    assert 0.1 <= found.serial_distance.min() / g.base_radius < 0.101
+    assert 0.95 * CONDITION_LIMIT < found.condition.max() <= CONDITION_LIMIT
+    assert len(workspace_poses(g, 1)) == 1
+    with pytest.raises(InvalidInput, match="at least 1 is needed, not 0"):
+        workspace_poses(g, 0)
 
 
 def test_a_workspace_too_small_to_draw_from_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(poses, "_ROUNDS", 1)
     with pytest.raises(InvalidInput, match=r"only \d+ of 5000 found in a workspace this small"):
         workspace_poses(APPENDIX_4.geometry, 5000)
+
+
+def test_as_many_poses_as_all_rounds_find_are_given(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("paminsa_viz.engines.poses._DRAWN", 40)
+    monkeypatch.setattr("paminsa_viz.engines.poses._ROUNDS", 2)
+    with pytest.raises(InvalidInput, match=r"only \d+ of 80 found") as refused:
+        workspace_poses(APPENDIX_4.geometry, 80)
+    (found,) = re.findall(r"only (\d+) of", str(refused.value))
+    assert len(workspace_poses(APPENDIX_4.geometry, int(found))) == int(found) > 3
+    with pytest.raises(InvalidInput, match=f"only {found} of"):
+        workspace_poses(APPENDIX_4.geometry, int(found) + 1)
+
+
+def test_states_are_compared_up_to_the_number_the_documentation_names() -> None:
+    stated = f"every sample of a trajectory (at most {verification.MOST_STATES:,} of them)"
+    assert not missing("verification", [stated])

@@ -117,7 +117,11 @@ SPACE = HEAD + "[workspace]\n"
         ),
         (HEAD + '[[requirements]]\nquantity = "x"\nmax = 1.0\n', 3, "no such quantity"),
         (HEAD + "[[requirements]]\nquantity = 5\nmax = 1.0\n", 3, "name of a quantity"),
-        (HEAD + "[[requirements]]\nmax = 1.0\n", 2, "quantity is missing"),
+        (
+            HEAD + "[[requirements]]\nmax = 1.0\n",
+            2,
+            "quantity is missing; each needs one, and its min",
+        ),
         (ENTRY, 3, "max_Nm is needed"),
         (ENTRY + "max = 15.0\n", 4, "did you mean max_Nm"),
         (ENTRY + "max_Nm = 15.0\nheight = 3\n", 5, "no such key"),

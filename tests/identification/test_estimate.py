@@ -10,14 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.identification.estimate import (
-    FEWEST_BLOCKS,
     ITERATIONS,
-    RESOLUTION,
     block_numbers,
+    directions,
     jackknife,
     normal_blocks,
     solve,
 )
+from paminsa_viz.identification.log import InvalidLog
 
 STEP = 0.01
 
@@ -57,8 +57,8 @@ def test_blocks_are_whole_and_within_a_segment(sizes: list[int], length: float) 
 def test_too_few_blocks_are_refused() -> None:
     t = STEP * np.arange(500)
     everywhere = np.zeros(len(t), np.int64)
-    assert block_numbers(t, everywhere, 5.0 / FEWEST_BLOCKS)[-1] == FEWEST_BLOCKS - 1
-    with pytest.raises(ValueError, match=r"4 blocks of 1\.1 s are left"):
+    assert block_numbers(t, everywhere, 1.0)[-1] == 4
+    with pytest.raises(ValueError, match=r"^4 blocks of 1\.1 s are left .* intervals need 5"):
         block_numbers(t, everywhere, 1.1)
 
 
@@ -82,6 +82,8 @@ def test_fit_without_a_block_is_that_of_the_other_samples(seed: int) -> None:
     expected = np.sqrt(11 / 12 * ((found.without - found.without.mean(axis=0)) ** 2).sum(axis=0))
     np.testing.assert_allclose(found.deviation(np.eye(5)), expected)
     np.testing.assert_allclose(jackknife(found.without), expected)
+    # 95 % to both sides, of Student's t with 11 degrees of freedom
+    assert found.quantile == pytest.approx(2.200985, rel=1e-6)
 
 
 def test_weights_are_those_of_the_residuals_of_the_round_before() -> None:
@@ -104,14 +106,14 @@ def test_weights_are_those_of_the_residuals_of_the_round_before() -> None:
 
 
 def test_an_actuator_without_residuals_has_the_least_noise_that_a_sensor_resolves() -> None:
-    """That is a share of the largest torque, so that one silent actuator does not decide alone."""
+    """A thousand-millionth of the largest torque: one silent actuator does not decide alone."""
     columns, x, numbers = random_columns(7)
     columns[:, 3] = 0.0
     torque = columns @ x + 0.1 * np.random.default_rng(0).standard_normal((240, 4))
     torque[:, 3] = 0.0
     found = solve(normal_blocks(columns, torque, numbers))
     largest = np.sqrt((torque**2).mean(axis=0).max())
-    assert found.noise[3] == pytest.approx(RESOLUTION * largest, rel=1e-9)
+    assert found.noise[3] == pytest.approx(1e-9 * largest, rel=1e-9)
     assert np.all(found.noise[:3] > 0.05)
 
 
@@ -148,6 +150,29 @@ def test_what_is_told_and_known_does_not_depend_on_units(seed: int) -> None:
     assert one.known(rows).all()
     assert other.known(rows * units).all()
     assert one.widening == pytest.approx(other.widening, rel=1e-4)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e6])
+@pytest.mark.parametrize(("share", "excited"), [(1.05e-11, 2), (0.95e-11, 1)])
+def test_two_columns_are_told_apart_down_to_an_eigenvalue_of_a_hundred_thousand_millionth(
+    share: float, excited: int, scale: float
+) -> None:
+    """Of correlation c, whatever their sizes: eigenvalues 1 - c and 1 + c, directions (1, -+1)."""
+    c = (1.0 - share) / (1.0 + share)
+    size = np.array([1.0, scale])
+    found, hidden = directions(np.array([[1.0, c], [c, 1.0]]) * size * size[:, None])
+    assert (found.shape, hidden.shape) == ((2, excited), (2, 2 - excited))
+    ways = np.concatenate([hidden, found], axis=1) * size[:, None]
+    np.testing.assert_allclose(np.abs(ways), np.sqrt(0.5), rtol=1e-5)
+    assert ways[:, 0].prod() < 0 < ways[:, 1].prod()
+
+
+def test_columns_of_zeros_are_hidden_and_nothing_else_is_refused() -> None:
+    found, hidden = directions(np.diag([4.0, 0.0, 9.0]))
+    np.testing.assert_allclose(np.sort(np.abs(found).sum(axis=1)), [0.0, 1 / 3, 1 / 2])
+    np.testing.assert_allclose(np.abs(hidden[:, 0]), [0.0, 1.0, 0.0])
+    with pytest.raises(InvalidLog, match="does not move"):
+        directions(np.zeros((2, 2)))
 
 
 @pytest.mark.parametrize(("share", "known"), [(0.95e-4, True), (1.05e-4, False)])

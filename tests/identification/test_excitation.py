@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import time
 from dataclasses import replace
@@ -9,6 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.special import logsumexp, softmax
 
 from paminsa_viz.actuation import actuator_limits
 from paminsa_viz.errors import InvalidInput
@@ -16,9 +18,10 @@ from paminsa_viz.identification import (
     ExcitationLimits,
     ExcitationSettings,
     NoExcitation,
+    excitation,
     optimize_excitation,
 )
-from paminsa_viz.identification.excitation import amplitudes, kept_limits
+from paminsa_viz.identification.excitation import KeptLimit, amplitudes, kept_limits
 from paminsa_viz.identification.excitation_search import (
     BEYOND,
     GROUP,
@@ -31,22 +34,32 @@ from paminsa_viz.identification.excitation_search import (
     random_motions,
     shrunk,
 )
-from paminsa_viz.identification.information import LIMITED, Evaluation, Information
+from paminsa_viz.identification.information import (
+    COULOMB_SHARE,
+    LIMITED,
+    Evaluation,
+    Information,
+    _soft_least,
+    natural_height,
+)
 from paminsa_viz.identification.multi_sine import MultiSineFamily
 from paminsa_viz.model import (
     APPENDIX_4,
+    Drive,
     Friction,
+    KneeBranch,
     LoadCase,
     actuator_velocity,
     inverse_dynamics,
     static_torques,
 )
 from paminsa_viz.model.design import PARAMETERS
-from paminsa_viz.model.reach import check_reach
+from paminsa_viz.model.reach import check_reach, workspace_height
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.progress import Canceled, go_on
 from paminsa_viz.trajectory import Plan, preset_center
 from paminsa_viz.trajectory.check import check_path
+from tests.support.documentation import missing
 from tests.support.samples import random_design
 
 ROBOT = replace(
@@ -156,6 +169,56 @@ def test_room_is_what_the_model_leaves_of_every_limit() -> None:
     found = [*room[:, :10].T, room[:, 10:].min(axis=1)]
     np.testing.assert_allclose(found, wanted, atol=1e-9)
     assert len(wanted) == len(LIMITED)
+
+
+@pytest.mark.parametrize("knee", KneeBranch)
+@pytest.mark.parametrize("own", [1e-4, 1.0], ids=["sharp", "soft"])
+def test_torques_of_a_search_have_rotors_and_a_step_that_is_soft_enough(
+    knee: KneeBranch, own: float
+) -> None:
+    """As soft as that of the slowest actuator's column, or as the design's own."""
+    servo = Drive("servo", rotor_inertia=1e-4, gear_ratio=50.0)
+    axis = Drive("axis", rotor_inertia=2e-5, transmission="screw", lead=0.01)
+    friction = replace(ROBOT.friction, transition_speed=own)
+    design = replace(ROBOT, drives=(servo, None, None, axis), friction=friction).with_knee(knee)
+    info = information(design, samples=64)
+    limits, states = info.limits, info.states(some_motion(info))
+    pose, velocity, acceleration = np.split(states, 3, axis=-1)
+    soft = replace(friction, transition_speed=max(own, COULOMB_SHARE * limits.speed.min()))
+    torque = inverse_dynamics(replace(design, friction=soft), pose, velocity, acceleration).torque
+    room = info.at(states).room
+    np.testing.assert_allclose(room[:, 4:8], 1 - np.abs(torque) / limits.torque, atol=1e-9)
+    away = knee.sign * (-pose[:, 3] - design.geometry.platform_joint_height)
+    height = (away - limits.clearance) / design.geometry.base_radius
+    np.testing.assert_allclose(room[:, 9], height, atol=1e-12)
+    np.testing.assert_allclose(natural_height(design.geometry, pose), away, atol=1e-12)
+    assert (away > 0).all()
+
+
+def test_a_motion_out_of_reach_tells_nothing_and_keeps_no_limit() -> None:
+    info = information(samples=64)
+    far = 60.0 * some_motion(info)
+    found = info.evaluate(far, 50.0)
+    assert (found.value, found.worst) == (-np.inf, -np.inf)
+    assert found.room.tolist() == [-1.0] * len(LIMITED)
+    assert not found.slope.any()
+    assert not found.room_slope.any()
+    assert (found.slope.shape, found.room_slope.shape) == ((info.family.size,), (11, far.size))
+    values = info.log_det(np.stack([far, some_motion(info)]))
+    assert values[0] == -np.inf
+    assert values[1] == pytest.approx(info.log_det(some_motion(info)))
+
+
+def test_the_least_room_is_softened_limit_by_limit() -> None:
+    """-log(sum e^(-s r))/s over the samples of each limit, reach over all of its twelve."""
+    room = np.random.default_rng(2).uniform(-1.0, 1.0, (30, 22))
+    for sharpness in (5.0, 300.0):
+        soft, shares = _soft_least(room, sharpness)
+        parts = [room[:, [i]] for i in range(10)] + [room[:, 10:]]
+        wanted = [-logsumexp(-sharpness * part) / sharpness for part in parts]
+        np.testing.assert_allclose(soft, wanted, rtol=1e-12)
+        weights = np.concatenate([softmax(-sharpness * part) for part in parts], axis=1)
+        np.testing.assert_allclose(shares, weights, atol=1e-14)
 
 
 def test_information_is_that_of_measured_torques() -> None:
@@ -353,6 +416,73 @@ def test_a_motion_that_is_too_large_is_shrunk_to_where_a_limit_is_reached() -> N
     assert info.worst_room(1.001 * found) < ROUNDING
 
 
+def test_random_motions_are_halved_a_dozen_times_up_to_four_deviations() -> None:
+    """Of the first harmonic's sines only 0.3; a motion for which there is no size is left out."""
+    ticks: list[int] = []
+    family = SimpleNamespace(size=8)
+    every = SimpleNamespace(family=family, worst_room=lambda x: np.ones(len(x)))
+    found = random_motions(every, 4000, 3, lambda: ticks.append(1))  # type: ignore[arg-type]
+    assert len(ticks) == 12
+    deviation = found.std(axis=0) / (4.0 * (1 - 2.0**-12))
+    np.testing.assert_allclose(deviation, [0.3] * 4 + [1.0] * 4, rtol=0.05)
+    some = SimpleNamespace(family=family, worst_room=lambda x: np.where(x[:, 5] > 0, 1.0, 0.0))
+    half = random_motions(some, 4000, 3)  # type: ignore[arg-type]
+    np.testing.assert_array_equal(half, found[found[:, 5] > 0])
+
+
+def test_a_motion_is_shrunk_by_twenty_halvings_from_below() -> None:
+    motion = np.array([1.0, -2.0])
+    for share, wanted in ((0.6, np.floor(0.6 * 2**20) / 2**20), (2.0, 1.0)):
+        info = SimpleNamespace(
+            worst_room=lambda x, share=share: ROUNDING if np.abs(x).max() <= 2 * share else 0.0
+        )
+        np.testing.assert_array_equal(shrunk(info, motion), wanted * motion)  # type: ignore[arg-type]
+
+
+def test_motions_are_improved_the_best_random_one_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By what they tell at the noise of the first 32 of them; results are of finer samples."""
+    settings = ExcitationSettings(period=PERIOD, evaluations=5, random=34, seconds=1e4)
+    drawn = np.stack([0.4 * some_motion(information(), seed) for seed in range(34)])
+    order: list[np.ndarray] = []
+    monkeypatch.setattr(Search, "run", lambda _, starts: order.append(starts))
+    monkeypatch.setattr(excitation, "random_motions", lambda *_: drawn)
+    found = optimize_excitation(ROBOT, limits_of(ROBOT), settings)
+    center, scale = preset_center(ROBOT.geometry), amplitudes(ROBOT)
+    g = ROBOT.geometry
+    wanted = [0.3 * g.base_radius] * 2 + [0.4, 0.1 * workspace_height(g)]
+    np.testing.assert_allclose(scale, wanted, rtol=1e-12)
+    said = "multiples of 0.3 R_b, 0.4 rad and 0.1 of the workspace's height"
+    assert missing("identification", [said]) == []
+    family = MultiSineFamily(5, center, scale)
+    info = Information(ROBOT, limits_of(ROBOT), family, PERIOD, settings.samples)
+    info.noise = 0.02 * info.torque_rms(drawn[:32]).mean(axis=0)
+    worth = info.log_det(order[0])
+    assert (np.diff(worth) <= 1e-9).all()
+    assert len(worth) == len(drawn) == found.random
+    fine = Information(ROBOT, limits_of(ROBOT), family, PERIOD, 4 * settings.samples)
+    fine.noise, fine.sharp = info.noise, True
+    best = float(fine.log_det(shrunk(fine, order[0][0])))
+    assert found.random_log_det == pytest.approx(best, abs=1e-6)
+    assert found.log_det == found.random_log_det  # nothing has been improved
+
+
+def test_a_search_without_time_has_spent_all_of_it() -> None:
+    shares: list[float] = []
+    settings = ExcitationSettings(period=PERIOD, evaluations=3, random=3, seconds=0.0)
+    found = optimize_excitation(
+        ROBOT, limits_of(ROBOT), settings, progress=lambda done: shares.append(done)
+    )
+    assert set(shares) == {1.0}
+    assert len(shares) == 12 + 1
+    assert found.evaluations == 0
+
+
+def test_a_limit_that_is_just_reached_is_kept() -> None:
+    for least in (False, True):
+        for value, kept in ((1.0, True), (1.0 + 1e-12, least), (1.0 - 1e-12, not least)):
+            assert KeptLimit("name", value, 1.0, "", 0.0, least).kept == kept
+
+
 def test_gain_is_of_log_det_and_narrows_intervals_by_its_root_for_each_parameter() -> None:
     settings = ExcitationSettings(period=PERIOD, evaluations=0, random=4)
     found = optimize_excitation(ROBOT, limits_of(ROBOT), settings)
@@ -377,6 +507,26 @@ def test_nothing_goes_on_when_no_evaluation_or_no_time_is_left() -> None:
     assert evaluations(few) == 7
     assert evaluations(replace(few, evaluations=0)) == 0
     assert evaluations(replace(few, seconds=5.0), begin=5.1) == 0
+
+
+def test_a_search_says_every_ten_evaluations_how_much_of_its_budget_is_spent() -> None:
+    """Of evaluations or of the time, of which more is spent; and begins with no motion at all."""
+    info = information(samples=64)
+
+    def shares(seconds: float, begin: float = 0.0) -> list[float]:
+        found: list[float] = []
+        settings = ExcitationSettings(period=PERIOD, evaluations=25, seconds=seconds, random=1)
+        search = Search(info, settings, time.monotonic() - begin, lambda done: found.append(done))
+        assert not search.best.any()
+        assert search.best_value == -np.inf
+        with contextlib.suppress(Canceled):
+            while True:
+                search._spend()
+        return found
+
+    assert shares(1e5) == pytest.approx([0.0, 0.4, 0.8], abs=1e-6)
+    assert shares(1e4, begin=6e3)[:2] == pytest.approx([0.6, 0.6], abs=1e-3)
+    assert shares(5.0, begin=6.0) == [1.0]
 
 
 def test_stages_go_on_with_the_best_motions_of_those_before() -> None:

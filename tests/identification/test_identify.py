@@ -36,7 +36,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.lumped import mass_vector
 from paminsa_viz.model.reach import home_pose
-from tests.support.identification_logs import moved_unseen, simulated
+from tests.support.identification_logs import moved_unseen, multi_sine, simulated
 from tests.support.samples import random_design
 
 FRICTION = Friction(0.3, 0.4, 20.0, 8.0)
@@ -162,13 +162,37 @@ def test_what_is_not_fitted_has_no_estimate_and_takes_nothing_of_the_rest() -> N
     assert len(symbols) == 11 + 8
 
 
+def test_a_pause_in_a_log_changes_nothing() -> None:
+    """At rest all columns but those of weights are zero, which are not those of no motion."""
+    t, rest = np.arange(20000) / 1000.0, np.arange(20000) > 14000
+    moving = multi_sine(1, RUBBING)
+    home = moving(t[:1])[0]
+
+    def pose(at: Any) -> Any:
+        left = np.clip((14.0 - at) / 3.0, 0.0, 1.0)[:, None]
+        return home + (moving(at)[0] - home) * left**4 * (
+            35 - 84 * left + 70 * left**2 - 20 * left**3
+        )
+
+    h = 1e-3
+    before, here, after = pose(t - h), pose(t), pose(t + h)
+    rates = (after - before) / (2 * h), (after - 2 * here + before) / h**2
+    assert not rates[0][rest].any()
+    torque = inverse_dynamics(RUBBING, here, *rates).torque
+    position = inverse_kinematics(RUBBING.geometry, here).actuators
+    found = identify(RUBBING, make_log(t, position, torque), QUICK)
+    assert np.abs(errors(found, RUBBING)).max() < 0.05
+
+
 def test_short_logs_and_torques_with_the_wrong_sign_are_noted() -> None:
     log = simulated(1, RUBBING, rate=200.0)
     short = identify(
         APPENDIX_4, make_log(log.t[:1200], log.position[:1200], log.torque[:1200]), QUICK
     )
     assert any("the log is 6 s long; 20 s or more are advised" in note for note in short.notes)
-    assert not any("advised" in note for note in identify(APPENDIX_4, log, QUICK).notes)
+    for count, advised in ((3959, True), (3960, False), (len(log.t), False)):  # 19.8 s
+        cut = make_log(log.t[:count], log.position[:count], log.torque[:count])
+        assert any("advised" in note for note in identify(APPENDIX_4, cut, QUICK).notes) == advised
     first = identify(APPENDIX_4, log, QUICK).notes[0]
     assert "half at 10 Hz" in first
     assert "38 blocks of 0.5 s" in first  # 19.1 s are left after filtering

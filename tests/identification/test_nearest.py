@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,15 @@ from paminsa_viz.identification import (
     identify,
     nearest_masses,
 )
-from paminsa_viz.identification.nearest import _prior_deviation
+from paminsa_viz.identification.nearest import (
+    MassEstimate,
+    _drive,
+    _prior_deviation,
+    _told,
+    _with_actuators,
+)
 from paminsa_viz.model import APPENDIX_4, Design, Friction
+from paminsa_viz.model.design import PARAMETER
 from paminsa_viz.model.drive import Drive
 from tests.support.identification_logs import simulated
 
@@ -175,3 +183,79 @@ def test_a_mass_of_nothing_is_believed_to_be_a_tenth_of_those_like_it() -> None:
     np.testing.assert_allclose(found, 0.3 * np.array(expected))
     tiny = _prior_deviation(["links.b3", "links.b4"], np.array([1e-3, 0.8]), 0.3)
     np.testing.assert_allclose(tiny, [0.3 * 0.1 * (1e-3 + 0.8) / 2, 0.3 * 0.8])
+
+
+def test_what_a_log_tells_is_its_information_without_all_that_is_no_mass(identified: Any) -> None:
+    """By the covariance of the eleven alone; deviations and misfit are those that follow from it.
+
+    What moves with each mass is taken by differences.
+    """
+    root, target = _told(identified)
+    solution = identified.solution
+    assert solution.hidden.shape[1] == 0
+    size = np.sqrt(np.diag(solution.information))
+    covariance = np.linalg.inv(solution.information / size / size[:, None]) / size / size[:, None]
+    expected = np.linalg.inv(covariance[:11, :11]) / solution.widening**2
+    scale = np.sqrt(np.diag(expected))
+    np.testing.assert_allclose(
+        root.T @ root / scale / scale[:, None], expected / scale / scale[:, None], atol=1e-6
+    )
+    np.testing.assert_allclose(target, root @ solution.x[:11])
+    found = nearest_masses(identified)
+    left = root @ base_parameters(found.design) - target
+    assert found.misfit == pytest.approx(np.sqrt((left**2).sum() / 11), rel=1e-6)
+    paths = [item.parameter.path for item in found.masses]
+    steps = np.array([0.01 * found.design.value(path) + 1e-4 for path in paths])
+    slopes = [
+        (base_parameters(found.design.vary({path: found.design.value(path) + step}))
+         - base_parameters(found.design)) / step
+        for path, step in zip(paths, steps, strict=True)
+    ]  # fmt: skip
+    inverse = np.diag([1 / item.prior_deviation**2 for item in found.masses])
+    precise = np.array(slopes) @ root.T @ root @ np.array(slopes).T + inverse
+    deviations = np.sqrt(np.diag(np.linalg.inv(precise)))
+    np.testing.assert_allclose([item.deviation for item in found.masses], deviations, rtol=1e-6)
+
+
+def test_a_mass_is_told_if_its_deviation_falls_by_a_tenth() -> None:
+    (item,) = (PARAMETER[path] for path in ("links.b4",))
+    for deviation, told in ((0.9, True), (0.901, False), (0.5, True)):
+        assert MassEstimate(item, 1.0, 1.0, 1.0, deviation).told == told
+
+
+def test_a_drive_gets_friction_and_inertia_at_its_own_shaft() -> None:
+    """Viscous friction and inertia by the ratio's square, less the gear's; nothing is negative."""
+    own = Drive("d", rotor_inertia=1e-4, gear_inertia=2e-5, gear_ratio=20.0, coulomb=1.0)
+    found = _drive(own, 0.4, 0.6, 0.06, 0.048)
+    assert found is not None
+    numbers = (found.viscous, found.coulomb, found.rotor_inertia, found.gear_inertia)
+    assert numbers == pytest.approx((1e-3, 0.03, 1.3e-4, 2e-5), rel=1e-12)
+    same = _drive(own, -0.4, -0.6, 0.048, 0.048)
+    assert same == replace(own, viscous=0.0, coulomb=0.0)
+    less = _drive(own, 0.0, 0.0, 0.004, 0.048)
+    assert less == replace(own, coulomb=0.0, rotor_inertia=0.0)
+    assert _drive(None, -1.0, 0.0, 1e-9, 0.0) is None
+    for place in range(3):
+        values = 0.5 * np.eye(3)[place]
+        made = _drive(None, *values.tolist(), 0.0)
+        assert made is not None
+        assert [made.viscous, made.coulomb, made.rotor_inertia] == values.tolist()
+        assert (made.name, made.ratio) == ("identified", 1.0)
+
+
+def test_rotors_that_would_be_negative_are_raised_together() -> None:
+    """Of a design without drives, whose mean is zero; M4 without a drive keeps its own friction."""
+
+    def item(symbol: str, value: float, known: bool = True) -> Any:
+        return SimpleNamespace(symbol=symbol, value=value, known=known)
+
+    design = replace(APPENDIX_4, friction=Friction(0.1, 0.2, 30.0, 4.0, 0.02))
+    estimates = [
+        item("ΔJ_1", -0.03), item("ΔJ_2", 0.01), item("b_v1", 0.5), item("b_v2", 9.0, known=False),
+        item("b_v3", -0.1), item("b_v4", 25.0), item("c4", -1.0), item("c1", 0.7),
+    ]  # fmt: skip
+    found = _with_actuators(SimpleNamespace(design=design, estimates=estimates))  # type: ignore[arg-type]
+    np.testing.assert_allclose(found.drive_inertia, [0.0, 0.04, 0.05, 0.0], atol=1e-12)
+    assert found.actuator_friction.viscous == pytest.approx((0.5, 0.1, 0.0, 25.0))
+    assert found.actuator_friction.coulomb == pytest.approx((0.7, 0.2, 0.2, 0.0))
+    assert found.friction == Friction(0.0, 0.0, 25.0, 0.0, 0.02)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,10 @@ from paminsa_viz.identification import (
     validate,
     weigh_payload,
 )
-from paminsa_viz.model import APPENDIX_4, Friction, Payload
+from paminsa_viz.identification.estimate import normal_blocks, solve
+from paminsa_viz.identification.validation import Validation, _step
+from paminsa_viz.model import APPENDIX_4, Drive, Friction, LoadCase, Payload
+from tests.identification.test_estimate import random_columns
 from tests.support.identification_logs import simulated
 
 DESIGN = replace(APPENDIX_4, friction=Friction(0.3, 0.4, 20.0, 8.0))
@@ -98,8 +102,56 @@ def test_a_known_payload_may_be_light(identified: Any) -> None:
 
 
 def test_an_impossible_payload_is_refused(identified: Any) -> None:
-    with pytest.raises(InvalidInput, match=r"payload: .*above 0 kg"):
-        weigh_payload(identified, identified.log, known=0.0)
+    for known in (0.0, -1.0, np.inf, np.nan):
+        with pytest.raises(InvalidInput, match=r"payload: .*above 0 kg"):
+            weigh_payload(identified, identified.log, known=known)
+
+
+def test_a_log_is_predicted_as_by_its_own_identification() -> None:
+    """With a load that is known, and rotors that differ."""
+    drives = (Drive("a", rotor_inertia=1e-4, gear_ratio=20.0), None, None, None)
+    design = replace(DESIGN, load=LoadCase(20.0, 0.0, -30.0), drives=drives)
+    found = identify(design, simulated(1, design, rate=200.0), QUICK)
+    again = validate(found, found.log)
+    np.testing.assert_allclose(again.predicted, found.predicted, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(again.ratio, 1.0, rtol=1e-6)
+
+
+def test_a_validation_holds_if_each_actuator_is_predicted_within_a_tenth() -> None:
+    for residual, holds in (
+        ((1.1, 2.2, 0.5, 1.0), True), ((1.0, 2.21, 1.0, 1.0), False), ((2.0, 3.0, 2.0, 2.0), False),
+    ):  # fmt: skip
+        found = Validation(None, None, None, np.array(residual), np.array([1.0, 2.0, 1.0, 1.0]))  # type: ignore[arg-type]
+        assert found.holds == holds
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_payload_is_what_explains_best_what_a_first_log_leaves(seed: int) -> None:
+    """Least squares; with variances by leaving out blocks of either log, and Student's t."""
+    rng = np.random.default_rng(seed + 20)
+    columns, x, numbers = random_columns(seed)
+    other, _, others = random_columns(seed + 1)
+    scale = np.array([0.1, 2.0, 0.5, 10.0])
+    first = solve(normal_blocks(other, other @ x + scale * rng.standard_normal((240, 4)), others))
+    extra = rng.standard_normal((240, 4, 2))
+    torque = columns @ x + extra @ [2.0, -3.0] + scale * rng.standard_normal((240, 4))
+    model = SimpleNamespace(columns=columns, torque=torque)
+    value, half = _step(extra, model, first, numbers)  # type: ignore[arg-type]
+    noise = solve(normal_blocks(extra, torque - columns @ first.x, numbers)).noise
+
+    def fit(part: Any, of_first: Any) -> Any:
+        rows = (extra[part] / noise[:, None]).reshape(-1, 2)
+        left = (torque[part] - columns[part] @ of_first) / noise
+        return np.linalg.lstsq(rows, left.ravel())[0]
+
+    every = np.arange(240)
+    np.testing.assert_allclose(value, fit(every, first.x), rtol=1e-9)
+    here = [fit(np.flatnonzero(numbers != number), first.x) for number in range(12)]
+    there = [fit(every, without) for without in first.without]
+    squares = [
+        11 / 12 * ((part - np.mean(part, axis=0)) ** 2).sum(axis=0) for part in (here, there)
+    ]
+    np.testing.assert_allclose(half, 2.200985 * np.sqrt(np.sum(squares, axis=0)), rtol=1e-6)
 
 
 def test_shipped_logs_validate_and_weigh_two_kilograms() -> None:

@@ -214,6 +214,23 @@ def test_proposed_poses_are_home_s_side_and_clear_of_limits(
     assert np.ptp(poses[:, 3]) > 0.2
 
 
+def test_poses_are_drawn_in_twenty_rounds_before_it_is_given_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    place = "paminsa_viz.precision.calibration_problem"
+    drawn: list[int] = []
+
+    def one_more(geometry: Any, poses: Any) -> Any:
+        drawn.append(len(poses))
+        return measure_singularity(geometry, poses)
+
+    monkeypatch.setattr(f"{place}._DRAWN", 10)
+    monkeypatch.setattr(f"{place}.measure_singularity", one_more)
+    with pytest.raises(InvalidInput, match="of 800 poses found"):
+        measuring_poses(APPENDIX_4, 5)
+    assert [count for count in drawn if count == 10] == [10] * 20
+
+
 @pytest.mark.slow
 def test_proposed_poses_show_more_than_random_ones() -> None:
     design = APPENDIX_4

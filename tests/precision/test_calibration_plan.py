@@ -7,7 +7,7 @@ import pytest
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, check_reach, inverse_kinematics
-from paminsa_viz.precision.calibration import calibrate
+from paminsa_viz.precision.calibration import _ROUNDS, calibrate
 from paminsa_viz.precision.calibration_plan import plan_calibration
 from paminsa_viz.precision.leg_lengths import deviation_array, with_deviations
 from paminsa_viz.precision.measurements import InvalidMeasurement, predict, simulated_measurements
@@ -76,6 +76,8 @@ def test_a_plan_can_be_ended_and_a_calibration_too() -> None:
     assert done == sorted(done)
     assert done[0] == 0.0
     assert 0.4 < done[-1] < 1.0
+    fits = [part * (1 + _ROUNDS) for part in sorted(set(done))]
+    assert fits == pytest.approx(range(len(fits)))
 
 
 def test_residuals_are_of_the_measured_poses_in_their_order() -> None:

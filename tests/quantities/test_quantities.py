@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -167,6 +168,35 @@ def test_cells_are_as_many_as_the_time_allows(keys: list[str], most: int, budget
     assert cells == most or (cells + 1) ** 2 * sum(costs) * rounding > budget
     assert affordable_cells(keys[::-1], most, budget) == cells
     assert all(affordable_cells([key], most, budget) >= cells for key in keys)
+
+
+CELLS = (
+    (3162, "tau_1 tau_2 tau_3 f_4 max_torque rms_torque reach_margin selective_z"),
+    (1825, "condition determinant transmission.* pressure_. selective_(x|y|theta) conditioning"),
+    (1000, "payload horizontal_force vertical_force moment (turn_)?speed"),
+    (500, "joint_force force_m guide_force force_8_b. force_. bearing_moment arm_moment"),
+    (447, "(turn_)?acceleration (linear_|rms_)?error_.*"),
+    (288, "bar_moment bar_axial utilization"),
+    (223, "frequency_drives"),
+    (200, "(rms_)?tolerance_.* stiffness_.* deflection deflection_tilt"),
+    (182, "clearance"),
+    (141, "deviation_.*"),
+    (70, "clearance_.*"),
+    (57, "frequency_1"),
+)
+"""Cells a side that a map of a second has, by what a pose takes where it was measured."""
+
+
+def test_maps_of_all_quantities_have_the_cells_that_were_settled_on() -> None:
+    found = set()
+    for cells, names in CELLS:
+        wanted = re.compile("|".join(f"(?:{name})" for name in names.split()))
+        keys = {key for key in QUANTITIES if wanted.fullmatch(key)} - found
+        assert {key: affordable_cells([key], 10**6, 1.0) for key in keys} == dict.fromkeys(
+            keys, cells
+        )
+        found |= keys
+    assert found == set(QUANTITIES)
 
 
 def test_cells_of_results_that_share_their_work_are_as_many_as_of_one() -> None:

@@ -200,3 +200,11 @@ def test_torques_that_are_required_are_those_with_the_load() -> None:
             assert found.item() == pytest.approx(expected, rel=1e-9), name
         most = QUANTITIES["max_torque"].over(field, design)
         assert most.item() == pytest.approx(np.abs(torque[:3]).max(), rel=1e-9)
+
+
+def test_a_text_of_300_characters_is_read_and_a_longer_one_is_not() -> None:
+    text = "condition" + " " * 285 + "<= 10"
+    assert len(text) == 299
+    assert parse_requirement(text + "0").high == 100.0
+    with pytest.raises(InvalidInput, match="at most 300 characters"):
+        parse_requirement(text + "00")

@@ -13,6 +13,7 @@ from paminsa_viz.model import APPENDIX_4, check_reach
 from paminsa_viz.report import claims
 from paminsa_viz.report.claim import Claim, MeasuredClaim
 from paminsa_viz.report.claims import CLAIMS
+from tests.support.documentation import missing
 
 Change = Callable[[Any, float], Any]
 
@@ -85,7 +86,7 @@ def test_a_claim_fails_where_one_value_is_off(
 
 def test_one_heading_of_the_circle_is_enough_to_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     right = claims.singular_radius
-    for at in (-0.4, 0.9):
+    for at in (-0.4, 0.0, 0.3, 0.9):
         monkeypatch.setattr(
             claims, "singular_radius", lambda g, t, at=at: right(g, t) + 3e-10 * (t == at)
         )
@@ -149,3 +150,47 @@ def test_differences_are_over_the_size_of_their_own_column() -> None:
     size = np.array([[1.0, -4.0], [-3.0, 2.0]])
     assert claims._relative(difference, size) == pytest.approx(0.1)
     assert claims._relative(difference[:, ::-1], size) == pytest.approx(0.075)
+
+
+def test_paths_and_limits_are_those_of_the_pages() -> None:
+    start, end = claims.TURN
+    assert missing("crossing", [f"straight_path({start}, {end})"]) == []
+    x, y, theta, z = claims.LINE[1]
+    assert z == claims.LINE[0][3] == start[3] == -0.5
+    assert missing("crossing", [f"({x:g}, {y:g}) m, θ = {theta:g} rad"]) == []
+    limits = claims._MOTION_LIMITS
+    head = (
+        f"{limits.speed:g} m/s, {limits.turn_speed:g} rad/s, {limits.acceleration:g} m/s², "
+        f"{limits.turn_acceleration:g} rad/s² | those, {limits.torque:g} N m, {limits.force:g} N |"
+    )
+    assert missing("motions", [head]) == []
+
+
+def test_newton_begins_a_millimeter_away_at_fifty_poses(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[np.ndarray] = []
+
+    def solved(geometry: Any, lengths: Any, actuators: Any, near: Any) -> Any:
+        asked.append(near)
+        return SimpleNamespace(coordinates=np.zeros((len(near), 6)))
+
+    monkeypatch.setattr(claims, "solve_pose", solved)
+    claims._unequal_legs()
+    assert asked[0].shape == (50, 4)
+    np.testing.assert_allclose(np.abs(asked[0] - claims._poses()[:50]), 1e-3)
+
+
+def test_power_is_looked_at_along_the_motion_and_off_by_its_share(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """But for its ends; torques that are larger by a part are off by that part of the largest."""
+    right, times = claims.inverse_dynamics, []
+    motion = claims.PRESET["arch"].build(APPENDIX_4.geometry)
+    monkeypatch.setattr(
+        claims, "inverse_dynamics",
+        lambda *given: SimpleNamespace(torque=1.01 * right(*given).torque),
+    )  # fmt: skip
+    at = type(motion).at
+    monkeypatch.setattr(type(motion), "at", lambda plan, t: times.append(t) or at(plan, t))
+    assert claims._power() == pytest.approx(0.01, rel=1e-3)
+    share = times[-1] / motion.duration
+    assert (share.min(), share.max()) == pytest.approx((0.05, 0.95))

@@ -15,7 +15,7 @@ from paminsa_viz.model import (
     singular_radius,
 )
 from paminsa_viz.model.kinematics import LEG_AXES
-from paminsa_viz.palette import LEG_COLORS, LIFT_COLOR
+from paminsa_viz.palette import INK, LEG_COLORS, LIFT_COLOR, MUTED
 from paminsa_viz.plots.formats import drawing
 from paminsa_viz.report import design_section, workspace_section
 from paminsa_viz.report.request import ReportRequest
@@ -35,10 +35,11 @@ def test_maps_of_a_report_take_the_width_that_they_are_given(
 ) -> None:
     """The torques all of it with their caption, force and condition number half of it each."""
     note, *figures = workspace_section.maps_section(REQUEST).blocks
-    assert "θ = 17.19° and z = −520 mm" in note.text  # type: ignore
+    assert "θ = 17.19°, z = −520 mm" in note.text  # type: ignore
     made = [(one.half, one.draw.keywords) for one in figures]  # type: ignore
     assert [half for half, _ in made] == [False, True, True]
     assert [options["caption"] for _, options in made] == [True, False, False]
+    assert [options["dpi"] for _, options in made] == [150.0] * 3  # sharp in print
     widths = [options["width_mm"] for _, options in made]
     assert widths == [170.0, 85.0, 85.0]  # of a page with margins of 20 mm
     choices: list[str] = []
@@ -120,20 +121,51 @@ def test_frame_platform_and_loci_are_where_they_are(drawn: Any) -> None:
     assert len(posts) == 3
 
 
+def test_lines_are_as_wide_as_what_they_stand_for(drawn: Any) -> None:
+    """Bars twice as wide as guides; frame, loci and the platform's edge are thinner [points]."""
+    _, page = drawn
+    assert page.get_figwidth() == 9.0
+    for area, (near, level) in zip(page.axes, ((1, 0), (0, 1)), strict=True):
+        of = {color: [line for line in area.lines if line.get_color() == color]
+              for color in (*LEG_COLORS, LIFT_COLOR, INK, MUTED)}  # fmt: skip
+        for color in LEG_COLORS:
+            rings = [line for line in of[color] if line.get_marker() == "o"]
+            bars = [line for line in of[color] if line.get_linestyle() == "-"]
+            guides = [line for line in of[color] if line.get_linestyle() == "--"]
+            assert {line.get_linewidth() for line in bars if line not in rings} == {2.2}
+            assert {line.get_linewidth() for line in guides} == {1.1}
+        marked = [line for line in area.lines if line.get_marker() == "o"]
+        assert {line.get_markeredgewidth() for line in marked} == {1.0}
+        assert {line.get_markersize() for line in marked} == {9.0, 4.5}  # feet twice as large
+        assert {line.get_linewidth() for line in of[LIFT_COLOR]} == {2.2}
+        thin = [line for line in of[MUTED] if line.get_marker() != "+"]
+        assert [line.get_linewidth() for line in thin] == [0.8] * max(near, level)
+        inked = {line.get_linewidth() for line in of[INK]}
+        assert inked == ({0.8} if near else {1.2})
+        circles = [line for line in area.lines if len(line.get_xdata()) > 100]
+        assert all(len(line.get_xdata()) == 181 for line in circles)  # every two degrees
+        (plate,) = area.patches
+        assert (plate.get_linewidth(), plate.get_alpha()) == (1.3, 0.8)
+        assert {text.get_fontsize() for text in area.texts} == {10.0}
+    assert {text.get_fontsize() for text in page.texts} == {10.0}
+    (cross,) = [line for line in page.axes[0].lines if line.get_marker() == "+"]
+    assert cross.get_markersize() == 8.0
+
+
 def test_views_stand_side_by_side_with_their_words_and_legs_are_numbered(drawn: Any) -> None:
     configuration, page = drawn
     top, side = (area.get_position(original=True) for area in page.axes)
     assert top.x0 == 0.0
     assert side.x1 == pytest.approx(1.0)
     assert top.width == pytest.approx(side.width)
-    assert 0.0 < side.x0 - top.x1 < 0.1
+    assert side.x0 - top.x1 == pytest.approx(0.04)
     assert top.y1 == side.y1 == pytest.approx(1.0)
     assert top.y0 * page.get_figheight() == pytest.approx(side.y0 * page.get_figheight())
-    assert 0.2 < top.y0 * page.get_figheight() < 0.5  # inches for the words below
+    assert top.y0 * page.get_figheight() == pytest.approx(0.35)  # inches for the words below
     for text, box in zip(page.texts, (top, side), strict=True):
         x, y = text.get_position()
         assert x == pytest.approx(box.x0 + box.width / 2, abs=1e-9)
-        assert 0.0 < y < box.y0
+        assert y * page.get_figheight() == pytest.approx(0.1)
     for area, view in zip(page.axes, ([0, 1], [0, 2]), strict=True):
         assert [text.get_text() for text in area.texts] == ["1", "2", "3"]
         for leg, text in enumerate(area.texts):
@@ -143,12 +175,12 @@ def test_views_stand_side_by_side_with_their_words_and_legs_are_numbered(drawn: 
             shift = np.array(text.xyann)
             if view == [0, 2]:
                 assert shift[0] == 0.0
-                assert shift[1] > 0.0
+                assert shift[1] == 9.0  # points
             else:  # beside the leg
                 ahead = (np.array(configuration.points[5])[leg] - axis)[:2]
                 assert abs(shift @ ahead) < 1e-9
                 assert shift[0] * -ahead[1] + shift[1] * ahead[0] > 0
-                assert 8.0 < np.hypot(*shift) < 20.0
+                assert np.hypot(*shift) == pytest.approx(13.0)
         # everything is inside, with a margin
         (x0, x1), (y0, y1) = area.get_xlim(), area.get_ylim()
         for number in (2, 3, 4, 5, 7, 8, 9):
@@ -158,6 +190,10 @@ def test_views_stand_side_by_side_with_their_words_and_legs_are_numbered(drawn: 
         around = max(0.35, float(singular_radius(G, POSE[2])))
         assert x0 < -around
         assert x1 > around
+        joints = np.concatenate([np.array(points) for points in configuration.points.values()])
+        ends = [min(-around, joints[:, 0].min()), max(around, joints[:, 0].max())]
+        margin = 0.04 * (ends[1] - ends[0])
+        np.testing.assert_allclose([x0, x1], [ends[0] - margin, ends[1] + margin])
 
 
 def test_where_the_provenance_comes_from() -> None:
@@ -171,3 +207,32 @@ def test_where_the_provenance_comes_from() -> None:
     table: Any = design_section.provenance_section(REQUEST, "no").blocks[0]
     assert dict(cells(table))["Made"].startswith("2026-01-02 03:04")
     assert (table.words, table.literal) == (2, True)
+
+
+def test_lines_marks_and_letters_are_as_thick_and_large_as_drawn_for_print(drawn: Any) -> None:
+    """Of a page 9 inches wide: bars, platform, plates and guides from thick to thin [points]."""
+    _, page = drawn
+    assert page.get_size_inches()[0] == 9.0
+    assert workspace_section.DPI == 150.0
+    assert {text.get_fontsize() for text in page.texts} == {10.0}
+    shared = {("-", 2.2), ("--", 1.1)}
+    for area, own in zip(
+        page.axes, ({("-", 0.8), ("--", 0.8)}, {("-", 1.2), (":", 0.8)}), strict=True
+    ):
+        lines = [line for line in area.lines if line.get_marker() == "None"]
+        marks = [line for line in area.lines if line.get_marker() != "None"]
+        assert {(line.get_linestyle(), line.get_linewidth()) for line in lines} == shared | own
+        sizes = {(mark.get_marker(), mark.get_markersize()) for mark in marks}
+        assert sizes - {("+", 8.0)} == {("o", 4.5), ("o", 9.0)}
+        assert (("+", 8.0) in sizes) == (area is page.axes[0])
+        assert {mark.get_markeredgewidth() for mark in marks} == {1.0}
+        assert [(plate.get_linewidth(), plate.get_alpha()) for plate in area.patches] == [
+            (1.3, 0.8)
+        ]
+        assert {text.get_fontsize() for text in area.texts} == {10.0}
+        assert {len(line.get_xdata()) for line in lines} == (
+            {2, 181} if area is page.axes[0] else {2}
+        )
+        thick = [line for line in lines if line.get_linewidth() == 2.2]
+        # of each leg four bars and the shaft; from the side the arms of the lift as well
+        assert len(thick) == (15 if area is page.axes[0] else 18)

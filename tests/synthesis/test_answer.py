@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -175,6 +176,32 @@ def test_robots_are_within_their_tolerances():
         # B7 as drilled: joint 4 is at l_B4/k from 9
         part = robot.geometry.coupler_length / robot.geometry.magnification
         assert abs(part - 0.21) <= 1e-3 * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_draw_at_its_end_is_the_end_of_a_tolerance(
+    side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Bar B4 has two parts, and a joint 5 its height in the platform and that of the guide."""
+
+    class OneSided:
+        def uniform(self, low: float, high: float, shape: Any) -> Any:
+            return np.full(shape, high if side > 0 else low)
+
+    monkeypatch.setattr(np.random, "default_rng", lambda seed: OneSided())
+    own = Tolerances(
+        bar=1e-3, shaft=2e-3, axis_radius=3e-3, joint_radius=4e-3, joint_height=5e-4,
+        guide_height=7e-4,
+    )  # fmt: skip
+    (robot,) = built_robots(replace(APPENDIX_4, tolerances=own), 1, mass_tolerance=0.1)
+    g, was = robot.geometry, APPENDIX_4.geometry
+    expected = {
+        "crank_length": 1e-3, "coupler_length": 2e-3, "shaft_length": 2e-3, "base_radius": 3e-3,
+        "platform_radius": 4e-3, "platform_joint_height": 1.2e-3,
+    }  # fmt: skip
+    for name, most in expected.items():
+        assert getattr(g, name) - getattr(was, name) == pytest.approx(side * most, rel=1e-9)
+    assert robot.links.b4 == pytest.approx((1 + 0.1 * side) * APPENDIX_4.links.b4)
 
 
 def test_it_can_be_canceled_and_says_so():

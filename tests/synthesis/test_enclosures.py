@@ -95,6 +95,18 @@ def test_every_value_is_as_near_to_the_line_as_it_says(name: str, a: Any, b: Any
     assert exact.min() >= lower(found) - rounding
 
 
+def test_squares_and_mixed_products_of_a_place_have_their_own_ranges() -> None:
+    """A square of -1..1 is 0..1, and a product of two places -1..1: none is wider than that."""
+    for place in np.eye(4):
+        square = Affine(0.0, *place, 0.0) * Affine(0.0, *place, 0.0)
+        assert (lower(square), upper(square)) == pytest.approx((0.0, 1.0), abs=1e-12)
+        for other in np.eye(4)[place == 0.0]:
+            mixed = Affine(0.0, *place, 0.0) * Affine(0.0, *other, 0.0)
+            assert (lower(mixed), upper(mixed)) == pytest.approx((-1.0, 1.0), abs=1e-12)
+    rest = Affine(2.0, 0.0, 0.0, 0.0, 0.0, 0.5) * Affine(3.0, 0.0, 0.0, 0.0, 0.0, 0.25)
+    assert (lower(rest), upper(rest)) == pytest.approx((6.0 - 2.125, 6.0 + 2.125), abs=1e-12)
+
+
 @given(a=ranges(0.2))
 def test_roots_and_reciprocals_are_nearly_lines(a: Any) -> None:
     width = np.abs(a[1]).sum() + a[2]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -23,6 +24,8 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import (
     APPENDIX_4,
     Counterweight,
+    Design,
+    Drive,
     LoadCase,
     static_imbalance,
     static_torques,
@@ -278,6 +281,26 @@ def test_masses_are_the_best_with_drives_that_fit_them():
     )
     sized = size_design(found.selection.cycle, driven)
     assert all(figures is not None and figures.feasible for figures in sized)
+
+
+def test_drives_that_never_settle_are_tried_six_times(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two sets of drives that lead to each other; only what goes around is of interest."""
+    place = "paminsa_viz.synthesis.masses.drives"
+    weak, strong = (Drive(rotor_inertia=inertia) for inertia in (1e-5, 2e-5))
+
+    class Chosen:
+        def __init__(self, design: Design) -> None:
+            self.following = strong if design.drives[0] == weak else weak
+
+        def design(self, design: Design) -> Design:
+            return replace(design, drives=(self.following,) * 3 + (None,))
+
+    monkeypatch.setattr(f"{place}.solve_inner", lambda design, *_: SimpleNamespace(design=design))
+    monkeypatch.setattr(f"{place}.duty_cycle", lambda design, duties: design)
+    monkeypatch.setattr(f"{place}.select_drives", lambda cycle, *_, **__: Chosen(cycle))
+    case = InnerCase("peak_torque", (motion(),), MASSES, WEIGHTS[:1])
+    found = solve_with_drives(APPENDIX_4, case, poses(), generic_catalog())
+    assert (found.rounds, found.settled) == (6, False)
 
 
 def test_springs_and_missing_motions_are_refused():

@@ -53,6 +53,30 @@ def test_least_footprint_is_that_of_the_formula() -> None:
     assert "joint 5" in reason
 
 
+@pytest.mark.parametrize("shape", list(WorkspaceShape))
+def test_footprint_of_a_workspace_off_the_center_is_that_of_its_points(
+    shape: WorkspaceShape,
+) -> None:
+    """Joint 5 goes to the outermost point along a leg axis, joint 8 away from the innermost one."""
+    workspace = Workspace(shape, (0.2, 0.2, 0.1), (0.07, -0.04, None))
+    required = replace(CYLINDER.requirements, workspace=workspace)
+    case = replace(CYLINDER, requirements=required)
+    turn = np.linspace(0.0, 2 * np.pi, 3601)
+    edge = 0.1 * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    if shape is WorkspaceShape.BOX:
+        edge = np.array([(a, b) for a in (-0.1, 0.1) for b in (-0.1, 0.1)])
+    angle = np.radians([90.0, 210.0, 330.0])
+    along = (edge + np.array([0.07, -0.04])) @ np.stack([np.cos(angle), np.sin(angle)])
+    rp, rb = case.least("geometry.platform_radius"), case.least("geometry.base_radius")
+    k, offset = case.most("geometry.magnification"), 0.3
+    outer = max(rb, rp + offset) + (offset - along.min()) / (k - 1)
+    smaller = max(rp + along.max(), outer)
+    assert outer > rp + along.max()
+    assert least_footprint(case, Regime.SMALLER, offset) == pytest.approx(smaller, rel=1e-5)
+    larger = max(rp, rb + offset) + along.max()
+    assert least_footprint(case, Regime.LARGER, offset) == pytest.approx(larger, rel=1e-5)
+
+
 def test_footprints_of_robots_are_above_the_bound() -> None:
     found = Evaluator(replace(CYLINDER, margin=0.0), Regime.SMALLER).evaluate(
         random_numbers(CYLINDER, 15000)

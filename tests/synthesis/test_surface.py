@@ -10,11 +10,16 @@ import pytest
 import trimesh
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model import APPENDIX_4, Payload
 from paminsa_viz.model.reach import Limit, check_reach
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques
-from paminsa_viz.synthesis.volume.causes import FIRST_REQUIREMENT, CauseKind, cause_slice
+from paminsa_viz.synthesis.volume.causes import (
+    FIRST_REQUIREMENT,
+    CauseKind,
+    cause_slice,
+    zero_surface,
+)
 from paminsa_viz.synthesis.volume.grid import COARSE, Resolution
 from paminsa_viz.synthesis.volume.margins import Columns, solve_columns
 from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
@@ -176,6 +181,35 @@ def test_causes_are_those_of_each_pose(theta: float, z: float) -> None:
         np.testing.assert_array_equal(found.broken[0][rest], singular.condition[rest] > 6.0)
         np.testing.assert_array_equal(found.broken[1][rest], torque[rest] > 8.0)
     np.testing.assert_array_equal(kinds[rest] == CauseKind.INSIDE, ~found.broken.any(axis=0)[rest])
+
+
+def test_a_requirement_without_a_value_is_broken_and_the_worst() -> None:
+    bare = replace(APPENDIX_4, payload=Payload())
+    found = cause_slice(
+        bare, needs("condition <= 1.5", "clearance_payload >= 1 mm"), X, Y, 0.0, -0.5
+    )
+    poses = np.stack(np.broadcast_arrays(X, Y[:, None], 0.0, -0.5), axis=-1)
+    reach = check_reach(bare.geometry, poses).ok
+    np.testing.assert_array_equal(found.broken[1], reach)
+    assert found.broken[0].any()
+    named = found.cause[reach & (found.cause >= FIRST_REQUIREMENT)]
+    assert len(named) > 100
+    assert (named == FIRST_REQUIREMENT + 1).all()
+
+
+def test_a_surface_is_where_the_depth_is_zero_and_closed_at_the_edge() -> None:
+    """A ball inside the nodes, and one that they cut off."""
+    x, y, z = np.meshgrid(*[np.arange(13.0)] * 3, indexing="ij")
+    for middle in ((6.0, 5.0, 6.5), (1.0, 5.0, 6.5)):
+        away = np.linalg.norm(np.stack([x, y, z], axis=-1) - middle, axis=-1)
+        vertices, faces = zero_surface(4.0 - away)
+        radius = np.linalg.norm(vertices - middle, axis=1)
+        inner = (vertices > 0.01).all(axis=1)
+        assert radius[inner] == pytest.approx(4.0, abs=0.05)
+        assert inner.all() == (middle[0] > 4.0)
+        mesh = trimesh.Trimesh(vertices, faces, process=False)
+        assert mesh.is_watertight
+        assert mesh.volume > 0.0
 
 
 def test_worst_of_two_requirements_is_named() -> None:

@@ -14,9 +14,18 @@ from paminsa_viz.model import APPENDIX_4, Design, LoadCase, solve_field
 from paminsa_viz.model.grids import Grid
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirements import Requirement, Requirements, WorkspaceShape
+from paminsa_viz.synthesis.proof import bisection
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge, nearest_violation
-from paminsa_viz.synthesis.proof.families import FAMILIES, NONE, Family, Symmetry, groups, symmetry
-from paminsa_viz.synthesis.proof.regions import PoseRegion
+from paminsa_viz.synthesis.proof.families import (
+    FAMILIES,
+    NONE,
+    BoundGroup,
+    Family,
+    Symmetry,
+    groups,
+    symmetry,
+)
+from paminsa_viz.synthesis.proof.regions import PoseRegion, from_unit, lowest
 from tests.synthesis.certificate_robots import boxes, robots
 
 BOUNDS = (
@@ -113,3 +122,30 @@ def test_values_that_decide_a_proof_are_those_of_the_maps(family: Family) -> Non
     for key in family.keys:
         wanted = QUANTITIES[key].over(field, design).ravel()
         np.testing.assert_allclose(found[key], wanted, rtol=1e-9, err_msg=key)
+
+
+def test_no_more_than_8192_boxes_are_bounded_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of requirements of which nothing is ever known; the nearest boxes come first."""
+    (group,) = groups(APPENDIX_4, Requirements(BOUNDS[:1], (-0.5, 0.6)))
+    gauge = Gauge(CENTERED, (True, True, False))
+    counts: list[int] = []
+
+    def unknown(self: Any, middle: Any, half: Any) -> Any:
+        counts.append(len(middle))
+        return np.full((len(middle), 1), -1.0)
+
+    monkeypatch.setattr(BoundGroup, "margins", unknown)
+    monkeypatch.setattr(bisection, "_broken", lambda *_: None)
+    control = Control(60.0, lambda done: sum(counts) > 30_000)
+    found = nearest_violation(group, gauge, 1.0, 0.01, control)
+    assert counts[:3] == [1, 2, 4]
+    assert max(counts) == counts[-1] == 8192
+    assert found.boxes == sum(counts)
+    assert found.lower < 0.01
+
+
+def test_the_lowest_value_is_looked_for_at_the_same_poses_in_every_version() -> None:
+    seen: list[Any] = []
+    lowest(lambda poses: seen.append(poses) or poses[:, 0], CENTERED)
+    drawn = np.random.default_rng(15).uniform(-1.3, 1.3, (4096, 4))
+    np.testing.assert_allclose(seen[0], from_unit(CENTERED, drawn), atol=1e-12)

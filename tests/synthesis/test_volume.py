@@ -15,6 +15,7 @@ from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.model.reach import check_reach, home_pose
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.progress import Canceled
+from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.volume import measure
 from paminsa_viz.synthesis.volume.causes import FIRST_REQUIREMENT, OTHER_SIDE, CauseKind
@@ -275,6 +276,20 @@ def test_costly_quantities_get_fewer_headings_before_too_few_nodes() -> None:
     assert axes_of(APPENDIX_4, needs("max_torque <= 15 N m"), FINE, False)[2] == FINE.headings
 
 
+def test_cells_of_what_does_not_depend_on_the_height_grow_by_its_time() -> None:
+    """It is evaluated once a position: a node takes as much less as there are heights."""
+    required, headings = needs("condition <= 10", theta=(-0.1, 0.1)), 5
+    x, z, _ = axes_of(APPENDIX_4, required, Resolution(100_000, headings, 1e9), False)
+    each = QUANTITIES["condition"].cost * headings / (len(z) - 3.5)  # beyond what is reached
+    for share in (0.3, 0.6):
+        budget = share * 100_000 * each
+        less = axes_of(APPENDIX_4, required, Resolution(100_000, headings, budget), False)
+        assert less[2] == headings
+        assert (less[0][1] - less[0][0]) / (x[1] - x[0]) == pytest.approx(
+            share ** (-1 / 3), rel=0.01
+        )
+
+
 def test_platform_joints_far_above_the_platform_leave_a_grid() -> None:
     high = replace(APPENDIX_4.geometry, platform_joint_height=3.0, knee=KneeBranch.UPPER)
     volume = solve_volume(replace(APPENDIX_4, geometry=high), needs(), resolution=COARSE)
@@ -311,6 +326,15 @@ def test_volume_of_reach_alone_is_that_of_its_closed_form() -> None:
     assert volume.error < 0.02 * exact
 
 
+def test_a_cube_just_beyond_the_band_is_whole_and_no_point_is_drawn_in_it() -> None:
+    x, ones = np.arange(3.0), np.ones((3, 3, 3), bool)
+    for depth, cubes in ((1.25, 0), (1.2499, 27)):
+        deep = np.full((3, 3, 3), depth)
+        nodes = Nodes(x, x, ones, ~ones, deep, ones, deep)
+        drawn = measure._Surface.of(nodes, ones, ~ones, deep, 100)
+        assert (drawn.cubes, drawn.whole) == (cubes, 27 - cubes)
+
+
 @pytest.mark.parametrize("count", [10_000, 60])
 def test_points_are_drawn_in_their_cubes_one_in_each_layer(count: int) -> None:
     x = 0.1 * np.arange(-6.0, 7.0)
@@ -330,6 +354,9 @@ def test_points_are_drawn_in_their_cubes_one_in_each_layer(count: int) -> None:
         return
     assert (times == 2).all()
     assert len(cubes) == drawn.cubes
+    # the same ones in every version, so that volumes that were written down come out again
+    offset = np.random.default_rng(5).uniform(-0.5, 0.5, (len(place), 3))
+    np.testing.assert_allclose((place - index)[:, :2], offset[:, :2], atol=1e-9)
     upper = place[:, 2] > index[:, 2]
     assert upper.sum() == len(cubes)
     assert len(np.unique(index[upper], axis=0)) == len(cubes)

@@ -273,6 +273,7 @@ def test_running_integral() -> None:
     np.testing.assert_array_equal(running_integral(t[:1], t[:1]), [0])
     assert rms(even, np.sin(2 * np.pi * even)) == pytest.approx(np.sqrt(0.5), rel=1e-6)
     assert rms(t[:1], np.array([-3.0])) == 3.0
+    assert rms(np.array([0.0, 0.5]), np.array([-1.0, 3.0])) == pytest.approx(np.sqrt(5.0))
 
 
 @given(seed=st.integers(0, 999), n=st.integers(2, 9), ratio=st.floats(1.0, 300.0))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -14,6 +16,7 @@ from paminsa_viz.trajectory import (
     SINGULAR_CLEARANCE,
     ImpossibleTrajectory,
     Trajectory,
+    check,
     check_path,
     point_to_point,
     round_trip,
@@ -210,3 +213,22 @@ def test_a_platform_larger_than_the_base_has_no_singular_turn() -> None:
 def test_impossible_clearances(clearance: float) -> None:
     with pytest.raises(InvalidInput, match="clearance"):
         check_path(GEOMETRY, to(0, 0, 0.1, -0.5).sample(10), clearance)
+
+
+def test_a_failure_is_found_to_a_1e_12th_of_a_step_wherever_it_begins() -> None:
+    """Right behind one of the places at which a step is looked at, where each cut gains least."""
+    trajectory = point_to_point([0, 0, 0, -0.5], [0, 0, 0.1, -0.5], 4.0).sample(1)
+    for begin in (1.0, 1.25, 1.25 + 1 / 64):
+        root = begin + 2e-14
+
+        def margins_at(t: Any, pose: Any, root: float = root) -> Any:
+            found = np.ones((len(t), 14))
+            found[:, 3] = root - t
+            return found
+
+        margins = margins_at(trajectory.t, None)
+        exceeded = np.where(margins < 0.0, margins, np.inf)
+        event, until = check._first_failure(trajectory, margins, exceeded, margins_at)
+        assert event is not None
+        assert until == 2
+        assert root < event.t < root + 2e-12

@@ -232,6 +232,17 @@ def test_excessive_gains_fail_early(monkeypatch) -> None:
     assert 0 <= caught.value.t < SHORT.duration
 
 
+def test_as_many_evaluations_as_are_allowed_are_made_and_no_more(monkeypatch) -> None:
+    place = "paminsa_viz.trajectory.simulation"
+    needed = simulate(APPENDIX_4, SHORT).evaluations
+    monkeypatch.setattr(f"{place}._MOST_A_SECOND", 0)
+    monkeypatch.setattr(f"{place}._MOST_EVALUATIONS", needed)
+    assert simulate(APPENDIX_4, SHORT).evaluations == needed
+    monkeypatch.setattr(f"{place}._MOST_EVALUATIONS", needed - 1)
+    with pytest.raises(SimulationFailed, match=f"more than {needed - 1:,} evaluations"):
+        simulate(APPENDIX_4, SHORT)
+
+
 def test_impossible_simulations_are_rejected() -> None:
     with pytest.raises(ImpossibleTrajectory):
         run(trajectory=point_to_point(HOME, [0.3, 0, 0, -0.5]).sample(50))

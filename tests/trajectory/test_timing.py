@@ -26,6 +26,7 @@ from paminsa_viz.trajectory import (
     shortest_stretch,
 )
 from paminsa_viz.trajectory.limits import LIMITED
+from paminsa_viz.trajectory.timing import nodes, supremum
 from tests.support.cases import Case, cases
 from tests.support.samples import with_knee
 from tests.trajectory.plans import FRICTION, LAWS, PLANS, A, B, all_plans, dense, place
@@ -255,3 +256,28 @@ def test_a_drive_too_weak_for_gravity_is_named() -> None:
         )
     assert caught.value.actuator == 3
     assert caught.value.limit == pytest.approx(weak.output_limits.peak)
+
+
+def test_a_largest_value_is_looked_for_at_480_instants_but_24_of_a_piece_at_least() -> None:
+    for pieces, each in ((1, 480), (3, 160), (20, 24), (50, 24)):
+        breaks = np.linspace(0.0, 1.0, pieces + 1)
+        found = nodes(breaks)
+        assert len(found) == pieces * each + 2
+        assert (np.diff(found) > 0).all()
+        inside = np.histogram(found[1:-1], breaks)[0]
+        assert (inside == each).all()
+
+
+@pytest.mark.parametrize(("share", "seen"), [(0.9805, True), (0.9795, False)])
+def test_maxima_within_a_fiftieth_of_the_largest_are_followed_up(share: float, seen: bool) -> None:
+    """A hill of 1, and a narrow one of 1.2 whose top is between two of the instants."""
+    breaks = np.array([0.0, 1.0])
+    low, high = nodes(breaks)[100:102]
+    middle, width = 0.5 * (low + high), 0.5 * (high - low)
+
+    def hills(u: np.ndarray) -> np.ndarray:
+        fall = (1.2 - share) / width
+        near = np.maximum(1.2 - fall * np.abs(u - middle), 0.0)
+        return np.maximum(1.0 - 4.0 * (u - 0.75) ** 2, near)[:, None]
+
+    assert supremum(hills, breaks).value == pytest.approx(1.2 if seen else 1.0, rel=1e-6)

@@ -49,6 +49,21 @@ def test_equal_places_are_equally_far_and_derivatives_are_their_slopes(name: str
     np.testing.assert_allclose(growth, (above - below) / 2e-6, rtol=1e-4, atol=1e-6 * squared.max())
 
 
+def test_lengths_are_exact_where_a_motion_nearly_turns_back() -> None:
+    """Its speed is nearly zero there, and the length has a bend that is hard to follow."""
+    for beside in (0.1, 0.01, 1e-3):
+        curve = via_points([A, B, A + beside * (C - A)], 2.0).curve
+        path = TracedPath(curve)
+        nodes, weights = np.polynomial.legendre.leggauss(8)
+        ends = np.unique(np.concatenate([curve.breaks, np.linspace(0.0, 1.0, 20_001)]))
+        half = 0.5 * np.diff(ends)
+        at = (ends[:-1] + half)[:, None] + half[:, None] * nodes
+        speed = np.linalg.norm(curve(at.ravel(), 1) * METRIC, axis=1).reshape(at.shape)
+        run = np.concatenate([[0.0], np.cumsum(half * (speed @ weights))])
+        assert path.length == pytest.approx(run[-1], rel=1e-10)
+        np.testing.assert_allclose(path.place(ends) * path.length, run, atol=1e-10 * run[-1])
+
+
 def test_at_a_stop_the_direction_is_that_right_after_it() -> None:
     path = TracedPath(PLANS["stops"].curve)
     stops = path.place(path.rests)

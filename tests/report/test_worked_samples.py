@@ -1,0 +1,143 @@
+"""Poses at which worked numbers are checked again: as many as the claims say, and where."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model.reach import home_pose
+from paminsa_viz.report import worked_claims
+from paminsa_viz.report.claims import CLAIMS
+
+HALF_TURN = np.radians(30.0)
+
+
+def even(angle: np.ndarray, slack: float) -> bool:
+    """Whether angles are spread over a whole turn."""
+    return all(abs(np.exp(1j * k * angle).mean()) < slack for k in range(1, 7))
+
+
+def test_what_is_allowed_is_a_round_number() -> None:
+    """But for the largest errors by tolerances, which have two."""
+    odd = [one for one in CLAIMS if float(f"{one.allowed:.0e}") != one.allowed]
+    assert [(one.text[:14], one.allowed) for one in odd] == [("Largest errors", 1.2e-2)]
+
+
+def test_medians_are_over_poses_spread_evenly_over_the_disc(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def sizes(poses: np.ndarray) -> np.ndarray:
+        assert poses.shape == (800, 4)
+        for part, theta in ((poses[:400], 0.0), (poses[400:], HALF_TURN)):
+            x, y, turn, z = part.T
+            assert (turn == theta).all()
+            assert (z == home_pose(APPENDIX_4.geometry)[3]).all()
+            share = (np.hypot(x, y) / (APPENDIX_4.geometry.base_radius / 2)) ** 2
+            np.testing.assert_allclose(np.sort(share), (np.arange(400) + 0.5) / 400, atol=1e-12)
+            angle = np.arctan2(y, x)
+            assert even(angle, 0.02)
+            for ring in range(4):  # at every distance
+                assert even(angle[100 * ring : 100 * ring + 100], 0.05)
+        return np.arange(5.0) + np.linspace(-1.0, 1.0, 800)[:, None]
+
+    monkeypatch.setattr(worked_claims, "_corners", sizes)
+    np.testing.assert_allclose(worked_claims._drive_medians(), [2.0, 4.0])
+
+
+def test_the_rim_of_a_cylinder_is_tried_all_around_and_where_it_fails_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tried: list[np.ndarray] = []
+
+    def met(poses: np.ndarray, lift: float) -> np.ndarray:
+        assert lift == 450.0
+        tried.append(poses)
+        return np.hypot(poses[:, 0], poses[:, 1]) <= 0.18437
+
+    monkeypatch.setattr(worked_claims, "_met", met)
+    assert worked_claims._cylinder() == pytest.approx(2e3 * 0.18437, abs=0.01)
+    first = tried[0]
+    assert first.shape == (20_000, 4)
+    np.testing.assert_allclose(np.hypot(first[:, 0], first[:, 1]), 0.185, rtol=1e-12)
+    around, close = first[500:], first[:500]
+    assert even(np.arctan2(around[:, 1], around[:, 0]), 0.03)
+    ends = np.array([[-HALF_TURN, -0.8], [HALF_TURN, -0.4]])
+    np.testing.assert_allclose([around[:, 2:].min(axis=0), around[:, 2:].max(axis=0)], ends,
+                               atol=1e-3)  # fmt: skip
+    assert (np.abs(around[:, 2]) <= HALF_TURN).all()
+    assert (close[:, 3] == -0.6).all()
+    for off in (np.arctan2(close[:, 1], close[:, 0]) - np.pi / 2, close[:, 2]):
+        assert abs(off.mean()) < 0.003
+        assert off.std() == pytest.approx(0.02, rel=0.08)
+
+
+def test_a_volume_is_counted_in_a_box_around_it_at_nine_headings(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    headings: list[float] = []
+
+    def met(poses: np.ndarray, lift: float) -> np.ndarray:
+        assert lift == 250.0
+        headings.append(float(poses[0, 2]))
+        if len(headings) == 1:
+            low, high = poses.min(axis=0), poses.max(axis=0)
+            np.testing.assert_allclose(low[[0, 1, 3]], [-0.42, -0.42, -1.05], atol=1e-3)
+            np.testing.assert_allclose(high[[0, 1, 3]], [0.42, 0.42, 0.0], atol=1e-3)
+            assert len(poses) == worked_claims.POINTS == 262_144  # what the claim says
+        return np.linalg.norm(poses[:, [0, 1, 3]] - [0.0, 0.0, -0.5], axis=1) <= 0.4
+
+    monkeypatch.setattr(worked_claims, "_met", met)
+    assert worked_claims._volume() == pytest.approx(4e3 / 3 * np.pi * 0.4**3, rel=1e-3)
+    np.testing.assert_allclose(headings, np.radians(np.linspace(-30.0, 30.0, 9)))
+
+
+def test_robots_are_drawn_at_home_and_their_errors_are_mean_squares(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    signs = np.array([1.0, -1.0, 1.0, -1.0, np.nan])[:, None]
+
+    def drawn(design: Any, pose: Any, *, robots: int) -> Any:
+        assert robots == 2000
+        assert pose == home_pose(APPENDIX_4.geometry)
+        return SimpleNamespace(errors=1e-6 * signs * [1.0, 2.0, 3.0, 4.0, 3.0, 4.0])
+
+    monkeypatch.setattr(worked_claims, "monte_carlo", drawn)
+    second = np.degrees(1e-6) * 3600
+    np.testing.assert_allclose(
+        worked_claims._drawn_robots(), [1.0, 2.0, 4.0, 3.0 * second, 5.0 * second]
+    )
+
+
+def test_requirements_of_a_volume_are_met_pose_by_pose(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each bound to its own number, from which on it is broken."""
+    poses = np.array([[0.0, 0.0, 0.0, -0.55]] * 2)
+
+    def met(**changes: Any) -> bool:
+        values: dict[str, Any] = {
+            "condition": 10.0, "torque": [15.0, -15.0, 15.0, 250.0], "distance": 1e-9, "ok": True,
+        } | changes  # fmt: skip
+        found = SimpleNamespace(
+            rotation_distance=np.full(2, values["distance"]),
+            condition=np.full(2, values["condition"]),
+        )
+        monkeypatch.setattr(worked_claims, "measure_singularity", lambda g, p: found)
+        monkeypatch.setattr(
+            worked_claims, "static_torques", lambda g, p: np.array([values["torque"]] * 2)
+        )
+        monkeypatch.setattr(
+            worked_claims, "check_reach", lambda g, p: SimpleNamespace(ok=np.full(2, values["ok"]))
+        )
+        return bool(worked_claims._met(poses, 250.0).all())
+
+    assert met()
+    assert met(torque=[0.0, 0.0, 0.0, -900.0])
+    for wrong in (
+        {"condition": 10.01}, {"distance": -1e-9}, {"ok": False}, {"torque": [0, 0, 0, 250.01]},
+        *({"torque": [sign * 15.01 * (i == j) for i in range(3)] + [0.0]}
+          for j in range(3) for sign in (1.0, -1.0)),
+    ):  # fmt: skip
+        assert not met(**wrong)
