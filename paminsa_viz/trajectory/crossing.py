@@ -39,6 +39,7 @@ ON_LOCUS = 1e-9
 SLOPE = 1e-6
 """Change of the distance along the whole path, in proportion, below which a crossing is tangent."""
 
+_NEAR = 1e-6  # step by which a distance is differentiated along a path
 _STEP = 1e-4  # step by which coefficients are differentiated along a path, to the fourth order
 
 
@@ -165,8 +166,9 @@ def _crossing(
     geometry: Geometry, path: Path, s: float, locus: Locus, crosses: bool,
     found: list[tuple[float, Locus, bool]],
 ) -> Crossing:  # fmt: skip
-    near = np.clip([s - 1e-6, s + 1e-6], 0.0, 1.0)
-    rise = np.diff(locus_distances(geometry, path(near))[:, locus.value])[0] / np.diff(near)[0]
+    at = np.array([s])
+    near = path(at) + [[-_NEAR], [_NEAR]] * path(at, 1)  # straight on, at the path's ends as well
+    rise = np.diff(locus_distances(geometry, near)[:, locus.value])[0] / (2.0 * _NEAR)
     kind = CrossingKind.SIMPLE
     if not crosses or abs(rise) < SLOPE * geometry.base_radius:
         kind = CrossingKind.TANGENT

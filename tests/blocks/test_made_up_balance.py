@@ -212,6 +212,18 @@ def test_what_a_balance_changes_of_the_actuators() -> None:
     assert row[:3] == ("size [mm]", "12.35", "20")
 
 
+def test_a_design_is_balanced_below_a_billionth_of_a_newton(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    motion = analyze(APPENDIX_4, PRESET["arch"].build(APPENDIX_4.geometry).sample(5))
+    for size, balanced in ((0.999e-9, True), (1e-9, False), (1.05e-9, False)):
+        for left in (size, -size):
+            monkeypatch.setattr(balance, "static_imbalance", lambda design, left=left: left)
+            assert (len(balance.balance_blocks(motion)) == 3) == balanced
+            caption = balance._balanced(motion)[0].caption  # type: ignore
+            assert caption.startswith("The paper") == balanced
+
+
 def test_a_balanced_design_needs_nothing() -> None:
     trajectory = PRESET["arch"].build(APPENDIX_4.geometry).sample(5)
     balanced = balance.balance(APPENDIX_4).after

@@ -60,8 +60,13 @@ def test_the_middle_is_among_the_poses_that_are_counted_and_their_number_is_roun
 
 def test_torques_of_random_poses_by_their_shares(monkeypatch: pytest.MonkeyPatch) -> None:
     poses = random_poses(np.random.default_rng(0), APPENDIX_4, 400)
-    monkeypatch.setattr(workspace, "workspace_poses", lambda g, count, seed: poses)
-    (table,) = workspace._torques(APPENDIX_4, 0)
+    seeds: list[int] = []
+    monkeypatch.setattr(
+        workspace, "workspace_poses", lambda g, count, seed: seeds.append(seed) or poses
+    )
+    (table,) = workspace._torques(APPENDIX_4, 7)
+    assert workspace.workspace_blocks(APPENDIX_4, 0.1)
+    assert seeds == [7, 0]
     size = np.abs(static_torques(APPENDIX_4, poses))
     for j, row in enumerate(cells(table)):
         column = np.sort(size[:, j])

@@ -6,6 +6,7 @@ import re
 import subprocess
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -35,7 +36,7 @@ from paminsa_viz.model.design import PARAMETER
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.lumped import term_factors
 from paminsa_viz.model.parameters import Counterweight
-from paminsa_viz.model.reach import Limit, workspace_height, workspace_radius
+from paminsa_viz.model.reach import Limit, check_reach, workspace_height, workspace_radius
 from paminsa_viz.model.robot import inverse_dynamics_kernel
 from tests.codegen.printed import SANITIZERS, STRICT, compilers, sanitizes
 from tests.support.documentation import missing
@@ -427,3 +428,16 @@ def test_only_code_becomes_single_precision() -> None:
     text = '/* 1e-8 double */ static double a = 1.5e-3 * sqrt(2.0) + x2.y; "0.5"'
     expected = '/* 1e-8 double */ static float a = 1.5e-3f * sqrtf(2.0f) + x2.y; "0.5"'
     assert single_precision(text) == expected
+
+
+def test_poses_of_a_self_test_are_sought_among_forty_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So that robots that reach little of the box around them have some as well."""
+    drawn: list[int] = []
+
+    def reach(geometry: Any, poses: Any) -> Any:
+        drawn.append(len(poses))
+        return check_reach(geometry, poses)
+
+    monkeypatch.setattr(kit, "check_reach", reach)
+    assert len(kit._poses(APPENDIX_4)) == kit.ROWS + kit.ROWS // 10
+    assert drawn == [40 * kit.ROWS]

@@ -147,6 +147,22 @@ def test_one_row_too_late_or_too_early_is_uneven_by_as_much(
     assert make_log(t, position, torque).notes == ()
 
 
+@pytest.mark.parametrize("longer", [0.0, 1e-9, -1e-9])
+def test_rows_of_a_resampled_piece_end_with_its_last_whatever_is_rounded(longer: float) -> None:
+    """Of steps that add up to a little more or less than the time between first and last row."""
+    rng = np.random.default_rng(1)
+    t = np.cumsum(rng.uniform(0.9, 1.1, 40))
+    step = (t[-1] - t[0]) / 39 * (1 + longer)
+    values = np.stack([t, t**2, 0 * t, -t], axis=1)  # which splines have exactly
+    even, position, torque, rows = limits._resampled(t, values, 2.0 * values, np.arange(40), step)
+    np.testing.assert_allclose(even, t[0] + step * np.arange(40))
+    assert (rows[0], rows[-1]) == (0, 39)
+    assert (np.abs(t[rows] - even) < 1.1).all()
+    expected = np.stack([even, even**2, 0 * even, -even], axis=1)
+    np.testing.assert_allclose(position, expected, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(torque, 2.0 * expected, rtol=1e-9, atol=1e-9)
+
+
 def test_segments_of_a_resampled_log_begin_behind_its_gaps(signals: list[Any]) -> None:
     """Three pieces of uneven rows: each begins where the step between samples is a gap."""
     kept = np.r_[0:300, 330:500, 520:800]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -38,7 +39,7 @@ from paminsa_viz.synthesis import (
     synthesize,
 )
 from paminsa_viz.synthesis.search.evaluation import REFUSED
-from paminsa_viz.synthesis.search.extremes import Extent, least_over
+from paminsa_viz.synthesis.search.extremes import Extent, Least, least_over
 from paminsa_viz.synthesis.search.kernels import plate_distance
 from paminsa_viz.synthesis.search.region import SPARSE
 from paminsa_viz.synthesis.search.trial import Poses, TrialRobot
@@ -213,6 +214,39 @@ def test_faults_of_a_robot_are_named() -> None:
     rows = {row.cells[0]: row.kind for row in buildability_table(found, found).rows}
     assert rows["Guide B10"] == "marked"
     assert rows["Shaft B2"] == "plain"
+
+
+def test_least_values_are_looked_for_from_six_four_and_one_of_the_samples(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of distances, stiffness and the frequency, which takes longest and has sparse samples."""
+    place, looked = "paminsa_viz.synthesis.search.buildability", []
+
+    def least(values: Any, extent: Any, density: Any, *, starts: int, kinds: Any) -> Least:
+        looked.append((starts, density, kinds is not None))
+        return Least(0.01, np.array([0.0, 0.0, 0.0, -0.55]))
+
+    monkeypatch.setattr(f"{place}.least_over", least)
+    space = Workspace(WorkspaceShape.CYLINDER, (0.123, 0.123, 0.1), (0.0, 0.0, -0.55))
+    buildability(APPENDIX_4, space, (-0.1, 0.1))
+    close = SPARSE.finer(2)
+    assert looked == [(6, close, True), (4, close, False), (1, SPARSE.finer(1), False)]
+
+
+def test_a_search_ends_at_the_first_pose_without_a_value() -> None:
+    """From one start in the first round; the other one would find such a pose later."""
+    box = Workspace(WorkspaceShape.BOX, (0.2, 0.2, 0.2), (0.0, 0.0, -0.5))
+
+    def values(poses: Any) -> Any:
+        x, y, theta, z = poses.T
+        low = np.minimum(1.0 + np.abs(x + 0.093), 1.02 + np.abs(x - 0.1))
+        none = (np.abs(x + 0.093) < 5e-4) | (np.abs(x - 0.05) < 1e-3)
+        off = 10.0 * (np.abs(y - 0.1) + np.abs(theta) + np.abs(z + 0.5))
+        return np.where(none, -np.inf, low + off)
+
+    found = least_over(values, Extent(box, (-0.1, 0.1)), SPARSE, starts=2)
+    assert found.value == -np.inf
+    assert found.pose == pytest.approx([0.05, 0.1, 0.0, -0.5])
 
 
 @pytest.mark.parametrize("case", [CYLINDER, CELL])

@@ -475,3 +475,29 @@ def test_finer_program_is_hardly_faster_on_paths_at_random(make: Any, seed: int)
     design, path, limits, found = random_crossing(make, seed)
     finer = duration(design, path, limits, *FINER)
     assert 0.998 < found.plan.duration / finer < 1.006
+
+
+@pytest.mark.parametrize(
+    ("slope", "bend", "kind"),
+    [
+        (0.0, 0.5, CrossingKind.TANGENT), (0.0, 0.67, CrossingKind.TANGENT),
+        (0.0, 0.9, CrossingKind.TANGENT), (0.95, 1.0, CrossingKind.TANGENT),
+        (1.05, 1.0, CrossingKind.SIMPLE), (1.05, 0.3, CrossingKind.SIMPLE),
+    ],
+)  # fmt: skip
+def test_an_end_is_tangent_by_its_slope_whatever_the_bend(
+    slope: float, bend: float, kind: CrossingKind
+) -> None:
+    """Paths that leave the singular circle radially; slopes in millionths of R_b."""
+    radius = float(singular_radius(APPENDIX_4.geometry, 0.0))
+    first = slope * 1e-6 * APPENDIX_4.geometry.base_radius
+
+    def path(s: Any, order: int = 0) -> Any:
+        away = (first * s + 0.5 * bend * s**2, first + bend * s)[order]
+        found = np.zeros((len(s), 4))
+        found[:, 0] = (0.0 if order else radius) - away
+        found[:, 3] = 0.0 if order else -0.5
+        return found
+
+    found, *_ = crossings(APPENDIX_4.geometry, path)
+    assert (found.s, found.kind) == (0.0, kind)
