@@ -21,8 +21,6 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from paminsa_viz.actuation.drive_table import DriveTable, pair_table
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidDesign, TableFileError, name_hint
@@ -269,10 +267,14 @@ def _value(column: _Column, text: str, source: str, row: int) -> Any:
             raise refused("yes or no is needed")
         return text.lower() == "yes"
     if column.field == "envelope":
-        pairs = [tuple(map(read_number, pair.split())) for pair in text.split(";") if pair.strip()]
-        if any(len(pair) != 2 or None in pair for pair in pairs):
-            raise refused("pairs are needed, 0 0.9; 3000 0.9; 5000 0.4")
-        return tuple(tuple(np.multiply(pair, column.factors).tolist()) for pair in pairs)
+        first, second = column.factors
+        pairs = []
+        for cells in (pair.split() for pair in text.split(";") if pair.strip()):
+            known = [number for number in map(read_number, cells) if number is not None]
+            if len(cells) != 2 or len(known) != 2:
+                raise refused("pairs are needed, 0 0.9; 3000 0.9; 5000 0.4")
+            pairs.append((known[0] * first, known[1] * second))
+        return tuple(pairs)
     number = read_number(text)
     if number is None:
         raise refused("a number is needed")
