@@ -117,3 +117,17 @@ def test_a_robot_that_reaches_nothing_has_no_room() -> None:
     short = replace(APPENDIX_4.geometry, crank_length=0.01, coupler_length=0.9)
     weight = Counterweight("b8", 8, 0.2, 1.0)
     assert counterweight_clearance(replace(short, axis_clearance=0.7), weight) is None
+
+
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_the_knee_of_the_other_branch_needs_no_room(knee: KneeBranch) -> None:
+    """Bars B4 and B7 lean the other way there, by decimeters; random poses come within some cm."""
+    design, rng = with_knee(APPENDIX_4, knee), np.random.default_rng(3)
+    for bar, joint in (("b4", 9), ("b7", 8)):
+        weight = Counterweight(bar, joint, 0.15, 2.0)
+        found = met(design, weight, rng, 40_000)
+        room = counterweight_clearance(design.geometry, weight)
+        assert found is not None
+        assert room is not None
+        assert found.inward < room.inward < found.inward + 0.1
+        assert found.outward < room.outward < found.outward + 0.05

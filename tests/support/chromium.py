@@ -271,6 +271,10 @@ class Tab:
 
         return until(steady, "the element stays where it is")
 
+    def is_open(self, name: str) -> bool:
+        """Whether a section, or another tab of a panel, is what the page shows."""
+        return self.page.get_by_role("tab", name=name, exact=True, selected=True).is_visible()
+
     def open_tab(self, name: str) -> None:
         """Open a section, with its workspace; another tab of a panel; or the folder of files."""
         path = self.session.paths.get(name)
