@@ -153,6 +153,20 @@ def test_winding_temperature_of_constant_torques_in_turn_has_a_closed_form(
     assert share == pytest.approx(peak, rel=1e-9)
 
 
+@pytest.mark.parametrize("time", [0.5, 4.0])
+def test_a_winding_that_holds_a_load_is_hottest_at_the_end_of_the_dwell(time: float) -> None:
+    """At rest without torque for 1 s, then q for 3 s: h = q (1 - e^(-3/t)) / (1 - e^(-4/t))."""
+    still = np.zeros(3)
+    passage = DutyMotion(
+        np.array([0.0, 0.4, 1.0]), load_signals(still, still, still), 1.0, 3.0, 4.0
+    )
+    drive = replace(SERVO, gear_ratio=20.0, thermal_time_constant=time)
+    share = thermal_share(ActuatorLoad("M1", (passage,), 1.0), drive_table([drive]))[0]
+    heat = (4.0 / 20.0 / 0.3) ** 2
+    expected = heat * np.expm1(-3.0 / time) / np.expm1(-4.0 / time)
+    assert share == pytest.approx(expected, rel=1e-12)
+
+
 def test_repetitions_and_dwells_weigh_the_means(motion) -> None:  # type: ignore[no-untyped-def]
     other = PRESET["circle"].build(APPENDIX_4.geometry).sample(500)
     apart = duty_cycle(APPENDIX_4, [Duty(motion)] * 3 + [Duty(other, 1, 2.0)]).loads

@@ -362,7 +362,9 @@ def test_envelopes_that_rise_with_the_speed_are_used_most_where_it_is_least() ->
         for turn in (1.0, -1.0):
             speed = turn * rng.uniform(0.0, 90.0, 300)
             torque = rng.uniform(-0.5, 0.5, 300)
-            speed[170], torque[170] = turn * 0.1, -turn * 0.9
+            torque[128:192] = -turn * rng.uniform(0.0, 0.8, 64)  # all of one sign
+            speed[128:192] = turn * 80.0
+            speed[[32, 170]], torque[[32, 170]] = turn * 0.1, [0.45, -turn * 0.9]
             signals = load_signals(torque, 0 * speed, speed)
             passage = DutyMotion(np.linspace(0.0, 1.0, 300), signals, 1.0, 0.0, 0.0)
             share, sample = envelope_share(ActuatorLoad("M1", (passage,), 0.0), table)
@@ -406,13 +408,15 @@ def test_shares_are_figures_over_their_limits() -> None:
     passage = passage._replace(dwell=0.3 * passage.t[-1], held=-70.0)
     load = ActuatorLoad("M1", (passage,), 0.4)
     full = replace(
-        combined(SERVO, GEAR), rated_torque=20.0, envelope=((0.0, 1.0), (600.0, 0.8)),
+        combined(SERVO, GEAR), rated_torque=20.0, envelope=((0.0, 0.8), (600.0, 0.7)),
         thermal_time_constant=load.period, gear_rated_torque=30.0, gear_peak_torque=70.0,
     )  # fmt: skip
     bare = Drive(rotor_inertia=1e-4, gear_ratio=50.0, peak_torque=1.0)
-    drives = [full, replace(full, brake=True), bare]
+    rms = float(size_drives(load, drive_table([full])).rms[0])
+    hot = replace(full, rated_torque=rms / 1.3)  # too hot, whatever its temperature is exactly
+    drives = [full, replace(full, brake=True), bare, hot]
     found = size_drives(load, drive_table(drives), inertia_ratio=7.0)
-    heat = np.where(np.arange(3) < 2, (found.rms / 20.0) ** 2, 0.0)
+    heat = (found.rms / [20.0, 20.0, np.inf, rms / 1.3]) ** 2
     expected = []
     for i, drive in enumerate(drives):
         held = 0.0 if drive.holds else 70.0 / drive.ratio / drive.corners[0][1]
@@ -428,9 +432,9 @@ def test_shares_are_figures_over_their_limits() -> None:
             load.peak / gear.peak,
         ])  # fmt: skip
     np.testing.assert_allclose(found.shares, expected, rtol=1e-12)
-    assert expected[0][1] == pytest.approx(70.0 / 80.0 / 0.9)
+    assert expected[0][1] == pytest.approx(70.0 / 80.0 / 0.8)
     assert expected[1][1] < expected[0][1]
-    assert found.limit(0) != "winding temperature"  # of which the bound is given
+    assert found.limit(0) != "winding temperature" == found.limit(3)  # of which bounds are given
 
 
 def test_what_uses_exactly_its_limit_is_feasible() -> None:

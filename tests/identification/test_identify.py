@@ -14,6 +14,7 @@ from paminsa_viz.identification import (
     IdentificationSettings,
     InvalidLog,
     base_parameters,
+    columns,
     identify,
     identity_row,
     make_log,
@@ -287,14 +288,15 @@ def test_a_torque_that_changes_less_than_sensors_resolve_never_changes() -> None
     signals = filtered(log, APPENDIX_4, QUICK, log_poses(APPENDIX_4.geometry, log))
     least = RESOLUTION * np.abs(signals.torque).max()
     for share, moves in ((0.99, False), (1.01, True)):
-        torque = signals.torque.copy()
-        torque[:, 1] = np.linspace(0.0, share * least, len(torque))
-        changed = replace(signals, torque=torque)
-        if moves:
-            require_motion(changed)
-        else:
-            with pytest.raises(InvalidLog, match="torque of M2 never changes"):
+        for sign in (1.0, -1.0):  # the largest may be negative
+            torque = sign * signals.torque
+            torque[:, 1] = np.linspace(0.0, share * least, len(torque))
+            changed = replace(signals, torque=torque)
+            if moves:
                 require_motion(changed)
+            else:
+                with pytest.raises(InvalidLog, match="torque of M2 never changes"):
+                    require_motion(changed)
 
 
 def test_a_log_needs_a_turn_of_a_hundredth_or_a_lift_of_a_millimeter() -> None:
@@ -338,6 +340,17 @@ def test_sizes_of_base_parameters_are_those_of_what_they_are_made_of() -> None:
         assert scale[10] == pytest.approx(6 * b[5] * design.geometry.platform_radius**2)
         own = [0, 2, 5, 6, 7, 8, 9]
         np.testing.assert_allclose(scale[own], b[own])
+
+
+@pytest.mark.parametrize("place", [2, 3, 4])
+def test_the_size_of_the_second_weight_is_that_of_the_largest_term_of_the_identity(
+    place: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    b = np.arange(1.0, 12.0)
+    b[place] = -1e3
+    monkeypatch.setattr(columns, "base_parameters", lambda _: b)
+    row = identity_row(APPENDIX_4.geometry, APPENDIX_4.gravity)
+    assert base_scale(APPENDIX_4)[1] == pytest.approx(abs(row[place] * b[place]))
 
 
 @pytest.mark.parametrize(
