@@ -232,6 +232,17 @@ SLOW = replace(SCREW, lead=1e-3, top_speed=100.0, rated_torque=0.1, peak_torque=
 """An axis that limits speed and acceleration before M1 to M3 do."""
 
 
+@DESIGNS
+def test_inertia_is_what_each_acceleration_adds_to_the_torques(design: Design) -> None:
+    smooth, batch, rest = design.without_friction(), poses(9, 5), np.zeros((5, 4))
+    still = inverse_dynamics(smooth, batch, rest, rest).torque
+    for axis, unit in enumerate(np.eye(4)):
+        added = inverse_dynamics(smooth, batch, rest, rest + unit).torque - still
+        np.testing.assert_allclose(
+            capability(design, batch).inertia[..., axis], added, rtol=1e-9, atol=1e-9
+        )
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("axis", [SCREW, SLOW], ids=["fast axis", "slow axis"])
 @given(seed=seeds)
