@@ -20,8 +20,14 @@ LONGEST_NAME = 60
 _TIE = "\u00a0"  # a space at which lines do not break
 
 
-def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
-    """Return the caption of a figure as one paragraph."""
+def caption(data: MapData, scales: tuple[Scale, ...], circles: str = "") -> str:
+    """Return the caption of a figure as one paragraph.
+
+    Args:
+        data: The maps.
+        scales: Color scales, one a panel.
+        circles: Name of a table whose values are drawn as circles; empty for none.
+    """
     x, y, z = (float(v) * MM for v in data.pose[[0, 1, 3]])
     theta = equals("θ", math.degrees(data.theta), "") + "°"
     parts = [
@@ -30,6 +36,8 @@ def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
         _contours(data, scales),
         "Thick line: boundary of the workspace; hatched: not reachable.",
     ]
+    if circles:
+        parts.append(f"Circles: torques of {shown(circles)}, in their own colors.")
     if data.singular_radius:
         radius = equals("radius", data.singular_radius * MM, "mm")
         parts.append(f"Dashed: singular positions, {radius}.")

@@ -166,7 +166,10 @@ def render_maps(
     check_size(format, width_mm, dpi)
     scales = per_panel(data, scale)
     heading = data.title if title is None else title
-    note = caption_text(data, scales) if caption else ""
+    if not set(data.names) & set(TORQUE_SYMBOLS):
+        published = None
+    circles = "" if published is None else published.name
+    note = caption_text(data, scales, circles) if caption else ""
     with drawing():
         page = _printed(data, scales, width_mm / POINT, dpi, heading, note, published)
         credits = Credits(data.title or "Map", summary(data))

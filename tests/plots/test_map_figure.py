@@ -21,8 +21,9 @@ from PIL import Image
 
 from paminsa_viz import __version__
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.files.published_table import PublishedMap
 from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.plots import map_panel
+from paminsa_viz.plots import map_figure, map_panel
 from paminsa_viz.plots.caption import caption
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.plots.map_figure import render_maps
@@ -246,6 +247,24 @@ def test_a_caption_names_design_pose_and_lines(
     data = real(31).with_pose((*place, np.pi / 3, -0.5))
     text = caption(data, choose_scales(data)).replace("\u00a0", " ")
     assert [part for part in parts if part not in text] == []
+
+
+def test_a_caption_says_what_circles_are_where_there_are_any(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Published torques are drawn on maps of torques alone."""
+    table = PublishedMap("of the paper", np.zeros((1, 2)), np.zeros((1, 4)))
+    below: list[str] = []
+
+    def noted(*arguments: Any) -> str:
+        below.append(caption(*arguments))
+        return ""
+
+    monkeypatch.setattr(map_figure, "caption_text", noted)
+    other = real(11, quantities=("condition",))
+    for data, published in ((real(11), table), (real(11), None), (other, table)):
+        render_maps(data, choose_scales(data), dpi=40, published=published)
+    assert ["Circles: torques of “of the paper”" in text for text in below] == [True, False, False]
 
 
 def test_a_caption_names_both_designs_of_a_difference() -> None:
