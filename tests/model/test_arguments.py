@@ -24,7 +24,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.precision import solve_pose
 from paminsa_viz.synthesis import EXAMPLES, load_case
-from paminsa_viz.trajectory import paper_like, straight_path
+from paminsa_viz.trajectory import PRESET, paper_like, straight_path
 from tests.test_api import CALLABLES
 from tests.test_bad_calls import GOOD
 
@@ -90,6 +90,8 @@ ALSO: dict[str, Any] = {
 def owner(function: Callable[..., Any]) -> tuple[Any, ...]:
     """Return what a method belongs to."""
     match function.__qualname__.partition(".")[0]:
+        case "Preset":
+            return (PRESET["circle"],)
         case "Anchor":
             return (at_joint(4),)
         case "SynthesisCase":
