@@ -1,0 +1,262 @@
+"""The search for an excitation: how motions are drawn, shrunk and improved, and when it ends."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from paminsa_viz.identification import (
+    ExcitationSettings,
+    excitation,
+    optimize_excitation,
+)
+from paminsa_viz.identification.excitation import amplitudes
+from paminsa_viz.identification.excitation_search import (
+    BEYOND,
+    GROUP,
+    MOST_OUTSIDE,
+    ROUNDING,
+    STAGES,
+    TOLERANCE,
+    Search,
+    _Outside,
+    random_motions,
+    shrunk,
+)
+from paminsa_viz.identification.information import (
+    Evaluation,
+    Information,
+)
+from paminsa_viz.identification.multi_sine import MultiSineFamily
+from paminsa_viz.model.reach import workspace_height
+from paminsa_viz.progress import Canceled, go_on
+from paminsa_viz.trajectory import preset_center
+from tests.identification.test_excitation import PERIOD, ROBOT, information, limits_of, some_motion
+from tests.support.documentation import missing
+
+
+def test_search_is_reproducible_by_its_seed() -> None:
+    def poses(seed: int):
+        settings = ExcitationSettings(
+            period=PERIOD, evaluations=12, random=12, seconds=1e4, seed=seed
+        )
+        return optimize_excitation(ROBOT, limits_of(ROBOT), settings).plan.sample(50.0).pose
+
+    np.testing.assert_array_equal(poses(4), poses(4))
+    assert not np.array_equal(poses(4), poses(5))
+
+
+def test_search_can_be_stopped_and_reports() -> None:
+    shares: list[float] = []
+
+    def progress(share: float) -> bool:
+        shares.append(share)
+        return len(shares) == 3
+
+    began = time.monotonic()
+    found = optimize_excitation(
+        ROBOT, limits_of(ROBOT), ExcitationSettings(random=12), progress=progress
+    )
+    assert 0.0 < found.seconds <= time.monotonic() - began
+    assert len(shares) == 3
+    assert shares == sorted(shares)
+    assert found.gain >= 0.0
+    assert found.plan.duration == 20.0
+
+
+def test_a_stage_brings_back_the_best_allowed_motion_and_its_worth() -> None:
+    info = information(samples=64)
+    start = 0.05 * some_motion(info)
+    search = Search(info, ExcitationSettings(period=PERIOD, random=1), time.monotonic(), go_on)
+    assert not info.sharp  # of a step there is no slope
+    worth, best = search._improve(start, 20.0, 3)
+    assert worth > info.evaluate(start, 20.0).value + 1.0
+    assert (worth, best.tolist()) == (search.best_value, search.best.tolist())
+    assert worth == pytest.approx(info.evaluate(best, 20.0).value)
+    assert info.evaluate(best, 20.0).worst >= -TOLERANCE
+
+
+def test_a_motion_that_is_too_large_is_shrunk_to_where_a_limit_is_reached() -> None:
+    info = information(samples=64)
+    small = 0.2 * some_motion(info)
+    assert info.worst_room(small) > ROUNDING
+    assert shrunk(info, small) is small
+    large = 20.0 * small
+    found = shrunk(info, large)
+    share = found / large
+    assert np.ptp(share) < 1e-12
+    assert ROUNDING <= info.worst_room(found) < 1e-3
+    assert info.worst_room(1.001 * found) < ROUNDING
+
+
+def test_random_motions_are_halved_a_dozen_times_up_to_four_deviations() -> None:
+    """Of the first harmonic's sines only 0.3; a motion for which there is no size is left out."""
+    ticks: list[int] = []
+    family = SimpleNamespace(size=8)
+    every = SimpleNamespace(family=family, worst_room=lambda x: np.ones(len(x)))
+    found = random_motions(every, 4000, 3, lambda: ticks.append(1))  # type: ignore[arg-type]
+    assert len(ticks) == 12
+    deviation = found.std(axis=0) / (4.0 * (1 - 2.0**-12))
+    np.testing.assert_allclose(deviation, [0.3] * 4 + [1.0] * 4, rtol=0.05)
+    some = SimpleNamespace(family=family, worst_room=lambda x: np.where(x[:, 5] > 0, 1.0, 0.0))
+    half = random_motions(some, 4000, 3)  # type: ignore[arg-type]
+    np.testing.assert_array_equal(half, found[found[:, 5] > 0])
+
+
+def test_a_motion_is_shrunk_by_twenty_halvings_from_below() -> None:
+    motion = np.array([1.0, -2.0])
+    for share, wanted in ((0.6, np.floor(0.6 * 2**20) / 2**20), (2.0, 1.0)):
+        info = SimpleNamespace(
+            worst_room=lambda x, share=share: ROUNDING if np.abs(x).max() <= 2 * share else 0.0
+        )
+        np.testing.assert_array_equal(shrunk(info, motion), wanted * motion)  # type: ignore[arg-type]
+
+
+def test_motions_are_improved_the_best_random_one_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By what they tell at the noise of the first 32 of them; results are of finer samples."""
+    settings = ExcitationSettings(period=PERIOD, evaluations=5, random=34, seconds=1e4)
+    drawn = np.stack([0.4 * some_motion(information(), seed) for seed in range(34)])
+    order: list[np.ndarray] = []
+    monkeypatch.setattr(Search, "run", lambda _, starts: order.append(starts))
+    monkeypatch.setattr(excitation, "random_motions", lambda *_: drawn)
+    found = optimize_excitation(ROBOT, limits_of(ROBOT), settings)
+    center, scale = preset_center(ROBOT.geometry), amplitudes(ROBOT)
+    g = ROBOT.geometry
+    wanted = [0.3 * g.base_radius] * 2 + [0.4, 0.1 * workspace_height(g)]
+    np.testing.assert_allclose(scale, wanted, rtol=1e-12)
+    said = "multiples of 0.3 R_b, 0.4 rad and 0.1 of the workspace's height"
+    assert missing("identification", [said]) == []
+    family = MultiSineFamily(5, center, scale)
+    info = Information(ROBOT, limits_of(ROBOT), family, PERIOD, settings.samples)
+    info.noise = 0.02 * info.torque_rms(drawn[:32]).mean(axis=0)
+    worth = info.log_det(order[0])
+    assert (np.diff(worth) <= 1e-9).all()
+    assert len(worth) == len(drawn) == found.random
+    fine = Information(ROBOT, limits_of(ROBOT), family, PERIOD, 4 * settings.samples)
+    fine.noise, fine.sharp = info.noise, True
+    best = float(fine.log_det(shrunk(fine, order[0][0])))
+    assert found.random_log_det == pytest.approx(best, abs=1e-6)
+    assert found.log_det == found.random_log_det  # nothing has been improved
+
+
+def test_a_search_without_time_has_spent_all_of_it() -> None:
+    shares: list[float] = []
+    settings = ExcitationSettings(period=PERIOD, evaluations=3, random=3, seconds=0.0)
+    found = optimize_excitation(
+        ROBOT, limits_of(ROBOT), settings, progress=lambda done: shares.append(done)
+    )
+    assert set(shares) == {1.0}
+    assert len(shares) == 12 + 1
+    assert found.evaluations == 0
+
+
+def test_nothing_goes_on_when_no_evaluation_or_no_time_is_left() -> None:
+    info = information(samples=64)
+    start = 0.05 * some_motion(info)
+
+    def evaluations(settings: ExcitationSettings, begin: float = 0.0) -> int:
+        search = Search(info, settings, time.monotonic() - begin, go_on)
+        search.run(np.array([start]))
+        assert search.over
+        return search.evaluations
+
+    few = ExcitationSettings(period=PERIOD, evaluations=7, random=1)
+    assert evaluations(few) == 7
+    assert evaluations(replace(few, evaluations=0)) == 0
+    assert evaluations(replace(few, seconds=5.0), begin=5.1) == 0
+
+
+def test_a_search_says_every_ten_evaluations_how_much_of_its_budget_is_spent() -> None:
+    """Of evaluations or of the time, of which more is spent; and begins with no motion at all."""
+    info = information(samples=64)
+
+    def shares(seconds: float, begin: float = 0.0) -> list[float]:
+        found: list[float] = []
+        settings = ExcitationSettings(period=PERIOD, evaluations=25, seconds=seconds, random=1)
+        search = Search(info, settings, time.monotonic() - begin, lambda done: found.append(done))
+        assert not search.best.any()
+        assert search.best_value == -np.inf
+        with contextlib.suppress(Canceled):
+            while True:
+                search._spend()
+        return found
+
+    assert shares(1e5) == pytest.approx([0.0, 0.4, 0.8], abs=1e-6)
+    assert shares(1e4, begin=6e3)[:2] == pytest.approx([0.6, 0.6], abs=1e-3)
+    assert shares(5.0, begin=6.0) == [1.0]
+
+
+def test_stages_go_on_with_the_best_motions_of_those_before() -> None:
+    """Of each group the best are improved further, and the next group is near the best of all."""
+    info = information(samples=64)
+    settings = ExcitationSettings(period=PERIOD, random=1)
+    stages: list[tuple[float, float]] = []
+
+    class Scripted(Search):
+        def _improve(self, start, sharpness, iterations):
+            if len(stages) == GROUP + sum(kept for _, _, kept in STAGES[:-1]):
+                raise Canceled
+            worth = -abs(float(start[0]) - 7.0)
+            stages.append((sharpness, float(start[0])))
+            return worth, start
+
+    starts = np.zeros((GROUP, info.family.size))
+    starts[:, 0] = np.arange(GROUP)  # the best come last
+    search = Scripted(info, settings, time.monotonic(), go_on)
+    search.run(starts)
+    assert search.over
+    left = list(starts[:, 0])
+    for sharpness, _, kept in STAGES:
+        tried = [first for own, first in stages if own == sharpness]
+        assert tried == left
+        left = sorted(left, key=lambda first: abs(first - 7.0))[:kept]
+
+
+def test_steps_out_of_the_workspace_are_worse_than_the_last_one_inside_and_end_a_stage() -> None:
+    """What is kept is the best motion that exceeds no limit by more than the tolerance."""
+    answers: list[Evaluation] = []
+
+    class Scripted:
+        family = SimpleNamespace(size=2)
+
+        def evaluate(self, x, sharpness):
+            return answers.pop(0)
+
+    def inside(value: float, worst: float = 0.0) -> Evaluation:
+        return Evaluation(value, np.ones(11), np.array([1.0, 2.0]), np.ones((11, 2)), worst)
+
+    outside = Evaluation(-np.inf, -np.ones(11), np.zeros(2), np.zeros((11, 2)), -np.inf)
+    search = Search(Scripted(), ExcitationSettings(), time.monotonic(), go_on)  # type: ignore[arg-type]
+    places = iter(np.arange(-1.0, 100.0))
+
+    def step(answer: Evaluation):
+        answers.append(answer)
+        return search._evaluated(np.full(2, next(places)), 1.0)
+
+    assert step(outside)[0] == BEYOND  # nothing has been inside yet
+    value, slope, room, _ = step(inside(5.0))
+    assert (value, slope.tolist(), room.tolist()) == (-5.0, [-1.0, -2.0], [1.0] * 11)
+    assert (search.best_value, search.best.tolist()) == (5.0, [0.0, 0.0])
+    step(inside(9.0, worst=-1.001 * TOLERANCE))  # better, but not allowed
+    assert search.best_value == 5.0
+    step(inside(4.0))
+    assert search.best_value == 5.0
+    step(inside(6.0, worst=-TOLERANCE))
+    assert (search.best_value, search.best.tolist()) == (6.0, [3.0, 3.0])
+    for _ in range(MOST_OUTSIDE):
+        value, slope, room, _ = step(outside)
+        assert (value, slope.tolist(), room.tolist()) == (-6.0 + BEYOND, [0.0, 0.0], [-1.0] * 11)
+    step(inside(3.0))  # the count begins anew
+    for _ in range(MOST_OUTSIDE):
+        assert step(outside)[0] == -3.0 + BEYOND
+    with pytest.raises(_Outside):
+        step(outside)
+    spent = search.evaluations
+    step(inside(2.0))
+    again = search._evaluated(np.full(2, next(places) - 1.0), 1.0)  # the last place once more
+    assert (again[0], search.evaluations) == (-2.0, spent + 1)
