@@ -12,8 +12,8 @@ from paminsa_viz.blocks.calibration import MOST_COMBINATIONS, calibration_blocks
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
+from paminsa_viz.errors import TableFileError
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.measurements import measurement_table, read_measurements
 from paminsa_viz.files.tables import save_table, table_endings
 from paminsa_viz.model.kinematics import inverse_kinematics

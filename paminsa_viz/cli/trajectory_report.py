@@ -22,9 +22,8 @@ from paminsa_viz.blocks.trajectory import (
 )
 from paminsa_viz.cli import command_module
 from paminsa_viz.cli.output import print_blocks, print_error, print_heading, print_written
-from paminsa_viz.errors import PaminsaError
+from paminsa_viz.errors import FileError, PaminsaError
 from paminsa_viz.files.atomic import write_bytes
-from paminsa_viz.files.errors import FileError
 from paminsa_viz.files.published_table import PublishedTorques
 from paminsa_viz.files.tables import table_bytes, table_endings
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table

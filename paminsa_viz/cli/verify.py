@@ -14,9 +14,8 @@ from paminsa_viz.blocks.verification import verification_blocks, verification_da
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, verify
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.errors import FileError, InvalidInput
 from paminsa_viz.files.atomic import as_file_error, make_folder, write_bytes
-from paminsa_viz.files.errors import FileError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.units import number
 from paminsa_viz.version import __version__

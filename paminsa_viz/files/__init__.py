@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 from paminsa_viz.late import late_names
 
 if TYPE_CHECKING:
+    from paminsa_viz.errors import FileError, TableFileError
     from paminsa_viz.files.design_file import DesignContent, load_content, load_design, save_design
-    from paminsa_viz.files.errors import DesignFileError, FileError, TableFileError
+    from paminsa_viz.files.errors import DesignFileError
     from paminsa_viz.files.example_designs import ExampleDesign, example_design
     from paminsa_viz.files.example_logs import ExampleLog, example_log
     from paminsa_viz.files.logs import log_table, read_log

@@ -11,7 +11,7 @@ from glob import escape
 from pathlib import Path
 from typing import Any, TextIO
 
-from paminsa_viz.files.errors import FileError
+from paminsa_viz.errors import FileError
 from paminsa_viz.interrupts import indivisible, on_interrupt
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import difflib
 from dataclasses import dataclass
 
-from paminsa_viz.files.errors import TableFileError, printable, shown
+from paminsa_viz.errors import TableFileError, printable
+from paminsa_viz.files.errors import shown
 from paminsa_viz.units import COLUMN_UNITS, read_number
 
 TIME = "t_s"

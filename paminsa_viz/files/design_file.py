@@ -27,7 +27,7 @@ from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
 from paminsa_viz.checks import kinds_checked
-from paminsa_viz.errors import InvalidDesign
+from paminsa_viz.errors import InvalidDesign, printable
 from paminsa_viz.files.atomic import as_file_error, open_atomically
 from paminsa_viz.files.design_schema import (
     CHOICES,
@@ -43,7 +43,7 @@ from paminsa_viz.files.design_schema import (
     knee_of,
 )
 from paminsa_viz.files.design_writer import name_problem, write_design
-from paminsa_viz.files.errors import DesignFileError, printable
+from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.files.plain_data import UnusableData, parse_plain_toml
 from paminsa_viz.files.toml_table import nearest_line
 from paminsa_viz.model.arguments import of_design

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
+from paminsa_viz.errors import printable
 from paminsa_viz.files.design_schema import (
     CHOICE_MEANINGS,
     CHOICES,
@@ -18,7 +19,7 @@ from paminsa_viz.files.design_schema import (
     DesignKey,
     choice,
 )
-from paminsa_viz.files.errors import DesignFileError, printable
+from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.drive import ACTUATORS, Drive
 

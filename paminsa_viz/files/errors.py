@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from paminsa_viz.errors import LONGEST_VALUE, FileError, printable
-from paminsa_viz.errors import TableFileError as TableFileError
 
 
 def shown(value: object) -> str:

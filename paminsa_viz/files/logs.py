@@ -10,9 +10,8 @@ from typing import TextIO
 import numpy as np
 
 from paminsa_viz.checks import kinds_checked
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput, TableFileError
 from paminsa_viz.files.columns import ACTUATORS, CURRENTS, LOG, MEASURED, TIME
-from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.table_reader import TableReader, open_table
 from paminsa_viz.files.tables import DataTable, provenance
 from paminsa_viz.identification.log import InvalidLog, Log, make_log

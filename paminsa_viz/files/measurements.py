@@ -8,9 +8,9 @@ from typing import Any, NamedTuple, TextIO
 import numpy as np
 
 from paminsa_viz.checks import kinds_checked
+from paminsa_viz.errors import TableFileError
 from paminsa_viz.files.columns import ACTUATORS, POSE, TILT
 from paminsa_viz.files.columns import MEASUREMENTS as KIND
-from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.table_reader import TableReader, open_table
 from paminsa_viz.files.tables import DataTable, provenance
 from paminsa_viz.model.accuracy import LEG_NAMES

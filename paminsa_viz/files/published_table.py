@@ -10,8 +10,8 @@ from typing import TextIO
 import numpy as np
 
 from paminsa_viz.checks import kinds_checked
+from paminsa_viz.errors import TableFileError
 from paminsa_viz.files.columns import PUBLISHED, PUBLISHED_MAP, TIME, TORQUES
-from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.table_reader import TableReader, open_table
 from paminsa_viz.model.arrays import Array
 

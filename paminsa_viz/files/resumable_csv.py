@@ -14,8 +14,8 @@ from contextlib import AbstractContextManager, suppress
 from types import TracebackType
 from typing import BinaryIO
 
+from paminsa_viz.errors import TableFileError, printable
 from paminsa_viz.files.atomic import file_errors, keep_others_off
-from paminsa_viz.files.errors import TableFileError, printable
 from paminsa_viz.files.tables import header_lines
 
 CHECKSUM = "crc32"

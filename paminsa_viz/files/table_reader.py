@@ -17,9 +17,10 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.errors import TableFileError
 from paminsa_viz.files.atomic import as_file_error
 from paminsa_viz.files.columns import Column, TableKind, match_columns
-from paminsa_viz.files.errors import TableFileError, shown
+from paminsa_viz.files.errors import shown
 from paminsa_viz.files.tables import ROWS_AT_ONCE
 from paminsa_viz.units import read_number
 

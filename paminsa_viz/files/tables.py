@@ -19,9 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.checks import kinds_checked
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput, printable
 from paminsa_viz.files.atomic import write_bytes
-from paminsa_viz.files.errors import printable
 from paminsa_viz.version import MADE_BY
 
 ROWS_AT_ONCE = 20_000

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.checks import kinds_checked
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput, TableFileError
 from paminsa_viz.files.columns import (
     ACCELERATION,
     ACTUATORS,
@@ -31,7 +31,7 @@ from paminsa_viz.files.columns import (
     VELOCITY,
     part_columns,
 )
-from paminsa_viz.files.errors import TableFileError, shown
+from paminsa_viz.files.errors import shown
 from paminsa_viz.files.table_reader import TableReader, open_table
 from paminsa_viz.files.tables import DataTable, provenance
 from paminsa_viz.model.design import Design, stated_parameters

@@ -10,8 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from paminsa_viz.balancing.changes import whole_mass
-from paminsa_viz.errors import InvalidDesign
-from paminsa_viz.files.errors import printable
+from paminsa_viz.errors import InvalidDesign, printable
 from paminsa_viz.files.trajectory_table import parameter_facts
 from paminsa_viz.model import backend
 from paminsa_viz.model.design import (

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from paminsa_viz.errors import FileError
 from paminsa_viz.files.atomic import (
     check_writable,
     make_folder,
@@ -19,7 +20,6 @@ from paminsa_viz.files.atomic import (
     write_files,
     write_folder,
 )
-from paminsa_viz.files.errors import FileError
 
 
 def test_text_appears_only_when_the_block_ends(tmp_path) -> None:

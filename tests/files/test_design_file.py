@@ -9,10 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz import old_names
+from paminsa_viz.errors import FileError
 from paminsa_viz.files.design_file import load_design, read_design, save_design
 from paminsa_viz.files.design_schema import KEY_OF, KEYS, unit_suffix
 from paminsa_viz.files.design_writer import write_design
-from paminsa_viz.files.errors import DesignFileError, FileError
+from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.files.plain_data import UnusableData, parse_plain_toml
 from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, KneeBranch
 from paminsa_viz.model.drive import Drive

@@ -7,10 +7,10 @@ import json
 
 import pytest
 
-from paminsa_viz.errors import LONGEST_VALUE, PaminsaError
+from paminsa_viz.errors import LONGEST_VALUE, PaminsaError, TableFileError
 from paminsa_viz.files.columns import POSES
 from paminsa_viz.files.design_file import LARGEST_FILE, LONGEST_LINE, parse_toml, read_design
-from paminsa_viz.files.errors import DesignFileError, TableFileError, shown
+from paminsa_viz.files.errors import DesignFileError, shown
 from paminsa_viz.files.plain_data import (
     LARGEST_INTEGER,
     MOST_LEVELS,

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.errors import InvalidInput
-from paminsa_viz.files.errors import TableFileError
+from paminsa_viz.errors import InvalidInput, TableFileError
 from paminsa_viz.files.example_logs import EXAMPLES, ExampleLog, example_log, given_log
 from paminsa_viz.files.logs import log_table, parse_log, read_log
 from paminsa_viz.files.tables import table_csv

@@ -7,8 +7,8 @@ from io import StringIO
 import numpy as np
 import pytest
 
+from paminsa_viz.errors import TableFileError
 from paminsa_viz.files import measurements as module
-from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.measurements import measurement_table, parse_measurements
 from paminsa_viz.files.tables import table_bytes
 from paminsa_viz.precision.measurements import Measurements

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paminsa_viz.files.errors import TableFileError
+from paminsa_viz.errors import TableFileError
 from paminsa_viz.files.published_table import (
     parse_published,
     parse_published_map,

@@ -6,7 +6,7 @@ import zlib
 
 import pytest
 
-from paminsa_viz.files.errors import TableFileError
+from paminsa_viz.errors import TableFileError
 from paminsa_viz.files.resumable_csv import ResumableCsv
 
 HEAD = {"format": "test 1", "command": "one", "study": "abc"}

@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput, TableFileError
 from paminsa_viz.files.columns import ACCELERATION, POSE, POSES, VELOCITY
-from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.table_reader import (
     LONGEST_ROW,
     TableBlock,

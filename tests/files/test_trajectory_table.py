@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.elastostatics.joint_forces import JOINTS, joint_forces
+from paminsa_viz.errors import TableFileError
 from paminsa_viz.files.columns import (
     ACCELERATION,
     LOAD,
@@ -23,7 +24,6 @@ from paminsa_viz.files.columns import (
     match_columns,
     part_columns,
 )
-from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.loads_table import joint_table
 from paminsa_viz.files.tables import table_csv, table_npz
 from paminsa_viz.files.trajectory_table import (

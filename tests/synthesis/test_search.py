@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from paminsa_viz.files.errors import FileError
+from paminsa_viz.errors import FileError
 from paminsa_viz.model import check_reach, measure_singularity, static_torques
 from paminsa_viz.progress import go_on
 from paminsa_viz.quantities.requirements import Requirement

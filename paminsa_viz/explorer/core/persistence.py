@@ -17,6 +17,7 @@ from typing import Any
 
 import msgspec
 
+from paminsa_viz.errors import printable
 from paminsa_viz.explorer.browser import LONGEST_LINK
 from paminsa_viz.explorer.core.saved_requirements import requirements_data, requirements_from_data
 from paminsa_viz.explorer.state.document import Document
@@ -24,7 +25,7 @@ from paminsa_viz.explorer.state.motion import motion_data, motion_from_data
 from paminsa_viz.explorer.state.settings import changed_data
 from paminsa_viz.files.design_schema import knee_of
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
-from paminsa_viz.files.errors import printable, shown
+from paminsa_viz.files.errors import shown
 from paminsa_viz.files.plain_data import parse_json
 from paminsa_viz.model import (
     APPENDIX_4,

@@ -12,13 +12,13 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from paminsa_viz.errors import FileError
 from paminsa_viz.files.atomic import (
     check_writable,
     file_errors,
     keep_others_off,
     open_atomically,
 )
-from paminsa_viz.files.errors import FileError
 from paminsa_viz.files.plain_data import parse_json
 from paminsa_viz.interrupts import indivisible
 from paminsa_viz.studies.metrics import samples_hash

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from paminsa_viz.errors import TableFileError, printable
 from paminsa_viz.explorer.core.actions import with_design
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.kit.task import Task
@@ -16,7 +17,6 @@ from paminsa_viz.explorer.state.calibration import (
 )
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
-from paminsa_viz.files.errors import TableFileError, printable
 from paminsa_viz.model import Design, InvalidInput, PaminsaError
 from paminsa_viz.precision import (
     Calibration,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from paminsa_viz.errors import printable
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.actions import with_design
 from paminsa_viz.explorer.core.place import Place
@@ -12,7 +13,6 @@ from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.state.identification import EXPORT_RATE, ExcitationJob, IdentifyJob
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
-from paminsa_viz.files.errors import printable
 from paminsa_viz.files.example_logs import ExampleLog, example_log
 from paminsa_viz.identification import Log
 from paminsa_viz.identification.findings import Findings
