@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,7 @@ class Requirement:
     z: Range | None = None
 
     def __post_init__(self) -> None:
+        _take_sequences(self, "theta", "z")
         check_fields(self)
         find([self.quantity])
         given = [bound for bound in (self.low, self.high) if bound is not None]
@@ -98,6 +100,7 @@ class Workspace:
     center: tuple[float | None, float | None, float | None] = (0.0, 0.0, None)
 
     def __post_init__(self) -> None:
+        _take_sequences(self, "size", "center")
         check_fields(self)
         if not (_are_finite(self.size, 3) and min(self.size) > 0):
             problem = f"three positive numbers are needed, not {self.size}"
@@ -129,6 +132,7 @@ class Requirements:
     workspace: Workspace | None = None
 
     def __post_init__(self) -> None:
+        _take_sequences(self, "bounds", "theta")
         check_fields(self)
         require_each(self.bounds, "bounds", Requirement)
         _check_range("theta", self.theta)
@@ -138,6 +142,14 @@ class Requirements:
         return self.theta if requirement.theta is None else requirement.theta
 
 
+def _take_sequences(record: object, *names: str) -> None:
+    """Let lists and arrays stand for the tuples of a record."""
+    for name in names:
+        value = getattr(record, name)
+        if isinstance(value, list | np.ndarray):
+            object.__setattr__(record, name, tuple(value))
+
+
 def _check_range(name: str, limits: Range | None) -> None:
     if limits is not None and not (_are_finite(limits, 2) and limits[0] <= limits[1]):
         raise InvalidInput(name, f"two finite numbers, least and largest, are needed, not {limits}")
@@ -145,5 +157,5 @@ def _check_range(name: str, limits: Range | None) -> None:
 
 def _are_finite(values: Sequence[Any], count: int) -> bool:
     """Whether values are so many finite numbers."""
-    numbers = [isinstance(each, int | float) and math.isfinite(each) for each in values]
+    numbers = [isinstance(each, Real) and math.isfinite(each) for each in values]
     return len(numbers) == count and all(numbers)

@@ -208,3 +208,15 @@ def test_a_text_of_300_characters_is_read_and_a_longer_one_is_not() -> None:
     assert parse_requirement(text + "0").high == 100.0
     with pytest.raises(InvalidInput, match="at most 300 characters"):
         parse_requirement(text + "00")
+
+
+@pytest.mark.parametrize("kind", [list, np.array, lambda values: tuple(map(np.float32, values))])
+def test_lists_arrays_and_numbers_of_numpy_stand_for_tuples(kind) -> None:
+    """What a script computes is taken as it is; the record is equal and can be hashed."""
+    size, ends = (0.25, 0.25, 0.5), (-0.5, 0.25)  # the same in single precision
+    made = Workspace(WorkspaceShape.CYLINDER, kind(size), kind(size))
+    assert made == Workspace(WorkspaceShape.CYLINDER, size, size)
+    one = Requirement("condition", high=np.int64(8), theta=kind(ends), z=kind(ends))
+    assert one == Requirement("condition", high=8, theta=ends, z=ends)
+    every = Requirements([one], kind(ends), made)
+    assert hash(every) == hash(Requirements((one,), ends, made))
