@@ -178,3 +178,11 @@ def test_no_spring_changes_nothing() -> None:
     fit = fit_springs(APPENDIX_4, [], workspace().poses())
     assert fit.springs == ()
     assert fit.after == fit.before == pytest.approx(fit.lower_bound)
+
+
+def test_a_spring_without_a_length_pulls_with_nothing() -> None:
+    """A mast of no height is joint 8 itself."""
+    spring = Spring(at_joint(8), on_slider(0.0), stiffness=120.0, free_length=0.2)
+    pose = [[0.02, 0.01, 0.1, -0.5], [0.0, 0.0, 0.0, -0.6]]
+    np.testing.assert_array_equal(spring_lengths(APPENDIX_4, spring, pose), np.zeros((2, 3)))
+    np.testing.assert_array_equal(spring_torques(APPENDIX_4, [spring], pose), np.zeros((2, 4)))
