@@ -7,10 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from paminsa_viz.balancing import whole_mass
 from paminsa_viz.balancing.effects import IN_MOTION, UNITS, effects, sizes_in_motion
-from paminsa_viz.model import APPENDIX_4, static_imbalance
+from paminsa_viz.model import APPENDIX_4, Counterweight, static_imbalance
 from paminsa_viz.trajectory import analyze
+from tests import oracle
 from tests.balancing.robots import solved, trajectory
+from tests.balancing.weighted import bodies
 
 HEAVIER = APPENDIX_4.vary({"joints.j7": 2.0})
 
@@ -39,3 +42,12 @@ def test_effects_have_a_row_for_every_motor_in_its_unit() -> None:
     assert [(item.before, item.after, item.unit) for item in found[2:]] == [
         (float(i), 4.0 + i, UNITS[IN_MOTION[0]][i]) for i in range(4)
     ]
+
+
+def test_the_whole_mass_is_that_of_all_bodies_that_move() -> None:
+    weights = (Counterweight("b3", 7, 0.1, 0.7),)
+    payload = replace(APPENDIX_4.payload, mass=2.5)
+    pose = oracle.split(np.array([0.0, 0.0, 0.0, -0.5]))
+    for design in (APPENDIX_4, replace(HEAVIER, counterweights=weights, payload=payload)):
+        found = sum(body.mass for body in bodies(design, pose))
+        assert whole_mass(design) == pytest.approx(found)

@@ -30,7 +30,7 @@ from paminsa_viz.balancing import (
 from paminsa_viz.balancing.changes import mass_space
 from paminsa_viz.balancing.optimum import ACTIVE, active_bounds
 from paminsa_viz.balancing.program import Solution
-from paminsa_viz.model import APPENDIX_4, BAR_ENDS, Friction
+from paminsa_viz.model import APPENDIX_4, BAR_ENDS, Drive, Friction
 from paminsa_viz.trajectory import Trajectory, analyze, solve_trajectory
 from tests.balancing.robots import PATHS, changes, field, measured, random_measures, solved, terms
 from tests.support.cases import Case, cases
@@ -124,10 +124,16 @@ def test_mass_moved_counts_both_ways() -> None:
 
 def test_friction_and_another_gravity_count() -> None:
     friction = Friction(viscous_rotary=0.3, coulomb_rotary=0.5, viscous_linear=5.0)
-    design = replace(APPENDIX_4, friction=friction, gravity=3.7)
-    for term in (TrajectoryPeak(solved()), TrajectoryPeak(solved(), LIFT)):
+    servo = Drive(rotor_inertia=2e-4, gear_ratio=50.0, coulomb=0.02)
+    axis = Drive(rotor_inertia=1e-4, transmission="screw", lead=0.01)
+    drives = (servo, servo, servo, axis)
+    design = replace(APPENDIX_4, friction=friction, gravity=3.7, drives=drives)
+    for term, unit in (
+        (TrajectoryPeak(solved()), "N m"), (TrajectoryPeak(solved(), LIFT), "N")
+    ):  # fmt: skip
         result = optimize(design, changes(), term)
         (value,) = result.values
+        assert value.unit == unit
         for robot, found in ((design, value.before), (result.after, value.after)):
             assert found == pytest.approx(measured(robot)[term.label], rel=1e-9)
         assert result.gap <= 1e-8 * result.objective
