@@ -227,7 +227,8 @@ def _limit(table: DriveTable, speed: Array) -> Array:
         first, last = table.corner_speed[:, place, None], table.corner_speed[:, place + 1, None]
         slope = np.nan_to_num(slopes[:, place, None])
         along = np.where(last > first, speed - np.where(last > first, first, 0.0), 0.0)
-        torque = table.corner_torque[:, place, None] + slope * along
+        # rounding may leave less than nothing at a corner without torque
+        torque = np.maximum(table.corner_torque[:, place, None] + slope * along, 0.0)
         limit = np.where((speed >= first) & (speed <= last) & (last > first), torque, limit)
     return limit
 
