@@ -252,15 +252,16 @@ def test_shares_are_figures_over_their_limits() -> None:
     rms = float(size_drives(load, drive_table([full])).rms[0])
     hot = replace(full, rated_torque=rms / 1.3)  # too hot, whatever its temperature is exactly
     drives = [full, replace(full, brake=True), bare, hot]
+    drives.append(replace(hot, envelope=((0.0, 2.0), (600.0, 1.9))))  # hot, but strong
     found = size_drives(load, drive_table(drives), inertia_ratio=7.0)
-    heat = (found.rms / [20.0, 20.0, np.inf, rms / 1.3]) ** 2
-    expected = []
+    heat = (found.rms / [20.0, 20.0, np.inf, rms / 1.3, rms / 1.3]) ** 2
+    envelopes, expected = envelope_share(load, found.table)[0], []
     for i, drive in enumerate(drives):
         held = 0.0 if drive.holds else 70.0 / drive.ratio / drive.corners[0][1]
         gear = drive.gear_limits
         expected.append([
             found.rms[i] / (drive.rated_torque or np.inf),
-            max(envelope_share(load, found.table)[0][i], held),
+            max(envelopes[i], held),
             drive.ratio * load.top_speed / (drive.top_speed or np.inf),
             drive.ratio * load.mean_speed / (drive.rated_speed or np.inf),
             load.inertia / (drive.ratio**2 * drive.inertia) / 7.0,
@@ -271,7 +272,8 @@ def test_shares_are_figures_over_their_limits() -> None:
     np.testing.assert_allclose(found.shares, expected, rtol=1e-12)
     assert expected[0][1] == pytest.approx(70.0 / 80.0 / 0.8)
     assert expected[1][1] < expected[0][1]
-    assert found.limit(0) != "winding temperature" == found.limit(3)  # of which bounds are given
+    assert expected[4][1] < 1
+    assert found.limit(0) != "winding temperature" == found.limit(3) == found.limit(4)
 
 
 def test_what_uses_exactly_its_limit_is_feasible() -> None:
