@@ -380,7 +380,8 @@ def test_transmission_index_is_the_cosine_between_force_and_motion(seed: int) ->
     rng = np.random.default_rng(seed)
     design = samples.random_design(rng)
     pose = samples.random_poses(rng, design, 1)
-    index = backend.over_list(TRANSMISSION, mechanism(design.geometry), pose)[0]
+    (index,) = backend.over_list(TRANSMISSION, mechanism(design.geometry), pose)
+    assert index.shape == (3,)
     configuration = inverse_kinematics(design.geometry, pose[0])
     points = configuration.points[5][:, :2]
     across = np.stack([-np.sin(configuration.beta), np.cos(configuration.beta)], axis=-1)
