@@ -155,12 +155,7 @@ class FitSolution:
     def known(self, rows: Array) -> NDArray[np.bool_]:
         """Whether the motion excites all of rows x, (r,)."""
         hidden = np.linalg.norm(rows @ self.hidden, axis=1)
-        return hidden <= LOST * np.linalg.norm(rows * self._scale, axis=1)
-
-    @cached_property
-    def _scale(self) -> Array:
-        diagonal = np.diag(self.information)
-        return 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+        return hidden <= LOST * np.linalg.norm(rows * unit_scale(self.information), axis=1)
 
     @cached_property
     def widening(self) -> float:
@@ -216,14 +211,19 @@ def _residual(blocks: NormalBlocks, x: Array) -> Array:
     return blocks.square.sum(axis=0) - 2 * right @ x + np.einsum("a,jac,c->j", x, matrix, x)
 
 
+def unit_scale(whole: Array) -> Array:
+    """Return sizes (n,) of unknowns that make the diagonal of a normal matrix 1, or leave it 0."""
+    diagonal = np.diag(whole)
+    return 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+
+
 def directions(whole: Array) -> tuple[Array, Array]:
     """Return the excited directions (n, q) of a normal matrix, and the hidden ones (n, n - q).
 
     Raises:
         InvalidLog: If none is excited.
     """
-    diagonal = np.diag(whole)
-    scale = np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 1.0)
+    scale = unit_scale(whole)
     values, vectors = np.linalg.eigh(whole * scale * scale[:, None])
     kept = values > SMALLEST_EIGENVALUE * values[-1]
     if not (kept.any() and values[-1] > 0):
