@@ -112,7 +112,7 @@ def normal_blocks(columns: Array, torque: Array, numbers: NDArray[np.int64]) -> 
     rows = np.zeros((len(counts), 4, int(counts.max()), n + 1))
     rows[numbers, :, place, :n] = columns
     rows[numbers, :, place, n] = torque
-    whole = np.swapaxes(rows, -1, -2) @ rows
+    whole = rows.mT @ rows
     return NormalBlocks(
         whole[..., :n, :n], whole[..., :n, n], whole[..., n, n], counts.astype(np.float64)
     )
@@ -189,10 +189,8 @@ def solve(blocks: NormalBlocks) -> FitSolution:
     parts, forces = blocks.weighted(1 / variance)
     left = excited.T @ (whole - parts) @ excited
     rest = ((force - forces) @ excited)[..., None]
-    try:
-        without = np.linalg.solve(left, rest)[..., 0]
-    except np.linalg.LinAlgError:
-        without = (np.linalg.pinv(left, hermitian=True) @ rest)[..., 0]
+    # what a single block tells is as small as possible without it: no inverse has it
+    without = (np.linalg.pinv(left, hermitian=True) @ rest)[..., 0]
     return FitSolution(x, without @ excited.T, noise, excited, hidden, whole)
 
 
@@ -226,6 +224,6 @@ def directions(whole: Array) -> tuple[Array, Array]:
     scale = unit_scale(whole)
     values, vectors = np.linalg.eigh(whole * scale * scale[:, None])
     kept = values > SMALLEST_EIGENVALUE * values[-1]
-    if not (kept.any() and values[-1] > 0):
+    if not kept.any():
         raise InvalidLog("the robot does not move in this log; record a motion that excites it")
     return scale[:, None] * vectors[:, kept], scale[:, None] * vectors[:, ~kept]
