@@ -140,11 +140,12 @@ def crossings(geometry: Geometry, path: Path) -> tuple[Crossing, ...]:
         for i in np.flatnonzero(on):
             passes = i in (0, NODES - 1) or bool(d[i - 1] * d[i + 1] < 0)
             found.append((float(s[i]), locus, passes))
-        change = np.flatnonzero((d[:-1] * d[1:] < 0) & ~on[:-1] & ~on[1:])
+        passed = d[:-1] * d[1:] < 0
+        change = np.flatnonzero(passed & ~on[:-1] & ~on[1:])
         found += [(_root(distance, s[i], s[i + 1]), locus, True) for i in change]
         size = np.abs(d)
-        dips = np.flatnonzero((size[1:-1] < size[:-2]) & (size[1:-1] < size[2:])) + 1
-        for i in dips[(d[dips - 1] * d[dips + 1] > 0) & ~on[dips]]:
+        dips = np.flatnonzero((size[1:-1] < size[:-2]) & (size[1:-1] <= size[2:])) + 1
+        for i in dips[~passed[dips - 1] & ~passed[dips] & ~on[dips]]:
             low = minimize_scalar(
                 lambda at: abs(distance(at)), bounds=(s[i - 1], s[i + 1]), method="bounded",
                 options={"xatol": 1e-12},
