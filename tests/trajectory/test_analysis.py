@@ -32,7 +32,10 @@ from paminsa_viz.trajectory import (
     round_trip,
     via_points,
 )
+from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
+from paminsa_viz.trajectory.crossing_measures import CrossingLoad
 from paminsa_viz.trajectory.integrals import rms, running_integral, time_weights
+from paminsa_viz.trajectory.sampled import Locus
 from paminsa_viz.trajectory.solved import _with_unsolved, solve_trajectory
 from tests.support.cases import Case, assert_close, cases
 from tests.support.samples import with_knee
@@ -206,6 +209,24 @@ def test_summary() -> None:
         assert summary.driven >= 0 >= summary.braked
         assert summary.driven == pytest.approx(np.trapezoid(power.clip(0), samples.t), rel=1e-3)
         assert found.work[-1, j] == pytest.approx(summary.work, abs=1e-3 * summary.driven)
+
+
+def test_peaks_count_crossings_with_a_bound_before_the_first_failure(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """And the size of a torque alone, not when it is or its sign."""
+    analysis = analyze(APPENDIX_4, point_to_point(A, B, 2.0).sample(50))
+    sampled = analysis.summary
+    load = CrossingLoad(0.01, Locus.CIRCLE, 0.0, 0.0, (-1e3, 2e3, 1e-6, -4e3))
+    after = replace(load, t=2.5, torque=(5e3,) * 4)
+    wild = replace(load, t=0.02, torque=(6e3,) * 4)
+    monkeypatch.setattr(TrajectoryAnalysis, "crossings", property(lambda _: (load, after, wild)))
+    monkeypatch.setattr(TrajectoryAnalysis, "unbounded", property(lambda _: (wild,)))
+    found = [(one.peak, one.peak_t) for one in replace(analysis).summary]
+    assert found == [(-1e3, 0.01), (2e3, 0.01), (sampled[2].peak, sampled[2].peak_t), (-4e3, 0.01)]
+    end = replace(load, t=2.0)  # at the last sample itself it counts
+    monkeypatch.setattr(TrajectoryAnalysis, "crossings", property(lambda _: (end, wild)))
+    assert replace(analysis).summary[0].peak_t == 2.0
 
 
 @pytest.mark.parametrize(

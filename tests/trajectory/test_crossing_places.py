@@ -157,3 +157,32 @@ def test_a_touch_as_far_from_two_places_looked_at_is_seen(corner: bool) -> None:
     (touched,) = crossings(GEOMETRY, path)
     assert touched.kind is CrossingKind.TANGENT
     assert touched.s == pytest.approx(2000.5 / (NODES - 1), abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("apart", "kind"), [(0.95, CrossingKind.DOUBLE), (1.05, CrossingKind.SIMPLE)]
+)
+def test_crossings_of_both_loci_are_double_within_a_millionth_of_the_path(
+    apart: float, kind: CrossingKind
+) -> None:
+    """A path through both of them, moved aside by what puts them so far apart."""
+    turn = float(singular_rotation(GEOMETRY))
+    meet = np.array([float(singular_radius(GEOMETRY, turn)), 0.0, turn, -0.5])
+    shift = np.array([0.05, 0.0, 0.1, 0.0])
+    ahead, behind = locus_distances(GEOMETRY, meet + np.array([[1e-6], [-1e-6]]) * shift)[:, 0]
+    rate = (ahead - behind) / 2e-6 * 2.0  # the path is two shifts long
+    aside = np.array([1.0, 0.0, 0.0, 0.0]) * apart * 1e-6 * rate
+    both = crossings(GEOMETRY, straight_path(meet - shift + aside, meet + shift + aside))
+    assert [item.kind for item in both] == [kind] * 2
+    assert {item.locus for item in both} == set(Locus)
+    assert both[1].s - both[0].s == pytest.approx(apart * 1e-6, rel=1e-3)
+
+
+def test_where_base_and_platform_are_alike_the_circle_may_be_a_point() -> None:
+    equal = replace(GEOMETRY, platform_radius=GEOMETRY.base_radius)
+    circle, turn = locus_distances(
+        equal, np.array([[0.1, 0.0, 0.0, -0.5], [0.0, 0.0, 0.0, -0.5]])
+    ).T
+    assert circle[0] < -0.1
+    assert circle[1] == 0.0
+    assert turn.tolist() == [0.7, 0.7]
