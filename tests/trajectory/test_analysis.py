@@ -308,3 +308,26 @@ def test_time_weights_integrate_lines_exactly_and_are_never_negative(
     assert (weights >= 0).all()
     assert weights.sum() == pytest.approx(t[-1] - t[0])
     assert weights @ t == pytest.approx((t[-1] ** 2 - t[0] ** 2) / 2)
+
+
+def test_time_weights_are_those_of_the_integral_and_of_trapezia_where_one_is_negative() -> None:
+    rng = np.random.default_rng(5)
+    times = [np.array([0.0, 1.0, 3.0])]  # the first weight is zero
+    times += [1.0 + np.cumsum(rng.uniform(0.5, 1.0, n)) for n in (1, 2, 3, 4, 5, 8, 20)]
+    times += [np.cumsum(10.0 ** rng.uniform(-1.0, 1.0, n)) for n in (3, 6, 13)]
+    kinds = set()
+    for t in times:
+        whole = running_integral(t, np.eye(len(t)))[-1]
+        flat = [np.trapezoid(one, t) for one in np.eye(len(t))]
+        fits = bool((whole >= 0).all())
+        kinds.add(fits)
+        np.testing.assert_allclose(time_weights(t), whole if fits else flat, atol=1e-14)
+    assert kinds == {True, False}
+    assert running_integral(times[0], np.eye(3))[-1, 0] == 0.0
+
+
+def test_root_mean_square_does_not_depend_on_when_a_motion_begins() -> None:
+    t = np.linspace(0.0, 2.0, 41)
+    values = np.stack([np.sin(3 * t), t**2], axis=1)
+    np.testing.assert_allclose(rms(t + 7.0, values), rms(t, values), rtol=1e-12)
+    assert rms(t, values)[1] == pytest.approx(np.sqrt(16.0 / 5.0), rel=1e-4)
