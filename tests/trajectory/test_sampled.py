@@ -45,6 +45,13 @@ def test_before_and_after_it_is_the_end_state() -> None:
     assert made.at(np.zeros((2, 3))).velocity.shape == (2, 3, 4)
 
 
+def test_a_motion_lasts_from_its_first_sample_to_its_last() -> None:
+    made = Trajectory(T + 5.0, ROWS, ROWS, ROWS)
+    assert made.duration == pytest.approx(1.0)
+    again = made.resampled(10.0)
+    assert (again.t[0], again.t[-1], again.size) == (5.0, 6.0, 11)
+
+
 def test_resampling_keeps_the_motion() -> None:
     made = point_to_point(A, B, 2.0).sample(50).resampled(333)
     exact = point_to_point(A, B, 2.0).at(made.t)
