@@ -115,7 +115,10 @@ def test_a_solution_serves_another_gravity_and_drives() -> None:
     axis = Drive("axis", rotor_inertia=1e-4, transmission="screw", lead=0.01)
     driven = replace(ROUGH, drives=(servo, servo, replace(servo, gear_ratio=20.0), axis))
     solved = solve_trajectory(APPENDIX_4.geometry, samples, gravity=9.81)
-    for design in (driven, replace(driven, gravity=3.7), replace(APPENDIX_4, gravity=25.0)):
+    alone = replace(ROUGH.vary({"payload.mass": 2.0}), drives=(None, servo, None, None))
+    for design in (
+        driven, alone, replace(driven, gravity=3.7), replace(APPENDIX_4, gravity=25.0),
+    ):  # fmt: skip
         exact = inverse_dynamics(design, *motion).torque
         size = np.abs(exact).max(axis=0)
         assert_close(solved.torques(design), exact, 1e-11)
@@ -257,13 +260,19 @@ def test_failing_path_is_nan_exactly_where_status_fails(goal, limit) -> None:
     assert np.isfinite(found.energy_residual[:until]).all()
 
 
-def test_actuator_positions_are_unwrapped() -> None:
-    samples = circle(HOME, 0.2, 1.0).sample(300)
+@pytest.mark.parametrize("leg", range(3))
+def test_actuator_positions_are_unwrapped(leg: int) -> None:
+    """Of a platform that passes behind the leg's axis, where its actuator jumps."""
+    axis = np.radians([210.0, -30.0, 90.0])[leg]
+    ends = [[0.36 * np.cos(axis + d), 0.36 * np.sin(axis + d), 0.1, -0.4] for d in (-0.2, 0.2)]
+    samples = point_to_point(*ends, 1.0).sample(60)
     found = analyze(APPENDIX_4, samples)
     exact = inverse_kinematics(APPENDIX_4.geometry, samples.pose).actuators
+    assert np.abs(np.diff(exact[:, leg])).max() > 6.0
     turns = (found.solved.actuators - exact)[:, :3] / (2 * np.pi)
     np.testing.assert_allclose(turns, np.round(turns), atol=1e-12)
     assert np.abs(np.diff(found.solved.actuators, axis=0)).max() < 0.2
+    np.testing.assert_array_equal(found.solved.actuators[:, 3], exact[:, 3])
 
 
 def test_comparison_with_a_reference() -> None:
