@@ -30,6 +30,7 @@ from paminsa_viz.trajectory import (
     compare,
     point_to_point,
     round_trip,
+    solved,
     via_points,
 )
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
@@ -152,6 +153,27 @@ def test_a_sample_within_rounding_of_a_limit_is_the_first_failure_there() -> Non
     earlier = np.zeros(samples.size, bool)
     earlier[5] = True
     assert _with_unsolved(found, samples, earlier).until == 5
+
+
+def test_a_sample_without_torques_is_a_failure_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the check finds none: one number that cannot be computed is enough."""
+
+    def lost(*arguments, real=solved.torque_regressor, **options):
+        y = real(*arguments, **options)
+        y[30, 2, 5] = np.nan
+        return y
+
+    monkeypatch.setattr(solved, "torque_regressor", lost)
+    samples = preset_plan(PRESET["paper-like"], KneeBranch.LOWER).sample(RATE)
+    found = solve_trajectory(APPENDIX_4.geometry, samples)
+    assert found.check.until == 30
+    assert found.check.first is not None
+    assert found.check.first.t == samples.t[30]
+    wrong = np.arange(samples.size) == 30
+    np.testing.assert_array_equal(~found.check.ok, wrong)
+    for rows in (found.y.reshape(len(wrong), -1), found.speed):
+        np.testing.assert_array_equal(np.isnan(rows).all(axis=1), wrong)
+        np.testing.assert_array_equal(np.isnan(rows).any(axis=1), wrong)
 
 
 def test_a_kept_solution_serves_nothing_else() -> None:
