@@ -53,7 +53,9 @@ def made_up(monkeypatch: pytest.MonkeyPatch) -> Any:
         bisected = [b for b in requirements.bounds if b in world.breaks]
         return tuple(SimpleNamespace(requirements=(LIFT, b)) for b in bisected)
 
-    def search(group: Any, gauge: Gauge, upper: float, tolerance: float, _: Any, time: float) -> Any:
+    def search(
+        group: Any, gauge: Gauge, upper: float, tolerance: float, _: Any, time: float
+    ) -> Any:
         bound = group.requirements[1]
         world.asked.append((bound, upper, tolerance, time))
         scale = world.breaks[bound]
@@ -196,7 +198,9 @@ def test_what_is_nothing_is_no_region(made_up: Any) -> None:
         if scale is None:
             assert region.found is None
         else:
-            assert region.found.half == pytest.approx(np.array(HALF) * scale * (1 - 1e-9), rel=1e-12)
+            assert region.found.half == pytest.approx(
+                np.array(HALF) * scale * (1 - 1e-9), rel=1e-12
+            )
 
 
 def test_evidence_is_what_the_searches_proved(
