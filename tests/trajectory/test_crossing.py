@@ -158,6 +158,32 @@ def test_torques_go_to_their_limit_and_keep_theirs(planned: tuple[Design, TimeOp
     (crossing,) = found.crossings
     assert abs(crossing.residual) < 1e-9
     assert_torques_keep(design, found, 10.1, 1e-2)
+    z, slope = (float(found.curve.z(crossing.crossing.s, order)) for order in (0, 1))
+    assert crossing.residual == crossing.condition.residual(crossing.speed, 0.5 * slope)
+    assert crossing.speed == pytest.approx(np.sqrt(z))
+
+
+def test_a_plan_passes_its_loci_when_it_crosses_them_and_says_how_it_was_made() -> None:
+    found = shortest(BALANCED, LINE, TEN)
+    (crossing,), plan = found.crossings, found.plan
+    assert plan.passages == ((crossing.t / plan.duration, crossing.crossing.locus),)
+    x, y, theta, _ = plan.at(crossing.t).pose
+    radius = float(singular_radius(BALANCED.geometry, theta))
+    assert np.hypot(x, y) == pytest.approx(radius, abs=1e-8)
+    assert (plan.name, plan.kind) == ("crossing", "through singularities")
+    assert plan.notes == (crossing.explanation,)
+    short = straight_path(LINE.start, LINE(np.array([0.3]))[0])
+    free = time_optimal(BALANCED, short, TEN, name="beside")
+    assert (free.plan.passages, free.plan.kind, free.plan.notes) == ((), "minimum time", ())
+    assert free.plan.name == "beside"
+
+
+@pytest.mark.parametrize("kind", ["acceleration", "turn_acceleration", "jerk", "turn_jerk"])
+def test_limits_that_are_not_kept_across_a_locus_are_refused(kind: str) -> None:
+    with pytest.raises(InvalidInput, match="torque or force, and at most speed and turn_speed"):
+        time_optimal(BALANCED, TURN, MotionLimits(torque=10.0, **{kind: 100.0}))
+    with pytest.raises(InvalidInput, match="torque or force, and at most"):
+        time_optimal(BALANCED, TURN, MotionLimits(speed=1.0))
 
 
 def test_a_motion_that_ignores_the_condition_needs_torques_without_bound() -> None:
@@ -350,7 +376,7 @@ def test_a_is_the_mass_between_twist_and_path() -> None:
 )  # fmt: skip
 def test_the_spline_is_refined_where_it_would_have_to_stop(poses: list[list[float]]) -> None:
     found = time_optimal(BALANCED, spline_path(poses), TEN)
-    assert_torques_keep(BALANCED, found, 10.1, 2e-2)
+    assert_torques_keep(BALANCED, found, 10.0 * (1.0 + 1.2 * program.TOLERANCE), 2e-2)
 
 
 @pytest.mark.parametrize("seed", range(4))
