@@ -156,7 +156,8 @@ class Drive(Group, path="drive", limits=(1e-12, 1e9)):
             return ((0.0, peak), (top, peak))
         found = [(speed, torque) for speed, torque in self.envelope if speed < top]
         if self.envelope[-1][0] >= top:
-            found.append((top, float(np.interp(top, *zip(*self.envelope, strict=True)))))
+            speeds, torques = zip(*self.envelope, strict=True)
+            found.append((top, float(np.interp(top, speeds, torques))))
         limited: list[tuple[float, float]] = []
         for (s0, t0), (s1, t1) in pairwise(found):
             limited.append((s0, min(t0, peak)))
