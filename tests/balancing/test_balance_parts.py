@@ -17,6 +17,7 @@ from paminsa_viz.balancing import (
     beyond,
     fit_springs,
     on_slider,
+    paper_balance,
     pareto,
     sensitivity,
     tolerance,
@@ -25,12 +26,13 @@ from paminsa_viz.balancing import (
 from paminsa_viz.balancing.changes import mass_space
 from paminsa_viz.balancing.convex import MaxAbs
 from paminsa_viz.balancing.effects import sizes_in_motion
-from paminsa_viz.balancing.optimum import active_bounds, movable_bounds
+from paminsa_viz.balancing.optimum import ACTIVE, active_bounds, movable_bounds
 from paminsa_viz.balancing.paper_balance import _exact, _in_the_way
 from paminsa_viz.balancing.program import Program, Variable
 from paminsa_viz.balancing.terms import MP2
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, Counterweight, static_imbalance, static_torques
+from paminsa_viz.model.lumped import MASS_PATHS, lumped_coefficients
 from tests.balancing.robots import workspace
 
 # ---------------------------------------------------------------- the paper's balance
@@ -155,7 +157,10 @@ def test_a_bound_that_is_not_reached_is_not_active() -> None:
     assert found((2.0, 1.5), [(2e-7, 0.5), (0.3, 1.0)], slope=4.0) == [
         (name, "nearest", 2.0), (name, "farthest", 0.0),
     ]  # fmt: skip
-    assert found((2.0, 1e-9), [(0.3, 1e-9)]) == [(name, "low", 0.5)]
+    near = ACTIVE * 2.0
+    for amount in (1e-9, near):
+        assert found((2.0, amount), [(0.3, amount)]) == [(name, "low", 0.5)]
+    assert found((2.0, 1.0 + near), [(0.1, 1.0), (0.3, near)]) == []
 
 
 def test_a_front_holds_the_first_term_within_rounding_of_its_best(
@@ -289,3 +294,50 @@ def test_an_unknown_measure_of_springs_is_refused_and_a_spring_of_no_length_pull
     assert found.reach == ((0.0, 0.0),)
     torque = static_torques(APPENDIX_4, [[0.1, 0.0, 0.2, -0.5], [0.0, 0.0, 0.0, -0.6]])[:, :3]
     assert found.before == pytest.approx(np.abs(torque).max())
+
+
+@pytest.mark.parametrize("reached", [True, False])
+def test_the_solvers_rounding_is_taken_out_where_the_balance_is_exact(
+    monkeypatch: pytest.MonkeyPatch, reached: bool
+) -> None:
+    """And where it is not, what the solver found stays."""
+    solve = paper_balance.solve
+
+    def rough(program: Program) -> Any:
+        found = solve(program)
+        levers = [[(lever, amount + 1e-7) for lever, amount in places] for places in found.levers]
+        return replace(found, levers=levers)
+
+    monkeypatch.setattr(paper_balance, "solve", rough)
+    ranges = Changes((MassRange("joints.j7", 0.1, 9.0 if reached else 1.5),))
+    after = paper_balance.balance(APPENDIX_4, ranges).after
+    if reached:
+        assert abs(static_imbalance(after)) < 1e-14
+    else:
+        assert after.joints.j7 == 1.5 + 1e-7
+
+
+def test_inertia_follows_a_mass_that_is_there() -> None:
+    """In proportion to it; that of a bar without mass stays as it is."""
+    for value in (0.7, 0.0):
+        bare = APPENDIX_4.vary({"links.b8": value})
+        for follows in (True, False):
+            made = mass_space(bare, Changes((MassRange("links.b8", 0.0, 1.0, follows),)))
+            heavier = bare.vary({"links.b8": value + 0.5})
+            if follows and value:
+                held = {p: bare.value(p) for p in MASS_PATHS if p.startswith("inertias.b8_")}
+                share = (value + 0.5) / value
+                heavier = heavier.vary({path: share * inertia for path, inertia in held.items()})
+            change = lumped_coefficients(heavier) - lumped_coefficients(bare)
+            np.testing.assert_allclose(made.variables[0].effect[0, :18], 2 * change, atol=1e-12)
+
+
+def test_spreads_of_many_poses_are_those_of_each() -> None:
+    poses = workspace().poses().reshape(-1, 4)[:1200:50].reshape(2, -1, 4)
+    every = tolerance.mass_tolerance(APPENDIX_4, 0.02, poses)
+    for name in ("torque", "torque_deviation", "torque_worst"):
+        alone = [
+            getattr(tolerance.mass_tolerance(APPENDIX_4, 0.02, pose), name)
+            for pose in poses.reshape(-1, 4)
+        ]
+        np.testing.assert_allclose(getattr(every, name).reshape(-1, 3), alone, rtol=1e-9)

@@ -195,6 +195,9 @@ def test_tangents_are_added_where_moments_break_them() -> None:
     assert not extended([2.0, 1.2, 0.72 - 0.9 * RESOLVED])
     assert extended([2.0, 1.2, 0.72 - 2.0 * RESOLVED])
     assert not extended([0.0, 0.0, 0.0])
+    # beyond the ends of the levers it is the tangent there
+    assert not extended([2.0, 2.4, 1.0])
+    assert not extended([2.0, -2.4, 1.0])
     norm = Enclosure(replace(program, goals=((1.0, Norm(np.eye(1), np.zeros(1))),)))
     assert not extended([2.0, 1.0, 0.4], norm)
 
