@@ -147,17 +147,16 @@ def _coefficients(load: ActuatorLoad, table: DriveTable) -> tuple[Array, Array, 
 
 
 def _interval(square: Array, limit: Array, constant: Array | float) -> tuple[Array, Array]:
-    """Return the x > 0 with square x^2 - limit x + constant <= 0, as ends; NaN where none is.
+    """Return the x > 0 with square x^2 - limit x + constant <= 0, as ends.
 
-    With constant > 0 and square < 0 this is a half line, and so on: always one interval.
+    Where there are none, low > high or high < 0, or both are NaN. With constant > 0 and square < 0
+    this is a half line, and so on: one interval, but where the limit is negative and neither of the
+    others positive.
     """
     root = np.sqrt(limit**2 - 4 * square * constant)
-    root = np.where(limit < 0, np.nan, root)
     high = np.where(square > 0, (limit + root) / (2 * square), np.inf)
     low = np.where(constant > 0, 2 * constant / (limit + root), 0.0)
-    free = (square <= 0) & (constant <= 0)
-    lost = np.isnan(root) & ~free
-    return np.where(lost, np.nan, low), np.where(free, np.inf, high)
+    return low, high
 
 
 def _rms_interval(load: ActuatorLoad, table: DriveTable) -> tuple[Array, Array]:
@@ -173,8 +172,9 @@ def _cut(
     """Cut the intervals of some drives by the samples' limits, in place."""
     count = load.signals.shape[1]
     even = np.linspace(0, count - 1, min(FIRST_SAMPLES, count)).astype(int)
+    # where a signal is nearly always zero, its one sample ends what is 0 or infinite by the others
     extreme = np.abs(load.signals).argmax(axis=1)
-    _cut_by(load, table, rows, np.unique(np.concatenate([even, extreme]))[None], low, high)
+    _cut_by(load, table, rows, np.concatenate([even, extreme])[None], low, high)
     open_low = open_high = rows[low[rows] <= high[rows]]
     for _ in range(MOST_CUTS):
         open_low = _cut_end(load, table, open_low, low, low, high)
@@ -226,17 +226,16 @@ def _scan(
     """Narrow intervals to the feasible ratios of a scan, in place; return where it has gaps."""
     gaps = np.zeros(len(table), bool)
     for row in rows:
-        part = table[row : row + 1]
+        part = table[np.array([row])]
         end = high[row] if np.isfinite(high[row]) else WIDEST * max(low[row], 1.0)
         start = max(low[row], end / WIDEST**2)
         ratios = np.geomspace(start, end, SCANNED)
-        ratios[[0, -1]] = start, end
         good = _keeps(load, part, ratios)
         if not good.any():
             low[row], high[row] = np.nan, np.nan
             continue
         found = np.flatnonzero(good)
-        gaps[row] = not good[found[0] : found[-1] + 1].all()
+        gaps[row] = (np.diff(found) > 1).any()
         if found[0] > 0:
             low[row] = _edge(load, part, *ratios[[found[0], found[0] - 1]].tolist())
         if found[-1] < SCANNED - 1:

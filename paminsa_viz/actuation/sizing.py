@@ -55,21 +55,20 @@ def _shares(load: ActuatorLoad, table: DriveTable) -> Array:
         many = step_decay ** (passage.repeats - 1)
         settled = step_gain / (1 - step_decay)
         starts.append((decay, gain, many, settled))
-        parts.append((passage, rise, held))
+        parts.append((passage, rise))
         whole = many * step_decay
         decay, gain = decay * whole, gain * whole + settled * (1 - whole)
     base = gain / (1 - decay)
     hottest = np.zeros(len(table))
-    for (before, offset, many, settled), (passage, rise, held) in zip(starts, parts, strict=True):
-        # Repetitions approach one temperature from one side: the first or the last is hottest.
+    for (before, offset, many, settled), (passage, rise) in zip(starts, parts, strict=True):
+        # Repetitions approach one temperature from one side: the first or the last is hottest. The
+        # end of a dwell is the start of what follows.
         first = before * base + offset
         last = many * first + settled * (1 - many)
         fade = np.exp(-passage.t / time)
         for start in (first, last):
             path = fade * start[:, None] + rise
-            cooled = np.exp(-passage.dwell / time[:, 0])
-            end = path[:, -1] * cooled + held * (1 - cooled)
-            hottest = np.maximum(hottest, np.maximum(path.max(axis=1), end))
+            hottest = np.maximum(hottest, path.max(axis=1))
     return hottest
 
 
@@ -101,7 +100,7 @@ def _weights(share: Array) -> tuple[Array, Array, Array]:
     fade = np.exp(-share)
     mean = -np.expm1(-share) / share
     # near zero the exact form loses digits; its series does not
-    there = np.where(share > 1e-4, 1 - mean, share / 2 - share**2 / 6)
+    there = np.where(share > 1e-4, 1 - mean, share / 2 - share**2 / 6 + share**3 / 24)
     return fade, 1 - fade - there, there
 
 
@@ -227,7 +226,8 @@ def _limit(table: DriveTable, speed: Array) -> Array:
         first, last = table.corner_speed[:, place, None], table.corner_speed[:, place + 1, None]
         slope = np.nan_to_num(slopes[:, place, None])
         along = np.where(last > first, speed - np.where(last > first, first, 0.0), 0.0)
-        torque = table.corner_torque[:, place, None] + slope * along
+        # rounding may leave less than nothing at a corner without torque
+        torque = np.maximum(table.corner_torque[:, place, None] + slope * along, 0.0)
         limit = np.where((speed >= first) & (speed <= last) & (last > first), torque, limit)
     return limit
 
@@ -256,8 +256,8 @@ class Sizing:
     def shares(self) -> Array:
         """Share of each limit that is used, (n, 8), in the order of `LIMITS`; at most 1 is kept.
 
-        The winding's is exact where it is the largest; otherwise it is an upper bound, the mean
-        heat times x/(1 - exp(-x)) with x the period in time constants.
+        The winding's is exact where it is the largest and the RMS torque is kept; otherwise it is
+        an upper bound, the mean heat times x/(1 - exp(-x)) with x the period in time constants.
         """
         load, table = self.load, self.table
         held = np.where(table.holds, 0.0, load.held / table.ratio / table.corner_torque[:, 0])

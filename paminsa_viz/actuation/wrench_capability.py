@@ -189,7 +189,7 @@ class Capability:
                 np.nan_to_num(self.room[:3] / np.hypot(self.rows[0], self.rows[1]), nan=np.inf),
                 axis=0,
             )
-        torque = np.take_along_axis(self.torque[:3], index[None], axis=0)[0]
+        torque = np.take_along_axis(self.torque, index[None], axis=0)[0]
         return index, np.where(torque < 0, -1, 1)
 
     @property

@@ -90,7 +90,7 @@ class Enclosure:
         added = self._cut(trial.state, trial.parts, slack)
         for number, moments in enumerate(trial.moments):
             if not self.norms and len(moments) == 3 and moments[0] > 0:
-                u = float(moments[1] / moments[0])
+                u = float(np.clip(moments[1] / moments[0], -1.0, 1.0))
                 excess = 2.0 * u * moments[1] - u**2 * moments[0] - moments[2]
                 if excess > RESOLVED and (number, u) not in self.tangents:
                     self.tangents.append((number, u))

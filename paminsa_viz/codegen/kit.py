@@ -38,7 +38,7 @@ from paminsa_viz.model.lumped import (
     term_factors,
     term_matrix,
 )
-from paminsa_viz.model.reach import Limit, check_reach, workspace_height, workspace_radius
+from paminsa_viz.model.reach import check_reach, workspace_height, workspace_radius
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques, unit_torques
 
@@ -312,15 +312,14 @@ def test_vectors(design: Design) -> str:
         "M": flat(mass_matrix(design, pose)),
         "friction": friction_torque(design.actuator_friction, velocity),
         "margin": reach.margins.min(axis=(-1, -2))[:, None],
-        "singularity": np.stack(
+        "singularity": np.column_stack(
             [
                 far.determinant,
                 far.condition,
                 far.position_distance,
                 far.rotation_distance,
                 far.serial_distance,
-            ],
-            axis=-1,
+            ]
         ),
         "gamma": unit_torques(geometry, pose),
     }
@@ -339,14 +338,13 @@ def _poses(design: Design) -> Array:
     geometry = design.geometry
     rng = np.random.default_rng(84679)
     radius, height = workspace_radius(geometry), workspace_height(geometry)
-    side = -1.0 if geometry.knee.sign > 0 else 1.0
-    low, high = sorted((0.1 * side * height, side * height))
-    count = 40 * ROWS
-    pose = rng.uniform([-radius, -radius, -1, low], [radius, radius, 1, high], (count, 4))
-    reach = check_reach(geometry, pose)
-    good = reach.ok & (measure_singularity(geometry, pose).condition < WORST_CONDITION)
-    good &= reach.margins.min(axis=(-1, -2)) > 0.01 * geometry.base_radius
-    out = (reach.status != Limit.OK) & (reach.margins.min(axis=(-1, -2)) < -1e-3)
+    least, most = [-radius, -radius, -1, 0.1 * height], [radius, radius, 1, height]
+    pose = rng.uniform(least, most, (40 * ROWS, 4))
+    pose[:, 3] *= -geometry.knee.sign  # on the platform's side of the guides
+    margin = check_reach(geometry, pose).margins.min(axis=(-1, -2))
+    good = margin > 0.01 * geometry.base_radius
+    good &= measure_singularity(geometry, pose).condition < WORST_CONDITION
+    out = margin < -1e-3
     return np.concatenate([pose[good][:ROWS], pose[out][: ROWS // 10]])
 
 

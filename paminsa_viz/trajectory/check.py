@@ -251,7 +251,7 @@ def _first_failure(
     near = np.zeros(len(step), dtype=bool)
     low = np.any(margins[1 : len(change) + 1] < change, axis=1)
     near[: len(low)] |= low
-    near[1 : len(low) + 1] |= low[: len(near) - 1]
+    near[1:] |= low[: len(near) - 1]
     if t.size <= _FEW:
         near[:] = True
     if until < t.size:

@@ -39,6 +39,9 @@ ON_LOCUS = 1e-9
 SLOPE = 1e-6
 """Change of the distance along the whole path, in proportion, below which a crossing is tangent."""
 
+TOGETHER = 1e-6
+"""Share of a path below which crossings of both loci count as one."""
+
 _NEAR = 1e-6  # step by which a distance is differentiated along a path
 _STEP = 1e-4  # step by which coefficients are differentiated along a path, to the fourth order
 
@@ -140,11 +143,12 @@ def crossings(geometry: Geometry, path: Path) -> tuple[Crossing, ...]:
         for i in np.flatnonzero(on):
             passes = i in (0, NODES - 1) or bool(d[i - 1] * d[i + 1] < 0)
             found.append((float(s[i]), locus, passes))
-        change = np.flatnonzero((d[:-1] * d[1:] < 0) & ~on[:-1] & ~on[1:])
+        passed = d[:-1] * d[1:] < 0
+        change = np.flatnonzero(passed & ~on[:-1] & ~on[1:])
         found += [(_root(distance, s[i], s[i + 1]), locus, True) for i in change]
         size = np.abs(d)
-        dips = np.flatnonzero((size[1:-1] < size[:-2]) & (size[1:-1] < size[2:])) + 1
-        for i in dips[(d[dips - 1] * d[dips + 1] > 0) & ~on[dips]]:
+        dips = np.flatnonzero((size[1:-1] < size[:-2]) & (size[1:-1] <= size[2:])) + 1
+        for i in dips[~passed[dips - 1] & ~passed[dips] & ~on[dips]]:
             low = minimize_scalar(
                 lambda at: abs(distance(at)), bounds=(s[i - 1], s[i + 1]), method="bounded",
                 options={"xatol": 1e-12},
@@ -172,7 +176,7 @@ def _crossing(
     kind = CrossingKind.SIMPLE
     if not crosses or abs(rise) < SLOPE * geometry.base_radius:
         kind = CrossingKind.TANGENT
-    if any(other is not locus and abs(at - s) < 1e-6 for at, other, _ in found):
+    if any(other is not locus and abs(at - s) < TOGETHER for at, other, _ in found):
         kind = CrossingKind.DOUBLE
     return Crossing(s, locus, kind, tuple(path(np.array([s]))[0].tolist()))
 
@@ -186,8 +190,8 @@ def locus_distances(geometry: Geometry, pose: Array) -> Array:
     rb, rp = geometry.base_radius, geometry.platform_radius
     x, y, theta, _ = pose.T
     cos = np.cos(theta)
-    radius2 = rb**2 + rp**2 - 2 * rb * rp * cos
-    circle = (radius2 - x**2 - y**2) / (2 * np.sqrt(np.maximum(radius2, ON_LOCUS**2)))
+    radius = np.hypot(rb - rp * cos, rp * np.sin(theta))
+    circle = (radius**2 - x**2 - y**2) / (2 * np.maximum(radius, ON_LOCUS))
     if rp >= rb:
         return np.stack([circle, np.full_like(circle, rb + rp)], axis=1)
     turn = rp * (rb * cos - rp) / np.sqrt(rb**2 - rp**2)

@@ -231,7 +231,7 @@ class CrossingProgram:
     def speed_range(self, index: int) -> tuple[float, float]:
         """Return the smallest and largest s' that the limits allow at a crossing [1/s]."""
         row = self._at(self._found[index].s)[0]
-        low, high = (row @ self._optimum(sign * row) for sign in (1.0, -1.0))
+        low, high = (row @ self._optimum(cost) for cost in (row, -row))
         return float(np.sqrt(max(low, 0.0))), float(np.sqrt(max(high, 0.0)))
 
     def _optimum(self, cost: Array) -> Array:
@@ -275,8 +275,7 @@ def _pieces(found: tuple[Crossing, ...], refinement: int, intervals: int) -> Arr
     halves = 0.5 ** np.arange(1, refinement + 1) / intervals
     for item in found:
         room = min(1.0, intervals * item.s, intervals * (1.0 - item.s))
-        near = item.s + room * np.concatenate([-halves, halves])
-        ends = np.concatenate([ends, near])
+        ends = np.concatenate([ends, item.s - room * halves, item.s + room * halves])
     ends = np.unique(ends)
     least = 0.1 * 0.5**refinement / intervals
     kept = np.concatenate([[True], np.diff(ends) > least])

@@ -39,11 +39,14 @@ _NODES = 2
 _INSIDE = 1e-6
 """Share of a piece by which its ends are looked at from inside: directions may change there."""
 
+_AT_REST = 2e-6
+"""Share of the longest piece below which a place is at a stop: a side of a piece, no node."""
+
 LOOKED_AT = 14
 """Points of a piece, besides its ends, at which a law is looked at afterwards."""
 
-_SLOWEST = 1e-9
-"""Least s' of a law at which tangents are taken, in parts of 1 over the duration."""
+_SLOWEST = 1e-18
+"""Least z of a law at which tangents are taken."""
 
 
 class LawProgramFailed(PaminsaError):
@@ -104,9 +107,8 @@ class LawProgram:
         self.points = np.concatenate([base, sides])
         # the coefficients that are z at the stops
         at = np.searchsorted(self._places, path.place(path.rests), "left")
-        rests = np.clip(at - 1, 0, len(self._places) - 4)
         self._free = np.ones(len(self._places) - 3, dtype=bool)
-        self._free[rests] = False
+        self._free[np.maximum(at - 1, 0)] = False
 
     def solve(self, before: Law) -> BSpline:
         """Return z by s, no slower than a law that keeps the limits [1/unit^2].
@@ -119,37 +121,27 @@ class LawProgram:
 
         z, dz = self._rows(self.points)
         m, points, timed = z.shape[1], len(self.points), len(self._weights)
+        size = m + points + timed  # coefficients of z, c at the points, d at the nodes
         limits, right = self._limit_rows(before, z, dz)
-        above = sparse.hstack([-sparse.eye(m), sparse.csr_matrix((m, points + timed))])
-        none, one = sparse.csr_matrix((points, timed)), np.ones(points)
-        eye = sparse.eye(points)
+        one, zero = np.ones(points), np.zeros(points)
         # c, d, and z here in parts of what they are by the law before
-        rate = np.sqrt(np.maximum(before(self.points)[0], _SLOWEST**2))
-        part = sparse.diags(rate**-2.0) @ z
+        rate = np.sqrt(np.maximum(before(self.points)[0], _SLOWEST))
+        part = sparse.hstack(
+            [sparse.diags(rate**-2.0) @ z, sparse.csr_matrix((points, points + timed))]
+        )
         # c <= sqrt(z), as |(2 c, z - 1)| <= z + 1
         roots = _interleaved(
-            [
-                (sparse.hstack([-part, 0 * eye, none]), one),
-                (sparse.hstack([0 * z, -2 * eye, none]), 0 * one),
-                (sparse.hstack([-part, 0 * eye, none]), -one),
-            ]
+            [(-part, one), (-2.0 * sparse.eye(points, size, m), zero), (-part, -one)]
         )
         # d c >= 1 at the nodes, as |(2, c - d)| <= c + d
-        here, one = (
-            sparse.hstack([sparse.csr_matrix((timed, m)), sparse.eye(timed, points)]),
-            np.ones(timed),
-        )
-        back = sparse.eye(timed)
+        c, d = sparse.eye(timed, size, m), sparse.eye(timed, size, m + points)
+        none = sparse.csr_matrix((timed, size))
         times = _interleaved(
-            [
-                (sparse.hstack([-here, -back]), 0 * one),
-                (sparse.hstack([0 * here, 0 * back]), 2 * one),
-                (sparse.hstack([-here, back]), 0 * one),
-            ]
+            [(-c - d, zero[:timed]), (none, np.full(timed, 2.0)), (d - c, zero[:timed])]
         )
         cones = self._cones(z, dz, points + timed)
         sides = [
-            (sparse.vstack([limits, above]), np.concatenate([right, np.zeros(m)])),
+            (sparse.vstack([limits, -sparse.eye(m, size)]), np.concatenate([right, np.zeros(m)])),
             roots,
             times,
         ]
@@ -193,7 +185,7 @@ class LawProgram:
 
         s, timed = self.points, len(self._weights)
         law, slope = before(s)
-        tangent = np.sqrt(np.maximum(law, _SLOWEST**2))[:, None]
+        tangent = np.sqrt(np.maximum(law, _SLOWEST))[:, None]
         terms = self._terms(s, law, slope)
         eased = terms.rate <= 0.0
         above = np.where(eased, 0.0, terms.rate)
@@ -230,7 +222,8 @@ class LawProgram:
     def _terms(self, s: Array, law: Array, slope: Array) -> Terms:
         """Return the limits at places (n,), where the law before has z and dz (n,)."""
         along = self._path(s, 1)
-        rates, none = self._limits.rates[:2] * self._unit ** np.array([[1.0], [2.0]]), 0.0 * s
+        rates = self._limits.rates[:2] * self._unit ** np.array([[1.0], [2.0]])
+        none = np.zeros_like(s)
         found: list[tuple[Array, Array, Array, Array]] = []
         for size, most in zip(
             (np.linalg.norm(along[:, PLACE], axis=1), along[:, 2]), rates[0], strict=True
@@ -279,9 +272,9 @@ class LawProgram:
         pushed = actuator_acceleration(design.geometry, pose, 0.0 * along, along)
         turned = actuator_acceleration(design.geometry, pose, along, bent)
         load = self._torque_parts(s, replace(design, drives=NO_DRIVES))
-        none = 0.0 * s
+        none = np.zeros_like(s)
         away = np.abs(s[:, None] - self._path.place(self._path.rests)).min(axis=1)
-        resting = away <= _INSIDE * self._longest
+        resting = away < _AT_REST * self._longest
         found: list[tuple[Array, Array, Array, Array]] = []
         for j, drive in enumerate(design.drives):
             if drive is None:
@@ -305,7 +298,7 @@ class LawProgram:
                     for share in shares:
                         # the larger one limits a motor that drives, or starts: both of them do; of
                         # the smaller, concave in the load, the tangent at the law before is above
-                        chosen = np.where((sign * speed[:, j] > 0) | resting, share, least)
+                        chosen = np.where((np.sign(speed[:, j]) == sign) | resting, share, least)
                         row = [
                             sign * (chosen * part + counted * mine) / limit
                             for part, mine in zip(factors, own, strict=True)

@@ -133,7 +133,7 @@ class TimedPath:
         """Return dt/dq [s]: finite at the ends, where s' is zero."""
         rests = np.array(self.rests)
         i = np.clip(np.floor(q).astype(int), 0, len(rests) - 2)
-        q = i + np.clip(q - i, 1e-7, 1.0 - 1e-7)
+        q = np.maximum(q, i + 1e-7)
         rate = np.diff(rests)[i] * 0.5 * np.pi * np.sin(np.pi * (q - i))
         return rate / np.sqrt(np.maximum(self.z(self._place(q)), 1e-300))
 
@@ -147,7 +147,7 @@ class TimedPath:
         q, t = self._table
         at = float(self._angle(np.array([s]))[0])
         i = min(int(np.searchsorted(q, at, "right")) - 1, len(q) - 2)
-        return float(t[i] + self._spans(q[i : i + 1], np.array([at]))[0])
+        return float(t[i] + self._spans(q[[i]], np.array([at]))[0])
 
     def place_at(self, t: Array) -> Array:
         """Return s at times (n,) [s]; that of the last ones is kept, for all derivatives there."""
@@ -166,7 +166,7 @@ class TimedPath:
         q_nodes, t_nodes = self._table
         i = np.clip(np.searchsorted(t_nodes, t, "right") - 1, 0, len(q_nodes) - 2)
         low, high = q_nodes[i], q_nodes[i + 1]
-        q = low + (high - low) * (t - t_nodes[i]) / (t_nodes[i + 1] - t_nodes[i])
+        q = np.interp(t, t_nodes, q_nodes)
         for _ in range(6):
             error = t_nodes[i] + self._spans(low, q) - t
             q = np.clip(q - error / self._slowness(q), low, high)
@@ -288,7 +288,7 @@ class TracedPath:
         ends = self._run(at)
         i = np.clip(np.searchsorted(ends, wanted, "right") - 1, 0, len(at) - 2)
         low, high = at[i], at[i + 1]
-        u = low + (high - low) * (wanted - ends[i]) / (ends[i + 1] - ends[i])
+        u = np.interp(wanted, ends, at)
         rate = self._run.derivative()
         for _ in range(60):
             error = self._run(u) - wanted
@@ -297,9 +297,9 @@ class TracedPath:
                 step = u - error / rate(u)
             inside = (step >= low) & (step <= high)
             new = np.where(inside, step, 0.5 * (low + high))
-            moved = np.abs(new - u).max(initial=0.0)
+            there = np.abs(new - u) < 1e-14
             u = new
-            if moved < 1e-14:
+            if there.all():
                 break
         return u
 

@@ -200,7 +200,7 @@ def _check_path(
         torque = static_torques(design.without_friction(), pose[at])
         over = np.abs(torque) - limits.actuators
         if not (over <= 0).all():
-            worst = int(np.nanargmax(np.where(np.isnan(over), -np.inf, over)))
+            worst = int(np.argmax(over))
             problem = (
                 f"the {end} cannot be held: M{worst + 1} needs {abs(torque[worst]):.4g} of "
                 f"{limits.actuators[worst]:.4g} {'N' if worst == 3 else 'N·m'}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from paminsa_viz.actuation.drive_table import DriveTable, drive_table
@@ -55,3 +57,15 @@ def random_drives(
             )
         )  # fmt: skip
     return drive_table(drives)
+
+
+def cases(
+    rng: np.random.Generator, count: int, drives: int, *, coulomb: float = 0.0, bent: bool = False
+) -> Iterator[tuple[ActuatorLoad, DriveTable, float]]:
+    """Yield loads with drives, and with a limit on the ratio of inertias or none."""
+    for _ in range(count):
+        load = random_load(
+            rng, 801, dwell=rng.choice([0.0, 1.0]), bias=rng.normal() * rng.choice([0.0, 2.0])
+        )
+        table = random_drives(rng, drives, coulomb=coulomb, bent=bent)
+        yield load, table, float(rng.choice([np.inf, 30.0]))

@@ -8,87 +8,15 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from paminsa_viz.actuation import ratios, sizing
+from paminsa_viz.actuation import sizing
 from paminsa_viz.actuation.drive_table import combined, drive_table, pair_table
 from paminsa_viz.actuation.duty import ActuatorLoad, DutyMotion, load_signals
-from paminsa_viz.actuation.ratios import _interval, figure_of_merit, ratio_intervals
+from paminsa_viz.actuation.ratios import RatioIntervals, ratio_intervals
 from paminsa_viz.actuation.sizing import LIMITS, envelope_share, ordered, size_drives
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import Drive
-from paminsa_viz.model.arrays import Array
-from tests.actuation.loads import random_drives, random_load
+from tests.actuation.loads import cases, random_drives, random_load
 from tests.actuation.motor_loads import GEAR, SERVO, motor_torque
-
-RATIOS = np.geomspace(0.5, 3000.0, 140)
-
-
-def kept(load: ActuatorLoad, drive: Drive, ratios: Array, inertia_ratio: float) -> Array:
-    """Whether a drive keeps its limits with ratios, by evaluating every sample."""
-    (passage,) = load.passages
-    tau = motor_torque(load, drive, ratios)
-    speed = np.abs(load.signals[4])
-    period = passage.t[-1] + passage.dwell
-    held = 0.0 if drive.holds else passage.held / ratios
-    square = simpson(tau**2, x=passage.t) + passage.dwell * np.square(held)
-    speeds, torques = np.array(drive.corners).T
-    limit = np.interp(ratios[:, None] * speed, speeds, torques, right=-1.0)
-    good = (np.abs(tau) <= limit).all(axis=1) & (square / period <= drive.rated_torque**2)
-    good &= ratios * simpson(speed, x=passage.t) / period <= drive.rated_speed
-    if passage.dwell:
-        good &= np.abs(held) <= torques[0]
-    return good & (load.inertia / (ratios**2 * drive.inertia) <= inertia_ratio)
-
-
-def cases(rng: np.random.Generator, count: int, drives: int, **kind):  # type: ignore[no-untyped-def]
-    for _ in range(count):
-        load = random_load(
-            rng, 801, dwell=rng.choice([0.0, 1.0]), bias=rng.normal() * rng.choice([0.0, 2.0])
-        )
-        yield load, random_drives(rng, drives, **kind), rng.choice([np.inf, 30.0])
-
-
-@pytest.mark.parametrize(
-    ("loads", "drives"), [(3, 20), pytest.param(12, 60, marks=pytest.mark.slow)], ids=["", "many"]
-)
-def test_closed_form_ratios_are_those_of_brute_force(loads: int, drives: int) -> None:
-    feasible = total = 0
-    for load, table, most in cases(np.random.default_rng(1), loads, drives):
-        found = ratio_intervals(load, table, inertia_ratio=most)
-        assert not found.scanned.any()
-        for i in range(len(table)):
-            expected = kept(load, table.drive(i), RATIOS, most)
-            inside = (found.low[i] <= RATIOS) & (found.high[i] >= RATIOS)
-            # the interval's own RMS is another integral than Simpson's
-            near = np.isclose(RATIOS, found.low[i], 1e-4) | np.isclose(RATIOS, found.high[i], 1e-4)
-            np.testing.assert_array_equal(inside[~near], expected[~near])
-            feasible, total = feasible + expected.sum(), total + len(RATIOS)
-    assert 0.05 < feasible / total < 0.6
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", [{"coulomb": 0.5}, {"bent": True}], ids=["Coulomb", "bent"])
-def test_scanned_ratios_are_those_of_brute_force_and_say_so(kind: dict[str, float]) -> None:
-    feasible = 0
-    for load, table, most in cases(np.random.default_rng(2), 3, 15, **kind):
-        found = ratio_intervals(load, table, inertia_ratio=most)
-        assert found.scanned.all()
-        for i in np.flatnonzero(~found.gaps):
-            expected = kept(load, table.drive(i), RATIOS, most)
-            inside = (found.low[i] <= RATIOS) & (found.high[i] >= RATIOS)
-            near = np.isclose(RATIOS, found.low[i], 1e-2) | np.isclose(RATIOS, found.high[i], 1e-2)
-            np.testing.assert_array_equal(inside[~near], expected[~near])
-            feasible += expected.sum()
-    assert feasible > 100
-
-
-def test_the_ends_of_an_interval_reach_a_limit_and_do_not_exceed_it() -> None:
-    rng = np.random.default_rng(3)
-    for load, table, _ in cases(rng, 4, 40):
-        found = ratio_intervals(load, table)
-        rows = np.flatnonzero(found.feasible & (found.low > 0))
-        for ends in (found.low[rows], found.high[rows]):
-            use = size_drives(load, replace(table[rows], ratio=ends)).use
-            np.testing.assert_allclose(use, 1.0, rtol=1e-9)
 
 
 @pytest.mark.parametrize("kind", [{}, {"bent": True}, {"coulomb": 0.3}], ids=str)
@@ -116,98 +44,6 @@ def test_envelope_and_rms_of_pairs_are_those_of_their_samples(kind: dict[str, fl
             held = 0.0 if drive.holds else load.passages[0].held / n[0]
             square = simpson(tau**2, x=t) + dwell * held**2
             assert sizing.rms[i] == pytest.approx(np.sqrt(square / (t[-1] + dwell)), rel=2e-3)
-
-
-def test_figure_of_merit_decides_which_motors_have_a_ratio_for_their_rms() -> None:
-    rng = np.random.default_rng(5)
-    free = {"top_speed": np.inf, "rated_speed": np.inf}
-    for load, table, _ in cases(rng, 4, 60):
-        plain = replace(
-            table,
-            corner_torque=np.full_like(table.corner_torque, np.inf),
-            corner_speed=np.tile([0.0, *[np.inf] * (table.corner_speed.shape[1] - 1)], (60, 1)),
-            **{name: np.full(60, value) for name, value in free.items()},
-        )
-        alpha, asked = figure_of_merit(load, plain)
-        np.testing.assert_allclose(alpha, plain.rated_torque**2 / plain.inertia, rtol=1e-12)
-        np.testing.assert_array_equal(alpha >= asked, ratio_intervals(load, plain).feasible)
-
-
-def test_an_interval_is_where_its_quadratic_is_not_positive() -> None:
-    """Of every sign and none, where friction is within the limit; and of means, where it is not."""
-    rng = np.random.default_rng(1)
-    square, limit, constant = rng.choice([-1.0, 0.0, 1.0], (3, 400)) * rng.uniform(
-        0.5, 2.0, (3, 400)
-    )
-    means = (square > 0) & (constant >= 0)
-    limit = np.where(means, limit, np.abs(limit))
-    with np.errstate(all="ignore"):
-        low, high = _interval(square, limit, constant)
-    x = np.geomspace(1e-6, 1e6, 4001)[:, None]
-    good = square * x**2 - limit * x + constant <= 0
-    inside = (x >= low) & (x <= high)
-    near = (np.abs(x - low) < 1e-9 * x) | (np.abs(x - high) < 1e-9 * x)
-    assert (good == inside)[~near].all()
-
-
-GRID = np.geomspace(2.0, 500.0, ratios.SCANNED)
-"""Ratios that a scan from 2 to 500 tries."""
-
-
-@pytest.mark.parametrize(
-    ("sets", "gap"),
-    [
-        ([], False),
-        ([(1.0, 1e3)], False),
-        ([(2.0, 30.0)], False),
-        ([(30.0, 500.0)], False),
-        ([(20.0, 30.0)], False),
-        ([(GRID[400] * 0.9999, GRID[400] * 1.0001)], False),
-        ([(2.0, 30.0), (60.0, 500.0)], True),
-        ([(GRID[0], GRID[0] * 1.0001), (60.0, 70.0)], True),
-        ([(20.0, 30.0), (GRID[-1] * 0.9999, GRID[-1])], True),
-    ],
-    ids=range(9),
-)
-def test_a_scan_finds_the_ends_of_what_is_kept_and_whether_it_has_gaps(
-    sets: list[tuple[float, float]], gap: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def keeps(_: object, __: object, n: Array) -> Array:
-        inside = [(a <= n) & (n <= b) for a, b in sets]
-        return np.any(inside, axis=0) if sets else np.zeros(len(n), bool)
-
-    monkeypatch.setattr(ratios, "_keeps", keeps)
-    load, table = random_load(np.random.default_rng(0)), random_drives(np.random.default_rng(0), 3)
-    low, high = np.full(3, 2.0), np.full(3, 500.0)
-    found = ratios._scan(load, table, np.array([0, 2]), low, high)
-    assert (found.tolist(), low[1], high[1]) == ([gap, False, gap], 2.0, 500.0)
-    for row in (0, 2):
-        ends = max(2.0, sets[0][0]) if sets else np.nan, min(500.0, sets[-1][1]) if sets else np.nan
-        np.testing.assert_allclose((low[row], high[row]), ends, rtol=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("start", "kept", "ends"),
-    [
-        (2.0, (1.0, 1e3), (2.0, 1e3)),
-        (0.1, (1.0, 2e5), (1.0, 2e5)),
-        (0.1, (1.0, 1.05e6), (1.0, np.inf)),
-        (2.0, (1.0, 1.05e6), (2.0, 1.05e6)),
-        (0.0, (1e-5, 10.0), (1e-5, 10.0)),
-        (0.0, (5e-7, 10.0), (0.0, 10.0)),
-    ],
-    ids=str,
-)
-def test_a_scan_that_no_limit_ends_is_so_and_so_wide(
-    start: float, kept: tuple[float, float], ends: tuple[float, float],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
-    """Up to a million times the lower end, or 1; down to the millionth part of 1."""
-    monkeypatch.setattr(ratios, "_keeps", lambda _, __, n: (kept[0] <= n) & (n <= kept[1]))
-    load, table = random_load(np.random.default_rng(0)), random_drives(np.random.default_rng(0), 1)
-    low, high = np.array([start]), np.array([np.inf])
-    assert not ratios._scan(load, table, np.array([0]), low, high)[0]
-    np.testing.assert_allclose((low[0], high[0]), ends, rtol=1e-9)
 
 
 def test_the_worst_sample_may_be_any_one_also_the_last() -> None:
@@ -295,15 +131,6 @@ def test_lines_of_an_envelope_are_its_sides_if_it_is_concave(
         np.testing.assert_allclose(least, np.interp(w, speeds, torques), rtol=1e-12)
 
 
-def test_a_drive_without_inertia_has_ratios_too() -> None:
-    load = random_load(np.random.default_rng(7))
-    table = drive_table([replace(SERVO, rotor_inertia=0.0, rated_torque=5.0, peak_torque=9.0)])
-    found = ratio_intervals(load, table)
-    assert found.feasible[0]
-    use = size_drives(load, replace(table, ratio=found.low)).use
-    np.testing.assert_allclose(use, 1.0, rtol=1e-9)
-
-
 def test_drives_with_and_without_limits_stand_in_one_table() -> None:
     load = random_load(np.random.default_rng(8), dwell=0.5)
     bent = ((0.0, 9.0), (100.0, 2.0), (300.0, 1.9), (600.0, 0.1))
@@ -349,6 +176,16 @@ def test_an_envelope_that_is_not_concave_holds_up_to_its_top_speed_and_not_beyon
             share, _ = envelope_share(one, replace(table, ratio=np.array([ratio])))
             expected = 1.2 / ratio / limit if limit else np.inf
             assert share[0] == pytest.approx(expected, rel=1e-12)
+
+
+def test_an_envelope_that_ends_without_torque_gives_none_at_its_top_speed() -> None:
+    """Nor less than none, by rounding, of which any torque would be a small share."""
+    speed, torque = np.full(3, 50.0), np.full(3, 0.4)
+    signals = load_signals(torque, 0 * speed, speed)
+    load = ActuatorLoad("M1", (DutyMotion(np.arange(3.0), signals, 1.0, 0.0, 0.0),), 0.0)
+    table = random_drives(np.random.default_rng(2), 60, bent=True)
+    share, _ = envelope_share(load, replace(table, ratio=table.corner_speed[:, -1] / 50.0))
+    assert (share > 1e6).all()
 
 
 def test_envelopes_that_rise_with_the_speed_are_used_most_where_it_is_least() -> None:
@@ -415,15 +252,16 @@ def test_shares_are_figures_over_their_limits() -> None:
     rms = float(size_drives(load, drive_table([full])).rms[0])
     hot = replace(full, rated_torque=rms / 1.3)  # too hot, whatever its temperature is exactly
     drives = [full, replace(full, brake=True), bare, hot]
+    drives.append(replace(hot, envelope=((0.0, 2.0), (600.0, 1.9))))  # hot, but strong
     found = size_drives(load, drive_table(drives), inertia_ratio=7.0)
-    heat = (found.rms / [20.0, 20.0, np.inf, rms / 1.3]) ** 2
-    expected = []
+    heat = (found.rms / [20.0, 20.0, np.inf, rms / 1.3, rms / 1.3]) ** 2
+    envelopes, expected = envelope_share(load, found.table)[0], []
     for i, drive in enumerate(drives):
         held = 0.0 if drive.holds else 70.0 / drive.ratio / drive.corners[0][1]
         gear = drive.gear_limits
         expected.append([
             found.rms[i] / (drive.rated_torque or np.inf),
-            max(envelope_share(load, found.table)[0][i], held),
+            max(envelopes[i], held),
             drive.ratio * load.top_speed / (drive.top_speed or np.inf),
             drive.ratio * load.mean_speed / (drive.rated_speed or np.inf),
             load.inertia / (drive.ratio**2 * drive.inertia) / 7.0,
@@ -434,7 +272,8 @@ def test_shares_are_figures_over_their_limits() -> None:
     np.testing.assert_allclose(found.shares, expected, rtol=1e-12)
     assert expected[0][1] == pytest.approx(70.0 / 80.0 / 0.8)
     assert expected[1][1] < expected[0][1]
-    assert found.limit(0) != "winding temperature" == found.limit(3)  # of which bounds are given
+    assert expected[4][1] < 1
+    assert found.limit(0) != "winding temperature" == found.limit(3) == found.limit(4)
 
 
 def test_what_uses_exactly_its_limit_is_feasible() -> None:
@@ -446,29 +285,8 @@ def test_what_uses_exactly_its_limit_is_feasible() -> None:
     load = random_load(np.random.default_rng(1))
     fast = drive_table([Drive(top_speed=load.top_speed * factor) for factor in (1.0, 1 - 1e-12)])
     assert size_drives(load, fast).feasible.tolist() == [True, False]
-    one = ratios.RatioIntervals(
-        *np.array([[1.0, 1.0, 2.0, np.nan], [2.0, 1.0, 1.0, 3.0]]), *[use] * 2
-    )
+    one = RatioIntervals(*np.array([[1.0, 1.0, 2.0, np.nan], [2.0, 1.0, 1.0, 3.0]]), *[use] * 2)
     assert one.feasible.tolist() == [True, True, False, False]
-
-
-def test_a_load_that_is_only_held_and_a_gear_that_is_too_weak_limit_the_ratios() -> None:
-    t, still = np.array([0.0, 1.0]), np.zeros(2)
-    passage = DutyMotion(t, load_signals(still, still, still), 1.0, 2.0, -0.6)
-    load = ActuatorLoad("M1", (passage,), 0.0)
-    envelope = ((0.0, 9.0), (100.0, 2.0), (600.0, 1.0))
-    strong = Drive(rotor_inertia=1e-5, envelope=envelope)
-    for drives, low in (
-        ([strong, replace(strong, brake=True)], [0.6 / 9.0, 0.0]),
-        ([replace(strong, gear_peak_torque=torque) for torque in (0.6, 0.59)], [0.6 / 9.0, np.nan]),
-        (
-            [replace(strong, gear_rated_torque=load.rms * more) for more in (1.0, 1 - 1e-12)],
-            [0.6 / 9.0, np.nan],
-        ),
-    ):
-        found = ratio_intervals(load, drive_table(drives))
-        np.testing.assert_allclose(found.low, low, rtol=1e-12)
-        assert found.feasible.tolist() == [not np.isnan(one) for one in low]
 
 
 def test_ratio_of_inertias_may_be_below_one_and_counts_only_if_it_is_limited() -> None:

@@ -192,17 +192,6 @@ def test_a_place_exactly_at_the_border_of_an_end_is_at_it() -> None:
         assert [item.side for item in active_bounds(space, found)] == [side]
 
 
-def test_inertia_without_a_mass_follows_none() -> None:
-    """There is no ratio to keep: the bar's inertia stays, whatever its mass becomes."""
-    light = APPENDIX_4.vary({"links.b4": 0.0})
-    what = Changes((MassRange("links.b4", 0.0, 2.0, inertia_follows=True),))
-    space = mass_space(light, what)
-    heavy = space.design_of([[(0.0, 1.5)]])
-    assert heavy == APPENDIX_4.vary({"links.b4": 1.5})
-    state = space.start + 1.5 * space.variables[0].column(0.0)
-    np.testing.assert_allclose(state, mass_space(heavy, what).before, rtol=1e-12, atol=1e-12)
-
-
 def test_a_weight_that_is_best_at_one_lever_is_one_weight() -> None:
     """The solver leaves a part of it, of the size of rounding, at the end of its range."""
     ranges = (beyond("b3", 7, 0.2, 0.5), along(APPENDIX_4.geometry, "b8", 0.7))

@@ -180,14 +180,6 @@ def test_no_spring_changes_nothing() -> None:
     assert fit.after == fit.before == pytest.approx(fit.lower_bound)
 
 
-def test_a_spring_without_a_length_pulls_with_nothing() -> None:
-    """A mast of no height is joint 8 itself."""
-    spring = Spring(at_joint(8), on_slider(0.0), stiffness=120.0, free_length=0.2)
-    pose = [[0.02, 0.01, 0.1, -0.5], [0.0, 0.0, 0.0, -0.6]]
-    np.testing.assert_array_equal(spring_lengths(APPENDIX_4, spring, pose), np.zeros((2, 3)))
-    np.testing.assert_array_equal(spring_torques(APPENDIX_4, [spring], pose), np.zeros((2, 4)))
-
-
 def test_poses_of_any_shape_are_as_each_alone() -> None:
     spring = Spring(at_joint(3), at_joint(9), stiffness=120.0, free_length=0.2)
     poses = workspace().poses().reshape(-1, 4)[:6].reshape(2, 3, 4)

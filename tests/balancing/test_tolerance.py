@@ -81,17 +81,6 @@ def test_mass_spread_agrees_with_robots_of_three_different_legs() -> None:
     np.testing.assert_allclose(np.max(corners, axis=0), found.torque_worst, rtol=1e-5)
 
 
-def test_poses_together_are_as_each_alone() -> None:
-    poses = POSES.reshape(-1, 4)[::97][:6].reshape(2, 3, 4)
-    together = mass_tolerance(APPENDIX_4, 0.02, poses)
-    for index in np.ndindex(2, 3):
-        alone = mass_tolerance(APPENDIX_4, 0.02, poses[index])
-        for name in ("torque", "torque_deviation", "torque_worst"):
-            np.testing.assert_allclose(
-                getattr(together, name)[index], getattr(alone, name), rtol=1e-12
-            )
-
-
 def test_mass_tolerance_has_the_standard_deviation_of_even_distributions() -> None:
     """An even distribution from -a to a has the deviation a / sqrt(3); variances add up."""
     tolerances = {"joints.j7": 0.1, "links.b8": 0.03}
@@ -163,37 +152,6 @@ def test_a_draw_at_its_upper_end_is_the_longest_length(monkeypatch: pytest.Monke
     torque = np.abs(static_torques(longest, pose)[:3]).max()
     assert found.peaks == pytest.approx([torque])
     assert found.nominal != pytest.approx(torque)
-
-
-def test_a_peak_counts_by_its_amount() -> None:
-    poses = workspace().poses().reshape(-1, 4)
-    torque = static_torques(APPENDIX_4, poses)[:, :3]
-    pose = poses[np.argmax(-torque.min(axis=1) - np.abs(torque.max(axis=1)))]
-    found = length_tolerance(APPENDIX_4, 0.0, pose, samples=2)
-    largest = -static_torques(APPENDIX_4, pose)[:3].min()
-    assert found.nominal == pytest.approx(largest)
-    assert found.peaks == pytest.approx([largest, largest])
-
-
-def test_draws_that_are_no_robots_are_counted_and_hardly_any_robots_are_refused(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    wide = {"geometry.magnification": 0.99}
-    pose = [0.02, 0.01, 0.1, -0.5]
-    found = length_tolerance(APPENDIX_4, wide, pose, samples=20)
-    assert 0 < found.impossible < 20
-    assert len(found.peaks) == 20
-    drawn = []
-
-    class Lowest:
-        def uniform(self, low: float, high: float, size: int) -> Any:
-            drawn.append(low)
-            return np.full(size, low)
-
-    monkeypatch.setattr(np.random, "default_rng", lambda seed: Lowest())
-    with pytest.raises(InvalidInput, match="hardly any sample is a robot"):
-        length_tolerance(APPENDIX_4, wide, pose, samples=3)
-    assert len(drawn) == 31
 
 
 def test_drawn_lengths_are_even_about_their_values() -> None:

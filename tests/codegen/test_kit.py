@@ -38,6 +38,7 @@ from paminsa_viz.model.lumped import term_factors
 from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.model.reach import Limit, check_reach, workspace_height, workspace_radius
 from paminsa_viz.model.robot import inverse_dynamics_kernel
+from paminsa_viz.model.singularity import measure_singularity
 from tests.codegen.printed import SANITIZERS, STRICT, compilers, sanitizes
 from tests.support.documentation import missing
 
@@ -431,13 +432,22 @@ def test_only_code_becomes_single_precision() -> None:
 
 
 def test_poses_of_a_self_test_are_sought_among_forty_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
-    """So that robots that reach little of the box around them have some as well."""
-    drawn: list[int] = []
+    """So that robots that reach little of the box around them have some as well.
+
+    Kept are the first: within reach by a hundredth of R_b, and out of it by 1 mm.
+    """
+    drawn: list[np.ndarray] = []
 
     def reach(geometry: Any, poses: Any) -> Any:
-        drawn.append(len(poses))
+        drawn.append(poses)
         return check_reach(geometry, poses)
 
     monkeypatch.setattr(kit, "check_reach", reach)
-    assert len(kit._poses(APPENDIX_4)) == kit.ROWS + kit.ROWS // 10
-    assert drawn == [40 * kit.ROWS]
+    found = kit._poses(APPENDIX_4)
+    (tried,) = drawn
+    assert len(tried) == 40 * ROWS
+    margin = check_reach(APPENDIX_4.geometry, tried).margins.min(axis=(-1, -2))
+    regular = measure_singularity(APPENDIX_4.geometry, tried).condition < WORST_CONDITION
+    inside = tried[regular & (margin > 0.01 * APPENDIX_4.geometry.base_radius)]
+    np.testing.assert_array_equal(found[:ROWS], inside[:ROWS])
+    np.testing.assert_array_equal(found[ROWS:], tried[margin < -1e-3][: ROWS // 10])

@@ -30,9 +30,13 @@ from paminsa_viz.trajectory import (
     compare,
     point_to_point,
     round_trip,
+    solved,
     via_points,
 )
+from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
+from paminsa_viz.trajectory.crossing_measures import CrossingLoad
 from paminsa_viz.trajectory.integrals import rms, running_integral, time_weights
+from paminsa_viz.trajectory.sampled import Locus
 from paminsa_viz.trajectory.solved import _with_unsolved, solve_trajectory
 from tests.support.cases import Case, assert_close, cases
 from tests.support.samples import with_knee
@@ -112,7 +116,10 @@ def test_a_solution_serves_another_gravity_and_drives() -> None:
     axis = Drive("axis", rotor_inertia=1e-4, transmission="screw", lead=0.01)
     driven = replace(ROUGH, drives=(servo, servo, replace(servo, gear_ratio=20.0), axis))
     solved = solve_trajectory(APPENDIX_4.geometry, samples, gravity=9.81)
-    for design in (driven, replace(driven, gravity=3.7), replace(APPENDIX_4, gravity=25.0)):
+    alone = replace(ROUGH.vary({"payload.mass": 2.0}), drives=(None, servo, None, None))
+    for design in (
+        driven, alone, replace(driven, gravity=3.7), replace(APPENDIX_4, gravity=25.0),
+    ):  # fmt: skip
         exact = inverse_dynamics(design, *motion).torque
         size = np.abs(exact).max(axis=0)
         assert_close(solved.torques(design), exact, 1e-11)
@@ -146,6 +153,27 @@ def test_a_sample_within_rounding_of_a_limit_is_the_first_failure_there() -> Non
     earlier = np.zeros(samples.size, bool)
     earlier[5] = True
     assert _with_unsolved(found, samples, earlier).until == 5
+
+
+def test_a_sample_without_torques_is_a_failure_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the check finds none: one number that cannot be computed is enough."""
+
+    def lost(*arguments, real=solved.torque_regressor, **options):
+        y = real(*arguments, **options)
+        y[30, 2, 5] = np.nan
+        return y
+
+    monkeypatch.setattr(solved, "torque_regressor", lost)
+    samples = preset_plan(PRESET["paper-like"], KneeBranch.LOWER).sample(RATE)
+    found = solve_trajectory(APPENDIX_4.geometry, samples)
+    assert found.check.until == 30
+    assert found.check.first is not None
+    assert found.check.first.t == samples.t[30]
+    wrong = np.arange(samples.size) == 30
+    np.testing.assert_array_equal(~found.check.ok, wrong)
+    for rows in (found.y.reshape(len(wrong), -1), found.speed):
+        np.testing.assert_array_equal(np.isnan(rows).all(axis=1), wrong)
+        np.testing.assert_array_equal(np.isnan(rows).any(axis=1), wrong)
 
 
 def test_a_kept_solution_serves_nothing_else() -> None:
@@ -208,6 +236,24 @@ def test_summary() -> None:
         assert found.work[-1, j] == pytest.approx(summary.work, abs=1e-3 * summary.driven)
 
 
+def test_peaks_count_crossings_with_a_bound_before_the_first_failure(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """And the size of a torque alone, not when it is or its sign."""
+    analysis = analyze(APPENDIX_4, point_to_point(A, B, 2.0).sample(50))
+    sampled = analysis.summary
+    load = CrossingLoad(0.01, Locus.CIRCLE, 0.0, 0.0, (-1e3, 2e3, 1e-6, -4e3))
+    after = replace(load, t=2.5, torque=(5e3,) * 4)
+    wild = replace(load, t=0.02, torque=(6e3,) * 4)
+    monkeypatch.setattr(TrajectoryAnalysis, "crossings", property(lambda _: (load, after, wild)))
+    monkeypatch.setattr(TrajectoryAnalysis, "unbounded", property(lambda _: (wild,)))
+    found = [(one.peak, one.peak_t) for one in replace(analysis).summary]
+    assert found == [(-1e3, 0.01), (2e3, 0.01), (sampled[2].peak, sampled[2].peak_t), (-4e3, 0.01)]
+    end = replace(load, t=2.0)  # at the last sample itself it counts
+    monkeypatch.setattr(TrajectoryAnalysis, "crossings", property(lambda _: (end, wild)))
+    assert replace(analysis).summary[0].peak_t == 2.0
+
+
 @pytest.mark.parametrize(
     ("goal", "limit"),
     [
@@ -236,13 +282,19 @@ def test_failing_path_is_nan_exactly_where_status_fails(goal, limit) -> None:
     assert np.isfinite(found.energy_residual[:until]).all()
 
 
-def test_actuator_positions_are_unwrapped() -> None:
-    samples = circle(HOME, 0.2, 1.0).sample(300)
+@pytest.mark.parametrize("leg", range(3))
+def test_actuator_positions_are_unwrapped(leg: int) -> None:
+    """Of a platform that passes behind the leg's axis, where its actuator jumps."""
+    axis = np.radians([210.0, -30.0, 90.0])[leg]
+    ends = [[0.36 * np.cos(axis + d), 0.36 * np.sin(axis + d), 0.1, -0.4] for d in (-0.2, 0.2)]
+    samples = point_to_point(*ends, 1.0).sample(60)
     found = analyze(APPENDIX_4, samples)
     exact = inverse_kinematics(APPENDIX_4.geometry, samples.pose).actuators
+    assert np.abs(np.diff(exact[:, leg])).max() > 6.0
     turns = (found.solved.actuators - exact)[:, :3] / (2 * np.pi)
     np.testing.assert_allclose(turns, np.round(turns), atol=1e-12)
     assert np.abs(np.diff(found.solved.actuators, axis=0)).max() < 0.2
+    np.testing.assert_array_equal(found.solved.actuators[:, 3], exact[:, 3])
 
 
 def test_comparison_with_a_reference() -> None:
@@ -287,3 +339,26 @@ def test_time_weights_integrate_lines_exactly_and_are_never_negative(
     assert (weights >= 0).all()
     assert weights.sum() == pytest.approx(t[-1] - t[0])
     assert weights @ t == pytest.approx((t[-1] ** 2 - t[0] ** 2) / 2)
+
+
+def test_time_weights_are_those_of_the_integral_and_of_trapezia_where_one_is_negative() -> None:
+    rng = np.random.default_rng(5)
+    times = [np.array([0.0, 1.0, 3.0])]  # the first weight is zero
+    times += [1.0 + np.cumsum(rng.uniform(0.5, 1.0, n)) for n in (1, 2, 3, 4, 5, 8, 20)]
+    times += [np.cumsum(10.0 ** rng.uniform(-1.0, 1.0, n)) for n in (3, 6, 13)]
+    kinds = set()
+    for t in times:
+        whole = running_integral(t, np.eye(len(t)))[-1]
+        flat = [np.trapezoid(one, t) for one in np.eye(len(t))]
+        fits = bool((whole >= 0).all())
+        kinds.add(fits)
+        np.testing.assert_allclose(time_weights(t), whole if fits else flat, atol=1e-14)
+    assert kinds == {True, False}
+    assert running_integral(times[0], np.eye(3))[-1, 0] == 0.0
+
+
+def test_root_mean_square_does_not_depend_on_when_a_motion_begins() -> None:
+    t = np.linspace(0.0, 2.0, 41)
+    values = np.stack([np.sin(3 * t), t**2], axis=1)
+    np.testing.assert_allclose(rms(t + 7.0, values), rms(t, values), rtol=1e-12)
+    assert rms(t, values)[1] == pytest.approx(np.sqrt(16.0 / 5.0), rel=1e-4)

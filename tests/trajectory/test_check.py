@@ -21,6 +21,7 @@ from paminsa_viz.trajectory import (
     point_to_point,
     round_trip,
 )
+from paminsa_viz.trajectory.sampled import Locus, Passage
 
 GEOMETRY = APPENDIX_4.geometry
 HOME = np.array([0.0, 0.0, 0.0, -0.5])
@@ -166,6 +167,7 @@ def test_samples_agree_with_the_reach_of_their_poses(goal) -> None:
     np.testing.assert_array_equal(check.leg[serial], reach.leg[serial])
     assert check.possible == (check.first is None) == (check.until == samples.size)
     assert check.ok[: check.until].all()
+    assert (check.leg[~serial] == -1).all()
     check.words()
 
 
@@ -232,3 +234,97 @@ def test_a_failure_is_found_to_a_1e_12th_of_a_step_wherever_it_begins() -> None:
         assert event is not None
         assert until == 2
         assert root < event.t < root + 2e-12
+
+
+def test_only_guides_may_be_used_to_their_end() -> None:
+    """Of the four margins of a leg the third is the guide's; the two loci come last."""
+    margins = np.ones((14, 14))
+    for room, exceeded in ((-1e-12, np.ones(14)), (0.0, np.ones(14)), (1e-12, np.zeros(14))):
+        np.fill_diagonal(margins, room)
+        wanted = np.diag(exceeded).astype(bool)
+        if room == 0.0:
+            wanted[[2, 6, 10], [2, 6, 10]] = False
+        np.testing.assert_array_equal(check.beyond(margins), wanted)
+
+
+@pytest.mark.parametrize("inward", [1.0, -1.0])
+def test_a_planned_crossing_is_excused_while_it_is_nearer_than_the_clearance(
+    inward: float,
+) -> None:
+    """The motion comes near, leaves again, crosses at 5.4 s, and comes near once more."""
+    t = np.arange(11.0)
+    poses = np.tile(HOME, (11, 1))
+    poses[:, 0] = RADIUS - inward * 1e-3 * np.array([9, 3, 9, 8, 4, 1, -2, -4, -7, -3, -9])
+    planned = (Passage(5.4, Locus.CIRCLE),)
+    samples = Trajectory(t, poses, 0 * poses, 0 * poses, passages=planned)
+    (window,) = check_path(GEOMETRY, samples).windows
+    assert window == (planned[0], 3.0, 8.0)
+    # as near as the clearance is not nearer; nothing is farther than one that is wide
+    exact = float(np.abs(check._singular_distances(GEOMETRY, poses))[3, 0])
+    assert check_path(GEOMETRY, samples, exact).windows[0][1:] == (3.0, 10.0)
+    assert check_path(GEOMETRY, samples, 0.02).windows[0][1:] == (-np.inf, np.inf)
+    times = np.array([0.0, 3.0, 3.001, 5.399, 5.4, 7.999, 8.0, 10.0])
+    sides, distances = check.allowed(times, np.array([inward, -1.0]), 0.005, (window,))
+    np.testing.assert_array_equal(sides[:, 0], inward * np.array([1, 1, 1, 1, -1, -1, -1, -1]))
+    np.testing.assert_array_equal(distances[:, 0] < -1.0, [0, 0, 1, 1, 1, 1, 0, 0])
+    np.testing.assert_array_equal(distances[[0, 1, 6, 7], 0], 0.005)
+    np.testing.assert_array_equal(sides[:, 1], -1.0)
+    np.testing.assert_array_equal(distances[:, 1], 0.005)
+
+
+def test_the_side_is_that_of_the_first_sample() -> None:
+    """Also where the second one is beyond the locus already."""
+    for start, goal, side in ((0.01, -0.01, 1.0), (-0.01, 0.01, -1.0)):
+        poses = np.tile(HOME, (2, 1))
+        poses[:, 0] = RADIUS - np.array([start, goal])
+        found = check_path(GEOMETRY, Trajectory([0.0, 1.0], poses, 0 * poses, 0 * poses))
+        assert found.side == (side, 1.0)
+        assert found.status.tolist() == [Limit.OK, Limit.SINGULAR]
+
+
+def test_a_motion_that_fails_at_once_has_its_first_failure_and_closest_limit_there() -> None:
+    poses = np.array([[RADIUS - 0.003, 0.0, 0.0, -0.5], [RADIUS - 0.001, 0.0, 0.1, -0.5], HOME])
+    found = check_path(GEOMETRY, Trajectory([3.0, 4.0, 5.0], poses, 0 * poses, 0 * poses))
+    assert found.until == 0
+    for event in (found.first, found.closest):
+        assert event is not None
+        assert (event.t, event.limit, event.leg) == (3.0, Limit.SINGULAR, -1)
+        assert event.pose == tuple(poses[0])
+        assert event.margin == pytest.approx(0.003 - SINGULAR_CLEARANCE)
+
+
+def test_a_sample_that_fails_by_rounding_alone_is_the_failure() -> None:
+    """Where its own margins are negative, but nothing between it and the sample before is."""
+    samples = point_to_point(HOME, [0.1, 0.0, 0.1, -0.5], 4.0).sample(1)
+    margins = np.ones((5, 14))
+    margins[2:, 5] = -1e-18
+    exceeded = np.where(margins < 0, margins, np.inf)
+    event, until = check._first_failure(
+        samples, margins, exceeded, lambda t, pose: np.ones((len(t), 14))
+    )
+    assert event is not None
+    assert (event.t, event.limit, event.leg, event.margin) == (2.0, Limit.FOLDED, 1, -1e-18)
+    assert event.pose == tuple(samples.pose[2])
+    assert until == 2
+
+
+def test_of_many_samples_only_those_near_a_limit_are_looked_beside(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of few, every step; each in 32 parts."""
+    looked: list[int] = []
+
+    def at(self: Trajectory, t: Any, real: Any = Trajectory.at) -> Any:
+        looked.append(np.size(t))
+        return real(self, t)
+
+    monkeypatch.setattr(Trajectory, "at", at)
+    poses = np.tile(HOME, (401, 1))
+    poses[:, 0] = RADIUS - SINGULAR_CLEARANCE - 0.003
+    near = poses.copy()
+    near[200, 0] += 0.002
+    for rows, steps in ((poses[:300], 299), (poses[:301], 0), (near, 2), (near[:202], 201)):
+        looked.clear()
+        samples = Trajectory(np.arange(float(len(rows))), rows, 0 * rows, 0 * rows)
+        assert check_path(GEOMETRY, samples).possible
+        assert looked == [32 * steps] * (steps > 0)

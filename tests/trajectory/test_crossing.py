@@ -31,13 +31,10 @@ from paminsa_viz.trajectory import (
 )
 from paminsa_viz.trajectory import crossing_program as program
 from paminsa_viz.trajectory.crossing import (
-    Crossing,
     CrossingKind,
     Locus,
-    PathOnLocus,
     crossing_condition,
     crossings,
-    locus_distances,
 )
 from paminsa_viz.trajectory.crossing_program import CrossingProgram
 from paminsa_viz.trajectory.paths import spline_path, straight_path
@@ -161,6 +158,32 @@ def test_torques_go_to_their_limit_and_keep_theirs(planned: tuple[Design, TimeOp
     (crossing,) = found.crossings
     assert abs(crossing.residual) < 1e-9
     assert_torques_keep(design, found, 10.1, 1e-2)
+    z, slope = (float(found.curve.z(crossing.crossing.s, order)) for order in (0, 1))
+    assert crossing.residual == crossing.condition.residual(crossing.speed, 0.5 * slope)
+    assert crossing.speed == pytest.approx(np.sqrt(z))
+
+
+def test_a_plan_passes_its_loci_when_it_crosses_them_and_says_how_it_was_made() -> None:
+    found = shortest(BALANCED, LINE, TEN)
+    (crossing,), plan = found.crossings, found.plan
+    assert plan.passages == ((crossing.t / plan.duration, crossing.crossing.locus),)
+    x, y, theta, _ = plan.at(crossing.t).pose
+    radius = float(singular_radius(BALANCED.geometry, theta))
+    assert np.hypot(x, y) == pytest.approx(radius, abs=1e-8)
+    assert (plan.name, plan.kind) == ("crossing", "through singularities")
+    assert plan.notes == (crossing.explanation,)
+    short = straight_path(LINE.start, LINE(np.array([0.3]))[0])
+    free = time_optimal(BALANCED, short, TEN, name="beside")
+    assert (free.plan.passages, free.plan.kind, free.plan.notes) == ((), "minimum time", ())
+    assert free.plan.name == "beside"
+
+
+@pytest.mark.parametrize("kind", ["acceleration", "turn_acceleration", "jerk", "turn_jerk"])
+def test_limits_that_are_not_kept_across_a_locus_are_refused(kind: str) -> None:
+    with pytest.raises(InvalidInput, match="torque or force, and at most speed and turn_speed"):
+        time_optimal(BALANCED, TURN, MotionLimits(torque=10.0, **{kind: 100.0}))
+    with pytest.raises(InvalidInput, match="torque or force, and at most"):
+        time_optimal(BALANCED, TURN, MotionLimits(speed=1.0))
 
 
 def test_a_motion_that_ignores_the_condition_needs_torques_without_bound() -> None:
@@ -251,27 +274,6 @@ def test_refusals_name_their_cause() -> None:
     assert time_optimal(APPENDIX_4, TURN, MotionLimits(torque=6.0 * factor * 1.01)).crossings
 
 
-@pytest.mark.parametrize("radius", [0.1, 0.35, 0.5], ids=["small", "equal", "large"])
-def test_distances_of_the_loci_are_lengths_next_to_them_and_change_their_signs(
-    radius: float,
-) -> None:
-    """To first order, so that they are smooth across; a platform as large as the base turns on."""
-    g = replace(APPENDIX_4.geometry, platform_radius=radius)
-    rng = np.random.default_rng(4)
-    theta = rng.uniform(0.3, 1.0, 50) * rng.choice([-1.0, 1.0], 50)
-    angle, off = rng.uniform(0.0, 2 * np.pi, 50), rng.choice([-1e-5, 1e-5], 50)
-    far = singular_radius(g, theta) - off
-    poses = np.stack([far * np.cos(angle), far * np.sin(angle), theta, 0 * theta - 0.5], axis=1)
-    circle, other = locus_distances(g, poses).T
-    np.testing.assert_allclose(circle, off, rtol=1e-3)
-    if radius >= g.base_radius:
-        np.testing.assert_array_equal(other, g.base_radius + radius)
-        return
-    turn = singular_rotation(g)
-    poses[:, 2] = np.sign(theta) * (turn - off / radius)
-    np.testing.assert_allclose(locus_distances(g, poses)[:, 1], off, rtol=1e-3)
-
-
 def test_an_end_that_cannot_be_held_names_its_actuator_and_what_it_needs() -> None:
     held = static_torques(APPENDIX_4, TURN(np.array([0.0, 1.0])))
     most = np.abs(held[:, :3]).max(axis=1)
@@ -308,46 +310,6 @@ def test_a_refusal_says_what_torques_are_enough_while_speeds_stay_limited() -> N
     assert shortest_law(6.0 * factor * 1.01).any()
     with pytest.raises(CrossingRefused, match=r"times as large"):
         shortest_law(6.0 * factor * 0.99)
-
-
-def test_a_path_along_a_locus_is_refused() -> None:
-    turn = singular_rotation(APPENDIX_4.geometry)
-    path = straight_path([0.0, 0.0, turn, -0.5], [0.1, 0.0, turn, -0.5])
-    with pytest.raises(PathOnLocus):
-        crossings(APPENDIX_4.geometry, path)
-
-
-@pytest.mark.parametrize("share", [0.1234, 0.5, 0.9771])
-def test_a_path_touches_the_circle_or_crosses_it_twice_or_misses_it(share: float) -> None:
-    """Lines beside the tangent of the singular circle, which they touch anywhere on the way."""
-    geometry = APPENDIX_4.geometry
-    radius, length = float(singular_radius(geometry, 0.3)), 0.2
-    start, end = -share * length, (1.0 - share) * length
-
-    def found(beside: float) -> tuple[Crossing, ...]:
-        x = radius + beside
-        return crossings(geometry, straight_path([x, start, 0.3, -0.5], [x, end, 0.3, -0.5]))
-
-    (touched,) = found(0.0)
-    assert touched.kind is CrossingKind.TANGENT
-    assert touched.locus is Locus.CIRCLE
-    assert touched.s == pytest.approx(share, abs=1.2e-4)  # 1e-9 m off the circle counts as on it
-    assert touched.pose == pytest.approx((radius, 0.0, 0.3, -0.5), abs=2.4e-5)
-    assert found(1e-6) == ()
-    half = np.sqrt(2e-5 * radius) / length
-    both = found(-1e-5)
-    assert [item.kind for item in both] == [CrossingKind.SIMPLE] * 2
-    assert [item.s for item in both] == pytest.approx([share - half, share + half], rel=1e-4)
-
-
-@pytest.mark.parametrize("share", [0.0, 0.25, 1.0 / 3.0, 1.0])
-def test_a_path_across_the_circle_is_simple_at_its_ends_and_at_nodes_too(share: float) -> None:
-    geometry = APPENDIX_4.geometry
-    radius, length = float(singular_radius(geometry, 0.3)), 0.2
-    ends = [[radius + (at - share) * length, 0.0, 0.3, -0.5] for at in (0.0, 1.0)]
-    (found,) = crossings(geometry, straight_path(*ends))
-    assert (found.kind, found.locus) == (CrossingKind.SIMPLE, Locus.CIRCLE)
-    assert found.s == pytest.approx(share, abs=1e-8)
 
 
 def test_limits_are_added_where_a_law_exceeds_them_most() -> None:
@@ -414,7 +376,7 @@ def test_a_is_the_mass_between_twist_and_path() -> None:
 )  # fmt: skip
 def test_the_spline_is_refined_where_it_would_have_to_stop(poses: list[list[float]]) -> None:
     found = time_optimal(BALANCED, spline_path(poses), TEN)
-    assert_torques_keep(BALANCED, found, 10.1, 2e-2)
+    assert_torques_keep(BALANCED, found, 10.0 * (1.0 + 1.2 * program.TOLERANCE), 2e-2)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -475,29 +437,3 @@ def test_finer_program_is_hardly_faster_on_paths_at_random(make: Any, seed: int)
     design, path, limits, found = random_crossing(make, seed)
     finer = duration(design, path, limits, *FINER)
     assert 0.998 < found.plan.duration / finer < 1.006
-
-
-@pytest.mark.parametrize(
-    ("slope", "bend", "kind"),
-    [
-        (0.0, 0.5, CrossingKind.TANGENT), (0.0, 0.67, CrossingKind.TANGENT),
-        (0.0, 0.9, CrossingKind.TANGENT), (0.95, 1.0, CrossingKind.TANGENT),
-        (1.05, 1.0, CrossingKind.SIMPLE), (1.05, 0.3, CrossingKind.SIMPLE),
-    ],
-)  # fmt: skip
-def test_an_end_is_tangent_by_its_slope_whatever_the_bend(
-    slope: float, bend: float, kind: CrossingKind
-) -> None:
-    """Paths that leave the singular circle radially; slopes in millionths of R_b."""
-    radius = float(singular_radius(APPENDIX_4.geometry, 0.0))
-    first = slope * 1e-6 * APPENDIX_4.geometry.base_radius
-
-    def path(s: Any, order: int = 0) -> Any:
-        away = (first * s + 0.5 * bend * s**2, first + bend * s)[order]
-        found = np.zeros((len(s), 4))
-        found[:, 0] = (0.0 if order else radius) - away
-        found[:, 3] = 0.0 if order else -0.5
-        return found
-
-    found, *_ = crossings(APPENDIX_4.geometry, path)
-    assert (found.s, found.kind) == (0.0, kind)

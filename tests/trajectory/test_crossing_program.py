@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.model import APPENDIX_4, inverse_dynamics
+from paminsa_viz.model import APPENDIX_4, inverse_dynamics, static_torques
 from paminsa_viz.trajectory import MotionLimits
 from paminsa_viz.trajectory.crossing import crossing_condition, crossings
 from paminsa_viz.trajectory.crossing_program import POINTS, CrossingProgram, _pieces, influence
-from paminsa_viz.trajectory.paths import Path, spline_path
+from paminsa_viz.trajectory.paths import Path, spline_path, straight_path
 from tests.trajectory.crossings import BALANCED, LINE, TURN, shortest
 
 LIMITS = MotionLimits(torque=9.0, force=400.0, speed=1.3, turn_speed=4.0)
@@ -138,3 +138,61 @@ def test_what_time_laws_can_do_does_not_depend_on_the_size_of_path_and_twist() -
         condition, a=-3.0 * condition.a, twist=tuple(-3.0 * x for x in condition.twist)
     )
     assert influence(BALANCED, LINE, item, scaled) == pytest.approx(value)
+
+
+@pytest.mark.parametrize("refinement", [1, 2, 3])
+@pytest.mark.parametrize(("off", "added"), [(1.05, True), (0.95, False)])
+def test_ends_of_pieces_closer_than_a_tenth_of_the_least_piece_are_one(
+    refinement: int, off: float, added: bool
+) -> None:
+    """A crossing so far beside the middle of a piece; its halves are next to the piece's ends."""
+    (item,) = crossings(BALANCED.geometry, LINE)
+    least = 0.1 * 0.5**refinement / 40
+    ends = _pieces((replace(item, s=7.5 / 40 + off * least),), refinement, 40)
+    assert len(ends) == 41 + 2 * (refinement - 1) + 2 * added
+    assert (np.diff(ends) > least).all()
+
+
+@pytest.mark.parametrize("s", [1e-4, 1.0 - 1e-4])
+def test_a_crossing_next_to_an_end_leaves_the_end_where_it_is(s: float) -> None:
+    (item,) = crossings(BALANCED.geometry, LINE)
+    assert _pieces((replace(item, s=s),), 1, 40)[[0, -1]].tolist() == [0.0, 1.0]
+
+
+def test_points_are_left_out_within_a_fifty_thousandth_of_a_crossing() -> None:
+    program, _ = made(LINE)
+    program._found = ()
+    every = program._points(POINTS)
+    item = crossings(BALANCED.geometry, LINE)[0]
+    for beside, kept in ((1.95e-5, False), (2.05e-5, True)):
+        for sign in (1.0, -1.0):
+            program._found = (replace(item, s=float(every[100]) + sign * beside),)
+            assert len(program._points(POINTS)) == len(every) - 1 + kept
+
+
+def test_limits_are_added_at_the_ends_too_and_nowhere_where_none_is_exceeded() -> None:
+    """A robot that stands still all along: the torques are those that hold it."""
+    path = straight_path([0.1, 0.0, 0.2, -0.5], [0.14, 0.02, 0.3, -0.5])
+    held = np.abs(static_torques(APPENDIX_4, path(np.array([0.0, 1.0]))))[:, :3]
+    program = CrossingProgram(APPENDIX_4, path, (), MotionLimits(torque=float(held.max() / 1.01)))
+    still = np.zeros(program._rows.factors.shape[1])
+    before = len(program._rows.limit)
+    assert program.tighten(still)
+    _, constant, limit, _ = (part[before:] for part in program._rows)
+    assert len(limit) == 2 * 3  # of one place, the end that is harder to hold
+    assert np.abs(constant / limit).max() == pytest.approx(1.01)
+    loose = CrossingProgram(APPENDIX_4, path, (), MotionLimits(torque=float(held.max() * 1.01)))
+    before = len(loose._rows.limit)
+    assert not loose.tighten(still)
+    assert len(loose._rows.limit) == before
+
+
+def test_the_slowest_law_is_below_the_optima_of_other_costs() -> None:
+    found = crossings(APPENDIX_4.geometry, TURN)
+    program = CrossingProgram(APPENDIX_4, TURN, found, MotionLimits(torque=10.0))
+    slow, fast = program.slowest(), program.fastest()
+    rng = np.random.default_rng(3)
+    for _ in range(3):
+        cost = rng.uniform(0.9, 1.1, len(slow))
+        assert slow.sum() <= program._optimum(cost).sum() * (1.0 + 1e-9)
+        assert fast.sum() >= program._optimum(-cost).sum() * (1.0 - 1e-9)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy import sparse
+from scipy.optimize import linprog
 
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -24,8 +25,8 @@ from paminsa_viz.trajectory import MotionLimits, via_points
 from paminsa_viz.trajectory.law_program import LawProgram, Terms
 from paminsa_viz.trajectory.paths import TracedPath
 from paminsa_viz.trajectory.shortest import law_knots
-from tests.trajectory.plans import A, B
-from tests.trajectory.test_timing import BENT, HEAVY, SERVO, driven
+from tests.trajectory.plans import FRICTION, A, B
+from tests.trajectory.test_timing import BENT, HEAVY, SERVO, VISCOUS, driven
 
 UNIT = 0.7
 """Time in which the programs count [s]."""
@@ -61,18 +62,25 @@ def summed(terms: Terms, s: Any) -> Any:
     return terms.growth * dz + terms.square * z + terms.rate * np.sqrt(z) + terms.constant
 
 
-def motor_share(design: Design, j: int, drive: Drive, s: Any) -> Any:
-    """Largest share of a drive's speed, envelope and gear that the law uses, (n,)."""
+def motor_share(design: Design, j: int, drive: Drive, s: Any, start: bool = False) -> Any:
+    """Largest share of a drive's speed, envelope and gear that the law uses, (n,).
+
+    A motor that starts has to make the larger torque, whether it drives or is driven.
+    """
     pose, velocity, acceleration = states(s)
     speed = actuator_velocity(design, pose, velocity)[:, j]
     growth = actuator_acceleration(design.geometry, pose, velocity, acceleration)[:, j]
     bare = replace(design, drives=NO_DRIVES)
     load = inverse_dynamics(bare, pose, velocity, acceleration).torque[:, j]
     eta, n = drive.total_efficiency, drive.ratio
-    torque = np.where(load * speed > 0, load / eta, load * eta) / n
-    torque += n * (drive.inertia * growth + drive.viscous * speed) + drive.coulomb * np.sign(speed)
+    own = n * (drive.inertia * growth + drive.viscous * speed) + drive.coulomb * np.sign(speed)
+    torques = [np.where(load * speed > 0, load / eta, load * eta) / n + own]
+    if start:
+        torques = [load / eta / n + own, load * eta / n + own]
     shares = [(speed / drive.output_limits.speed) ** 2]
-    shares += [(np.abs(torque) + k * n * np.abs(speed)) / a for a, k in drive.lines]
+    shares += [
+        (np.abs(torque) + k * n * np.abs(speed)) / a for a, k in drive.lines for torque in torques
+    ]
     if np.isfinite(drive.gear_limits.peak):
         shares.append(np.abs(load) / drive.gear_limits.peak)
     return np.max(shares, axis=0)
@@ -81,10 +89,11 @@ def motor_share(design: Design, j: int, drive: Drive, s: Any) -> Any:
 S = np.linspace(0.02, 0.98, 45)
 
 
-def test_terms_are_shares_of_what_the_robot_takes() -> None:
-    found = summed(program(APPENDIX_4)._terms(S, *law(S)), S)
+@pytest.mark.parametrize("design", [APPENDIX_4, APPENDIX_4.vary(VISCOUS)], ids=["", "viscous"])
+def test_terms_are_shares_of_what_the_robot_takes(design: Design) -> None:
+    found = summed(program(design)._terms(S, *law(S)), S)
     pose, velocity, acceleration = states(S)
-    torque = inverse_dynamics(APPENDIX_4, pose, velocity, acceleration).torque
+    torque = inverse_dynamics(design, pose, velocity, acceleration).torque
     shares = torque / [6.0, 6.0, 6.0, 430.0]
     turning = acceleration[:, 2] / 40.0
     expected = [
@@ -193,3 +202,95 @@ def test_splines_of_the_program_rest_at_the_ends_and_have_their_own_slopes() -> 
     ones = np.ones(rows.shape[1])
     np.testing.assert_allclose(made._rows(np.array([0.0, 1.0]))[0] @ ones, 0.0)
     np.testing.assert_allclose(made._rows(np.array([0.3, 0.5]))[0] @ ones, 1.0)
+
+
+def test_beside_a_stop_a_motor_starts_and_elsewhere_it_drives_or_is_driven() -> None:
+    design = driven(SERVO)
+    made = program(design, MotionLimits(speed=1e9))
+    drives: Any = design.drives
+    stops = PATH.place(PATH.rests)
+    near = made.points[np.abs(made.points[:, None] - stops).min(axis=1) < 1e-7]
+    assert len(near) == 2 * len(stops) - 2
+    differs = 0
+    for s, start in ((near, True), (np.array([1e-4, 1.0 - 1e-4]), False)):
+        found = summed(made._terms(s, *law(s)), s).max(axis=1)
+        expected, other = (
+            np.max(
+                [motor_share(design, j, drive, s, how) for j, drive in enumerate(drives)], axis=0
+            )
+            for how in (start, not start)
+        )
+        np.testing.assert_allclose(found, expected, rtol=1e-6)
+        differs += int((np.abs(expected / other - 1.0) > 0.01).sum())
+    assert differs > 1
+
+
+def test_time_is_counted_exactly_for_cubics_of_a_piece() -> None:
+    """At Gauss's two places of each; the ends of each are looked at from inside."""
+    made = program(APPENDIX_4)
+    knots, weights = KNOTS[0], made._weights
+    nodes = made.points[: len(weights)]
+    sides = made.points[len(weights) :].reshape(2, -1)
+    assert len(weights) == 2 * (len(knots) - 1)
+    for power in range(5):
+        exact = (knots[1:] ** (power + 1) - knots[:-1] ** (power + 1)) / (power + 1)
+        found = (weights * nodes**power).reshape(-1, 2).sum(axis=1)
+        assert (np.abs(found - exact) <= 1e-15).all() == (power < 4)
+    steps = np.diff(knots)
+    np.testing.assert_allclose(sides[0] - knots[:-1], 1e-6 * steps, rtol=1e-6)
+    np.testing.assert_allclose(knots[1:] - sides[1], 1e-6 * steps, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("design", "limits"),
+    [
+        (APPENDIX_4, LIMITS), (APPENDIX_4.vary(FRICTION), MotionLimits(torque=8.0, force=450.0)),
+        (driven(SERVO), MotionLimits(speed=0.9, acceleration=6.0)),
+        (driven(HEAVY), MotionLimits(speed=50.0)),
+    ],
+    ids=["rates", "friction", "servo", "heavy"],
+)  # fmt: skip
+def test_what_the_solver_finds_keeps_its_limits_and_no_small_change_is_faster(
+    design: Design, limits: MotionLimits
+) -> None:
+    """By a linear program of the terms' own slopes, within a hundredth of each coefficient."""
+    knots = np.unique(np.concatenate([0.5 * (1 - np.cos(np.linspace(0, np.pi, 13))), *[
+        PATH.place(PATH.breaks)[1:-1]]]))  # fmt: skip
+    bends = np.isin(knots, [0.0, 1.0, *PATH.place(PATH.breaks)])
+    made = LawProgram(PATH, knots, bends, limits, design, UNIT)
+    s = made.points
+
+    def before(places: Any) -> tuple[Any, Any]:
+        return tuple(0.02 * part for part in PATH.law(places))  # type: ignore[return-value]
+
+    x = made.solve(before).c[made._free]
+    rows, slopes = (part.toarray() for part in made._rows(s))
+    z, dz = rows @ x, slopes @ x
+    terms = made._terms(s, *before(s))
+    tangent = np.sqrt(before(s)[0])[:, None]
+    above = np.maximum(terms.rate, 0.0)  # in place of a root: its tangent at the law before
+    square, constant = terms.square + above / (2 * tangent), terms.constant + 0.5 * above * tangent
+    rate = np.minimum(terms.rate, 0.0)
+    used = terms.growth * dz[:, None] + square * z[:, None] + rate * np.sqrt(z)[:, None] + constant
+    change = (
+        terms.growth[..., None] * slopes[:, None]
+        + (square + 0.5 * rate / np.sqrt(z)[:, None])[..., None] * rows[:, None]
+    )
+    used, change = used.ravel(), change.reshape(-1, len(x))
+    most = limits.rates[1, 0] * UNIT**2
+    if np.isfinite(most):
+        along, bent = (PATH(s, order)[:, [0, 1, 3]] / most for order in (1, 2))
+        by_axis = 0.5 * along[..., None] * slopes[:, None] + bent[..., None] * rows[:, None]
+        size = np.linalg.norm(by_axis @ x, axis=1)
+        used = np.append(used, size)
+        toward = np.einsum("na,nam->nm", (by_axis @ x) / size[:, None], by_axis)
+        change = np.concatenate([change, toward])
+    assert used.max() <= 1.0 + 1e-6
+    assert (np.sort(used)[-10:] > 1.0 - 1e-4).all()
+    nodes, weights = z[: len(made._weights)], made._weights
+    gain = (weights * nodes**-1.5) @ rows[: len(weights)] / 2.0
+    best = linprog(
+        -gain, change, np.maximum(1.0 - used, 0.0), method="highs",
+        bounds=[(-0.01 * one, 0.01 * one) for one in x],
+    )  # fmt: skip
+    assert -best.fun < 1e-5 * (weights / np.sqrt(nodes)).sum()

@@ -16,6 +16,7 @@ from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch
 from paminsa_viz.trajectory import (
     PRESET,
     Plan,
+    TimeLaw,
     arch,
     chain,
     check_path,
@@ -28,6 +29,7 @@ from paminsa_viz.trajectory import (
     via_points,
 )
 from paminsa_viz.trajectory.paths import spline_path, straight_path
+from paminsa_viz.trajectory.plan import Blend, Displacement
 from paminsa_viz.trajectory.planners import TURN_LENGTH, shared_time
 from paminsa_viz.trajectory.sampled import Locus, Passage
 from tests.support.samples import with_knee
@@ -380,3 +382,47 @@ def test_a_spline_through_two_poses_is_straight_and_one_pose_is_none() -> None:
     for poses_ in ([A], [A, [np.nan, 0, 0, 0]], A):
         with pytest.raises(InvalidInput, match="at least two finite poses"):
             spline_path(poses_)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_displacement_with_a_pause_before_and_after_has_their_breaks_and_rests_there(
+    law: TimeLaw,
+) -> None:
+    shift = B - A
+    curve = Blend(A, (Displacement(shift, law, 0.25, 0.75),))
+    np.testing.assert_allclose(
+        curve.breaks, np.unique([0.0, *(0.25 + 0.5 * law.breaks), 1.0]), atol=1e-15
+    )
+    for order in (1, 2, 3):  # at a jump it is what comes after
+        rest = curve(np.array([0.0, 0.2, 0.75, 0.8, 1.0]), order)
+        np.testing.assert_array_equal(rest, 0.0)
+        np.testing.assert_allclose(
+            curve(np.array([0.25]), order)[0], law(np.array([0.0]), order)[0] * 2.0**order * shift
+        )
+    np.testing.assert_allclose(curve(np.array([0.1, 0.5, 0.9])), [A, 0.5 * (A + B), B], atol=1e-15)
+
+
+def test_plans_meet_to_a_nanometer_and_messages_say_which_does_not() -> None:
+    first, off = point_to_point(A, B), np.array([0.0, 0.0, 0.0, 1e-9])
+    chain(first, point_to_point(B + 0.95 * off, C))
+    with pytest.raises(InvalidInput, match="plan 2 does not start where the one before ends"):
+        chain(first, point_to_point(B + 1.05 * off, C))
+    with pytest.raises(InvalidInput, match="plan 3 does not start"):
+        chain(first, point_to_point(B, C), first)
+    with pytest.raises(InvalidInput, match="waypoints 2 and 3 are the same"):
+        via_points([A, B, B, C])
+    with pytest.raises(InvalidInput, match="waypoints 3 and 4 are the same"):
+        spline_path([A, C, B, B, C])
+
+
+def test_chains_and_round_trips_are_called_by_what_they_are_made_of() -> None:
+    first = replace(point_to_point(A, B, name="out"), notes=("one", "two"))
+    second = replace(via_points([B, A], name="home"), notes=("two", "three"))
+    whole = chain(first, second, first)
+    assert (whole.name, whole.kind) == (
+        "out + home", "move, quintic, then waypoints, quintic spline",
+    )  # fmt: skip
+    assert whole.notes == ("one", "two", "three")
+    assert chain(first, second, name="shuttle").name == "shuttle"
+    back = round_trip(first)
+    assert (back.name, back.kind, back.notes) == ("out, there and back", first.kind, first.notes)

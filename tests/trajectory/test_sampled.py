@@ -45,6 +45,13 @@ def test_before_and_after_it_is_the_end_state() -> None:
     assert made.at(np.zeros((2, 3))).velocity.shape == (2, 3, 4)
 
 
+def test_a_motion_lasts_from_its_first_sample_to_its_last() -> None:
+    made = Trajectory(T + 5.0, ROWS, ROWS, ROWS)
+    assert made.duration == pytest.approx(1.0)
+    again = made.resampled(10.0)
+    assert (again.t[0], again.t[-1], again.size) == (5.0, 6.0, 11)
+
+
 def test_resampling_keeps_the_motion() -> None:
     made = point_to_point(A, B, 2.0).sample(50).resampled(333)
     exact = point_to_point(A, B, 2.0).at(made.t)
@@ -246,3 +253,17 @@ def test_rates_are_off_in_parts_of_the_largest_of_given_and_own() -> None:
     for factor in (0.5, 2.0):
         notes = from_samples(t, pose, factor * rate).notes
         assert any(f"typically off by {typical:.0f} % of" in note for note in notes)
+
+
+@pytest.mark.parametrize("given", [1, 2], ids=["poses", "velocities"])
+def test_rates_that_are_too_large_at_one_place_alone_blame_units(given: int) -> None:
+    """Not what was made of the samples, which a person has not given."""
+    t = np.linspace(0.0, 10.0, 2001)
+    t[1000:] -= t[1000] - t[999] - 1e-9
+    pose = np.zeros((2001, 4))
+    pose[1000:, 1] = 100.0 if given == 1 else 0.0
+    speeds = np.zeros((2001, 4))
+    speeds[1000:, 1] = 1e4
+    with pytest.raises(InvalidInput, match="check the units of t and pose") as caught:
+        from_samples(t, pose, *[speeds] * (given - 1))
+    assert caught.value.argument == "pose"

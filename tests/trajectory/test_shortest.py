@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from paminsa_viz.trajectory import (
     ImpossibleTrajectory,
     MotionLimits,
     arch,
+    chain,
     circle,
     point_to_point,
     shortest_motion,
@@ -23,6 +25,7 @@ from paminsa_viz.trajectory import (
     via_points,
 )
 from paminsa_viz.trajectory.law_program import LawProgram
+from paminsa_viz.trajectory.limits import LIMITED, UNITS
 from paminsa_viz.trajectory.paths import TimedPath, TracedPath
 from paminsa_viz.trajectory.shortest import law_knots
 from paminsa_viz.trajectory.timing import needed_durations
@@ -235,3 +238,51 @@ def test_time_of_constant_accelerations_with_a_stop_between_is_that_of_their_for
     for at, time in ((0.0, 0.0), (0.03, 0.009**0.5), (0.5, 0.5), (0.6, 0.5 + 0.08**0.5)):
         assert law.time_at(at) == pytest.approx(time, rel=1e-6)
     assert law.place_at(np.array([0.15]))[0] == pytest.approx(0.075, rel=1e-9)
+
+
+CHAINED = chain(point_to_point(A, B, 0.5), via_points([B, A, A + 0.03, B], 3.0), arch(B, A, 0.02))
+
+
+@pytest.mark.parametrize("plan", [CHAINED, via_points([A, B, A + 0.03])], ids=["stops", "none"])
+def test_knots_are_close_at_stops_and_those_next_to_breaks_are_the_breaks(plan) -> None:
+    path = TracedPath(plan.curve)
+    knots, bends = law_knots(path)
+    breaks = path.place(path.breaks)
+    np.testing.assert_allclose(knots[bends], breaks, atol=1e-15)
+    assert (np.diff(knots) > 0).all()
+    assert knots[[0, -1]].tolist() == [0.0, 1.0]
+    wanted = []
+    for begin, end in pairwise(path.place(path.rests)):
+        count = max(24, round(100 * (end - begin)))
+        angle = np.pi * np.arange(1, count) / count
+        wanted.append(begin + (end - begin) * np.sin(0.5 * angle) ** 2)
+    every = np.concatenate(wanted)
+    near = np.abs(every[:, None] - breaks).min(axis=1) <= 0.05 * np.diff(every, prepend=0.0)
+    assert near.any() == (plan is CHAINED)
+    np.testing.assert_allclose(knots[~bends], every[~near], atol=1e-14)
+
+
+def test_the_duration_is_what_the_law_needs_where_it_needs_most(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """At 62 places of each piece and beside its ends; and a few programs are enough."""
+    solved = []
+
+    def solve(self: LawProgram, before, real=LawProgram.solve) -> BSpline:  # type: ignore[no-untyped-def]
+        solved.append(1)
+        return real(self, before)
+
+    monkeypatch.setattr(LawProgram, "solve", solve)
+    plan = point_to_point(A, B)
+    found = shortest_motion(plan, LIMITS, APPENDIX_4)
+    assert 2 <= len(solved) <= 6
+    breaks = found.plan.curve.breaks
+    share = np.concatenate([[1e-6], (np.arange(62) + 0.5) / 62, [1.0 - 1e-6]])
+    u = (breaks[:-1, None] + np.diff(breaks)[:, None] * share).ravel()
+    needed = needed_durations(found.plan.curve, LIMITS, APPENDIX_4)(u)
+    assert needed.max() == pytest.approx(found.plan.duration, rel=1e-12)
+    row, column = np.unravel_index(int(needed.argmax()), needed.shape)
+    assert (found.quantity, found.unit) == (LIMITED[column], UNITS[column])
+    assert found.t == pytest.approx(u[row] * found.plan.duration)
+    assert found.limit == [*LIMITS.rates.ravel(), *LIMITS.actuators][column]
+    assert (found.plan.name, found.plan.kind) == (plan.name, f"{plan.kind}, time-optimal")

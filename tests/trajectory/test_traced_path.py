@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.interpolate import BSpline
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.trajectory import chain, circle, point_to_point, via_points
-from paminsa_viz.trajectory.paths import TURN_LENGTH, TracedPath, spline_path, straight_path
+from paminsa_viz.trajectory.paths import (
+    TURN_LENGTH,
+    TimedPath,
+    TracedPath,
+    spline_path,
+    straight_path,
+)
+from paminsa_viz.trajectory.planners import shared_time
 from paminsa_viz.trajectory.sampled import STEPS, Trajectory
 from tests.trajectory.plans import A, B, C
 
@@ -107,3 +116,98 @@ def test_times_say_why_they_are_refused(t: list[float], words: str) -> None:
         Trajectory(np.array(t), rows, 0 * rows, 0 * rows)
     for step in STEPS:
         Trajectory(np.array([0.0, step]), rows[:2], 0 * rows[:2], 0 * rows[:2])
+
+
+def test_a_stop_is_one_whose_speed_is_zero_but_for_rounding() -> None:
+    curve = chain(point_to_point(B, C, 0.7), via_points([C, A, B], 1.3)).curve
+    path = TracedPath(curve)
+    (at,) = path.rests[1:-1]
+    assert at == pytest.approx(0.35)
+    assert 0.0 < path._speed(path.breaks).min(initial=1.0, where=path.breaks == at) < 1e-12
+
+
+@pytest.mark.parametrize("beside", [0.1, 0.01, 1e-3])
+def test_places_of_a_motion_that_nearly_turns_back_are_found_and_few_cells_are_halved(
+    beside: float,
+) -> None:
+    path = TracedPath(via_points([A, B, A + beside * (C - A)], 2.0).curve)
+    s = np.concatenate([np.linspace(0.0, 1.0, 2001), path.place(path.breaks)])
+    np.testing.assert_allclose(path.place(path.instant(s)), s, atol=1e-15)
+    # two pieces of 16 cells; each bend is halved to at most sixteen times smaller ones
+    assert len(path._run.x) - 1 <= 32 + 2 * 16
+
+
+def test_beside_a_stop_directions_are_those_a_hundred_thousandth_of_the_piece_off_it() -> None:
+    curve = chain(via_points([A, B, C], 1.0), via_points([C, A, B, C], 3.0)).curve
+    path = TracedPath(curve)
+    begin, stop, end = path.rests
+    s = path.place(path.rests)
+    s = np.array([s[0], np.nextafter(s[1], 0.0), s[1], s[2]])
+    off = 1e-5 * np.array([stop - begin, end - stop])
+    u = np.array([begin + off[0], stop - off[0], stop + off[1], end - off[1]])
+    rate = curve(u, 1)
+    speed = np.linalg.norm(rate * METRIC, axis=1)[:, None]
+    np.testing.assert_allclose(path(s, 1), path.length * rate / speed, rtol=1e-8)
+
+
+def test_a_spline_path_is_free_of_third_and_fourth_derivatives_at_its_ends() -> None:
+    poses = np.array([A, B, C, A + 0.02])
+    path = spline_path(poses)
+    ends = np.array([0.0, 1.0])
+    np.testing.assert_allclose(path(shared_time(poses)), poses, atol=1e-14)
+    assert np.abs(path(ends, 3)).max() < 1e-9
+    assert np.abs(path(ends, 4)).max() < 1e-7
+    assert np.abs(path(np.array([0.5]), 4)).max() > 1.0
+
+
+KNOTS = np.array([0.0, 0.1, 0.15, 0.4, 0.6, 0.85, 1.0])
+SIZES = np.random.default_rng(2).uniform(0.5, 4.0, 6)
+Z = BSpline(np.r_[0.0, 0.0, KNOTS, 1.0, 1.0], np.r_[0.0, SIZES, 0.0], 2)
+LAW = TimedPath(TracedPath(point_to_point(A, B).curve), Z)
+"""A quadratic law at random over the path of a move."""
+
+
+def test_times_of_a_law_are_integrals_of_one_over_the_rate() -> None:
+    """With s a square of its distance from an end, where the rate goes with its root."""
+    u = np.sin(np.linspace(0.0, np.pi / 2, 400_001)) ** 2
+    rate = np.sqrt(Z(u))
+    middle = np.sqrt(Z(np.sin(0.5 * np.pi * (np.arange(400_000) + 0.5) / 400_000) ** 2))
+    time = np.concatenate([[0.0], np.cumsum(np.diff(u) / middle)])
+    assert rate[[0, -1]].tolist() == [0.0, 0.0]
+    assert LAW.duration == pytest.approx(time[-1], rel=1e-6)
+    for s in (0.0, 0.013, 0.1, 0.5, 0.6, 0.97):
+        assert LAW.time_at(s) == pytest.approx(np.interp(s, u, time), rel=1e-5, abs=1e-9)
+    t = np.linspace(0.0, LAW.duration, 50)
+    np.testing.assert_allclose(LAW.place_at(t), np.interp(t, time, u), atol=1e-6)
+
+
+def test_times_and_places_of_a_law_are_inverse() -> None:
+    assert LAW.time_at(1.0) == pytest.approx(LAW.duration, rel=1e-14)
+    s = np.concatenate([[1e-9, 1e-4], KNOTS, np.linspace(0.02, 0.98, 20)])
+    t = np.array([LAW.time_at(float(at)) for at in s])
+    np.testing.assert_allclose(LAW.place_at(t), s, atol=1e-12)
+
+
+def test_breaks_of_a_quadratic_law_are_those_of_its_knots() -> None:
+    times = [LAW.time_at(float(at)) for at in KNOTS]
+    np.testing.assert_allclose(LAW.breaks * LAW.duration, times, rtol=1e-12)
+    cubic = TimedPath(LAW.path, BSpline([0.0] * 4 + [1.0] * 4, [0.0, 1.0, 1.0, 0.0], 3))
+    assert cubic.breaks.tolist() == [0.0, 1.0]
+
+
+def test_ends_of_a_law_that_are_off_by_rounding_are_ends() -> None:
+    off = replace(LAW, rests=(1e-16, 1.0 - 2e-16))
+    assert off.duration == pytest.approx(LAW.duration, rel=1e-9)
+    assert off.time_at(0.0) == 0.0
+    assert off.time_at(1.0) == pytest.approx(off.duration, rel=1e-14)
+
+
+def test_derivatives_of_a_law_by_unit_time_are_those_of_the_poses() -> None:
+    u, h = np.linspace(0.003, 0.997, 37), 1e-6
+    for order in (1, 2, 3):
+        slope = (LAW(u + h, order - 1) - LAW(u - h, order - 1)) / (2 * h)
+        exact = LAW(u, order)
+        near = np.abs(u[:, None] - LAW.breaks).min(axis=1) > 1e-5
+        size = np.abs(exact).max()
+        np.testing.assert_allclose(slope[near], exact[near], atol=1e-5 * size)
+    assert LAW(np.array([[0.2, 0.4]]), 3).shape == (1, 2, 4)

@@ -117,9 +117,8 @@ def requirement_prices(
                 ends.append(np.nan)
         high, low = (base if np.isnan(end) else end for end in ends)
         width = size * np.count_nonzero(~np.isnan(ends))
-        price = (high - low) / width if width else np.nan
-        if abs(high - low) <= STILL * abs(base):
-            price = 0.0
+        still = abs(high - low) <= STILL * abs(base)
+        price = np.nan if not width else 0.0 if still else (high - low) / width
         tightened, relaxed = (sign * end for end in ends)
         prices.append(
             RequirementPrice(

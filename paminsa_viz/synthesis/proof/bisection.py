@@ -124,7 +124,7 @@ class Nearest:
     requirement: int
     margins: Array
     boxes: int
-    remaining: Array = field(default_factory=lambda: np.zeros((0, 2, 4)))
+    remaining: Array = field(default_factory=lambda: np.empty((0, 2, 4)))
 
 
 class _Pool:
@@ -132,7 +132,7 @@ class _Pool:
 
     def __init__(self, gauge: Gauge, middle: Array, half: Array) -> None:
         self._of = gauge
-        self.boxes, self.gauge = np.zeros((0, 2, 4)), np.zeros(0)
+        self.boxes, self.gauge = np.empty((0, 2, 4)), np.empty(0)
         self.add(middle, half)
 
     def add(self, middle: Array, half: Array) -> None:

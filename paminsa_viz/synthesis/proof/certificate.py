@@ -18,6 +18,7 @@ from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Grid, solve_field
+from paminsa_viz.model.reach import home_pose
 from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge, Nearest, nearest_violation
@@ -72,7 +73,7 @@ def prove(
     reached = all(item.verdict is Verdict.PROVEN for item in found.values())
     home = Verdict.PROVEN if all(map(len, paths)) else Verdict.UNDECIDED
     found["home"] = Evidence("home", Method.CLOSED_FORM, home)
-    remaining = [np.zeros((0, 2, 4))]
+    remaining = [np.empty((0, 2, 4))]
     if reached:
         found |= {item.key: item for item in sampled_evidence(design, requirements, region)}
     for group in groups(design, requirements):
@@ -149,7 +150,7 @@ def sample_requirement(
     """Return sample poses of a region (n, 4), and the margins of a requirement there (n,)."""
     part = part_of(requirements, requirement, region)
     if part is None:
-        return np.zeros((0, 4)), np.zeros(0)
+        return np.empty((0, 4)), np.empty(0)
     quantity = requirement.entry
     share = min(1.0, (SAMPLING_TIME / quantity.cost / np.prod(SAMPLES)) ** 0.25)
     counts = [max(2, round(share * count)) for count in SAMPLES]
@@ -159,7 +160,7 @@ def sample_requirement(
         name: np.linspace(low, high, count) if high > low else np.array([low])
         for name, (low, high), count in zip(("x", "y", "theta", "z"), ends, counts, strict=True)
     }
-    grid = Grid.over((0.0, 0.0, 0.0, 0.0), **axes)
+    grid = Grid.over(home_pose(design.geometry), **axes)
     values = quantity.over(solve_field(design.geometry, grid), design).ravel()
     poses = grid.poses().reshape(-1, 4)
     inside = np.ones(len(poses), bool)

@@ -107,8 +107,8 @@ class Proof:
     verdict: Verdict
     region: PoseRegion
     evidence: tuple[Evidence, ...]
-    path: Array = field(default_factory=lambda: np.zeros((0, 4)))
-    remaining: Array = field(default_factory=lambda: np.zeros((0, 2, 4)))
+    path: Array = field(default_factory=lambda: np.empty((0, 4)))
+    remaining: Array = field(default_factory=lambda: np.empty((0, 2, 4)))
     boxes: int = 0
     seconds: float = 0.0
 
@@ -271,7 +271,7 @@ def home_path(geometry: Geometry, region: PoseRegion) -> Array:
         legs = pairwise(path) if len(path) > 1 else [(start, start)]
         if all(_proven_between(geometry, first, last) for first, last in legs):
             return np.array(path)
-    return np.zeros((0, 4))
+    return np.empty((0, 4))
 
 
 def _proven_between(geometry: Geometry, first: Array, last: Array) -> bool:

@@ -119,7 +119,7 @@ class CenterSearch:
             return None
         end = control.elapsed + _SHARE * control.left
         center, scale = self._largest(self._with_given(self._inside))
-        tried = np.zeros((0, 3))
+        tried = np.empty((0, 3))
         while True:
             found = np.concatenate([self._searched(center, scale), self._beyond(center, scale)])
             self._broken = np.concatenate([self._broken, found])
@@ -219,7 +219,7 @@ class CenterSearch:
         poses = poses[np.argsort(worst)[:_FOLLOWED]]
         poses = poses[np.sort(worst)[:_FOLLOWED] < 0.0]
         if not len(poses):
-            return np.zeros((0, 3))
+            return np.empty((0, 3))
         gauge = Gauge(replace(self._region, center=(x, y, z)), self._grows)
         middle = np.array([x, y, 0.0, z])
         free = np.array([True, True, False, True])
@@ -254,10 +254,10 @@ class CenterSearch:
         region = replace(self._region, center=(x, y, z))
         most = reach_scale(self._design, self._requirements, region, self._grows, _DIGITS)
         if most >= scale:
-            return np.zeros((0, 3))
+            return np.empty((0, 3))
         whole = region.scaled(most * (1.0 + 0.2 * _NEAR), self._grows)
         pose, value, _ = least_free(self._design.geometry, whole)
-        return pose[None, [0, 1, 3]] if value < 0.0 else np.zeros((0, 3))
+        return pose[None, [0, 1, 3]] if value < 0.0 else np.empty((0, 3))
 
     def _margins(self, poses: Array) -> Array:
         """Return the least margin of what can be proven, as a share of its bound, (n,)."""

@@ -177,7 +177,7 @@ class TrialSamples:
     within: Array
     theta: Array
     share: Array
-    wrench: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    wrench: Array = field(default_factory=lambda: np.empty((0, 3)))
 
     @cached_property
     def turns(self) -> Array:

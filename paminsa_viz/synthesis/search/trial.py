@@ -159,7 +159,7 @@ class TrialRobot:
             return middle + height * share
         low, high = max(z[0], middle - 0.5 * height), min(z[1], middle + 0.5 * height)
         if low > high:
-            return np.zeros(0)
+            return np.empty(0)
         return 0.5 * (low + high) + (high - low) * share
 
     def condition(self, theta: Range) -> tuple[float, float]:
@@ -288,8 +288,8 @@ class Robots:
                 possible[index] = False
         workspaces = [case.workspace_of(row) for row in numbers[possible]]
         if not geometries:
-            none = np.zeros(0)
-            return cls(case, numbers, possible, [], [], Spans(*[none] * 5), np.zeros((0, 4)))
+            none = np.empty(0)
+            return cls(case, numbers, possible, [], [], Spans(*[none] * 5), np.empty((0, 4)))
         found = spans(geometries, workspaces, case.requirements.theta)
         following = _following(case, geometries, found)
         geometries = [

@@ -45,7 +45,7 @@ def trial_program(
     tight = [_tightened(b, tighter[i] if tighter else 0.0) for i, b in enumerate(bounds)]
     rest = linear_bounds(tight)
     windows = {(whole.requirements.headings(bound), bound.z) for bound in rest}
-    pose = [np.zeros((0, 4))]
+    pose = [np.empty((0, 4))]
     pose += [trial.grid(theta, trial.heights(z)) for theta, z in sorted(windows, key=str)]
     goal = whole.objective if whole.objective in GOALS else whole.inner.goal
     most = []

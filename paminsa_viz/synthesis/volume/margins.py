@@ -28,7 +28,7 @@ class Columns(Grid):
         lift: (n,) what is added to the heights at each position [m]; None for nothing.
     """
 
-    positions: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    positions: Array = field(default_factory=lambda: np.empty((0, 2)))
     lift: Array | None = None
 
     @classmethod

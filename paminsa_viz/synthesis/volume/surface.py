@@ -93,8 +93,8 @@ def volume_surface(volume: Volume, *, faces: int = FACES) -> VolumeSurface:
         faces: Largest number of faces.
     """
     if volume.empty:
-        none = np.zeros((0, 3))
-        return VolumeSurface(none, none.astype(np.int64), np.zeros(0, np.uint8), volume.causes)
+        none = np.empty((0, 3))
+        return VolumeSurface(none, none.astype(np.int64), np.empty(0, np.uint8), volume.causes)
     nodes, triangles = zero_surface(volume.depth)
     cause = _cause_at(volume, nodes)
     vertices = nodes * volume.cell + [volume.x[0], volume.y[0], volume.z[0]]

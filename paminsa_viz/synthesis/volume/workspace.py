@@ -99,7 +99,7 @@ def least_within(values: Array, workspace: Workspace, volume: Volume) -> Array:
     found = np.where(np.isnan(values), -np.inf, values)
     reach = [round(0.5 * extent / step) for extent in workspace.size]
     candidates = _candidates(workspace, volume)
-    if any(2 * (count - 1) >= size for count, size in zip(reach, found.shape, strict=True)):
+    if any(2 * count >= size for count, size in zip(reach, found.shape, strict=True)):
         return np.full([len(axis) for axis in candidates], -np.inf)  # it sticks out of all nodes
     found = ndimage.minimum_filter1d(found, 2 * reach[2] + 1, axis=2, mode="constant", cval=-np.inf)
     rows, columns, heights = candidates
