@@ -281,3 +281,36 @@ def test_maxima_within_a_fiftieth_of_the_largest_are_followed_up(share: float, s
         return np.maximum(1.0 - 4.0 * (u - 0.75) ** 2, near)[:, None]
 
     assert supremum(hills, breaks).value == pytest.approx(1.2 if seen else 1.0, rel=1e-6)
+
+
+@pytest.mark.parametrize(("width", "pieces"), [(4.5e-12, 3), (3.5e-12, 2)])
+def test_pieces_of_four_rounding_gaps_have_no_instants_of_their_own(
+    width: float, pieces: int
+) -> None:
+    found = nodes(np.array([0.0, 0.25, 0.25 + width, 1.0]))
+    assert len(found) == pieces * 160 + 2
+    assert (np.diff(found) > 0).all()
+    inner = found[(found > 0.2) & (found < 0.3)]
+    assert np.abs(inner - 0.25).min() == pytest.approx(1e-12, rel=1e-3)
+
+
+def test_a_largest_value_is_exact_also_of_steep_hills_and_at_the_ends() -> None:
+    """Cosines of any phase and column, infinite ones, and what is nowhere above zero."""
+    breaks = np.array([0.0, 0.3, 1.0])
+    for top in (0.0, 0.123456, 0.3, 0.77, 1.0):
+        for column in (0, 2):
+
+            def hill(u: np.ndarray, top: float = top, column: int = column) -> np.ndarray:
+                found = np.full((len(u), 3), 0.5)
+                found[:, column] = 2.0 + np.cos(9.0 * (u - top))
+                return found
+
+            best = supremum(hill, breaks)
+            assert best.value == pytest.approx(3.0, abs=1e-15)
+            assert best.u == pytest.approx(top, abs=1e-7)
+            assert best.column == column
+    lost = supremum(lambda u: np.where(u > 0.5, np.inf, u)[:, None], breaks)
+    assert lost.value == np.inf
+    assert 0.5 < lost.u < 0.51
+    none = supremum(lambda u: -1.0 - u[:, None], breaks)
+    assert (none.value, none.u, none.column) == (-1.0, 0.0, 0)
