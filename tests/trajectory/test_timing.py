@@ -302,7 +302,7 @@ def test_a_largest_value_is_exact_also_of_steep_hills_and_at_the_ends() -> None:
 
             def hill(u: np.ndarray, top: float = top, column: int = column) -> np.ndarray:
                 found = np.full((len(u), 3), 0.5)
-                found[:, column] = 2.0 + np.cos(9.0 * (u - top))
+                found[:, column] = 2.0 + np.cos(5.0 * (u - top))
                 return found
 
             best = supremum(hill, breaks)
