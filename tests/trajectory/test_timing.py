@@ -298,15 +298,17 @@ def test_a_largest_value_is_exact_also_of_steep_hills_and_at_the_ends() -> None:
     """Cosines of any phase and column, infinite ones, and what is nowhere above zero."""
     breaks = np.array([0.0, 0.3, 1.0])
     for top in (0.0, 0.123456, 0.3, 0.77, 1.0):
-        for column in (0, 2):
+        for column, size in ((0, 1.0), (2, 1.0), (1, 1e-3)):
 
-            def hill(u: np.ndarray, top: float = top, column: int = column) -> np.ndarray:
-                found = np.full((len(u), 3), 0.5)
-                found[:, column] = 2.0 + np.cos(5.0 * (u - top))
+            def hill(
+                u: np.ndarray, top: float = top, column: int = column, size: float = size
+            ) -> np.ndarray:
+                found = np.full((len(u), 3), 0.5 * size)
+                found[:, column] = size * (2.0 + np.cos(5.0 * (u - top)))
                 return found
 
             best = supremum(hill, breaks)
-            assert best.value == pytest.approx(3.0, abs=1e-15)
+            assert best.value == pytest.approx(3.0 * size, rel=1e-15)
             assert best.u == pytest.approx(top, abs=1e-7)
             assert best.column == column
     lost = supremum(lambda u: np.where(u > 0.5, np.inf, u)[:, None], breaks)
