@@ -171,33 +171,3 @@ def test_a_text_has_a_length_up_to_which_it_is_read() -> None:
     assert parse_requirement(text + " " * (LONGEST - len(text))).high == 10.0
     with pytest.raises(ValueError, match="characters"):
         parse_requirement(text + " " * (LONGEST + 1 - len(text)))
-
-
-def test_flat_quantities_depend_on_neither_height_nor_bars() -> None:
-    """All that the geometry alone decides but limits of reach, and the index of z, which is 1/k."""
-    longer = replace(DESIGN.geometry, crank_length=0.46, coupler_length=0.59)
-    first, *others = (
-        (solve_field(g, Grid.over((0.0, 0.0, 0.2, z), x=[-0.1, 0.03], y=[-0.05, 0.08])), g)
-        for g, z in ((DESIGN.geometry, -0.5), (DESIGN.geometry, -0.45), (longer, -0.5))
-    )
-    flat = {key for key, item in QUANTITIES.items() if item.flat}
-    kinematic = {key for key, item in QUANTITIES.items() if item.family == "kinematics"}
-    assert flat == kinematic - {"reach_margin", "selective_z"}
-    for key in flat:
-        value = QUANTITIES[key].over(first[0], DESIGN)
-        for field, geometry in others:
-            again = QUANTITIES[key].over(field, replace(DESIGN, geometry=geometry))
-            np.testing.assert_allclose(again, value, rtol=1e-9, err_msg=key)
-
-
-def test_what_may_be_negative_and_what_grows_at_no_singularity() -> None:
-    signed = {key for key, item in QUANTITIES.items() if item.signed}
-    clearances = {key for key in QUANTITIES if key.startswith("clearance")}
-    coordinates = {f"deviation_{name}" for name in ("x", "y", "z", "theta")}
-    assert signed == {"tau_1", "tau_2", "tau_3", "determinant"} | coordinates | clearances
-    crooked = DESIGN.vary({"leg1.shaft": 1e-3, "leg2.axis_angle": 2e-3, "leg3.bar_94": -1e-3})
-    for key, item in QUANTITIES.items():
-        assert item.signed or not (item.over(FIELD, crooked) < 0).any() or key == "reach_margin"
-    bounded = {key for key, item in QUANTITIES.items() if item.bounded}
-    stiff = {key for key in QUANTITIES if key.startswith(("stiffness", "frequency"))}
-    assert bounded == stiff | clearances
