@@ -118,5 +118,5 @@ def solve_conic(p: ConicProgram) -> ConicSolution | None:
 
 def _residual(found: Any) -> float:
     gap = abs(found.obj_val - found.obj_val_dual) / max(1.0, abs(found.obj_val))
-    residual = float(max(found.r_prim, found.r_dual, gap))
+    residual = float(np.max([found.r_prim, found.r_dual, gap]))  # NaN where one of them is
     return residual if np.isfinite(residual) else np.inf

@@ -198,7 +198,7 @@ class Enclosure:
         p = self.program
         weights = self._canceled(cuts, np.maximum(weights, 0.0))
         total = np.bincount(cuts.part, weights, self.part_count)
-        factor, limit_prices = np.ones(self.part_count), np.zeros(len(p.limits))
+        factor, limit_prices = np.ones(self.part_count), np.empty(len(p.limits))
         for number, (term, place) in enumerate(zip(self.terms, self.parts, strict=True)):
             if number >= len(p.goals):
                 limit_prices[number - len(p.goals)] = total[place].max(initial=0.0)

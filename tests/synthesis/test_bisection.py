@@ -76,7 +76,7 @@ def nearest(group: Balls, index: int) -> float:
 
 def found(group: Any, upper: float, tolerance: float | None, **more: Any) -> Nearest:
     return nearest_violation(
-        group, Gauge(REGION, ALL), upper, tolerance, more.pop("control", Control(60.0)), **more
+        group, Gauge(REGION, ALL), upper, tolerance, more.pop("control", Control(5.0)), **more
     )
 
 
@@ -91,7 +91,7 @@ def test_two_bounds_hold_the_scale_at_which_a_requirement_breaks(
     group = Balls(*balls)
     first = [nearest(group, index) for index in range(2)]
     scale, index = min(first), int(np.argmin(first))
-    control = Control(60.0)
+    control = Control(5.0)
     control.boxes = 7
     got = found(group, 3.0, tolerance, control=control)
     assert got.lower <= scale <= got.upper <= got.lower + tolerance * (1 + 1e-9)
@@ -161,7 +161,7 @@ def test_boxes_that_cannot_be_cut_any_more_bound_what_is_proven(
         region = replace(tiny, half=(8 * slack * SMALLEST,) * 3)
         group = Unknown(FAR, theta=(0.0, 0.0))
         group.smallest = np.inf
-        got = nearest_violation(group, Gauge(region, ALL), 1.0, None, Control(60.0))  # type: ignore
+        got = nearest_violation(group, Gauge(region, ALL), 1.0, None, Control(5.0))  # type: ignore
         assert got.pose is None
         assert not len(got.remaining)
         # the boxes from 3e-9 on are left over
@@ -185,7 +185,7 @@ def test_poses_that_stand_for_others_keep_some_margin_free(
     assert found(group, 1.0, None).boxes == 1
     monkeypatch.setattr(bisection, "symmetry", lambda *_: Symmetry(False, True))
     seen: list[float] = []
-    control = Control(60.0, lambda done: bool(seen.append(done)) or len(seen) > 5)
+    control = Control(5.0, lambda done: bool(seen.append(done)) or len(seen) > 5)
     assert found(group, 1.0, None, control=control).boxes > 5
     group.sizes = np.array([99.0])
     assert found(group, 1.0, None).boxes == 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,7 +14,14 @@ from paminsa_viz.quantities.requirements import Requirement, Requirements, Works
 from paminsa_viz.synthesis.proof import placement
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge
 from paminsa_viz.synthesis.proof.placement import CANDIDATES, CenterSearch, Place
-from paminsa_viz.synthesis.proof.regions import FIRST, SEED, Growth, PoseRegion, freedom
+from paminsa_viz.synthesis.proof.regions import (
+    FIRST,
+    SEED,
+    Growth,
+    PoseRegion,
+    freedom,
+    from_unit,
+)
 
 BOX = WorkspaceShape.BOX
 REGION = PoseRegion(BOX, (0.0, 0.0, -0.5), (0.1, 0.1, 0.2), (-0.3, 0.5))
@@ -72,6 +80,7 @@ def test_of_many_nodes_some_are_chosen() -> None:
     every = made._chosen(axes, np.ones((4, 3, 2), bool), 24)
     expected = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
     np.testing.assert_array_equal(every, expected)
+    assert made._rng.bit_generator.state == np.random.default_rng(SEED).bit_generator.state
     few = made._chosen(axes, np.ones((4, 3, 2), bool), 23)
     assert len(few) == len(np.unique(few, axis=0)) == 23
     rows = [int(np.flatnonzero((expected == row).all(axis=1))[0]) for row in few]
@@ -120,6 +129,9 @@ def test_the_best_center_is_followed_up_in_smaller_and_smaller_steps(free: Any) 
     assert ratio[7:].mean() / ratio[:7].mean() == pytest.approx(1.0, abs=0.08)
     best = start[np.argsort(-scales(start))[:8]]
     assert asked[1].reshape(8, 12, 3).mean(axis=1) == pytest.approx(best, abs=0.06)
+    # at the same places in every version
+    draw = np.random.default_rng(SEED).normal(size=(96, 3))
+    np.testing.assert_allclose(asked[1], np.repeat(best, 12, axis=0) + CELL * draw * np.array(free))
 
 
 BALL, RADIUS = np.array([0.12, 0.13, 0.2, -0.2]), 0.05
@@ -158,18 +170,18 @@ def test_the_nearest_positions_that_break_a_requirement_are_found() -> None:
     assert low <= reach.min() <= low + 0.01
     assert np.sort(reach[:32])[-1] <= low + 0.1
     assert 32 < len(found) <= 64
-    # first anywhere, then about the worst
-    sizes = [len(part) for part in calls]
-    assert sizes[:9] == [FIRST // 2] + 8 * [32 * 16]
-    half = np.array([*(scale * np.array(REGION.half[:2])), 0.4, scale * REGION.half[2]])
-    unit = (calls[0] - [0.0, 0.0, 0.1, -0.5]) / half
-    assert np.abs(unit).max() == pytest.approx(1.0)
-    assert (np.abs(unit) >= 1 - 1e-9).mean() == pytest.approx(1 - 1 / 1.3, abs=0.02)
-    blocks = [((part - [0.0, 0.0, 0.1, -0.5]) / half).reshape(32, 16, 4) for part in calls[4:9]]
-    spreads = [np.sqrt(block.var(axis=1, ddof=1).mean()) for block in blocks]
-    expected = 0.3 * 0.5 ** np.arange(3.0, 8.0)
-    assert np.array(spreads) == pytest.approx(expected, rel=0.07)
-    assert np.mean(spreads / expected) == pytest.approx(1.0, abs=0.03)
+    # first anywhere, then about the worst, at the same poses in every version
+    assert [len(part) for part in calls[:9]] == [FIRST // 2] + 8 * [32 * 16]
+    rng, whole = np.random.default_rng(SEED), replace(REGION, center=(0.0, 0.0, -0.5))
+    whole = whole.scaled(scale, (True,) * 3)
+    unit = 1.3 * rng.uniform(-1.0, 1.0, (FIRST // 2, 4))
+    width = 0.3
+    for part in calls[:9]:
+        np.testing.assert_allclose(part, from_unit(whole, unit[-len(part) :]), atol=1e-12)
+        order = np.argsort(margins(from_unit(whole, unit)))[:32]
+        near = np.repeat(np.clip(unit[order], -1.0, 1.0), 16, axis=0)
+        unit = np.concatenate([unit, near + width * rng.normal(size=near.shape)])
+        width *= 0.5
     # then back toward the center, by halves
     followed = calls[9:23]
     assert len({len(part) for part in followed}) == 1
@@ -186,6 +198,86 @@ def test_the_nearest_positions_that_break_a_requirement_are_found() -> None:
     for part in nearer:
         assert part[:, 2].min() >= -0.3
         assert part[:, 2].max() <= 0.5
+
+
+class Level:
+    """A gauge for which all poses of a call are as far out, and those asked for first nearer."""
+
+    nearer = True
+
+    def __init__(self, *_: Any) -> None:
+        self.calls = 0
+
+    def of_poses(self, poses: Any) -> Any:
+        self.calls += 1
+        return np.full(len(poses), float(self.calls) if self.nearer else 0.0)
+
+
+@pytest.mark.parametrize("nearer_ones", [True, False])
+def test_nearer_poses_are_looked_for_in_smaller_and_smaller_steps(
+    monkeypatch: pytest.MonkeyPatch, nearer_ones: bool
+) -> None:
+    """Along the line from the center until the requirement holds, then about the nearest.
+
+    A pose at which it just holds breaks nothing; nor does one that is no nearer count.
+    """
+    asked: list[Any] = []
+    made, center = search(), np.array([0.02, 0.01, -0.5])
+    middle, mask = np.array([0.02, 0.01, 0.0, -0.5]), np.array([True, True, False, True])
+
+    def margins(poses: Any) -> Any:  # whatever the heading; on a shell it just holds
+        asked.append(poses)
+        away = np.linalg.norm((poses - BALL)[:, mask], axis=1)
+        return np.where(away < RADIUS, -1.0, np.where(away < 1.4 * RADIUS, 0.0, 1.0))
+
+    made._margins = margins
+    monkeypatch.setattr(placement, "Gauge", type("Own", (Level,), {"nearer": nearer_ones}))
+    found = made._searched(center, 1.6)
+    back, nearer = asked[9:23], asked[23:]
+    # by halves along the line, the heading kept
+    start = 2.0 * back[0] - middle
+    assert (back[0][:, 2] == back[1][:, 2]).all()
+    low, high = np.zeros(len(start)), np.ones(len(start))
+    start[:, 2] = back[0][:, 2]
+    for tried in back:
+        share = 0.5 * (low + high)
+        line = np.where(mask, middle + share[:, None] * (start - middle), start)
+        np.testing.assert_allclose(tried, line, atol=1e-12)
+        holds = np.linalg.norm((tried - BALL)[:, mask], axis=1) >= RADIUS
+        low, high = np.where(holds, share, low), np.where(holds, high, share)
+    ends = np.where(mask, middle + high[:, None] * (start - middle), start)
+    away = np.linalg.norm((ends - BALL)[:, mask], axis=1)
+    assert away == pytest.approx(np.full(len(away), RADIUS), abs=1e-4)
+    assert (away < RADIUS).all()
+    every = len(ends) // 32 + 1
+    np.testing.assert_allclose(found[32:], ends[::every][:, mask], atol=1e-12)
+    assert len(found) == 32 + len(ends[::every])
+    assert (np.linalg.norm(found - BALL[mask], axis=1) < RADIUS).all()
+    if not nearer_ones:
+        assert [len(part) for part in nearer] == 12 * [0]
+        return
+    assert [len(part) for part in nearer] == 12 * [32 * 32]
+    sides = np.array([0.16, 0.16, 0.4, 0.32])
+    blocks = [part.reshape(32, 32, 4) / sides for part in nearer]
+    spreads = np.array([np.sqrt(block.var(axis=1, ddof=1).mean(axis=0)) for block in blocks])
+    assert spreads == pytest.approx(0.1 * 0.7 ** np.arange(12.0)[:, None] + np.zeros(4), rel=0.09)
+    assert (spreads / 0.1 / 0.7 ** np.arange(12.0)[:, None]).mean(axis=0) == pytest.approx(
+        np.ones(4), abs=0.02
+    )
+
+
+def test_headings_of_nearer_poses_stay_in_their_range() -> None:
+    asked: list[Any] = []
+    made = search(_region=replace(REGION, theta=(0.15, 0.2)))
+
+    def margins(poses: Any) -> Any:
+        asked.append(poses)
+        return np.full(len(poses), -1.0)
+
+    made._margins = margins
+    made._searched(np.array([0.0, 0.0, -0.5]), 1.0)
+    turns = np.concatenate([part[:, 2] for part in asked])
+    assert (turns.min(), turns.max()) == pytest.approx((0.15, 0.2), abs=1e-15)
 
 
 def test_where_nothing_breaks_nothing_is_found() -> None:
@@ -217,9 +309,10 @@ def test_a_position_just_beyond_reach_counts_as_broken(monkeypatch: pytest.Monke
         assert seen[0][3:] == ((True,) * 3, 26)
         assert seen[1].half == pytest.approx(0.8 * (1 + 2e-4) * np.array(REGION.half), rel=1e-12)
         assert seen[1].center == (0.1, 0.2, -0.3)
-    for scale, rows in ((0.8, 0), (0.79, 0)):
+    assert made._beyond(center, 0.9).shape == (0, 3)
+    for scale in (0.8, 0.79):
         seen.clear()
-        assert made._beyond(center, scale).shape == (rows, 3)
+        assert made._beyond(center, scale).shape == (0, 3)
         assert len(seen) == 1
 
 
@@ -274,23 +367,23 @@ def test_rounds_go_on_until_nothing_more_is_found_or_the_bound_is_near() -> None
     held = {0.2: 1.0, 0.3: 1.1, 0.1: 0.9, 0.0: 0.1}
     far = lambda row, _: held[round(float(row[0]), 3)]  # noqa: E731
     done = Rounds(far, lambda n: 0, both)
-    assert done.made.find(Control(60.0)) == Place((0.2, 0.0, -0.5), 2.0)
+    assert done.made.find(Control(5.0)) == Place((0.2, 0.0, -0.5), 2.0)
     assert len(done.calls) == 1
     done = Rounds(far, lambda n: 1 if n < 3 else 0, both)
     # the best of all that were tried, and the bound of the last round
-    assert done.made.find(Control(60.0)) == Place((0.3, 0.0, -0.5), 1.2)
+    assert done.made.find(Control(5.0)) == Place((0.3, 0.0, -0.5), 1.2)
     assert len(done.calls) == 3
     assert done.made._broken.shape == (2, 3)
     assert done.calls[2][-1].tolist() == [0.3, 0.0, -0.5]
     # near enough: within a thousandth
-    for scale, rounds in ((1.1 * 1.0009, 2), (1.1 * 1.0011, 4)):
+    for scale, rounds in ((1.1 * 1.0009, 2), (1.1 * (1.0 + 1e-3), 2), (1.1 * 1.0011, 4)):
         near = [both[0], center(0.3, scale), both[2], center(0.1, 0.9)]
         done = Rounds(far, lambda n: 1, near)
-        done.made.find(Control(60.0))
+        done.made.find(Control(5.0))
         assert len(done.calls) == rounds
     # a hundred rounds at most, and 40 % of the time that is left
     done = Rounds(far, lambda n: 1, [both[0]])
-    done.made.find(Control(60.0))
+    done.made.find(Control(5.0))
     assert len(done.calls) == 100
     done = Rounds(far, lambda n: 1, [both[0]])
     clock = SimpleNamespace(over=False, elapsed=0.0, left=10.0)
@@ -306,7 +399,7 @@ def test_rounds_go_on_until_nothing_more_is_found_or_the_bound_is_near() -> None
     done.made.find(SimpleNamespace(over=True, elapsed=0.0, left=10.0))
     assert len(done.calls) == 1
     nothing = search(_inside=np.empty((0, 3)))
-    assert nothing.find(Control(60.0)) is None
+    assert nothing.find(Control(5.0)) is None
 
 
 @pytest.mark.parametrize(
@@ -319,6 +412,8 @@ def test_rounds_go_on_until_nothing_more_is_found_or_the_bound_is_near() -> None
             (True, True, True), lambda row: 1.0 if row[0] == 0.01234 else 0.9985,
             (0.01234, 0.03456, -0.51234),
         ),
+        ((True, True, True), lambda row: 1.0 if row[0] else 1.0 - 1e-3, (0.0, 0.0, -0.512)),
+        ((True, True, True), lambda row: 4.0 if row[0] else 3.9, (0.012, 0.035, -0.512)),
         ((False, True, False), lambda row: 1.0, (0.01234, 0.0, -0.51234)),
         ((True, True, True), lambda row: 0.0, (0.01234, 0.03456, -0.51234)),
     ],
@@ -328,7 +423,32 @@ def test_a_plain_place_is_taken_where_it_costs_nothing(free: Any, kept: Any, exp
     place = np.array([0.01234, 0.03456, -0.51234]), 1.0
     rounds = Rounds(lambda row, _: kept(row), lambda n: 0, [place])
     rounds.made._free = np.array(free)
-    found = rounds.made.find(Control(60.0))
+    found = rounds.made.find(Control(5.0))
     assert found is not None
     assert found.center == pytest.approx(expected, abs=1e-12)
     assert not np.signbit(found.center[:2]).any()
+
+
+def test_a_place_on_the_axis_has_no_minus_zero() -> None:
+    place = np.array([-0.001, -0.002, -0.5]), 1.0
+    found = Rounds(lambda row, _: 1.0, lambda n: 0, [place]).made.find(Control(5.0))
+    assert found == Place((0.0, 0.0, -0.5), 1.0)
+    assert not np.signbit(found.center[:2]).any()
+
+
+def test_many_centers_are_compared_in_parts() -> None:
+    """A broken position at the very end of a height that is kept counts; beyond it does not."""
+    rng = np.random.default_rng(3)
+    broken, centers = rng.uniform(-1, 1, (3000, 3)), rng.uniform(-0.2, 0.2, (150, 3))
+    whole = search(_broken=broken)._scales(centers)
+    parts = [search(_broken=broken)._scales(centers[i : i + 1])[0] for i in range(150)]
+    np.testing.assert_array_equal(whole, parts)
+    edge = np.array([[0.05, 0.0, 0.25]])
+    for growth, half, scale in (
+        (Growth.HORIZONTAL, (0.1, 0.1, 0.25), 0.5), (Growth.VERTICAL, (0.05, 0.1, 0.5), 0.5),
+    ):  # fmt: skip
+        for by, expected in ((0.0, scale), (1e-9, np.inf)):
+            place = edge + ([0, 0, by] if growth is Growth.HORIZONTAL else [by, 0, 0])
+            region = replace(REGION, half=half)
+            made = search(growth=growth, _broken=place, _region=region)
+            assert made._scales(np.zeros((1, 3)))[0] == expected

@@ -32,6 +32,7 @@ from paminsa_viz.synthesis.volume.conflict import _conflict_of, _moved, _relaxat
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE
 from paminsa_viz.synthesis.volume.margins import Columns
 from paminsa_viz.synthesis.volume.reach import reach_bounds
+from paminsa_viz.synthesis.volume.solve import solve_volume
 from paminsa_viz.synthesis.volume.surface import (
     VolumeSurface,
     _cause_at,
@@ -297,3 +298,26 @@ def test_the_search_for_a_center_starts_with_its_step_and_halves_it(
     assert len(asked) == 1 + 4 * check._ROUNDS
     assert np.abs(np.array(found) - top).sum() < 0.11
     assert FINE.headings > COARSE.headings
+
+
+@pytest.mark.parametrize("nodes", [0, 1, 7])
+def test_shares_are_of_the_nodes_that_can_be_reached(nodes: int) -> None:
+    """Each requirement alone, as the only one that breaks, and each cause by the first of them."""
+    volume = solve_volume(
+        APPENDIX_4, needs("condition <= 4", "f_4 <= 300", "max_torque <= 6"), resolution=COARSE
+    )
+    places = np.argwhere(volume.reachable)[:: max(1, volume.reachable.sum() // 7)][:nodes]
+    few = np.zeros_like(volume.reachable)
+    few[tuple(places.T)] = True
+    part = replace(volume, reachable=few)
+    broken = ~(volume.margins >= 0.0)[:, few]
+    count = max(nodes, 1)
+    alone = 1.0 - (~broken).sum(axis=1) / count
+    assert part.removed_alone == pytest.approx(alone)
+    last = [(broken[i] & (broken.sum(axis=0) == 1)).sum() / count for i in range(3)]
+    assert part.removed_last == pytest.approx(last)
+    codes, counts_ = np.unique(volume.cause[few], return_counts=True)
+    shares = {volume.causes[code]: n / count for code, n in zip(codes, counts_, strict=True)}
+    assert part.shares() == pytest.approx(shares)
+    assert volume.utilization == pytest.approx(volume.volume / volume.reachable_volume)
+    assert np.isnan(replace(volume, reachable_volume=0.0).utilization)

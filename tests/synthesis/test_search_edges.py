@@ -1,0 +1,283 @@
+"""Searches where something is exactly at its limit, or of the kind that is seldom asked for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.model import APPENDIX_4, KneeBranch, LoadCase
+from paminsa_viz.progress import Canceled
+from paminsa_viz.quantities.requirements import Requirement, Workspace, WorkspaceShape
+from paminsa_viz.studies.executors import here
+from paminsa_viz.synthesis import Evaluator, ObjectiveLimit, Regime
+from paminsa_viz.synthesis.search import outer, refusals, solve
+from paminsa_viz.synthesis.search.evaluation import REFUSED
+from paminsa_viz.synthesis.search.extremes import Extent, least_over
+from paminsa_viz.synthesis.search.kernels import TORQUE_COLUMNS
+from paminsa_viz.synthesis.search.outer import PROGRESS, RegimeState, refined
+from paminsa_viz.synthesis.search.refusals import least_footprint
+from paminsa_viz.synthesis.search.region import Density, ray
+from paminsa_viz.synthesis.search.trial import Poses, Robots, TrialRobot, _following
+from paminsa_viz.synthesis.search.trial_masses import _tightened
+from tests.synthesis.search_cases import CYLINDER
+from tests.synthesis.test_costs import evaluator
+
+SPACE = Workspace(WorkspaceShape.BOX, (0.2, 0.4, 0.3), (0.1, 0.0, -0.6))
+
+
+def test_a_ray_from_the_very_edge_of_a_workspace_leaves_on_the_other_side() -> None:
+    assert ray(SPACE, np.array([1.0, 0.0])) == pytest.approx(0.2)
+    assert ray(SPACE, np.array([-1.0, 0.0])) == 0.0
+    below = replace(SPACE, center=(0.0, -0.2, -0.6))
+    assert ray(below, np.array([0.0, -1.0])) == pytest.approx(0.4)
+    disc = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.3), (0.1, 0.0, -0.6))
+    assert ray(disc, np.array([1.0, 0.0])) == pytest.approx(0.2)
+    beyond = replace(disc, center=(0.1 + 1e-9, 0.0, -0.6))
+    assert ray(beyond, np.array([1.0, 0.0])) == 0.0
+
+
+@pytest.mark.parametrize("density", [Density(4, 2, 3, 5), Density(4, 2, 1, 1)])
+def test_a_pattern_search_starts_with_steps_to_the_next_sample(
+    monkeypatch: pytest.MonkeyPatch, density: Density
+) -> None:
+    """Along the axes and eight directions to both sides, halved where nothing is better."""
+    monkeypatch.setattr(Extent, "clipped", lambda self, pose: pose)
+    extent, asked = Extent(SPACE, (-0.2, 0.4)), []
+    start = extent.samples(density)[3]
+
+    def values(poses: Any) -> Any:
+        asked.append(poses)
+        return np.where((poses == start).all(axis=1), 0.0, 1.0)
+
+    found = least_over(values, extent, density, starts=1)
+    assert (found.value, found.pose.tolist()) == (0.0, start.tolist())
+    size = 0.5 * np.array([0.2, 0.4, 0.6, 0.3])
+    steps = size / [2.0, 2.0, max(density.theta - 1.0, 1.0), max(density.z - 1.0, 1.0)]
+    turned = np.random.default_rng(0).normal(size=(8, 4))
+    turned /= np.linalg.norm(turned, axis=1)[:, None]
+    axes = np.concatenate([np.eye(4), -np.eye(4), turned, -turned])
+    for number, near in enumerate(asked[1:4]):
+        np.testing.assert_allclose((near - start) / steps * 2.0**number, axes, atol=1e-9)
+    assert len(asked) == 1 + 24
+
+
+# ---------------------------------------------------------------- what a trial is refused for
+
+
+def test_a_footprint_that_is_just_large_enough_is_not_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for regime in Regime:
+        least = least_footprint(CYLINDER, regime, 0.25)
+        for most, refused in ((least, False), (least * (1 - 1e-9), True)):
+            limited = replace(CYLINDER, limits=(ObjectiveLimit("footprint", most),))
+            found = refusals._footprint(limited, regime, 0.25, "so it is")
+            assert (found is not None) is refused
+    # of two reasons for the same offset the first is named
+    monkeypatch.setattr(refusals, "critical_radius", lambda condition: 1.0)
+    far, reason = refusals._needed_offset(CYLINDER, Regime.SMALLER)
+    assert far == pytest.approx(0.15)
+    assert reason.startswith("the singular circle")
+
+
+def test_drawn_bodies_that_lack_room_are_refused_by_what_is_missing() -> None:
+    apart = Requirement("clearance", low=0.002)
+    one = evaluator(apart, allow_overlap=False)
+    numbers = np.array([[0.3, 0.1, 3.0, 0.5, 0.6, -0.6], [0.3, 0.1, 3.0, 0.5, 0.6, -0.55]])
+    found = Robots.of(one.case, numbers)
+    missing = found.missing_room(0.002)
+    assert one._without_room(found) == pytest.approx(missing.sum(axis=1) / 1.1)
+    assert missing.max() > 0.0
+    more = replace(one, tighter=(0.05,))._without_room(found)
+    assert more == pytest.approx(found.missing_room(0.052).sum(axis=1) / 1.1)
+    assert (evaluator()._without_room(found) == 0.0).all()
+    nothing = Robots.of(one.case, numbers[:0])
+    assert one._without_room(nothing).shape == (0,)
+
+
+def test_a_trial_is_never_worse_than_what_is_refused() -> None:
+    trial: Any = SimpleNamespace(footprint=2 * REFUSED)
+    one = evaluator()
+    assert not one._is_worse(trial, REFUSED)
+    assert one._is_worse(trial, 0.99 * REFUSED)
+
+
+NUMBERS = np.array([[0.295, 0.085, 4.8, 0.79, 0.28, -0.77]])
+
+
+def test_bounds_on_the_margin_of_reach_count_on_either_side() -> None:
+    """The least of all limits in closed form; the largest, which seldom counts, at the samples."""
+    margins = np.array([0.04, 0.03, 0.2, 0.1])
+    low = Requirement("reach_margin", low=0.0005)
+    one = evaluator(low)
+    trial: Any = SimpleNamespace(footprint=0.5)
+    found = one._over_poses(trial, margins, 0.1, np.inf)
+    assert found.worst.tolist() == [0.03]
+    high = Requirement("reach_margin", high=0.5)
+    both = evaluator(low, high, Requirement("condition", high=20.0))
+    (done,) = both.evaluate(NUMBERS)
+    assert done.trial is not None
+    indices = [index for index, _ in both._others(done.trial)]
+    assert indices == [1]
+    ((_, (least, most)),) = both._others(done.trial)
+    assert Robots.of(both.case, NUMBERS).margins.min() == pytest.approx(least, abs=5e-3)
+    assert least < most <= 0.8
+
+
+# ---------------------------------------------------------------- trials with springs
+
+
+def test_torques_with_springs_are_those_of_all_samples() -> None:
+    held = np.random.default_rng(7).normal(size=(12, 4))
+    trial: Any = SimpleNamespace(
+        inner=SimpleNamespace(held=lambda pose: held), grid=lambda theta, heights: None
+    )
+    found = TrialRobot._sprung(trial, (0.0, 0.1), np.zeros(3))
+    most = np.abs(held[:, :3]).max(axis=1)
+    rms = np.sqrt((held[:, :3] ** 2).mean(axis=1))
+    columns = np.column_stack([held, most, rms])
+    np.testing.assert_allclose(found, [columns.min(axis=0), columns.max(axis=0)])
+    assert np.isnan(TrialRobot._sprung(trial, (0.0, 0.1), np.zeros(0))).all()
+    held[3, 1] = np.nan
+    none = TrialRobot._sprung(trial, (0.0, 0.1), np.zeros(3))
+    assert none.shape == (2, len(TORQUE_COLUMNS))
+    assert (none[0] == -np.inf).all()
+    assert (none[1] == np.inf).all()
+
+
+@pytest.mark.parametrize(
+    ("load", "bounds", "alike"),
+    [
+        (LoadCase(), (), True), (LoadCase(force_z=5.0), (), True),
+        (LoadCase(force_x=1.0), (), False), (LoadCase(force_y=1.0), (), False),
+        (LoadCase(moment_z=1.0), (), False),
+        *((LoadCase(), (Requirement(f"tau_{i}", high=9.0),), False) for i in (1, 2, 3)),
+        (LoadCase(), (Requirement("f_4", high=9.0), Requirement("max_torque", high=9.0)), True),
+    ],
+)  # fmt: skip
+def test_legs_are_alike_unless_a_bound_or_a_load_tells_them_apart(
+    load: LoadCase, bounds: Any, alike: bool
+) -> None:
+    case = replace(
+        CYLINDER, reference=replace(APPENDIX_4, load=load),
+        requirements=replace(CYLINDER.requirements, bounds=bounds),
+    )  # fmt: skip
+    assert Poses(case).alike is alike
+
+
+def test_shafts_that_follow_keep_the_largest_clearance_that_is_asked_for() -> None:
+    numbers = np.array([[0.3, 0.1, 3.0, 0.5, 0.6, -0.6]])
+
+    def shaft(*bounds: Requirement) -> float:
+        required = replace(CYLINDER.requirements, bounds=bounds)
+        case = replace(CYLINDER, allow_overlap=False, requirements=required)
+        robots = Robots.of(case, numbers)
+        return float(_following(case, robots.geometries, robots.spans)["shaft_length"][0])
+
+    base = shaft(Requirement("clearance", low=0.0))
+    for low in (0.001, 0.02):
+        bounds = (Requirement("clearance", low=low), Requirement("clearance", low=0.0005))
+        assert shaft(*bounds) == pytest.approx(base + low)
+        assert shaft(*bounds[::-1], Requirement("clearance", high=3.0)) == pytest.approx(base + low)
+
+
+def test_bounds_of_masses_are_tighter_by_what_the_solver_rounds() -> None:
+    for value in (0.5, -0.5, 30.0, -30.0):
+        spare = 2e-9 * max(1.0, abs(value))
+        low = _tightened(Requirement("tau_1", low=value), 0.25)
+        assert (low.low, low.high) == (pytest.approx(value + 0.25 + spare, abs=1e-12), None)
+        high = _tightened(Requirement("tau_1", high=value), 0.25)
+        assert (high.low, high.high) == (None, pytest.approx(value - 0.25 - spare, abs=1e-12))
+        assert abs(low.low - value - 0.25) == pytest.approx(spare, rel=1e-4)  # type: ignore
+        assert abs(high.high - value + 0.25) == pytest.approx(spare, rel=1e-4)  # type: ignore
+
+
+# ---------------------------------------------------------------- rounds and regimes
+
+
+def test_a_refinement_ends_where_a_round_gains_less_than_its_share(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Any] = []
+
+    def play(costs: list[float]) -> int:
+        asked.clear()
+
+        def one(evaluator: Any, state: RegimeState, workers: Any, *, generations: int) -> Any:
+            asked.append((state, generations))
+            return replace(state, history=(*state.history, costs[len(asked) - 1]), best=(0.5,) * 6)
+
+        monkeypatch.setattr(outer, "search_round", one)
+        monkeypatch.setattr(Evaluator, "evaluate", lambda self, numbers: ["done"])
+        assert refined(CYLINDER, Regime.SMALLER, NUMBERS[0].tolist()) == "done"
+        assert {generations for _, generations in asked} == {15}
+        assert asked[0][0].generation == np.ceil(0.6 * CYLINDER.effort.generations)
+        return len(asked)
+
+    gain = 0.1 * PROGRESS
+    assert play([5.0, 4.0, 3.0, 2.0, 1.0]) == 4
+    assert play([4.0 * (1 + 2 * gain), 4.0, 4.0, 4.0]) == 3
+    assert play([4.0 * (1 + 0.9 * gain), 4.0, 1.0, 1.0]) == 2
+    assert play([-4.0 * (1 - 2 * gain), -4.0, -4.0, -4.0]) == 3
+    assert play([-4.0 * (1 - 0.9 * gain), -4.0, -9.0, -9.0]) == 2
+    assert play([4.0 + gain * 4.0, 4.0, 1.0, 1.0]) == 2
+    assert play([4.0, 4.0]) == 2
+
+
+@pytest.mark.parametrize(
+    ("feasible", "relax", "canceled", "asked"),
+    [
+        ((False, False), True, False, True), ((True, False), True, False, False),
+        ((False, True), True, False, False), ((False, False), False, False, False),
+        ((False, False), True, True, False),
+    ],
+)  # fmt: skip
+def test_relaxations_are_looked_for_where_no_regime_has_an_answer(
+    monkeypatch: pytest.MonkeyPatch, feasible: Any, relax: bool, canceled: bool, asked: bool
+) -> None:
+    called: list[Any] = []
+
+    class Run:
+        def __init__(self, *_: Any, **__: Any) -> None:
+            pass
+
+        def search(self, state: RegimeState, note: Any) -> RegimeState:
+            if canceled:
+                raise Canceled
+            note(state)
+            return state
+
+        def verify(self, state: RegimeState, *, repair: bool = True) -> Any:
+            met = feasible[list(Regime).index(state.regime)]
+            return SimpleNamespace(found=SimpleNamespace(feasible=met))
+
+    monkeypatch.setattr(solve, "_Run", Run)
+    monkeypatch.setattr(solve, "refusal", lambda *_: None)
+    monkeypatch.setattr(solve, "_result", lambda *given: given)
+    monkeypatch.setattr(solve, "relaxations", lambda *given: called.append(given) or ("x",))
+    case = replace(CYLINDER, regimes=tuple(Regime))
+    given = solve.synthesize(case, relax=relax)
+    assert bool(called) is asked
+    assert given[4] == (("x",) if asked else ())
+    assert given[5] is canceled
+    assert len(given[1]) == (0 if canceled else 2)
+    if asked:
+        assert called[0][1:3] == (tuple(Regime), here)
+
+
+@pytest.mark.parametrize("knee", KneeBranch)
+def test_samples_of_a_trial_are_at_its_own_heights(knee: KneeBranch) -> None:
+    case = replace(CYLINDER, reference=APPENDIX_4.with_knee(knee))
+    space = replace(SPACE, center=(0.0, 0.0, -0.6))
+    trial: Any = SimpleNamespace(poses=Poses(case), case=case, workspace=space)
+    whole = TrialRobot.heights(trial)
+    assert whole == pytest.approx(-0.6 + 0.3 * np.linspace(-0.5, 0.5, 5))
+    part = TrialRobot.heights(trial, (-0.65, 1.0))
+    assert (part.min(), part.max(), len(part)) == (pytest.approx(-0.65), pytest.approx(-0.45), 5)
+    part = TrialRobot.heights(trial, (-2.0, -0.75))
+    assert part == pytest.approx(np.full(5, -0.75))
+    assert TrialRobot.heights(trial, (-0.44, 0.0)).shape == (0,)
