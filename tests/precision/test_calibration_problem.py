@@ -218,3 +218,29 @@ def test_what_a_calibration_states_follows_from_its_problem_at_what_it_found(wid
     )
     inside = (basis**2).sum(axis=0).reshape(3, 14) > 1 - 1e-6
     np.testing.assert_array_equal(found.determined, inside)
+
+
+@pytest.mark.parametrize(("least", "fitted"), [(1.05e-3, False), (0.95e-3, True)])
+def test_combinations_are_fitted_whose_interval_is_within_a_millimeter(
+    least: float, fitted: bool
+) -> None:
+    """The noise is made so large that the next one after some has the interval."""
+    true = random_deviations(7, 5e-4)
+    poses = random_poses(np.random.default_rng(3), APPENDIX_4, 40)
+    exact = predict(APPENDIX_4, true, level(poses)).coordinates
+    error = np.random.default_rng(8).normal(size=exact.shape) / RADII
+    noise, place = 2e-6, 0
+    for _ in range(4):
+        measured = Measurements(level(poses).actuators, exact + noise * error)
+        found = calibrate(APPENDIX_4, measured)
+        count = len(found.combinations)
+        problem = CalibrationProblem(APPENDIX_4, measured)
+        values = problem.scaled(deviation_array(found.design))
+        sizes = np.linalg.svd(problem.jacobian(values), compute_uv=False)
+        place = place or count  # the first that is not fitted with little noise
+        half = problem.margin(count) * found.noise / sizes[place]
+        if abs(half / least - 1.0) < 0.01:
+            break
+        noise *= least / half
+    assert half == pytest.approx(least, rel=0.01)
+    assert count == place + fitted
