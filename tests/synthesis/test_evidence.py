@@ -12,7 +12,8 @@ import pytest
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities.requirements import Requirement, Requirements, WorkspaceShape
-from paminsa_viz.synthesis.proof import evidence
+from paminsa_viz.synthesis.proof import certificate, evidence
+from paminsa_viz.synthesis.proof.bisection import Nearest
 from paminsa_viz.synthesis.proof.evidence import (
     LARGEST,
     Evidence,
@@ -27,6 +28,7 @@ from paminsa_viz.synthesis.proof.evidence import (
 )
 from paminsa_viz.synthesis.proof.families import Method
 from paminsa_viz.synthesis.proof.regions import PoseRegion, region_margins
+from tests.synthesis.robots import cylinder
 
 GEOMETRY = APPENDIX_4.geometry
 DISC = PoseRegion(WorkspaceShape.CYLINDER, (0.03, -0.02, -0.6), (0.08, 0.08, 0.1), (-0.2, 0.4))
@@ -180,3 +182,53 @@ def test_a_path_of_one_move_is_proven_as_well(monkeypatch: pytest.MonkeyPatch) -
     for theta, turn in (((-0.3, -0.1), -0.1), ((0.1, 0.3), 0.1), ((-0.1, 0.3), 0.0)):
         path = home_path(GEOMETRY, replace(below, theta=theta))
         assert path[-1].tolist() == pytest.approx([x, y, turn, z - 0.2])
+
+
+@pytest.mark.parametrize(
+    ("reach", "paths", "sampled", "searched", "verdict"),
+    [
+        ((Verdict.PROVEN, Verdict.PROVEN), (2, 3), Verdict.SAMPLED, True, Verdict.PROVEN),
+        ((Verdict.PROVEN, Verdict.UNDECIDED), (2, 3), None, False, Verdict.UNDECIDED),
+        ((Verdict.REFUTED, Verdict.PROVEN), (2, 3), None, False, Verdict.REFUTED),
+        ((Verdict.PROVEN, Verdict.PROVEN), (2, 0), Verdict.SAMPLED, True, Verdict.UNDECIDED),
+        ((Verdict.PROVEN, Verdict.PROVEN), (2, 3), Verdict.REFUTED, False, Verdict.REFUTED),
+    ],
+)
+def test_a_proof_goes_on_as_long_as_it_may_still_hold(
+    monkeypatch: pytest.MonkeyPatch, reach: Any, paths: Any, sampled: Any, searched: bool,
+    verdict: Verdict,
+) -> None:  # fmt: skip
+    """Without reach nothing has a value, and what is refuted needs no search."""
+    bisected, turned = Requirement("f_4", high=450.0), Requirement("stiffness_x", low=1.0)
+    needed = Requirements((bisected, replace(turned, theta=(0.0, 0.1))), (-0.2, 0.4))
+    asked: list[Any] = []
+
+    def search(group: Any, gauge: Any, upper: float, tolerance: Any, control: Any) -> Nearest:
+        asked.append((group.requirements, tolerance, control.left))
+        return Nearest(upper, upper, None, -1, np.array([0.5]), 4)
+
+    items = {
+        name: Evidence(name, Method.CLOSED_FORM, one)
+        for name, one in zip(("reach", "singularity"), reach, strict=True)
+    }
+    lengths = iter(paths)
+    monkeypatch.setattr(certificate, "nearest_violation", search)
+    monkeypatch.setattr(certificate, "prove_reach", lambda *_: dict(items))
+    monkeypatch.setattr(certificate, "home_path", lambda *_: np.zeros((next(lengths), 4)))
+    monkeypatch.setattr(
+        certificate, "sampled_evidence",
+        lambda *_: [Evidence.of(needed.bounds[1], Method.SAMPLED, sampled)],
+    )  # fmt: skip
+    proof = certificate.prove(APPENDIX_4, needed, cylinder(0.1, 0.1))
+    assert proof.verdict is verdict
+    assert len(proof.path) == 2
+    assert proof.remaining.shape == (0, 2, 4)
+    found = {item.name: item for item in proof.evidence}
+    home = Verdict.PROVEN if all(paths) else Verdict.UNDECIDED
+    assert found["home"].verdict is home
+    assert ("stiffness_x" in found) is (sampled is not None)
+    assert found["f_4"].verdict is (Verdict.PROVEN if searched else Verdict.UNDECIDED)
+    assert len(asked) == searched
+    if searched:
+        assert asked[0][:2] == ((bisected,), None)
+        assert 13.0 < asked[0][2] <= 15.0
