@@ -32,9 +32,7 @@ def rod_gap(a: Any, i: int, b: Any, j: int) -> Any:
     s = 0.0
     if across > 1e-12 * uu * vv:
         s = min(max((uv * vw - vv * uw) / across, 0.0), 1.0)
-    t = (uv * s + vw) / vv if vv > 0.0 else 0.0
-    if t < 0.0 or t > 1.0:
-        t = min(max(t, 0.0), 1.0)
+    t = min(max((uv * s + vw) / vv, 0.0), 1.0) if vv > 0.0 else 0.0
     if uu > 0.0:
         s = min(max((uv * t - uw) / uu, 0.0), 1.0)
     dx, dy, dz = wx + s * ux - t * vx, wy + s * uy - t * vy, wz + s * uz - t * vz

@@ -4,7 +4,8 @@ Nothing of the mechanics is here: a formula and the functions that it calls are 
 that runs on NumPy arrays. Each kernel runs on columns (one array a quantity) and releases the GIL.
 
 Numba keeps compiled code on disk and looks only at the file of the kernel to see whether it is
-stale. The formulas live in other files, so a digest of their source is woven into the kernels.
+stale. The formulas live in other files, so each kernel names a digest of their source, which as a
+variable of its closure is part of the key that Numba looks for.
 """
 
 from __future__ import annotations
@@ -36,13 +37,13 @@ def _where(condition: Any, yes: Any, no: Any) -> Any:
 _registered: set[FunctionType] = {robot.where}
 
 
-def register(*formulas: Callable[..., Any], inline: bool = True) -> int:
+def register(*formulas: Callable[..., Any], inline: bool = True) -> str:
     """Let Numba compile formulas and all that they call.
 
     LLVM vectorizes a loop only if the whole formula is inlined into it.
 
     Returns:
-        A number that changes with the source of what was registered.
+        A digest, which changes with the source of what was registered.
     """
     found: list[FunctionType] = []
     pending: list[Any] = list(formulas)
@@ -60,7 +61,7 @@ def register(*formulas: Callable[..., Any], inline: bool = True) -> int:
     files = sorted({function.__code__.co_filename for function in found})
     text = b"".join(Path(name).read_bytes() for name in files if Path(name).is_file())
     code = b"".join(function.__code__.co_code for function in found)
-    return int.from_bytes(hashlib.sha256(text + code).digest()[:7], "big")
+    return hashlib.sha256(text + code).hexdigest()
 
 
 # `contract` lets the compiler fuse a product and a sum, which is faster and rounds once less.
@@ -115,7 +116,7 @@ def over_poses(formula: Callable[..., Any], count: int) -> tuple[Any, Any]:
         formula: As `backend.Formula.function`.
         count: How many of its results to keep.
     """
-    digest = register(formula)  # a closure variable, and so part of Numba's cache key
+    digest = register(formula)
 
     @kernel(**OPTIONS)
     def over_grid(m, outer, inner, along_x, out):  # type: ignore[no-untyped-def]
@@ -124,8 +125,7 @@ def over_poses(formula: Callable[..., Any], count: int) -> tuple[Any, Any]:
         ``along_x`` says that x alone varies in the inner part: then most of the formula's parts in
         y and z are the same for a whole row as well.
         """
-        if digest < 0:
-            return
+        _ = digest
         x, y, z = inner[0], inner[1], inner[2]
         for i in range(outer.shape[0]):
             ox, oy, oz, c, s = outer[i, 0], outer[i, 1], outer[i, 2], outer[i, 3], outer[i, 4]
@@ -142,8 +142,7 @@ def over_poses(formula: Callable[..., Any], count: int) -> tuple[Any, Any]:
 
     @kernel(**OPTIONS)
     def over_list(m, pose, out):  # type: ignore[no-untyped-def]
-        if digest < 0:
-            return
+        _ = digest
         w = np.empty((5 + count, _BLOCK))
         for start in range(0, len(pose), _BLOCK):
             size = min(_BLOCK, len(pose) - start)
@@ -161,22 +160,26 @@ def over_poses(formula: Callable[..., Any], count: int) -> tuple[Any, Any]:
                 for n in range(count):
                     out[start + j, n] = w[5 + n, j]
 
-    over_grid(_MECHANISM, np.zeros((0, 5)), np.zeros((3, 0)), True, np.zeros((0, count, 0)))
-    over_list(_MECHANISM, np.zeros((0, 4)), np.zeros((0, count)))
+    over_grid(_MECHANISM, _none(2), _none(2), True, _none(3))
+    over_list(_MECHANISM, _none(2), _none(2))
     return over_grid, over_list
 
 
+def _none(dimensions: int) -> Any:
+    """Return an array of so many dimensions without entries, for a call that compiles a kernel."""
+    return np.empty((0,) * dimensions)
+
+
 _MECHANISM = leg.Mechanism(*[1.0] * len(leg.Mechanism._fields))
-"""Some mechanism, for a call on no poses that compiles a kernel."""
+"""Some mechanism, for such a call."""
 
 
-def _motion_kernels(digest: int) -> tuple[Any, Any]:
+def _motion_kernels(digest: str) -> tuple[Any, Any]:
     """Compile inverse dynamics and the mass matrix over lists of states."""
 
     @kernel(**OPTIONS)
     def inverse_dynamics_kernel(m, e, gravity, pose, c, s, velocity, acceleration, out):  # type: ignore[no-untyped-def]
-        if digest < 0:
-            return
+        _ = digest
         w = np.empty((22, _BLOCK))
         for start in range(0, c.size, _BLOCK):
             size = min(_BLOCK, c.size - start)
@@ -200,8 +203,7 @@ def _motion_kernels(digest: int) -> tuple[Any, Any]:
 
     @kernel(**OPTIONS)
     def mass_matrix(m, e, pose, c, s, out):  # type: ignore[no-untyped-def]
-        if digest < 0:
-            return
+        _ = digest
         w = np.empty((16, _BLOCK))
         for start in range(0, c.size, _BLOCK):
             size = min(_BLOCK, c.size - start)
@@ -231,7 +233,7 @@ _LEG_TERMS = len(robot.EnergyTerms._fields) - 2  # the last two belong to the pl
 _TURN, _MASS, _INERTIA = _LEG_TERMS - 1, _LEG_TERMS, _LEG_TERMS + 1
 
 
-def _regressor_kernel(digest: int) -> Any:
+def _regressor_kernel(digest: str) -> Any:
     """Compile the regressor over lists of states.
 
     The mechanics in it is that of `leg_forces.leg_regressor`; the map from the legs to the
@@ -244,8 +246,7 @@ def _regressor_kernel(digest: int) -> Any:
 
         Energy term ``terms[i]`` adds ``factors[i]`` times its torque to ``coefficients[i]``.
         """
-        if digest < 0:
-            return
+        _ = digest
         forces = np.empty((3, 3, _LEG_TERMS))  # on rho, on theta_k, on Z; by leg
         v = np.empty((3, 6))  # the legs' vectors, see `leg.LegVector`, and 1/rho
         j = np.empty((3, 3))  # d (x, y, theta) / d theta_k, by coordinate and leg
@@ -314,10 +315,8 @@ regressor = _regressor_kernel(
 def warm_up() -> None:
     """Compile the kernels of motions, or load them from disk, by a call on nothing."""
     e = robot.EnergyTerms(*[1.0] * len(robot.EnergyTerms._fields))
-    none, pose = np.zeros(0), np.zeros((0, 4))
-    inverse_dynamics_kernel(_MECHANISM, e, 1.0, pose, none, none, pose, pose, np.zeros((0, 8)))
-    mass_matrix(_MECHANISM, e, pose, none, none, np.zeros((0, 10)))
-    index = np.zeros(0, np.int64)
-    regressor(
-        _MECHANISM, 1.0, pose, none, none, pose, pose, index, index, none, np.zeros((0, 4, 18))
-    )
+    numbers, rows = _none(1), _none(2)
+    inverse_dynamics_kernel(_MECHANISM, e, 1.0, rows, numbers, numbers, rows, rows, rows)
+    mass_matrix(_MECHANISM, e, rows, numbers, numbers, rows)
+    index = numbers.astype(np.int64)
+    regressor(_MECHANISM, 1.0, rows, numbers, numbers, rows, rows, index, index, numbers, _none(3))

@@ -263,7 +263,7 @@ PARAMETER: dict[str, Parameter] = {item.path: item for item in _ALL}
 
 def no_value(path: str) -> str:
     """Return what is wrong with a path that names no number of a design, and the nearest one."""
-    near = get_close_matches(path[:60], PARAMETER, 1)
+    near = get_close_matches(path[:60], PARAMETER)
     hint = f"did you mean {near[0]}?" if near else "such as links.b3 or geometry.base_radius"
     return f"there is no design value of this name; {hint}"
 

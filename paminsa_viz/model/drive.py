@@ -13,6 +13,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
 
+import numpy as np
+
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.parameters import Group, parameter
 from paminsa_viz.units import format_ascii
@@ -154,9 +156,8 @@ class Drive(Group, path="drive", limits=(1e-12, 1e9)):
             return ((0.0, peak), (top, peak))
         found = [(speed, torque) for speed, torque in self.envelope if speed < top]
         if self.envelope[-1][0] >= top:
-            found.append((top, _interpolated(self.envelope, top)))
-        if all(torque <= peak for _, torque in found):
-            return tuple(found)
+            speeds, torques = zip(*self.envelope, strict=True)
+            found.append((top, float(np.interp(top, speeds, torques))))
         limited: list[tuple[float, float]] = []
         for (s0, t0), (s1, t1) in pairwise(found):
             limited.append((s0, min(t0, peak)))
@@ -291,10 +292,3 @@ def checked_envelope(envelope: object) -> Envelope:
     if points[0][1] == 0:
         raise refused("the torque at speed 0 has to be above 0")
     return points
-
-
-def _interpolated(points: Envelope, speed: float) -> float:
-    for (s0, t0), (s1, t1) in pairwise(points):
-        if speed <= s1:
-            return t0 + (speed - s0) / (s1 - s0) * (t1 - t0)
-    return points[-1][1]

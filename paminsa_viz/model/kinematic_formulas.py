@@ -15,6 +15,7 @@ from paminsa_viz.model.leg import ROUNDING, LegPosition, LegVector, Mechanism, l
 from paminsa_viz.model.robot import (
     AXIS_X,
     AXIS_Y,
+    lesser,
     platform_determinant,
     solve_wrench,
     where,
@@ -221,8 +222,7 @@ def assembly(m: Mechanism, h1: Heading, h2: Heading, h3: Heading, c: Any, s: Any
     along1 = h1.c * (x + v1.dx) + h1.s * (y + v1.dy)
     along2 = h2.c * (x + v2.dx) + h2.s * (y + v2.dy)
     along3 = h3.c * (x + v3.dx) + h3.s * (y + v3.dy)
-    least = where(along2 < along1, along2, along1)
-    return Assembly(x, y, c, s, where(along3 < least, along3, least))
+    return Assembly(x, y, c, s, lesser(lesser(along1, along2), along3))
 
 
 def assembly_mode(

@@ -10,7 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from paminsa_viz.model.leg import LegVector, Mechanism, leg_vector
-from paminsa_viz.model.robot import AXIS_X, AXIS_Y, platform_determinant, solve_wrench, where
+from paminsa_viz.model.robot import (
+    AXIS_X,
+    AXIS_Y,
+    lesser,
+    platform_determinant,
+    solve_wrench,
+    where,
+)
 
 THIRD = 1.0 / 3.0
 INVERSE_SQRT_6 = 0.408248290463863
@@ -41,10 +48,10 @@ def leg_margins(
     fold = distance - np.abs(m.coupler - m.crank)
     axis = rho - m.clearance
     return LegMargins(
-        where((reach2 >= m.reach2_max) & (stretch > 0.0), 0.0, stretch),
-        where((reach2 <= m.reach2_min) & (fold > 0.0), 0.0, fold),
+        where(reach2 >= m.reach2_max, lesser(stretch, 0.0), stretch),
+        where(reach2 <= m.reach2_min, lesser(fold, 0.0), fold),
         m.stroke - m.guide_ratio * rho,
-        where((v.rho2 <= m.rho2_min) & (axis > 0.0), 0.0, axis),
+        where(v.rho2 <= m.rho2_min, lesser(axis, 0.0), axis),
     )
 
 
@@ -62,19 +69,19 @@ def least_margin(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> LeastM
     of `LegMargins`. Arguments are the platform's position [m], cos and sin theta.
     """
     a = leg_margins(m, AXIS_X[0], AXIS_Y[0], x, y, c, s, z)
-    worst, which = _lesser(a.stretch, 0.0, a.fold, 1.0)
-    worst, which = _lesser(worst, which, a.guide, 2.0)
-    worst, which = _lesser(worst, which, a.axis, 3.0)
+    worst, which = _lesser_margin(a.stretch, 0.0, a.fold, 1.0)
+    worst, which = _lesser_margin(worst, which, a.guide, 2.0)
+    worst, which = _lesser_margin(worst, which, a.axis, 3.0)
     b = leg_margins(m, AXIS_X[1], AXIS_Y[1], x, y, c, s, z)
-    worst, which = _lesser(worst, which, b.stretch, 4.0)
-    worst, which = _lesser(worst, which, b.fold, 5.0)
-    worst, which = _lesser(worst, which, b.guide, 6.0)
-    worst, which = _lesser(worst, which, b.axis, 7.0)
+    worst, which = _lesser_margin(worst, which, b.stretch, 4.0)
+    worst, which = _lesser_margin(worst, which, b.fold, 5.0)
+    worst, which = _lesser_margin(worst, which, b.guide, 6.0)
+    worst, which = _lesser_margin(worst, which, b.axis, 7.0)
     d = leg_margins(m, AXIS_X[2], AXIS_Y[2], x, y, c, s, z)
-    worst, which = _lesser(worst, which, d.stretch, 8.0)
-    worst, which = _lesser(worst, which, d.fold, 9.0)
-    worst, which = _lesser(worst, which, d.guide, 10.0)
-    return _lesser(worst, which, d.axis, 11.0)
+    worst, which = _lesser_margin(worst, which, d.stretch, 8.0)
+    worst, which = _lesser_margin(worst, which, d.fold, 9.0)
+    worst, which = _lesser_margin(worst, which, d.guide, 10.0)
+    return _lesser_margin(worst, which, d.axis, 11.0)
 
 
 def serial_margin(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any]:
@@ -82,20 +89,18 @@ def serial_margin(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple
 
     It is `least_margin` without the ends of the guides, which are no singularity.
     """
-    worst = _leg_serial_margin(leg_margins(m, AXIS_X[0], AXIS_Y[0], x, y, c, s, z))
-    other = _leg_serial_margin(leg_margins(m, AXIS_X[1], AXIS_Y[1], x, y, c, s, z))
-    worst = where(other < worst, other, worst)
-    other = _leg_serial_margin(leg_margins(m, AXIS_X[2], AXIS_Y[2], x, y, c, s, z))
-    return (where(other < worst, other, worst),)
+    a = _leg_serial_margin(leg_margins(m, AXIS_X[0], AXIS_Y[0], x, y, c, s, z))
+    b = _leg_serial_margin(leg_margins(m, AXIS_X[1], AXIS_Y[1], x, y, c, s, z))
+    d = _leg_serial_margin(leg_margins(m, AXIS_X[2], AXIS_Y[2], x, y, c, s, z))
+    return (lesser(lesser(a, b), d),)
 
 
 def _leg_serial_margin(leg: LegMargins) -> Any:
     """Return the smallest margin of a leg to a singularity [m]; NaN stays."""
-    worst = where(leg.fold < leg.stretch, leg.fold, leg.stretch)
-    return where(leg.axis < worst, leg.axis, worst)
+    return lesser(lesser(leg.stretch, leg.fold), leg.axis)
 
 
-def _lesser(value: Any, tag: Any, other: Any, other_tag: Any) -> LeastMargin:
+def _lesser_margin(value: Any, tag: Any, other: Any, other_tag: Any) -> LeastMargin:
     """Return the lesser of two margins [m] and its tag; a first one that is NaN stays.
 
     A helper, not in the paper.
@@ -116,7 +121,7 @@ def _largest_eigenvalue(xx: Any, yy: Any, zz: Any, xy: Any, yz: Any, xz: Any) ->
     )
     det = dx * (dy * dz - yz * yz) - xy * (xy * dz - yz * xz) + xz * (xy * yz - dy * xz)
     cube = spread * spread * spread
-    ratio = where(cube > 0.0, 0.5 * det / where(cube > 0.0, cube, 1.0), 1.0)
+    ratio = 0.5 * det / where(cube > 0.0, cube, 1.0)
     ratio = where(ratio > 1.0, 1.0, where(ratio < -1.0, -1.0, ratio))
     return mean + 2.0 * spread * np.cos(np.arccos(ratio) * THIRD)
 
@@ -194,7 +199,7 @@ def singular_distances(m: Mechanism, x: Any, y: Any, c: Any, turn: Any) -> Singu
     # What does not exist is NaN, and infinitely far.
     first = where(everywhere == everywhere, np.abs(everywhere), np.inf)
     second = where(circle == circle, circle, np.inf)
-    nearest = where(second < first, second, first)
+    nearest = lesser(first, second)
     before = (everywhere >= 0.0) | (everywhere != everywhere)
     inside = before & (position >= 0.0)
     known = radius2 + turn == radius2 + turn
@@ -209,7 +214,7 @@ def workspace_circle(m: Mechanism) -> Any:
     """
     bars = (m.crank + m.coupler) / m.span_ratio
     guide = m.stroke * (m.k - 1.0)
-    longest = where(guide < bars, guide, bars)
+    longest = lesser(bars, guide)
     offset = np.abs(m.base_radius - m.platform_radius)
     inside = 4.0 * (longest * longest) - 3.0 * (offset * offset)
     return np.maximum(0.0, (np.sqrt(np.maximum(inside, 0.0)) - offset) / 2.0)

@@ -172,7 +172,7 @@ def workspace_radius(geometry: Geometry) -> float:
 def workspace_height(geometry: Geometry) -> float:
     """Return the largest |z_5| that the platform reaches at the center [m]."""
     bars = geometry.crank_length + geometry.coupler_length
-    return float(np.sqrt(max(bars**2 - geometry.home_span**2, 0.0)))
+    return float(np.sqrt(bars**2 - geometry.home_span**2))
 
 
 @of_geometry

@@ -35,6 +35,14 @@ def where(condition: Any, yes: Any, no: Any) -> Any:
     return np.where(condition, yes, no)
 
 
+def lesser(value: Any, other: Any) -> Any:
+    """Return the lesser of two values, units as of the values; a first one that is NaN stays.
+
+    A helper, not in the paper.
+    """
+    return where(other < value, other, value)
+
+
 class TangentialForces(NamedTuple):
     """Solution t of sum_k t_k (w_k rho_k, p_k x w_k rho_k) = (fx, fy, ft), w_k tangential [N/m]."""
 
@@ -317,6 +325,4 @@ def acceleration_of_force(
     theta = b2 / d2 - l32 * z
     y = b1 / d1 - l21 * theta - l31 * z
     x = fx / a0 - l10 * y - l20 * theta - l30 * z
-    least = where(d1 < a0, d1, a0)
-    least = where(d2 < least, d2, least)
-    return Acceleration(x, y, theta, z, where(d3 < least, d3, least))
+    return Acceleration(x, y, theta, z, lesser(lesser(lesser(a0, d1), d2), d3))

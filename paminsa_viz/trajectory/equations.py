@@ -58,14 +58,12 @@ def _compiled() -> tuple[Callable[..., Array], Callable[..., Array]]:
 
     @kernel(**OPTIONS)
     def derivative(t, state, robot, model, gains, times, states):  # type: ignore[no-untyped-def]
-        if key[0] < 0:
-            return state
+        _ = key
         return plant.derivative(t, state, _unpack(robot), _unpack(model), gains, times, states)
 
     @kernel(**OPTIONS)
     def commanded(t, state, model, gains, times, states):  # type: ignore[no-untyped-def]
-        if key[0] < 0:
-            return state
+        _ = key
         return plant.commanded(t, state, _unpack(model), gains, times, states)
 
     robot = _packed(robot_numbers(Design()))

@@ -84,3 +84,14 @@ def outside(solid: Primitive, points: Array) -> Array:
     else:
         flat = np.hypot(*np.moveaxis(np.maximum(np.abs(p[..., :2]) - solid.size[:2], 0.0), -1, 0))
     return np.maximum(np.hypot(flat, high) - solid.radius, 0.0)
+
+
+def may_meet(one: Body, a: Primitive, other: Body, b: Primitive) -> bool:
+    """Say whether two solids of a pair of bodies count: not if they pass each other for sure."""
+    legs = (BodyPart.LEG, BodyPart.COUNTERWEIGHT)
+    if one.part in legs and other.part in legs and one.leg == other.leg:
+        if a.extent[0, 1] >= b.extent[1, 1] or b.extent[0, 1] >= a.extent[1, 1]:
+            return False
+    elif one.part in legs and other.part in legs:
+        return True
+    return a.joint not in other.joints and b.joint not in one.joints

@@ -10,29 +10,19 @@ import pytest
 
 from paminsa_viz.clearance import Body, Primitive, pair_clearance, shapes_of
 from paminsa_viz.clearance.nearest import CYLINDER
-from paminsa_viz.clearance.solids import WORLD, BodyPart
+from paminsa_viz.clearance.solids import WORLD
 from paminsa_viz.dimensions.placement import place_parts
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Counterweight, KneeBranch, Payload
 from paminsa_viz.model.kinematics import inverse_kinematics
 from tests.clearance.coal_shapes import coal_request, coal_shape
+from tests.clearance.pairs_of_solids import may_meet
 from tests.support.samples import random_poses, with_knee
 
 pytestmark = pytest.mark.slow
 
 NEAR = 0.03
 """Pairs of bodies within this distance are compared [m]."""
-
-
-def may_meet(one: Body, a: Primitive, other: Body, b: Primitive) -> bool:
-    """Say whether two solids of a pair of bodies count: not if they pass each other for sure."""
-    legs = (BodyPart.LEG, BodyPart.COUNTERWEIGHT)
-    if one.part in legs and other.part in legs and one.leg == other.leg:
-        if a.extent[0, 1] >= b.extent[1, 1] or b.extent[0, 1] >= a.extent[1, 1]:
-            return False
-    elif one.part in legs and other.part in legs:
-        return True
-    return a.joint not in other.joints and b.joint not in one.joints
 
 
 @pytest.mark.parametrize("knee", list(KneeBranch))

@@ -1,4 +1,4 @@
-"""Solids enclose what is drawn, by little."""
+"""Solids enclose what is drawn, and touch it."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from paminsa_viz.clearance.nearest import BOX, CYLINDER, PRISM
+from paminsa_viz.clearance.nearest import BOX, CAPSULE, CYLINDER, PRISM
 from paminsa_viz.clearance.shapes import _common_rod, shapes_of
 from paminsa_viz.clearance.solids import WORLD, Body, BodyPart, Primitive
+from paminsa_viz.dimensions import fixed_parts as size
+from paminsa_viz.dimensions.layout import ring_arcs
 from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.meshes import bodies as drawn
 from paminsa_viz.meshes import loads
@@ -26,12 +28,6 @@ from tests.support.samples import random_design, with_knee
 
 LEFT_OUT = {"ground": 0.0007, "base": 0.0005, "slider": 0.00015}
 """What thin details protrude by: lines on the ground, inlays of the mast, wipers [m]."""
-
-LOOSE = 0.0019
-"""Most that the solids' boxes extend beyond those of what is drawn, frame aside [m]."""
-
-FRAME_LOOSE = 0.015
-"""The same of a solid of the frame, beyond the vertices and middles that are in it [m]."""
 
 
 def vertices(part: MeshPart) -> Array:
@@ -85,41 +81,91 @@ def test_payload_and_counterweights_are_enclosed(knee: KneeBranch) -> None:
     bodies = shapes_of(design).bodies
     payload = next(body for body in bodies if body.part is BodyPart.PAYLOAD)
     assert beyond(payload, drum).max() < 1e-6
-    low, high = payload.solids[0].extent
-    np.testing.assert_allclose([drum.min(axis=0), drum.max(axis=0)], [low, high], atol=2e-3)
+    assert max(loose(payload.solids[0], drum).values()) < 1e-6
     for number, weight in enumerate(design.counterweights, 1):
         points = surface(loads.counterweight(design.geometry, weight))
         body = next(b for b in bodies if b.name == f"counterweight {number} of leg 2")
         assert body.frame == f"leg2/{weight.bar}"
         assert beyond(body, points).max() < 1e-6
+        assert max(max(loose(solid, points).values()) for solid in body.solids) < 1e-6
+
+
+def loose(solid: Primitive, points: Array) -> dict[str, float]:
+    """How far the faces of a solid are from the drawn points in it: its round side and both ends.
+
+    Of a capsule its round side alone, whose ends are in what is around its joints; of a box and a
+    prism every side.
+    """
+    p = (points[outside(solid, points) < 1e-6] - solid.center) @ solid.rotation
+    if solid.kind == CAPSULE:
+        p = p[np.abs(p[:, 2]) <= solid.size[2]]
+        return {"side": solid.radius - np.hypot(p[:, 0], p[:, 1]).max()}
+    found = {"top": solid.size[2] - p[:, 2].max(), "bottom": solid.size[2] + p[:, 2].min()}
+    if solid.kind == CYLINDER:
+        return found | {"side": solid.size[0] - np.hypot(p[:, 0], p[:, 1]).max()}
+    corners = solid.corners
+    if solid.kind == BOX:
+        corners = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)]) * solid.size[:2]
+    edges = np.roll(corners, -1, axis=0) - corners
+    normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    free = np.sum(normals * corners, axis=1) - (p[:, :2] @ normals.T).max(axis=0)
+    return found | {f"side {k}": gap for k, gap in enumerate(free)}
+
+
+SET_BACK = {
+    "the base plate": 3e-4,  # seats of the motors, rounded below
+    "the platform": 1e-4,  # rounded between its arms
+    "guide B10": 1e-3,  # the rail, up to its stop
+    "slider": 4e-3,  # with its wipers
+}
+"""What a face of a body may be away from what is drawn in its solid; others touch it [m]."""
 
 
 @pytest.mark.parametrize("knee", list(KneeBranch))
-def test_solids_of_moving_bodies_are_hardly_larger_than_drawn(knee: KneeBranch) -> None:
+def test_solids_are_no_larger_than_what_is_drawn_in_them(knee: KneeBranch) -> None:
+    """Every face touches the drawn surface; the ring of the base plate is looked at below."""
     design = loaded(None, knee)
-    for name in BODIES:
-        points = vertices(drawn.make_body(design.geometry, name))
-        extents = np.array([s.extent for body in of_frame(design, name) for s in body.solids])
-        loose = np.stack(
-            [points.min(axis=0) - extents[:, 0].min(axis=0),
-             extents[:, 1].max(axis=0) - points.max(axis=0)]
-        )  # fmt: skip
-        assert loose.max() < LOOSE, name
+    standing = np.vstack([vertices(drawn.make_body(design.geometry, n)) for n in drawn.STANDING])
+    for frame in (WORLD, *BODIES):
+        world = frame == WORLD
+        points = standing if world else vertices(drawn.make_body(design.geometry, frame))
+        for body in of_frame(design, frame):
+            allowed = SET_BACK.get(body.name.partition(" of leg")[0], 1e-6)
+            for number, solid in enumerate(body.solids):
+                if world and body.key == "base" and number in RING:
+                    continue
+                gaps = loose(solid, points)
+                assert max(gaps.values()) < allowed * (1 + 1e-2), (body.name, number, gaps)
+
+
+RING = range(7, 31)
+"""Solids of the base plate that are its ring, after hub, spokes and seats."""
 
 
 @pytest.mark.parametrize("knee", list(KneeBranch))
-def test_no_solid_of_the_frame_is_much_larger_than_what_is_drawn_in_it(knee: KneeBranch) -> None:
+def test_boxes_of_the_ring_follow_each_other_about_what_is_drawn(knee: KneeBranch) -> None:
+    """Eight for each of its arcs, outer corner to outer corner; inside they touch its chords."""
     design = loaded(None, knee)
-    parts = [surface(drawn.make_body(design.geometry, name)) for name in drawn.STANDING]
-    points = np.vstack(parts)
-    for body in of_frame(design, WORLD):
-        if body.name == "the plinth":
-            continue
-        for number, solid in enumerate(body.solids):
-            inside = points[outside(solid, points) < 1e-9]
-            low, high = solid.extent
-            loose = np.concatenate([inside.min(axis=0) - low, high - inside.max(axis=0)])
-            assert loose.max() < FRAME_LOOSE, (body.name, number)
+    solids = [of_frame(design, WORLD)[0].solids[number] for number in RING]
+    radius, half = design.geometry.base_radius, size.RING_WIDTH / 2
+    ends = []
+    for solid in solids:
+        x, y, _ = solid.size
+        corners = solid.center + np.array([(x, -y, 0), (x, y, 0)]) @ solid.rotation.T
+        ends.append(np.arctan2(corners[:, 1], corners[:, 0]))
+        step = 2 * np.arctan2(y, np.hypot(*solid.center[:2]) + x)
+        assert np.hypot(*solid.center[:2]) + x == pytest.approx(radius + half)
+        # nearest along the middle of the box is the middle of a chord at its ends
+        along = np.cos(np.linspace(-step / 2, step / 2, 101)).min()
+        nearest = (radius - half) * np.cos(size.RING_STEP / 2) * along
+        assert np.hypot(*solid.center[:2]) - x == pytest.approx(nearest, abs=1e-12)
+    for arc, (first, last) in enumerate(ring_arcs(radius)):
+        own = np.array(ends[8 * arc : 8 * arc + 8])
+        around = np.array([first, last])
+        np.testing.assert_allclose(np.cos(own[[0, -1], [0, 1]] - around), 1.0, atol=1e-12)
+        np.testing.assert_allclose(np.cos(own[1:, 0] - own[:-1, 1]), 1.0, atol=1e-12)
+    assert len(RING) == 8 * len(list(ring_arcs(radius)))
 
 
 def test_pins_go_through_what_is_mounted_around_their_joint() -> None:

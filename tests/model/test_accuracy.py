@@ -22,6 +22,7 @@ def test_half_widths_add_and_variances_add() -> None:
     assert PARTS.deviations[:3] == pytest.approx([np.sqrt((4e-8 + 16e-8 + 4e-8) / 12)] * 3)
     assert PARTS.deviations[3] == pytest.approx(np.sqrt((9e-10 + 1e-10 + 16e-10) / 12))
     default = DriveAccuracy()
+    assert default.resolution_rotary == 1.74532925e-4  # 0.01 degrees, in digits of an input
     assert np.degrees(default.half_widths[:3]) == pytest.approx([0.005] * 3)
     assert default.half_widths[3] == 5e-6
 
@@ -30,6 +31,14 @@ def test_half_widths_add_and_variances_add() -> None:
 def test_impossible_accuracies_are_refused(value: Any) -> None:
     with pytest.raises(InvalidDesign, match=r"accuracy\.backlash_rotary"):
         DriveAccuracy(backlash_rotary=value)
+
+
+def test_parts_are_from_a_millionth_of_a_micrometer_to_a_meter_or_a_radian() -> None:
+    for name in ("resolution_linear", "control_rotary"):
+        for possible, beyond in ((1e-12, 0.0), (1.0, 2.0)):
+            assert getattr(DriveAccuracy(**{name: possible}), name) == possible
+            with pytest.raises(InvalidDesign, match=rf"accuracy\.{name}"):
+                DriveAccuracy(**{name: np.nextafter(possible, beyond)})
 
 
 def test_encoders_of_drives_give_the_resolutions() -> None:
@@ -41,6 +50,9 @@ def test_encoders_of_drives_give_the_resolutions() -> None:
     assert found == replace(
         PARTS, resolution_rotary=found.resolution_rotary, resolution_linear=found.resolution_linear
     )
+    slow = PARTS.with_encoders((fine, fine, fine, replace(screw, encoder_counts=1, lead=1.0)))
+    assert slow.half_widths[0] < slow.half_widths[3]  # and none of M4's for the others
+    assert slow.resolution_rotary == found.resolution_rotary
     assert PARTS.with_encoders(NO_DRIVES) == PARTS
     assert PARTS.with_encoders((Drive(), None, None, None)) == PARTS
 

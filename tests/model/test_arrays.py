@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from paminsa_viz.model import InvalidInput, PaminsaError
-from paminsa_viz.model.arrays import aligned, as_numbers, as_vectors, together
+from paminsa_viz.model.arrays import aligned, as_numbers, as_vectors, in_blocks, together
 
 NO_REAL_NUMBERS: list[Any] = [
     ["0", "0", "0", "-0.5"],
@@ -97,3 +97,22 @@ def test_batches_that_do_not_fit_are_named() -> None:
         with pytest.raises(InvalidInput, match="torque: real numbers") as caught:
             check(pose=np.zeros(4), torque=["a"] * 4)
         assert caught.value.argument == "torque"
+
+
+@pytest.mark.parametrize("shape", [(), (0,), (1,), (5,), (2, 3), (2, 0)])
+@pytest.mark.parametrize("size", [1, 2, 5, 7])
+def test_blocks_of_a_batch_are_of_a_size_at_most_and_make_the_whole(
+    shape: tuple[int, ...], size: int
+) -> None:
+    rng = np.random.default_rng(0)
+    vectors, seen = rng.normal(size=(*shape, 4)), []
+
+    def function(block: Any) -> tuple[Any, Any]:
+        seen.append(len(block))
+        return block[:, :2] + 1.0, block.sum(axis=1)
+
+    pairs, sums = in_blocks(function, vectors, size)
+    np.testing.assert_array_equal(pairs, vectors[..., :2] + 1.0)
+    np.testing.assert_array_equal(sums, vectors.reshape(-1, 4).sum(axis=1).reshape(shape))
+    assert max(seen) <= size
+    assert len(seen) == max(-(-int(np.prod(shape)) // size), 1)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import astuple, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +15,9 @@ from paminsa_viz.model import (
     APPENDIX_4,
     Counterweight,
     Design,
+    Geometry,
     KneeBranch,
+    leg_points,
     singular_radius,
     singular_rotation,
 )
@@ -99,6 +103,92 @@ def test_a_platform_as_large_as_the_base_has_a_room(knee) -> None:
     room = counterweight_clearance(wide, Counterweight("b3", 7, 0.2, 1.0))
     assert room is not None
     assert np.isfinite([room.inward, room.outward, room.low, room.high]).all()
+
+
+def by_cells(
+    g: Geometry, weight: Counterweight, radius: float, cells: int
+) -> CounterweightClearance | None:
+    """The same from the joints in the plane of the leg, at the middle of every cell (phi, psi).
+
+    What is a sum of sines and cosines of both moves in half a cell by no more than its largest
+    slopes say.
+    """
+    half, k, sign = np.pi / cells, g.magnification, g.knee.sign
+
+    def joints(phi: Any, psi: Any) -> dict[int, Any]:
+        """Places r + i z, from the leg axis toward the platform and up from the guides."""
+        b8 = g.crank_length * np.stack([np.cos(phi) + 0 * psi, np.sin(phi) + 0 * psi])
+        b4 = g.coupler_length * np.stack([np.cos(psi) + 0 * phi, np.sin(psi) + 0 * phi])
+        eight = np.stack([-(b8 + b4)[0] / k, 0 * b8[0]])
+        nine = eight + b8
+        return {8: eight, 9: nine, 5: nine + b4, 4: nine + b4 / k, 7: eight + b4 / k}
+
+    def point(phi: Any, psi: Any) -> Any:
+        at = joints(phi, psi)
+        near, far = at[weight.joint], at[weight.other]
+        length = g.coupler_length if weight.bar == "b4" else g.crank_length
+        length = g.coupler_length / k if weight.bar == "b7" else length
+        return near + weight.beyond / length * (near - far)
+
+    def change(place: Callable[[Any, Any], Any]) -> Any:
+        """Most that r and z of a place move in half a cell."""
+        right, up = np.array(np.pi / 2), np.array(0.0)
+        step = 1e-30j
+        slopes = [
+            abs(place(at + step, at).imag) + abs(place(at, at + step).imag) for at in (right, up)
+        ]
+        return half / 1e-30 * np.array([slopes[0][0], slopes[1][1]])
+
+    middle = (2 * np.arange(cells) + 1) * half - np.pi
+    phi, psi = np.meshgrid(middle, middle, indexing="ij")
+    (rho, height), (r, z) = joints(phi, psi)[5], point(phi, psi)
+    rho_more, height_more = change(lambda *at: joints(*at)[5])
+    r_more, z_more = change(point) + radius
+    circle = singular_radius(g, np.nan_to_num(singular_rotation(g), nan=np.pi))
+    farthest = min(2 * float(circle), g.stroke * (k - 1))
+    taken = (rho >= g.axis_clearance - rho_more) & (rho <= farthest + rho_more)
+    taken &= (sign * height <= height_more) & (sign * np.sin(psi - phi) >= -2 * half)
+    if not taken.any():
+        return None
+    rho, height, r, z = rho[taken], height[taken], r[taken], z[taken]
+    depth = height_more - sign * height
+    meets = (sign * (z - height) <= z_more + height_more) & (r - rho >= -r_more - rho_more)
+    rb, rp = g.base_radius, g.platform_radius
+    behind = rb * np.cos(np.arcsin(rp / rb)) if rp < rb else rb + r
+    meets |= np.where(r > 0, rb - r, behind) <= r_more
+    deepest = depth[meets].max(initial=0.0)
+    return CounterweightClearance(
+        r.max() + r_more, r_more - r.min(), z.min() - z_more, z.max() + z_more,
+        np.inf if deepest == depth.max() else deepest,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("end", ENDS)
+def test_rooms_are_those_of_the_joints_in_all_cells(
+    end: tuple[str, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(ENDS.index(end))
+    depths = set()
+    for number in range(12):
+        cells = 480 if number == 0 and end == ENDS[0] else 48
+        monkeypatch.setattr(leg_points, "CELLS", cells)
+        g = random_design(rng).geometry if number else APPENDIX_4.geometry
+        g = replace(
+            g,
+            knee=list(KneeBranch)[number % 2],
+            axis_clearance=rng.choice([0.0, 0.3]) * g.base_radius,
+            guide_stroke=g.stroke * rng.choice([0.4, 1.0, 3.0]),
+            platform_radius=g.base_radius * 1.1 if number == 2 else g.platform_radius,
+        )
+        weight = Counterweight(*end, beyond=rng.uniform(-0.3, 0.3), mass=1.0)
+        for radius in (0.0, 0.05):
+            found = counterweight_clearance.__wrapped__(g, weight, radius)
+            expected = by_cells(g, weight, radius, cells)
+            assert (found is None) == (expected is None)
+            if found is not None and expected is not None:
+                assert astuple(found) == pytest.approx(astuple(expected), rel=1e-12)
+                depths.add(np.inf if np.isinf(found.clear_depth) else found.clear_depth > 0)
+    assert len(depths) > 1
 
 
 def test_a_disc_needs_its_radius_more() -> None:

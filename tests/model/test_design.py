@@ -158,6 +158,57 @@ def test_a_number_in_its_range_is_kept_to_the_last_bit(parameter: Parameter, dat
     assert (design == APPENDIX_4) == (value == parameter.default and parameter.path != STROKE)
 
 
+@EACH
+def test_a_refusal_in_words_is_one_of_the_design(parameter: Parameter) -> None:
+    """At the ends of the range of a number, and one step beyond them."""
+    least, most = possible_range(parameter.unit, parameter.positive)
+    ends = [(most, True), (math.nextafter(most, math.inf), False), (0.0, not parameter.positive)]
+    ends += [(-most, parameter.signed), (-math.nextafter(most, math.inf), False)]
+    if parameter.positive:
+        ends += [(least, True), (math.nextafter(least, 0.0), False)]
+    for value, possible in ends:
+        text = parameter.refusal(value, parameter.display)
+        assert (text is None) == possible
+        if text is not None:
+            shown = most * parameter.display.factor
+            assert f"{shown:g}" in text
+            expect_refusal(parameter, value)
+    assert parameter.largest == most
+
+
+def test_loads_are_none_or_large_enough_to_be_multiplied() -> None:
+    for path in ("links.b3", "payload.inertia", "gravity"):
+        assert APPENDIX_4.vary({path: 1e-30}).value(path) == 1e-30
+        with pytest.raises(InvalidDesign, match="below 1e-30 it has to be 0"):
+            APPENDIX_4.vary({path: 0.99e-30})
+        with pytest.raises(InvalidDesign) as caught:
+            APPENDIX_4.vary({path: -1.0})
+        assert "below" not in caught.value.allowed
+    with pytest.raises(InvalidDesign) as caught:
+        Geometry(base_radius=0.5e-6)
+    assert "below" not in caught.value.allowed
+
+
+def test_the_least_magnification_and_the_shortest_bars() -> None:
+    assert Geometry(magnification=1 + SMALLEST, guide_stroke=50.0, crank_length=100.0,
+                    base_radius=0.1001)  # fmt: skip
+    with pytest.raises(InvalidDesign, match="greater than 1"):
+        Geometry(magnification=math.nextafter(1 + SMALLEST, 1.0))
+    halves = {"magnification": 2.0, "base_radius": 1.0, "platform_radius": 0.5}
+    halves |= {"crank_length": 0.25, "coupler_length": 0.75}  # just as long as the span at home
+    with pytest.raises(InvalidDesign, match="together they reach 1 m"):
+        Geometry(**halves)
+    assert Geometry(**halves | {"coupler_length": 0.75 + 2**-50}).home_span == 1.0
+
+
+def test_a_long_path_is_cut_where_it_is_named() -> None:
+    path = "links." + "b" * 100
+    for call in (APPENDIX_4.value, APPENDIX_4.stored):
+        with pytest.raises(InvalidInput) as caught:
+            call(path)
+        assert caught.value.argument == path[:60]
+
+
 @given(ratio=st.floats(1e-6, 1.0))
 def test_a_pantograph_magnifies(ratio: float) -> None:
     with pytest.raises(InvalidDesign, match="greater than 1") as caught:

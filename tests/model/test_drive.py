@@ -207,6 +207,59 @@ def test_a_drive_says_its_ratio_its_screw_and_whether_it_holds() -> None:
     assert ROTARY.resolution is None
 
 
+def test_a_screw_locks_itself_below_half_of_the_efficiency() -> None:
+    assert not replace(SCREW, lead_efficiency=0.5).holds
+    assert replace(SCREW, lead_efficiency=math.nextafter(0.5, 0.0)).holds
+
+
+def test_corners_of_an_envelope_that_meet_a_limit_count_once() -> None:
+    drive = Drive(envelope=((0.0, 3.0), (1.0, 2.0), (2.0, 0.0)))
+    assert drive.corners == drive.envelope
+    assert replace(drive, top_speed=2.0, peak_torque=3.0).corners == drive.envelope
+    assert replace(drive, top_speed=1.0).corners == ((0.0, 3.0), (1.0, 2.0))
+    assert replace(drive, top_speed=1.5).corners == ((0.0, 3.0), (1.0, 2.0), (1.5, 1.0))
+    assert replace(drive, peak_torque=2.0).corners == ((0.0, 2.0), (1.0, 2.0), (2.0, 0.0))
+    peak = replace(drive, peak_torque=1.0).corners
+    assert peak == ((0.0, 1.0), (1.0, 1.0), (1.5, 1.0), (2.0, 0.0))
+
+
+def test_a_slope_that_rises_by_rounding_alone_leaves_an_envelope_concave() -> None:
+    """By a share of 1e-12 of the slope before."""
+    for rise, lines in ((0.9e-12, 2), (1.05e-12, 1)):
+        drive = Drive(envelope=((0.0, 3.0), (1.0, 2.0), (2.0, 1.0 + rise)))
+        assert len(drive.lines) == lines
+
+
+def test_envelopes_have_from_two_to_sixteen_points_of_real_size() -> None:
+    for count, possible in ((1, False), (2, True), (16, True), (17, False)):
+        points = tuple((float(n), 1.0) for n in range(count))
+        if possible:
+            assert Drive(envelope=points).envelope == points
+        else:
+            with pytest.raises(InvalidDesign, match="2 to 16 points"):
+                Drive(envelope=points)
+    with pytest.raises(InvalidDesign, match="torque at speed 0 has to be above 0"):
+        Drive(envelope=((0.0, 0.0), (1.0, 1.0)))
+    with pytest.raises(InvalidDesign, match="finite numbers"):
+        Drive(envelope=((0.0, 1.0), (math.inf, 1.0)))
+
+
+def test_numbers_of_a_drive_are_from_1e_12_to_1e9() -> None:
+    for possible, beyond in ((1e-12, 0.0), (1e9, math.inf)):
+        assert Drive(rated_torque=possible).rated_torque == possible
+        with pytest.raises(InvalidDesign, match=r"drive\.rated_torque"):
+            Drive(rated_torque=math.nextafter(possible, beyond))
+
+
+def test_a_drive_of_which_nothing_is_known_adds_and_limits_nothing() -> None:
+    drive = Drive()
+    assert (drive.ratio, drive.inertia, drive.total_efficiency) == (1.0, 0.0, 1.0)
+    assert drive.reflected_friction == (0.0, 0.0)
+    assert drive.output_limits == drive.gear_limits == (math.inf,) * 3
+    assert (drive.mass, drive.cost, drive.lead, drive.resolution) == (None,) * 4
+    assert (drive.holds, drive.brake, drive.envelope, drive.name) == (False, False, (), "")
+
+
 def test_gear_limits_are_at_the_actuator() -> None:
     gear = replace(
         SCREW, gear_peak_torque=5.0, gear_rated_torque=2.0, gear_top_speed=100.0, rated_torque=9.0

@@ -24,6 +24,7 @@ from paminsa_viz.model.kinematics import AXIS_ANGLES, LEG_AXES
 from paminsa_viz.model.leg import Mechanism, mechanism_of_lengths
 from paminsa_viz.model.reach import (
     MARGINS,
+    decode,
     home_pose,
     reach_status,
     status_words,
@@ -220,8 +221,9 @@ def test_home_is_reached_on_the_side_of_the_knee_and_not_too_deep(case: Case) ->
     z5 = z + g.platform_joint_height
     assert (x, y, theta) == (0.0, 0.0, 0.0)
     assert -z5 * g.knee.sign > 0
-    assert abs(z5) <= 0.75 * workspace_height(g) + 5e-4
-    assert abs(z5) <= 0.5 * (g.crank_length + g.coupler_length) + 5e-4
+    depth = min(0.75 * workspace_height(g), 0.5 * (g.crank_length + g.coupler_length))
+    assert abs(z5) == pytest.approx(depth, abs=5.01e-4)
+    assert z == round(z, 3)  # to a millimeter
 
 
 def test_the_radius_and_height_of_appendix_4_are_reached() -> None:
@@ -230,6 +232,37 @@ def test_the_radius_and_height_of_appendix_4_are_reached() -> None:
         top = [0.0, 0.0, 0.0, -scale * workspace_height(g) - g.platform_joint_height]
         corner = [0.0, scale * workspace_radius(g), 0.0, -g.platform_joint_height]
         assert check_reach(g, [top, corner]).ok.tolist() == [wanted, wanted]
+
+
+def test_a_robot_that_is_wide_has_its_home_less_deep() -> None:
+    wide = replace(APPENDIX_4.geometry, base_radius=0.75)
+    assert home_pose(wide)[3] + wide.platform_joint_height == pytest.approx(
+        -0.75 * workspace_height(wide), abs=5.01e-4
+    )
+    assert 0.75 * workspace_height(wide) < 0.5 * (wide.crank_length + wide.coupler_length)
+
+
+def test_status_and_leg_follow_from_the_least_margin_and_its_number() -> None:
+    """Zero is no margin but of a guide, each pose alone and all at once."""
+    rows = [
+        (margin, tag, Limit.OK if free else MARGINS[tag % 4], -1 if free else tag // 4)
+        for tag in range(12)
+        for margin, free in ((1.0, True), (0.0, tag % 4 == 2), (-1.0, False))
+    ]
+    rows += [(bad, 5, Limit.NOT_FINITE, -1) for bad in (np.nan, -np.inf)]
+    for some in (rows, *([row] for row in rows)):
+        margins, tags, limits, legs = zip(*some, strict=True)
+        status, leg = decode(np.array(margins), np.array(tags, float))
+        assert status.tolist() == list(limits)
+        assert leg.tolist() == list(legs)
+        assert (status.dtype, leg.dtype) == (np.uint8, np.int8)
+
+
+def test_long_numbers_of_a_pose_are_shortened() -> None:
+    for x, text in ((9999.0, "9999000.0 mm"), (1e4, "1e+07 mm"), (1.05e4, "1.05e+07 mm")):
+        with pytest.raises(UnreachablePose) as caught:
+            require_reachable(APPENDIX_4.geometry, [x, 0.0, 0.0, 0.0])
+        assert f"pose ({text}, 0.0 mm, 0.0 deg, 0.0 mm) cannot be taken" in str(caught.value)
 
 
 def test_words() -> None:
