@@ -148,8 +148,7 @@ def body_distance(
                 continue
             if in_plane and (s.low[a] >= s.high[b] or s.low[b] >= s.high[a]):
                 continue
-            bound = box_gap(boxes, a, boxes, b)
-            if bound > 0.0 and bound >= least:
+            if box_gap(boxes, a, boxes, b) >= max(least, 0.0):  # of boxes that overlap it is none
                 continue
             bound = rod_gap(rods, a, rods, b)
             if bound >= least:
@@ -191,9 +190,9 @@ def least_distances(
     bodies, solids, slots = s.frame.size, s.kind.size, distance.shape[1]
     still = position.shape[1] - 1  # the frame of what does not move
     frames = np.empty((position.shape[1], 12))
-    body_rods, upright = np.empty((bodies, 7)), np.empty((bodies, 6))
+    body_rods, upright = np.empty_like(s.body_rod), np.empty((bodies, 6))
     body_boxes, gaps = np.empty((6, bodies)), np.empty((bodies, bodies))
-    world, rods, boxes = np.empty((solids, 12)), np.empty((solids, 7)), np.empty((solids, 6))
+    world, rods, boxes = np.empty_like(s.local), np.empty_like(s.rod), np.empty((solids, 6))
     placed = np.zeros(bodies, np.bool_)
     work, best, found = np.empty(12), np.empty(7), np.empty(6)
     before = np.full(slots, -1, np.int64)
@@ -213,18 +212,14 @@ def least_distances(
         box_gaps(body_boxes, gaps)
         for k in range(slots):
             distance[n, k] = np.inf
-        limit = np.inf  # the largest of the least distances so far
         for turn in range(slots + first.size):
             pair = before[turn] if turn < slots else turn - slots
             if pair < 0:
                 continue
             i, j = first[pair], second[pair]
-            gap = gaps[i, j]
-            if gap > 0.0 and gap >= limit:
-                continue
             k = slot[pair]
             least = distance[n, k]
-            if (gap > 0.0 and gap >= least) or (turn >= slots and pair == before[k]):
+            if gaps[i, j] >= max(least, 0.0) or (turn >= slots and pair == before[k]):
                 continue
             if rod_gap(body_rods, i, body_rods, j) >= least:
                 continue
@@ -239,9 +234,6 @@ def least_distances(
             gap = body_distance(s, i, j, least, world, rods, boxes, work, best, found)
             if gap < least:
                 distance[n, k], nearest[n, k] = gap, pair
-                limit = gap
-                for other in range(slots):
-                    limit = max(limit, distance[n, other])
                 for row in range(6):
                     points[n, k, row] = found[row]
         for k in range(slots):

@@ -68,6 +68,7 @@ def test_the_gap_of_rods_is_that_of_their_segments_less_their_radii() -> None:
     rods[10:20, 3:6] = rods[10:20, :3] + 0.05 * rods[10:20, 3:6]  # short
     rods[20:24, 3:6] = rods[20:24, :3]  # balls
     rods[24:32, 3:6] = rods[24:32, :3] + RNG.uniform(-2, 2, (8, 1)) * [1.0, 0.0, 0.0]  # parallel
+    rods[36:, 3:6] = rods[36:, :3] + 1e-4 * rods[36:, 3:6]  # very short
     rods[32:36, :6] = np.array(rods[32:36, :6] > 0, float)  # corners of a cube: some meet
     for i, j in product(range(40), repeat=2):
         expected = gap_of_segments(rods[i, :6].reshape(2, 3), rods[j, :6].reshape(2, 3))
