@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -13,7 +14,16 @@ from scipy.spatial.transform import Rotation
 from paminsa_viz.clearance.frame_shapes import _arm
 from paminsa_viz.clearance.nearest import BOX, CAPSULE, CYLINDER, PRISM
 from paminsa_viz.clearance.shapes import _common_rod, shapes_of
-from paminsa_viz.clearance.solids import WORLD, Body, BodyPart, Primitive
+from paminsa_viz.clearance.solids import (
+    WORLD,
+    Body,
+    BodyPart,
+    Primitive,
+    box,
+    capsule,
+    cylinder,
+    prism,
+)
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions.layout import ring_arcs
 from paminsa_viz.dimensions.placement import BODIES, place_parts
@@ -253,6 +263,49 @@ def places_on(solid: Primitive, rng: np.random.Generator) -> Any:
         own = solid.radius * np.stack([across * np.cos(turn), across * np.sin(turn), up], axis=1)
         own[:, 2] += np.sign(up) * solid.size[2]
     return own @ solid.rotation.T + solid.center
+
+
+def test_solids_are_made_where_and_as_large_as_they_are_said_to_be() -> None:
+    rng = np.random.default_rng(0)
+    turn = Rotation.random(random_state=0).as_matrix()
+    corners = np.array([(0.2, 0.0), (0.1, 0.3), (-0.1, -0.05)])
+    for _ in range(5):
+        low, high = np.sort(rng.uniform(-1.0, 1.0, (2, 3)), axis=0)
+        middle, half = (low + high) / 2, (high - low) / 2
+        bar = capsule(low, high, 0.05)
+        assert bar.size == pytest.approx([0.0, 0.0, np.linalg.norm(half)])
+        ends = bar.center + bar.size[2] * np.outer([-1, 1], bar.rotation[:, 2])
+        np.testing.assert_allclose(ends, [low, high], atol=1e-15)
+        block = box(low, high, turn)
+        np.testing.assert_allclose([*block.size, *block.center], [*half, *turn @ middle])
+        round_one = cylinder(0.3, low[2], high[2], low, turn, 7)
+        np.testing.assert_allclose(round_one.size, [0.3, 0.3, half[2]])
+        np.testing.assert_allclose(round_one.center, low + middle[2] * turn[:, 2])
+        flat = prism(corners, low[2], high[2], turn)
+        np.testing.assert_allclose(flat.size, [0.2, 0.3, half[2]])
+        np.testing.assert_allclose(flat.center, middle[2] * turn[:, 2])
+        assert (bar.radius, bar.joint, round_one.joint) == (0.05, 0, 7)
+        for solid in (block, round_one, flat):
+            assert solid.radius == 0.0
+            np.testing.assert_array_equal(solid.rotation, turn)
+        proper([bar, block, round_one, flat])
+    ball = capsule(low, low, 0.1)
+    assert ball.size.tolist() == [0.0, 0.0, 0.0]
+    assert ball.rotation[:, 2].tolist() == [0.0, 0.0, 1.0]
+    proper([ball])
+
+
+def proper(solids: Iterable[Primitive]) -> None:
+    """Check that rotations turn, and mirror nothing."""
+    turns = np.array([solid.rotation for solid in solids])
+    np.testing.assert_allclose(turns @ turns.swapaxes(1, 2), np.tile(np.eye(3), (len(turns), 1, 1)),
+                               atol=1e-12)  # fmt: skip
+    np.testing.assert_allclose(np.linalg.det(turns), 1.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_no_solid_of_the_robot_is_mirrored(knee: KneeBranch) -> None:
+    proper(solid for body in shapes_of(loaded(None, knee)).bodies for solid in body.solids)
 
 
 @pytest.mark.parametrize("kind", ["capsule", "box", "cylinder", "prism"])
