@@ -267,4 +267,4 @@ def test_kernels_are_loaded_when_they_pay(
 def test_kernels_are_compiled_by_calls_on_nothing() -> None:
     """Whatever a kernel reads and writes is not there then."""
     for dimensions in (1, 2, 3):
-        assert compiled._none(dimensions).shape == (0,) * dimensions
+        assert compiled.nothing(dimensions).shape == (0,) * dimensions
