@@ -112,3 +112,14 @@ def test_cores_that_hardly_touch_are_parted_along_their_distance() -> None:
         assert depth == pytest.approx(-0.2)
         assert (abs(best[1] - best[4]) == pytest.approx(0.2)) == along
     assert np.sqrt(TOUCH) == 1e-12
+
+
+def test_cylinders_about_one_axis_are_parted_along_it() -> None:
+    """As long as their axes are less than a nanometer apart, which shows no direction."""
+    rod = ConvexSolid(CYLINDER, 0.1, 0.1, 0.5, 0.0, NO_CORNERS, 0, 0)
+    frame = np.array([1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0])
+    for apart, shift in ((0.0, 1.0), (0.99e-9, 1.0), (1e-9, 0.2), (1.05e-9, 0.2)):
+        other, normal = frame.copy(), np.empty(3)
+        other[9] = apart
+        assert least_shift(rod, frame, rod, other, normal) == pytest.approx(shift)
+        assert np.abs(normal).tolist() == [float(shift == 0.2), 0.0, float(shift == 1.0)]
