@@ -120,7 +120,7 @@ def _point_inside(half_planes: Array) -> Array | None:
         [0, 0, -1],
         A_ub=np.column_stack([half_planes[:, :2], size]),
         b_ub=-half_planes[:, 2],
-        bounds=[(None, None), (None, None), (0, None)],
+        bounds=(None, None),
     )
     return found.x[:2] if found.status == 0 and found.x[2] > 1e-9 else None
 
@@ -133,8 +133,8 @@ def wrench_polytope(design: Design, pose: ArrayLike) -> WrenchPolytope:
         InvalidInput: If the pose cannot be taken or is singular, so that it has none.
     """
     at = capability(design, pose)
-    finite = np.isfinite(at.torque).all() and np.isfinite(at.rows).all()
-    if at.pose.ndim != 1 or not finite:
+    numbers = np.concatenate([at.torque.ravel(), at.rows.ravel()])
+    if at.pose.ndim != 1 or not np.isfinite(numbers).all():
         raise InvalidInput("pose", "a pose is needed that can be taken and is not singular")
     length = design.geometry.platform_radius
     return WrenchPolytope(at.rows, at.torque[:3], at.limits.rated[:3], length)

@@ -112,7 +112,7 @@ def normal_blocks(columns: Array, torque: Array, numbers: NDArray[np.int64]) -> 
     rows = np.zeros((len(counts), 4, int(counts.max()), n + 1))
     rows[numbers, :, place, :n] = columns
     rows[numbers, :, place, n] = torque
-    whole = np.swapaxes(rows, -1, -2) @ rows
+    whole = rows.mT @ rows
     return NormalBlocks(
         whole[..., :n, :n], whole[..., :n, n], whole[..., n, n], counts.astype(np.float64)
     )
@@ -155,12 +155,7 @@ class FitSolution:
     def known(self, rows: Array) -> NDArray[np.bool_]:
         """Whether the motion excites all of rows x, (r,)."""
         hidden = np.linalg.norm(rows @ self.hidden, axis=1)
-        return hidden <= LOST * np.linalg.norm(rows * self._scale, axis=1)
-
-    @cached_property
-    def _scale(self) -> Array:
-        diagonal = np.diag(self.information)
-        return 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+        return hidden <= LOST * np.linalg.norm(rows * unit_scale(self.information), axis=1)
 
     @cached_property
     def widening(self) -> float:
@@ -194,10 +189,8 @@ def solve(blocks: NormalBlocks) -> FitSolution:
     parts, forces = blocks.weighted(1 / variance)
     left = excited.T @ (whole - parts) @ excited
     rest = ((force - forces) @ excited)[..., None]
-    try:
-        without = np.linalg.solve(left, rest)[..., 0]
-    except np.linalg.LinAlgError:
-        without = (np.linalg.pinv(left, hermitian=True) @ rest)[..., 0]
+    # what a single block tells is as small as possible without it: no inverse has it
+    without = (np.linalg.pinv(left, hermitian=True) @ rest)[..., 0]
     return FitSolution(x, without @ excited.T, noise, excited, hidden, whole)
 
 
@@ -216,16 +209,21 @@ def _residual(blocks: NormalBlocks, x: Array) -> Array:
     return blocks.square.sum(axis=0) - 2 * right @ x + np.einsum("a,jac,c->j", x, matrix, x)
 
 
+def unit_scale(whole: Array) -> Array:
+    """Return sizes (n,) of unknowns that make the diagonal of a normal matrix 1, or leave it 0."""
+    diagonal = np.diag(whole)
+    return 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+
+
 def directions(whole: Array) -> tuple[Array, Array]:
     """Return the excited directions (n, q) of a normal matrix, and the hidden ones (n, n - q).
 
     Raises:
         InvalidLog: If none is excited.
     """
-    diagonal = np.diag(whole)
-    scale = np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 1.0)
+    scale = unit_scale(whole)
     values, vectors = np.linalg.eigh(whole * scale * scale[:, None])
     kept = values > SMALLEST_EIGENVALUE * values[-1]
-    if not (kept.any() and values[-1] > 0):
+    if not kept.any():
         raise InvalidLog("the robot does not move in this log; record a motion that excites it")
     return scale[:, None] * vectors[:, kept], scale[:, None] * vectors[:, ~kept]

@@ -16,6 +16,7 @@ import numpy as np
 
 from paminsa_viz.checks import kinds_checked, require_positive
 from paminsa_viz.identification.base_parameters import BASE_SYMBOLS, mass_columns
+from paminsa_viz.identification.estimate import SMALLEST_EIGENVALUE, unit_scale
 from paminsa_viz.identification.results import Identification
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import PARAMETER, Design
@@ -102,19 +103,17 @@ def nearest_masses(identification: Identification, spread: float = SPREAD) -> Ne
     columns = columns[:, free]
     deviation = _prior_deviation(paths, prior, spread)
     root, target = _told(identification)
-    steps = _bounded(paths)  # masses = steps @ v with v >= 0
-    least = [SMALLEST if PARAMETER[path].positive else 0.0 for path in paths]
-    lowest = np.linalg.solve(steps, np.array(least))
+    steps = _bounded(paths)  # masses = steps @ v with v at least 0, or what is refused as 0
+    least = np.array([SMALLEST if PARAMETER[path].positive else 0.0 for path in paths])
     inverse = np.diag(1 / deviation)
     left = np.concatenate([root @ columns @ steps, inverse @ steps]) * deviation
     right = np.concatenate([target - root @ fixed, prior / deviation])
-    limits = (np.maximum(lowest, 0.0) / deviation, np.full(len(paths), np.inf))
+    limits = (least / deviation, np.full(len(paths), np.inf))
     found = lsq_linear(left, right, limits, method="bvls", tol=1e-14)
     masses = steps @ (found.x * deviation)
-    masses = np.where(np.abs(masses) < TINY, 0.0, masses)
+    masses = np.where(masses < TINY, 0.0, masses)
     precise = (root @ columns).T @ (root @ columns) + inverse**2
     posterior = np.sqrt(np.diag(np.linalg.inv(precise)))
-    rank = int((np.abs(root).max(axis=1) > 0).sum())
     misfit = root @ (columns @ masses + fixed) - target
     return NearestMasses(
         design.vary(dict(zip(paths, masses.tolist(), strict=True))),
@@ -122,27 +121,26 @@ def nearest_masses(identification: Identification, spread: float = SPREAD) -> Ne
             MassEstimate(PARAMETER[path], *map(float, numbers))
             for path, *numbers in zip(paths, prior, deviation, masses, posterior, strict=True)
         ),
-        float(np.sqrt((misfit**2).sum() / max(rank, 1))),
+        float(np.sqrt((misfit**2).mean())),
     )
 
 
 def _told(identification: Identification) -> tuple[Array, Array]:
     """Return the square root S of what the log says of b, and S b: (q, 11) and (q,).
 
-    Friction, offsets and all else are eliminated; what the motion does not excite is not in it.
+    Friction, offsets and all else are eliminated; what the motion does not excite has no row.
     """
     solution = identification.solution
     constrained = identification.settings.constrain
     inside = len(BASE_SYMBOLS) - (1 if constrained else 0)
     whole = solution.information / solution.widening**2
-    diagonal = np.diag(whole)
-    scale = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-    scaled = whole / scale / scale[:, None]
+    scale = unit_scale(whole)
+    scaled = whole * scale * scale[:, None]
     cross, other = scaled[:inside, inside:], scaled[inside:, inside:]
-    inner = np.linalg.pinv(other, rcond=1e-11, hermitian=True)
+    inner = np.linalg.pinv(other, rcond=SMALLEST_EIGENVALUE, hermitian=True)
     values, vectors = np.linalg.eigh(scaled[:inside, :inside] - cross @ inner @ cross.T)
-    values = np.where(values > 1e-11 * values[-1], values, 0.0)
-    root = (np.sqrt(values) * vectors).T * scale[:inside]
+    kept = values > SMALLEST_EIGENVALUE * values[-1]
+    root = (np.sqrt(values[kept]) * vectors[:, kept]).T / scale[:inside]
     target = root @ solution.x[:inside]
     if constrained:  # without b_3
         root = np.insert(root, 2, 0.0, axis=1)

@@ -115,7 +115,7 @@ class Identification:
     solution: FitSolution
     blocks: NormalBlocks
     numbers: NDArray[np.int64]
-    lag: float = 0.0
+    lag: float
 
     @property
     def measured(self) -> Array:

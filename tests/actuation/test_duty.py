@@ -225,7 +225,11 @@ def test_a_stretched_cycle_is_that_of_the_slower_motion() -> None:
     design = APPENDIX_4.vary({"friction.viscous_rotary": 0.1, "friction.coulomb_linear": 2.0})
     design = replace(design, load=LoadCase(force_x=20.0, force_z=-50.0))
     plan = PRESET["quintic"].build(design.geometry)
-    slow = duty_cycle(design, [Duty(plan.lasting(3.0).sample(200))]).loads
+    motion = plan.lasting(3.0).sample(200)
+    slow = duty_cycle(design, [Duty(motion)]).loads
+    np.testing.assert_allclose(
+        np.transpose([load.torque for load in slow]), analyze(design, motion).torque, atol=1e-9
+    )
     fast = duty_cycle(design, [Duty(plan.lasting(1.2).sample(500))], slower=2.5).loads
     for one, two in zip(slow, fast, strict=True):
         scale = np.abs(one.signals).max(axis=1, keepdims=True) + 1e-9

@@ -159,7 +159,8 @@ def test_a_robot_that_does_not_hold_itself_has_zero_outside() -> None:
 def test_sides_of_a_polygon_far_from_zero_have_their_own_actuators() -> None:
     """Of a robot that is far from holding itself; all along a side its actuator is at its limit."""
     found = wrench_polytope(DRIVEN, poses(9, 1)[0])
-    found = replace(found, torque=found.torque + found.rows[:2].T @ [4000.0, -2500.0])
+    shifted = found.torque + found.rows[:2].T @ [4000.0, -2500.0]
+    found = replace(found, torque=shifted, limits=found.limits * [1.0, 0.6, 1.7])
     polygon = found.section()
     assert len(polygon) == len(found.sectors) > 3
     for k, name in enumerate(found.sectors):
@@ -172,6 +173,9 @@ def test_a_disc_in_half_planes_needs_bounds_that_are_lines() -> None:
     """The largest disc in a square; none where a bound is no line, or is not finite."""
     square = np.array([[1.0, 0.0, -3.0], [-1.0, 0.0, 1.0], [0.0, 2.0, -2.0], [0.0, -2.0, -2.0]])
     assert _point_inside(square) == pytest.approx([2.0, 0.0], abs=1e-9)
+    small = square * [1.0, 1.0, 1e-3]
+    assert _point_inside(small) == pytest.approx([2e-3, 0.0], abs=1e-9)
+    assert _point_inside(np.concatenate([square, [[-1.0, 0.0, 3.1]]])) is None  # x >= 3.1 as well
     for place, value in (((1, 2), -np.inf), ((1, 2), np.nan), ((0, 0), 0.0), ((0, 2), 1.0)):
         broken = square.copy()
         broken[place] = value
@@ -376,7 +380,8 @@ def test_transmission_index_is_the_cosine_between_force_and_motion(seed: int) ->
     rng = np.random.default_rng(seed)
     design = samples.random_design(rng)
     pose = samples.random_poses(rng, design, 1)
-    index = backend.over_list(TRANSMISSION, mechanism(design.geometry), pose)[0]
+    (index,) = backend.over_list(TRANSMISSION, mechanism(design.geometry), pose)
+    assert index.shape == (3,)
     configuration = inverse_kinematics(design.geometry, pose[0])
     points = configuration.points[5][:, :2]
     across = np.stack([-np.sin(configuration.beta), np.cos(configuration.beta)], axis=-1)

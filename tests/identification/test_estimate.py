@@ -54,6 +54,16 @@ def test_blocks_are_whole_and_within_a_segment(sizes: list[int], length: float) 
             assert lasts == pytest.approx(length, abs=1.01 * STEP)
 
 
+@pytest.mark.parametrize("count", [599, 600, 601, 699])
+def test_blocks_begin_at_whole_numbers_of_their_length(count: int) -> None:
+    """By counting: a hundred samples each, the last one has the rest; a single sample is one."""
+    t = np.append(3.0 + STEP * np.arange(count), 20.0)
+    segment = np.append(np.zeros(count, np.int64), 1)
+    expected = np.minimum(np.arange(count) // 100, count // 100 - 1)
+    numbers = block_numbers(t, segment, 1.0)
+    assert numbers.tolist() == [*expected.tolist(), count // 100]
+
+
 def test_too_few_blocks_are_refused() -> None:
     t = STEP * np.arange(500)
     everywhere = np.zeros(len(t), np.int64)
@@ -159,12 +169,28 @@ def test_two_columns_are_told_apart_down_to_an_eigenvalue_of_a_hundred_thousand_
 ) -> None:
     """Of correlation c, whatever their sizes: eigenvalues 1 - c and 1 + c, directions (1, -+1)."""
     c = (1.0 - share) / (1.0 + share)
-    size = np.array([1.0, scale])
-    found, hidden = directions(np.array([[1.0, c], [c, 1.0]]) * size * size[:, None])
-    assert (found.shape, hidden.shape) == ((2, excited), (2, 2 - excited))
+    matrix, size = np.eye(4), np.array([1.0, scale, 3.0, scale])
+    matrix[[0, 1], [1, 0]] = c  # two others go along with nothing
+    found, hidden = directions(matrix * size * size[:, None])
+    assert (found.shape, hidden.shape) == ((4, excited + 2), (4, 2 - excited))
     ways = np.concatenate([hidden, found], axis=1) * size[:, None]
-    np.testing.assert_allclose(np.abs(ways), np.sqrt(0.5), rtol=1e-5)
-    assert ways[:, 0].prod() < 0 < ways[:, 1].prod()
+    np.testing.assert_allclose(np.abs(ways[:2, [0, -1]]), np.sqrt(0.5), rtol=1e-5)
+    assert ways[:2, 0].prod() < 0 < ways[:2, -1].prod()
+
+
+def test_a_number_that_only_one_block_tells_is_nothing_without_it() -> None:
+    """Though the equations are singular then; the others are those of the other samples."""
+    columns, x, numbers = random_columns(4)
+    columns[numbers != 3, :, 1] = 0.0
+    torque = columns @ x + 0.1 * np.random.default_rng(0).standard_normal((240, 4))
+    found = solve(normal_blocks(columns, torque, numbers))
+    assert found.excited.shape == (5, 5)
+    assert found.without[3, 1] == pytest.approx(0.0, abs=1e-6)
+    assert found.x[1] == pytest.approx(x[1], abs=0.05)
+    left = numbers != 3
+    rows = (columns[left] / found.noise[:, None])[..., [0, 2, 3, 4]].reshape(-1, 4)
+    fit = np.linalg.lstsq(rows, (torque[left] / found.noise).ravel())[0]
+    np.testing.assert_allclose(found.without[3, [0, 2, 3, 4]], fit, rtol=1e-2, atol=1e-3)
 
 
 def test_columns_of_zeros_are_hidden_and_nothing_else_is_refused() -> None:

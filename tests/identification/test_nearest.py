@@ -18,6 +18,7 @@ from paminsa_viz.identification import (
     nearest_masses,
 )
 from paminsa_viz.identification.nearest import (
+    SPREAD,
     MassEstimate,
     _drive,
     _prior_deviation,
@@ -27,6 +28,8 @@ from paminsa_viz.identification.nearest import (
 from paminsa_viz.model import APPENDIX_4, Design, Friction
 from paminsa_viz.model.design import PARAMETER
 from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.parameters import Counterweight
+from tests.support.documentation import missing
 from tests.support.identification_logs import simulated
 
 QUICK = IdentificationSettings(robustness=False)
@@ -181,6 +184,8 @@ def test_a_mass_of_nothing_is_believed_to_be_a_tenth_of_those_like_it() -> None:
     typical = 0.6  # the median of those above zero
     expected = [0.1 * typical, 0.4, 0.8, 0.02, 0.1 * 0.8]  # no other inertia: the largest of all
     np.testing.assert_allclose(found, 0.3 * np.array(expected))
+    said = f"The design's numbers are taken to be off by {100 * SPREAD:g} %, and a mass"
+    assert missing("identification", [said]) == []
     tiny = _prior_deviation(["links.b3", "links.b4"], np.array([1e-3, 0.8]), 0.3)
     np.testing.assert_allclose(tiny, [0.3 * 0.1 * (1e-3 + 0.8) / 2, 0.3 * 0.8])
 
@@ -217,6 +222,87 @@ def test_what_a_log_tells_is_its_information_without_all_that_is_no_mass(identif
     np.testing.assert_allclose([item.deviation for item in found.masses], deviations, rtol=1e-6)
 
 
+@pytest.mark.parametrize(("share", "told"), [(1.05e-11, 11), (0.95e-11, 10)])
+def test_what_is_left_without_the_others_is_told_down_to_a_smallest_eigenvalue(
+    share: float, told: int
+) -> None:
+    """Two masses of correlation c, and one that goes along with friction; nothing shows an offset.
+
+    By hand: with a correlation of 1/2, three quarters of what is known of it are left.
+    """
+    c = (1.0 - share) / (1.0 + share)
+    matrix = np.diag([1.0] * 12 + [0.0])
+    matrix[[0, 1], [1, 0]], matrix[[2, 11], [11, 2]] = c, 0.5
+    size = np.array([10.0 ** (i % 4) for i in range(13)])
+    solution = SimpleNamespace(
+        information=4.0 * matrix * size * size[:, None], widening=2.0, x=np.arange(13.0)
+    )
+    settings = SimpleNamespace(constrain=False)
+    root, target = _told(SimpleNamespace(solution=solution, settings=settings))  # type: ignore[arg-type]
+    assert root.shape == (told, 11)
+    expected = matrix[:11, :11]
+    expected[2, 2] = 0.75
+    np.testing.assert_allclose(root.T @ root / size[:11] / size[:11, None], expected, atol=1e-10)
+    np.testing.assert_allclose(target, root @ np.arange(11.0))
+
+
+def test_the_nearest_masses_are_the_most_likely_ones_that_are_possible(identified: Any) -> None:
+    """No possible step away from them is downhill, which for a convex sum of squares is enough.
+
+    A step is one mass; with an axial inertia goes half as much of the transverse one.
+    """
+    bounded = set()
+    meant = APPENDIX_4.vary(
+        {"links.b4": 0.0, "inertias.b4_transverse": 0.0, "inertias.b4_axial": 0.0,
+         "platform.mass": 9.0, "links.b8": 2.0, "inertias.b8_axial": 0.04,
+             "inertias.b8_transverse": 1e-3, "payload.mass": 1.5}
+    )  # fmt: skip
+    for design in (
+        replace(meant, counterweights=(Counterweight("b8", 8, 0.3, 0.5),)),
+        replace(APPENDIX_4, counterweights=(Counterweight("b3", 4, 0.5, 9.0),)).vary(
+            {"payload.mass": 30.0}
+        ),
+    ):
+        against = replace(identified, design=design)
+        root, target = _told(against)
+        found = nearest_masses(against, spread=0.05)
+        masses = {item.parameter.path: item for item in found.masses}
+        b = base_parameters(found.design)
+        left = root @ b - target
+        assert found.misfit == pytest.approx(np.sqrt((left**2).mean()), rel=1e-6)
+        for path, item in masses.items():
+            step = {path: 1e-3}
+            if path.endswith("_axial"):
+                step[path.replace("axial", "transverse")] = 0.5e-3
+            moved = found.design.vary({p: masses[p].value + s for p, s in step.items()})
+            slope = 2 * left @ root @ (base_parameters(moved) - b) / 1e-3
+            pull = [
+                2 * (masses[p].value - masses[p].prior) / masses[p].prior_deviation ** 2 * s / 1e-3
+                for p, s in step.items()
+            ]
+            least = 1e-6 if path == "platform.mass" else 0.0  # a design needs a platform
+            if path.endswith("_transverse"):
+                least = 0.5 * masses[path.replace("transverse", "axial")].value
+            size = max(map(abs, [slope, *pull]), default=0.0) + 1e-9
+            assert item.value >= least * (1 - 1e-9)
+            if item.value > least + 1e-9:
+                assert slope + sum(pull) == pytest.approx(0.0, abs=1e-5 * size)
+            else:
+                bounded.add("half an axial one" if least > 1e-3 else path)
+                assert slope + sum(pull) > -1e-5 * size
+                assert item.value == pytest.approx(least, rel=1e-9, abs=0.0)
+    assert {"platform.mass", "half an axial one"} < bounded
+    assert any(path.startswith(("links.", "joints.")) for path in bounded)
+
+
+def test_without_the_identity_s_third_nothing_is_said_of_it(identified: Any) -> None:
+    held = replace(identified, settings=replace(QUICK, constrain=True))
+    root, _ = _told(held)
+    assert root.shape[1] == 11
+    assert not root[:, 2].any()
+    assert np.delete(root, 2, axis=1).any(axis=0).all()
+
+
 def test_a_mass_is_told_if_its_deviation_falls_by_a_tenth() -> None:
     (item,) = (PARAMETER[path] for path in ("links.b4",))
     for deviation, told in ((0.9, True), (0.901, False), (0.5, True)):
@@ -235,6 +321,7 @@ def test_a_drive_gets_friction_and_inertia_at_its_own_shaft() -> None:
     less = _drive(own, 0.0, 0.0, 0.004, 0.048)
     assert less == replace(own, coulomb=0.0, rotor_inertia=0.0)
     assert _drive(None, -1.0, 0.0, 1e-9, 0.0) is None
+    assert _drive(None, 0.0, 0.0, 1.05e-9, 0.0) is not None
     for place in range(3):
         values = 0.5 * np.eye(3)[place]
         made = _drive(None, *values.tolist(), 0.0)
@@ -252,10 +339,10 @@ def test_rotors_that_would_be_negative_are_raised_together() -> None:
     design = replace(APPENDIX_4, friction=Friction(0.1, 0.2, 30.0, 4.0, 0.02))
     estimates = [
         item("ΔJ_1", -0.03), item("ΔJ_2", 0.01), item("b_v1", 0.5), item("b_v2", 9.0, known=False),
-        item("b_v3", -0.1), item("b_v4", 25.0), item("c4", -1.0), item("c1", 0.7),
+        item("b_v3", -0.1), item("b_v4", 0.25), item("c4", -1.0), item("c1", 0.7),
     ]  # fmt: skip
     found = _with_actuators(SimpleNamespace(design=design, estimates=estimates))  # type: ignore[arg-type]
     np.testing.assert_allclose(found.drive_inertia, [0.0, 0.04, 0.05, 0.0], atol=1e-12)
-    assert found.actuator_friction.viscous == pytest.approx((0.5, 0.1, 0.0, 25.0))
+    assert found.actuator_friction.viscous == pytest.approx((0.5, 0.1, 0.0, 0.25))
     assert found.actuator_friction.coulomb == pytest.approx((0.7, 0.2, 0.2, 0.0))
-    assert found.friction == Friction(0.0, 0.0, 25.0, 0.0, 0.02)
+    assert found.friction == Friction(0.0, 0.0, 0.25, 0.0, 0.02)
