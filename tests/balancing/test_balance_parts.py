@@ -341,3 +341,22 @@ def test_spreads_of_many_poses_are_those_of_each() -> None:
             for pose in poses.reshape(-1, 4)
         ]
         np.testing.assert_allclose(getattr(every, name).reshape(-1, 3), alone, rtol=1e-9)
+
+
+def test_a_mass_changes_once_and_its_inertia_with_it() -> None:
+    heavy = MassRange("links.b8", 0.0, 3.0)
+    with pytest.raises(InvalidInput, match="twice"):
+        Changes((heavy, MassRange("joints.j7", 0.0, 1.0), heavy))
+    made = space(heavy)
+    held = APPENDIX_4.links.b8
+    after = made.design_of([[(0.0, 2 * held)]])
+    assert after.links.b8 == 2 * held
+    for path in ("inertias.b8_axial", "inertias.b8_transverse"):
+        assert after.value(path) == pytest.approx(2 * APPENDIX_4.value(path))
+
+
+@pytest.mark.parametrize("path", ["counterweights.1.mass", "counterweights.0.beyond"])
+def test_what_is_no_mass_of_the_design_cannot_change(path: str) -> None:
+    weighted = replace(APPENDIX_4, counterweights=(Counterweight("b8", 8, 0.1, 1.0),))
+    with pytest.raises(InvalidInput):
+        mass_space(weighted, Changes((MassRange(path, 0.0, 1.0),)))
