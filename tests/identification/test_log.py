@@ -91,9 +91,10 @@ def test_what_just_keeps_a_limit_is_no_error(monkeypatch: pytest.MonkeyPatch) ->
     for column, most in ((0, 2 * np.pi), (3, 20.0)):
         still = position.copy()
         still[:, column] = most
-        make_log(t, still, torque)
-        with pytest.raises(InvalidLog, match="beyond"):
-            make_log(t, np.nextafter(still, 100.0), torque)
+        for sign in (1.0, -1.0):
+            make_log(t, sign * still, torque)
+            with pytest.raises(InvalidLog, match="beyond"):
+                make_log(t, sign * np.nextafter(still, 100.0), torque)
 
 
 def test_a_gap_is_refused_or_splits_and_is_never_closed_up(signals: list[Any]) -> None:
@@ -111,10 +112,12 @@ def test_pieces_begin_where_the_log_says_and_behind_rows_that_are_left_out() -> 
     log = make_log(*clean_signals(1, duration=20.0, rate=RATE))
     position = log.position.copy()
     position[1500:1510, 3] = 5.0  # out of reach
-    split = replace(log, starts=(0, 1007, 2007, 3001), split=True, position=position)
+    starts = (0, 1007, 2007, 3001, 3201, 3400)
+    split = replace(log, starts=starts, split=True, position=position)
     _, pieces = log_poses(APPENDIX_4.geometry, split)
     assert [(piece.start, piece.stop) for piece in pieces] == [
-        (0, 1007), (1007, 1500), (1510, 2007), (2007, 3001), (3001, 4000),
+        (0, 1007), (1007, 1500), (1510, 2007), (2007, 3001), (3001, 3201),
+        (3400, 4000),  # but those of less than a second
     ]  # fmt: skip
 
 
@@ -131,6 +134,34 @@ def test_uneven_rows_are_resampled_and_that_is_stated(signals: list[Any]) -> Non
     assert t[-1] - 1.01 / log.rate < log.t[-1] <= t[-1] + 1e-6 / log.rate
     exact = inverse_kinematics(APPENDIX_4.geometry, multi_sine(1)(log.t)[0]).actuators
     np.testing.assert_allclose(log.position, exact, atol=1e-6)
+
+
+@pytest.mark.parametrize("jittery", [0, 1])
+def test_one_uneven_piece_is_enough_for_all_to_be_resampled(
+    signals: list[Any], jittery: int
+) -> None:
+    kept = np.r_[0:300, 330:800]
+    t, position, torque = (array[kept] for array in signals)
+    part = slice(300) if jittery == 0 else slice(300, None)
+    t[part] += np.random.default_rng(0).uniform(-0.2, 0.2, t[part].size) / RATE
+    log = make_log(t, position, torque, split=True)
+    assert any("resampled" in note for note in log.notes)
+    for piece in log.segments:
+        np.testing.assert_allclose(np.diff(log.t[piece]), 1 / log.rate, rtol=1e-9)
+
+
+def test_a_jump_is_one_that_is_too_fast_but_across_a_gap(signals: list[Any]) -> None:
+    """Where the robot may have gone anywhere; just before and just behind it is one."""
+    kept = np.r_[0:400, 402:800]
+    t, position, torque = (array[kept] for array in signals)
+    for row, refused in ((399, True), (400, False), (401, True)):
+        moved = position.copy()
+        moved[row:, 3] += 1.0  # in less than a fiftieth of a second
+        if refused:
+            with pytest.raises(InvalidLog, match=f"^row {row + 1}, Z: a jump"):
+                make_log(t, moved, torque, split=True)
+        else:
+            assert make_log(t, moved, torque, split=True).starts == (0, 400)
 
 
 @pytest.mark.parametrize("late", [0.3, -0.3])
@@ -188,7 +219,12 @@ def test_poses_follow_the_assembly_that_starts_nearest(knee: KneeBranch) -> None
     other = np.abs(modes - poses[:, None]).sum(axis=-1).argmax(axis=1)
     mirror = modes[np.arange(len(t)), other]
     found = follow_pose(design.geometry, position, mirror[0])
-    np.testing.assert_allclose(np.cos(found[:, 2]), np.cos(mirror[:, 2]), atol=1e-9)
+    np.testing.assert_allclose(found[:, [0, 1, 3]], mirror[:, [0, 1, 3]], atol=1e-9)
+    np.testing.assert_allclose(np.exp(1j * found[:, 2]), np.exp(1j * mirror[:, 2]), atol=1e-9)
+    for mode in modes[0]:  # whichever it is, also a full turn away
+        for turn in (0.0, 2 * np.pi):
+            begun = follow_pose(design.geometry, position[:2], mode + np.array([0, 0, turn, 0]))
+            np.testing.assert_allclose(begun[0, [0, 1, 3]], mode[[0, 1, 3]], atol=1e-9)
 
 
 def test_rows_near_a_singularity_or_out_of_reach_are_refused_or_left_out() -> None:
