@@ -79,6 +79,11 @@ def test_legs_stand_side_by_side_each_about_the_cross_on_its_axis() -> None:
         circles = space.query(f'CIRCLE[layer=="{layer}"]')
         centers = np.array([(circle.dxf.center.x, circle.dxf.center.y) for circle in circles])
         (radius,) = {round(circle.dxf.radius, 9) for circle in circles}
+        ways = lines[:, 1] - lines[:, 0]
+        for center in centers:  # each joint is on a line
+            share = ((center - lines[:, 0]) * ways).sum(axis=1) / (ways**2).sum(axis=1)
+            off = lines[:, 0] + np.clip(share, 0.0, 1.0)[:, None] * ways - center
+            assert np.hypot(*off.T).min() < 1e-5
         g = APPENDIX_4.geometry
         assert radius < 0.02 * 1e3 * (g.crank_length + g.coupler_length)
         if layer != "FROM_ABOVE":
