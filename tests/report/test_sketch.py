@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from paminsa_viz.model import APPENDIX_4, KneeBranch, inverse_kinematics, singular_radius
+from paminsa_viz.model import APPENDIX_4, KneeBranch, inverse_kinematics
 from paminsa_viz.palette import INK, LEG_COLORS, LIFT_COLOR
 from paminsa_viz.plots.formats import drawing
+from paminsa_viz.report import workspace_section
 from paminsa_viz.report.workspace_section import draw_sketch
 from tests.support import samples
 
@@ -39,14 +40,17 @@ def test_bars_have_their_projected_lengths(knee: KneeBranch) -> None:
         assert page.bbox.fully_contains(*np.max(bars, axis=(0, 1)))
 
 
-@pytest.mark.parametrize("x", [0.0, 0.15])
-def test_both_views_hold_the_robot_and_its_circles_with_a_margin(x: float) -> None:
+@pytest.mark.parametrize(("x", "singular"), [(0.0, 0.2), (0.15, 0.2), (0.0, 0.9)])
+def test_both_views_hold_the_robot_and_its_circles_with_a_margin(
+    x: float, singular: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Of 4 % of the width; the page is as high as the higher view and a line of words."""
+    monkeypatch.setattr(workspace_section, "singular_radius", lambda *_: singular)
     g = APPENDIX_4.geometry
     configuration = inverse_kinematics(g, (x, -0.03, 0.3, -0.52))
     points = np.concatenate([np.asarray(configuration.points[n]) for n in (2, 3, 4, 5, 7, 8, 9)])
     plate = np.asarray(configuration.points[5]) - [0.0, 0.0, g.platform_joint_height]
-    around = max(g.base_radius, float(singular_radius(g, 0.3)))
+    around = max(g.base_radius, singular)
     circle = np.array([[around, around, 0.0], [-around, -around, 0.0]])
     corners = np.concatenate([points, plate, circle])
     low, high = corners.min(axis=0), corners.max(axis=0)
