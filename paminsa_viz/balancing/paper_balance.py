@@ -137,9 +137,9 @@ def _exact(space: MassSpace, levers: Levers) -> Levers:
     free: list[tuple[float, int, int]] = []
     for number, (variable, places) in enumerate(zip(space.variables, exact, strict=True)):
         if variable.low < sum(amount for _, amount in places) < variable.high:
-            for index, (lever, amount) in enumerate(places):
+            for index, (lever, _) in enumerate(places):
                 share = variable.column(lever)[MP2]
-                if amount > 0 and share != 0:
+                if share != 0:
                     free.append((share, number, index))
     if free:
         share, number, index = max(free, key=lambda item: abs(item[0]))

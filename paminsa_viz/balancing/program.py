@@ -68,10 +68,10 @@ class Variable:
             return [(self.span[0], amount)]
         if amount <= 0:
             return []
-        mean = float(np.clip(moments[1] / amount, -1.0, 1.0))
+        mean = float(moments[1]) / amount
         variance = min(float(moments[2]) / amount, 1.0) - mean**2
         places = [(mean, amount)]
-        if variance > 0 and mean < 1.0:
+        if variance > 0:
             # the part that is at the far end; the rest is at one other lever
             share = variance / (variance + (1.0 - mean) ** 2)
             places = [

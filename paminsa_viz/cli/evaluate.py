@@ -104,7 +104,7 @@ def evaluate_table(
 def evaluate_block(block: TableBlock, design: Design) -> tuple[np.ndarray, np.ndarray]:
     """Return (n, 8) actuator positions and torques, NaN in rows without, and each row's status."""
     pose, velocity, acceleration, load = (
-        block.group(names, default=0.0) for names in (POSE, VELOCITY, ACCELERATION, LOAD)
+        block.group(names) for names in (POSE, VELOCITY, ACCELERATION, LOAD)
     )
     configuration = inverse_kinematics(design.geometry, pose)
     dynamics = inverse_dynamics(

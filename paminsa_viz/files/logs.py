@@ -54,7 +54,7 @@ def parse_log(
     try:
         return make_log(
             values[:, 0], values[:, 1:5], values[:, 5:] * factors,
-            split=split, name=Path(source).stem or "log", first_row=first_row or 1,
+            split=split, name=Path(source).stem or "log", first_row=first_row,
         )  # fmt: skip
     except InvalidLog as error:
         headers = {column.name.partition("_")[0]: column.header for column in table.columns}

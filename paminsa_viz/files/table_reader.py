@@ -52,9 +52,9 @@ class TableBlock:
     cells: list[list[str]]
     values: Mapping[str, NDArray[np.float64]]
 
-    def group(self, names: tuple[str, ...], default: float = 0.0) -> NDArray[np.float64]:
-        """Return columns that come together as (n, columns); they are ``default`` if not there."""
-        missing = np.full(len(self.cells), default)
+    def group(self, names: tuple[str, ...]) -> NDArray[np.float64]:
+        """Return columns that come together as (n, columns); they are zero if not there."""
+        missing = np.zeros(len(self.cells))
         return np.stack([self.values.get(name, missing) for name in names], axis=1)
 
 

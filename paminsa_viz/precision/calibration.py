@@ -194,8 +194,7 @@ def calibrate(
 
 def _first_fit(problem: CalibrationProblem, origin: Array) -> tuple[Array, int, Array]:
     """Fit what equal legs show; return the values, how many those are, and singular values."""
-    _, singular, directions = np.linalg.svd(problem.equal_legs(), full_matrices=True)
-    singular = np.concatenate([singular, np.zeros(COUNT - len(singular))])
+    _, singular, directions = np.linalg.svd(problem.equal_legs(), full_matrices=False)
     rank = int((singular > GAP * singular[0]).sum())
     return problem.fit(origin, directions[:rank].T, origin), rank, singular
 

@@ -82,9 +82,7 @@ def platform_load(robot: Robot, legs: Legs, velocity: Array, acceleration: Array
     m, e, o = robot
     vx, vy, vt, vz = velocity
     ax, ay, at, az = acceleration
-    load = np.array(
-        [e.mass * ax, e.mass * ay, (e.inertia + 6 * e.turn) * at, e.mass * (az + o.gravity)]
-    )
+    load = np.array([e.mass * ax, e.mass * ay, e.inertia * at, e.mass * (az + o.gravity)])
     load[3] += o.inertia[3] * m.inverse_k * m.inverse_k * az
     for i, g in enumerate(legs):
         motion = leg_motion(m, g, vx, vy, vt, vz, ax, ay, at, az)

@@ -23,13 +23,14 @@ from paminsa_viz.balancing import (
     TrajectoryEnergy,
     TrajectoryPeak,
     TrajectoryRms,
+    along,
     beyond,
     optimize,
 )
 from paminsa_viz.balancing.changes import mass_space
 from paminsa_viz.balancing.optimum import ACTIVE, active_bounds
 from paminsa_viz.balancing.program import Solution
-from paminsa_viz.model import APPENDIX_4, BAR_ENDS, Friction
+from paminsa_viz.model import APPENDIX_4, BAR_ENDS, Drive, Friction
 from paminsa_viz.trajectory import Trajectory, analyze, solve_trajectory
 from tests.balancing.robots import PATHS, changes, field, measured, random_measures, solved, terms
 from tests.support.cases import Case, cases
@@ -123,10 +124,16 @@ def test_mass_moved_counts_both_ways() -> None:
 
 def test_friction_and_another_gravity_count() -> None:
     friction = Friction(viscous_rotary=0.3, coulomb_rotary=0.5, viscous_linear=5.0)
-    design = replace(APPENDIX_4, friction=friction, gravity=3.7)
-    for term in (TrajectoryPeak(solved()), TrajectoryPeak(solved(), LIFT)):
+    servo = Drive(rotor_inertia=2e-4, gear_ratio=50.0, coulomb=0.02)
+    axis = Drive(rotor_inertia=1e-4, transmission="screw", lead=0.01)
+    drives = (servo, servo, servo, axis)
+    design = replace(APPENDIX_4, friction=friction, gravity=3.7, drives=drives)
+    for term, unit in (
+        (TrajectoryPeak(solved()), "N m"), (TrajectoryPeak(solved(), LIFT), "N")
+    ):  # fmt: skip
         result = optimize(design, changes(), term)
         (value,) = result.values
+        assert value.unit == unit
         for robot, found in ((design, value.before), (result.after, value.after)):
             assert found == pytest.approx(measured(robot)[term.label], rel=1e-9)
         assert result.gap <= 1e-8 * result.objective
@@ -183,3 +190,19 @@ def test_a_place_exactly_at_the_border_of_an_end_is_at_it() -> None:
             np.zeros(0), 1,
         )  # fmt: skip
         assert [item.side for item in active_bounds(space, found)] == [side]
+
+
+def test_a_weight_that_is_best_at_one_lever_is_one_weight() -> None:
+    """The solver leaves a part of it, of the size of rounding, at the end of its range."""
+    ranges = (beyond("b3", 7, 0.2, 0.5), along(APPENDIX_4.geometry, "b8", 0.7))
+    after = optimize(APPENDIX_4, Changes((), ranges), TrajectoryRms(solved())).after
+    (weight,) = after.counterweights
+    assert (weight.bar, weight.joint, weight.mass) == ("b3", 7, 0.5)
+    assert 0.0 < weight.beyond < 0.2
+    alone = [
+        measured(replace(APPENDIX_4, counterweights=(replace(weight, beyond=weight.beyond + s),)))[
+            TrajectoryRms(solved()).label
+        ]
+        for s in (-1e-3, 0.0, 1e-3)
+    ]
+    assert alone[1] < min(alone[0], alone[2])

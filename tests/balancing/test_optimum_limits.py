@@ -175,6 +175,19 @@ def test_every_infeasible_limit_is_reported() -> None:
     assert all(item.attainable >= item.limit for item in caught.value.limits)
 
 
+def test_a_limit_that_others_are_in_the_way_of_is_reported_with_these_kept() -> None:
+    """No mass may be taken away, so that the peak cannot go to where it could alone."""
+    peak, added = StaticPeak(field()), AddedMass()
+    with pytest.raises(InfeasibleBounds) as caught:
+        optimize(APPENDIX_4, changes(0.2), MassChange(), limits=[(added, 0.0), (peak, 0.0)])
+    mass, torque = (item.attainable for item in caught.value.limits)
+    kept = optimize(APPENDIX_4, changes(0.2), peak, limits=[(added, 0.0)]).objective
+    assert torque == pytest.approx(kept, rel=1e-7)
+    assert torque > 1.01 * optimize(APPENDIX_4, changes(0.2), peak).objective
+    least = optimize(APPENDIX_4, changes(0.2), added, limits=[(peak, 0.0)]).objective
+    assert mass == pytest.approx(least, rel=1e-7)
+
+
 EXTREMES = st.sampled_from([0.0, 1e-300, 1e-12, 0.1, 1.0, 50.0, 1e4, 1e308, np.nan])
 
 

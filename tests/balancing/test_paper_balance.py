@@ -114,6 +114,9 @@ def test_nearest_imbalance_within_tight_bounds() -> None:
         assert static_imbalance(APPENDIX_4.vary({"joints.j7": j7, "joints.j9": j9})) >= nearest
     prices = [item.price for item in result.active]
     assert prices == sorted(prices, reverse=True)
+    assert [(item.name, item.side) for item in result.active] == [
+        ("joints.j9", "low"), ("joints.j7", "high")
+    ]  # fmt: skip
     for item in result.active:
         step = {"low": -1e-3, "high": 1e-3}[item.side]
         other = result.after.vary({item.name: item.bound + step})

@@ -296,6 +296,7 @@ def test_of_several_tries_the_closest_counts_or_the_first_that_is_solved(
     for tries, count, x in (
         ([("Almost", 1e-6), ("Almost", 1e-8), ("Almost", 1e-7)], 3, 0.2),
         ([("Almost", 1e-9), ("Almost", 1e-8), ("Almost", 1e-7)], 3, 0.1),
+        ([("Almost", 1e-8), ("Almost", 1e-8), ("Almost", 1e-8)], 3, 0.1),
         ([("Almost", 1e-9), ("Solved", 1e-3)], 2, 0.2),
         ([("Almost", np.nan), ("Almost", 1.0), ("Almost", 2.0)], 3, 0.2),
     ):
@@ -315,6 +316,29 @@ def test_of_several_tries_the_closest_counts_or_the_first_that_is_solved(
     assert not settings.verbose
     scripted(monkeypatch, [answer("PrimalInfeasible", 1.0, 0.1)])
     assert backends.solve_conic(program) is None
+
+
+def test_fixed_unknowns_are_left_out_and_only_bounds_that_there_are_have_rows(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rows, inf = np.array([[3.0, 2.0, -8.0]]), np.inf
+    program = backends.ConicProgram(
+        np.array([1.0, 2.0, 3.0]), rows, np.array([10.0]), np.array([1.0, 0.5, -inf]),
+        np.array([1.0, inf, 2.0]), [],
+    )  # fmt: skip
+    found = answer("Solved", 0.0, 0.0)
+    found.x = [0.7, 0.25]
+    given = scripted(monkeypatch, [found])
+    solution = backends.solve_conic(program)
+    assert solution is not None
+    # of the last in parts of its upper bound
+    assert solution.x.tolist() == [1.0, 0.7, 0.5]
+    quadratic, cost, matrix, right, cones, *_ = given[0]
+    assert quadratic.shape == (2, 2)
+    assert cost.tolist() == [2.0, 6.0]
+    assert matrix.toarray() == pytest.approx(np.array([[2.0 / 16, -1.0], [0.0, 1.0], [-1.0, 0.0]]))
+    assert right == pytest.approx([7.0 / 16, 1.0, -0.5])
+    assert [cone.dim for cone in cones] == [3]
 
 
 def test_a_residual_is_the_largest_of_three_as_a_share_of_the_cost_or_of_one() -> None:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
 from paminsa_viz.balancing import backends, solver
-from paminsa_viz.balancing.convex import BLOCKS, Cuts, MaxAbs, Norm, PositivePartSum
+from paminsa_viz.balancing.convex import BLOCKS, ConvexTerm, Cuts, MaxAbs, Norm, PositivePartSum
 from paminsa_viz.balancing.enclosure import Enclosure
 from paminsa_viz.balancing.program import Infeasible, Program, SolverFailed, Variable
 from paminsa_viz.balancing.solver import solve
@@ -165,6 +165,31 @@ def test_what_is_not_solved_is_said_so(
         solve(program)
 
 
+def test_rounds_are_those_of_the_solver_and_end_at_the_tolerance(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rng = np.random.default_rng(11)
+    slot = Variable("slot", 0.2, 1.0, rng.normal(size=(3, 4)), (-1.0, 1.0))
+    term = MaxAbs(np.eye(4), rng.normal(size=4))
+    program = Program(np.zeros(4), (slot,), ((1.0, term),))
+    solved = []
+    of_class = Enclosure.solve
+
+    def counted(self: Enclosure, **options: Any) -> Any:
+        solved.append(options)
+        return of_class(self, **options)
+
+    monkeypatch.setattr(Enclosure, "solve", counted)
+    needed = []
+    for tolerance in (1e-9, 0.01, 10.0):
+        solved.clear()
+        found = solve(program, tolerance=tolerance)
+        assert found.rounds == len(solved)
+        assert found.gap <= tolerance * found.value
+        needed.append(found.rounds)
+    assert needed[0] > needed[1] > needed[2] == 1
+
+
 def test_a_fixed_sum_out_of_reach_is_infeasible() -> None:
     variables = plain(np.eye(2), [0, 0], [1, 1])
     goal = MaxAbs(np.array([[1.0, 2.0]]), np.zeros(1), absolute=False)
@@ -219,6 +244,15 @@ def test_levers_reproduce_their_moments(seed: int, free: bool) -> None:
     assert all(span[0] <= lever <= span[1] and amount >= 0 for lever, amount in places)
     same = sum(amount * slot.column(lever) for lever, amount in places)
     np.testing.assert_allclose(same, state, rtol=1e-10, atol=1e-10)
+
+
+@pytest.mark.parametrize("term", [
+    Norm(np.eye(2), np.zeros(2)), PositivePartSum(np.eye(2), np.zeros(2), np.array([0])),
+    MaxAbs(np.eye(2), np.zeros(2)), MaxAbs(np.eye(2), np.zeros(2), absolute=False),
+], ids=["norm", "sum", "absolute", "largest"])  # fmt: skip
+def test_a_term_says_whether_it_can_be_negative(term: ConvexTerm) -> None:
+    states = np.random.default_rng(0).uniform(-1.0, 1.0, (200, 2))
+    assert term.nonnegative == (min(map(term.value, states)) >= 0.0)
 
 
 @given(seed=SEEDS)

@@ -178,3 +178,15 @@ def test_no_spring_changes_nothing() -> None:
     fit = fit_springs(APPENDIX_4, [], workspace().poses())
     assert fit.springs == ()
     assert fit.after == fit.before == pytest.approx(fit.lower_bound)
+
+
+def test_poses_of_any_shape_are_as_each_alone() -> None:
+    spring = Spring(at_joint(3), at_joint(9), stiffness=120.0, free_length=0.2)
+    poses = workspace().poses().reshape(-1, 4)[:6].reshape(2, 3, 4)
+    for of in (spring_energy, spring_lengths):
+        found = of(APPENDIX_4, spring, poses)
+        for index in np.ndindex(2, 3):
+            alone = of(APPENDIX_4, spring, poses[index])
+            np.testing.assert_allclose(found[index], alone, rtol=1e-12)
+    found = spring_torques(APPENDIX_4, [spring], poses)
+    np.testing.assert_allclose(found[1, 2], spring_torques(APPENDIX_4, [spring], poses[1, 2]))

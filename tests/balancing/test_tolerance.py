@@ -178,6 +178,7 @@ def test_drawn_lengths_are_even_about_their_values() -> None:
     "make",
     [
         lambda: mass_tolerance(BALANCED, -0.1, POSES),
+        lambda: mass_tolerance(BALANCED, {"joints.j7": 0.1, "links.b8": 1.0}, POSES),
         lambda: mass_tolerance(BALANCED, {"geometry.base_radius": 0.1}, POSES),
         lambda: length_tolerance(BALANCED, {"joints.j7": 0.1}, POSES),
         lambda: length_tolerance(BALANCED, 1.5, POSES),

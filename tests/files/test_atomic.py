@@ -198,3 +198,23 @@ def test_folders_are_made_with_those_that_they_are_in(tmp_path: Path) -> None:
     written = write_folder(tmp_path / "kit", {"a.txt": "one", "sub/b.bin": b"two"})
     assert written == [tmp_path / "kit" / "a.txt", tmp_path / "kit" / "sub" / "b.bin"]
     assert [path.read_bytes() for path in written] == [b"one", b"two"]
+
+
+def test_a_file_that_is_written_stays_locked_until_it_is_in_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also after it is closed: another writer would take it for one that a kill has left."""
+    fcntl = pytest.importorskip("fcntl")
+    replaced = []
+
+    def replace(source: Path, target: Path, real=os.replace) -> None:
+        with open(source, "rb") as file, pytest.raises(BlockingIOError):
+            fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+        replaced.append(target)
+        real(source, target)
+
+    monkeypatch.setattr(os, "replace", replace)
+    write_bytes(tmp_path / "a.bin", b"whole")
+    assert replaced == [tmp_path / "a.bin"]
+    with open(tmp_path / "a.bin", "rb") as file:
+        fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)  # and no longer

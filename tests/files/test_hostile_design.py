@@ -75,6 +75,10 @@ def refusal(content: str | bytes, source: str = "up.toml") -> DesignFileError:
         (VERSION + "[geometry]\nR_b = 1", 3, "geometry.R_b", "did you mean base_radius_m"),
         (VERSION + "[geometry]\nkne = 1", 3, "geometry.kne", "did you mean knee?"),
         (VERSION + "nam = 'x'", 2, "nam", "did you mean name?"),
+        (VERSION + "namxyz = 'x'", 2, "namxyz", "did you mean name?"),  # 3 letters of 4 and 6
+        (VERSION + "namwxyz = 'x'", 2, "namwxyz", "there are gravity_m_per_s2"),
+        (VERSION + "[joints]\nb3_kxy = 1", 3, "joints.b3_kxy", "did you mean b3_kg in [links]"),
+        (VERSION + "[joints]\nb3_wxyz = 1", 3, "joints.b3_wxyz", "there"),
         (VERSION + "zzz = 'x'", 2, "zzz", "there are gravity_m_per_s2"),
         (VERSION + 'name = "a\\u0007"', 2, "name", "a name is one line"),
         (VERSION + "value_count = 2\ngravity_m_per_s2 = 1", 2, "value_count", "cut short"),
@@ -118,6 +122,9 @@ def test_a_refusal_names_line_key_and_what_is_allowed(content, line, key, words)
 def test_a_refused_counterweight_is_named_with_its_line(old, new, line, key, words) -> None:
     error = refusal(VERSION + WEIGHT + WEIGHT.replace(old, new))
     assert (error.line, error.key) == (line, key)
+    if words == "no such key":  # with its value, which is one of few
+        assert error.value == 1
+        assert refusal(VERSION + "[links]\nb3_g = 1").value is None
     assert words in str(error)
 
 

@@ -114,6 +114,19 @@ def test_what_a_written_log_says_of_itself_and_a_gap_that_splits_it(
             reader(str(path))
 
 
+def test_gaps_are_refused_unless_they_are_to_split(signals: list[Any]) -> None:
+    kept = np.r_[0:400, 420:800]
+    text = table_csv(log_table(make_log(*(one[kept] for one in signals), split=True))).decode()
+    assert read(text, split=True).starts == (0, 400)
+    with pytest.raises(TableFileError, match=r"column t_s: .*gaps split it"):
+        read(text)
+
+
+def test_a_log_without_rows_is_refused() -> None:
+    with pytest.raises(TableFileError, match="at least 10 rows; there are 0"):
+        read(f"{MOVED},{TORQUES}\n")
+
+
 def test_the_shipped_logs_are_twenty_seconds_each_by_their_names(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -152,3 +152,12 @@ def test_headings_alone_are_possible() -> None:
     found = read_content(SPACE + "theta_min_rad = 0.0\ntheta_max_rad = 1.0\n", "x").requirements
     assert found == Requirements((), (0.0, 1.0))
     assert math.isclose(found.theta[1], 1.0)
+
+
+def test_headings_that_are_not_given_are_the_one_of_zero() -> None:
+    text = HEAD + '[workspace]\nshape = "cylinder"\ndiameter_m = 0.2\nheight_m = 0.3\n'
+    found = read_content(text, "a.toml").requirements
+    assert found is not None
+    assert found.theta == (0.0, 0.0)
+    assert found.workspace is not None
+    assert found.workspace.center == (None, None, None)

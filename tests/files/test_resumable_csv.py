@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import zlib
 
 import pytest
@@ -142,3 +143,21 @@ def test_an_unwritable_path_is_a_one_line_error(tmp_path) -> None:
         grow(tmp_path / "no" / "a.csv")
     with pytest.raises(TableFileError, match="is a directory"):
         grow(tmp_path)
+
+
+def test_a_new_table_counts_its_rows_and_those_of_its_head(tmp_path) -> None:
+    """A row that someone changes before it is read again is named where it stands."""
+    path = tmp_path / "new.csv"
+    with ResumableCsv(path, HEAD, COLUMNS, identity="study") as table:
+        assert table.rows == 0
+        list(table.read())
+        table.append(ROWS[:3])
+        assert table.rows == 3
+        text = path.read_bytes()
+        path.write_bytes(text.replace(b"1,0.14", b"1,0.15"))
+        with pytest.raises(TableFileError, match="its checksum differs") as caught:
+            list(table.read())
+    assert caught.value.row == 6  # three lines of the head, the names, row 0
+    umask = os.umask(0)
+    os.umask(umask)
+    assert path.stat().st_mode & 0o777 == 0o666 & ~umask

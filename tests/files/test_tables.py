@@ -29,6 +29,7 @@ from paminsa_viz.files.tables import (
     table_text,
 )
 from paminsa_viz.files.trajectory_table import parse_trajectory, read_trajectory
+from paminsa_viz.trajectory import Trajectory
 
 ALL = POSES.columns
 HEAD = ",".join(POSE)
@@ -279,3 +280,41 @@ def test_a_table_has_only_so_many_rows(most: int, rows: int, passes: bool) -> No
         )
     empty = TableReader(io.StringIO(f"{HEAD}\n", newline=""), POSES, "in.csv")
     assert empty.read_all(1)[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("header", "words"),
+    [
+        ("x[mm]", ""), ("x (mm)", ""), ("x_mm", ""), ("x (old) [mm]", "is no unit of it"),
+        ("x [mm] (old)", "is no unit of it"), ("x[mm", "there is no such column"),
+        ("xmm]", "there is no such column"), ("x]", "there is no such column"),
+        ("[mm]x", "there is no such column"), ("(x)", "there is no such column"),
+    ],
+)  # fmt: skip
+def test_units_are_in_the_first_bracket_that_the_end_closes(header: str, words: str) -> None:
+    text = f"t_s,{header},y_m,theta_rad,z_m\n" + ROWS
+    if not words:
+        made = parse_trajectory(io.StringIO(text, newline=""), "in.csv")
+        np.testing.assert_allclose(made.pose[:, 0], [0.0, 1e-5])
+        return
+    assert words in str(check_refused(parse, text))
+
+
+def test_a_hint_is_one_name_that_is_near() -> None:
+    """Whatever comes after fifty letters; columns that are far from it are all told."""
+    text = f"t_s,{HEAD},vxx_m_s\n" + ROWS.replace("\n", ",0\n")
+    assert "did you mean vx_m_s?" in str(check_refused(parse, text))
+    far = str(check_refused(parse, text.replace("vxx_m_s", "weight")))
+    assert "there are t_s,x_m" in far
+
+
+def test_waypoints_are_at_rest_at_their_ends_only_if_it_is_said() -> None:
+    """And a table may take as long as it takes."""
+    text = f"{TIMED}\n" + "".join(f"{n / 4},{n * n / 90},0,0,-0.5\n" for n in range(5))
+
+    def made(**options: bool) -> Trajectory:
+        return parse_trajectory(io.StringIO(text, newline=""), "in.csv", **options)
+
+    np.testing.assert_array_equal(made().velocity, made(rest=False).velocity)
+    assert np.abs(made().velocity[-1, 0]) > 0.1
+    assert np.abs(made(rest=True).velocity[[0, -1]]).max() < 1e-9

@@ -18,13 +18,14 @@ from paminsa_viz.model import (
     measure_singularity,
 )
 from paminsa_viz.precision import calibration_problem
+from paminsa_viz.precision.calibration import calibrate
 from paminsa_viz.precision.calibration_problem import (
     CalibrationProblem,
     _candidates,
     measuring_poses,
     require_enough,
 )
-from paminsa_viz.precision.leg_lengths import INDEX
+from paminsa_viz.precision.leg_lengths import INDEX, deviation_array
 from paminsa_viz.precision.measurements import InvalidMeasurement, Measurements, predict
 from tests.precision.deviations import random_deviations
 from tests.support.samples import random_poses
@@ -150,6 +151,9 @@ def test_each_pose_is_the_one_that_adds_most_to_the_determinant(coordinates: int
     added = np.swapaxes(white, 1, 2) @ white
     known = 1e-6 * np.eye(int(shown.sum()))
     free = np.ones(800, bool)
+    if coordinates == 6:
+        again = measuring_poses(APPENDIX_4, 6, coordinates=6, seed=0)
+        np.testing.assert_array_equal(measuring_poses(APPENDIX_4, 6), again)
     for pose in chosen:
         gain = np.where(free, np.linalg.slogdet(known + added)[1], -np.inf)
         best = int(np.argmax(gain))
@@ -183,3 +187,63 @@ def test_there_are_at_least_800_candidates_and_twice_as_many_as_poses(
     with pytest.raises(InvalidInput, match="enough"):
         measuring_poses(APPENDIX_4, poses, seed=9)
     assert asked == [(candidates, 9)]
+
+
+@pytest.mark.parametrize("width", [4, 6])
+def test_what_a_calibration_states_follows_from_its_problem_at_what_it_found(width: int) -> None:
+    """Singular values, intervals, noise and covariance; and which combinations are known."""
+    noise, true = 4e-6, random_deviations(7, 5e-4)
+    poses = random_poses(np.random.default_rng(3), APPENDIX_4, 40)
+    exact = predict(APPENDIX_4, true, level(poses)).coordinates
+    exact += np.random.default_rng(8).normal(size=exact.shape) * noise / RADII
+    measured = Measurements(level(poses).actuators, exact[:, :width])
+    found = calibrate(APPENDIX_4, measured)
+    problem = CalibrationProblem(APPENDIX_4, measured)
+    rows, values = 40 * width, problem.scaled(deviation_array(found.design))
+    equal = np.linalg.svd(problem.equal_legs(), compute_uv=False) / np.sqrt(rows)
+    np.testing.assert_allclose(found.singular_values, equal, atol=1e-12)
+    assert found.rank == (equal > 1e-8 * equal[0]).sum() < len(found.combinations)
+    sizes = np.linalg.svd(problem.jacobian(values), compute_uv=False)
+    count = len(found.combinations)
+    assert found.noise == pytest.approx(problem.noise(values, count))
+    assert found.noise == pytest.approx(noise, rel=0.2)
+    student_half = student.ppf(0.975, rows - count) * found.noise
+    shown = np.array([item.singular_value for item in found.combinations]) * np.sqrt(rows)
+    np.testing.assert_allclose(shown, sizes[:count], rtol=1e-3)
+    halves = np.array([item.half_width for item in found.combinations])
+    np.testing.assert_allclose(halves, student_half / shown)
+    assert halves.max() < 1e-3 < student_half / sizes[count]
+    basis = np.array([item.weights.ravel() for item in found.combinations])
+    np.testing.assert_allclose(basis @ basis.T, np.eye(count), atol=1e-12)
+    np.testing.assert_allclose([item.value for item in found.combinations], basis @ values)
+    np.testing.assert_allclose(
+        found.covariance, basis.T @ np.diag((found.noise / shown) ** 2) @ basis, atol=1e-18
+    )
+    inside = (basis**2).sum(axis=0).reshape(3, 14) > 1 - 1e-6
+    np.testing.assert_array_equal(found.determined, inside)
+
+
+@pytest.mark.parametrize(("least", "fitted"), [(1.05e-3, False), (0.95e-3, True)])
+def test_combinations_are_fitted_whose_interval_is_within_a_millimeter(
+    least: float, fitted: bool
+) -> None:
+    """The noise is made so large that the next one after some has the interval."""
+    true = random_deviations(7, 5e-4)
+    poses = random_poses(np.random.default_rng(3), APPENDIX_4, 40)
+    exact = predict(APPENDIX_4, true, level(poses)).coordinates
+    error = np.random.default_rng(8).normal(size=exact.shape) / RADII
+    noise, place = 2e-6, 0
+    for _ in range(4):
+        measured = Measurements(level(poses).actuators, exact + noise * error)
+        found = calibrate(APPENDIX_4, measured)
+        count = len(found.combinations)
+        problem = CalibrationProblem(APPENDIX_4, measured)
+        values = problem.scaled(deviation_array(found.design))
+        sizes = np.linalg.svd(problem.jacobian(values), compute_uv=False)
+        place = place or count  # the first that is not fitted with little noise
+        half = problem.margin(count) * found.noise / sizes[place]
+        if abs(half / least - 1.0) < 0.01:
+            break
+        noise *= least / half
+    assert half == pytest.approx(least, rel=0.01)
+    assert count == place + fitted

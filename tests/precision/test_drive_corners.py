@@ -16,7 +16,6 @@ from scipy.interpolate import CubicHermiteSpline
 from paminsa_viz.model import APPENDIX_4, check_reach, inverse_kinematics
 from paminsa_viz.model.accuracy import DriveAccuracy
 from paminsa_viz.model.kinematics import LEG_AXES
-from paminsa_viz.precision import drive_corners
 from paminsa_viz.precision.drive_corners import (
     CORNERS,
     _Ends,
@@ -204,4 +203,5 @@ def test_corners_are_in_the_order_of_their_actuators_and_opposite_ones_mirror() 
         [x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)
     ]
     np.testing.assert_array_equal(CORNERS, -CORNERS[::-1])
-    assert drive_corners.PIECES == 4
+    with pytest.raises(ValueError, match="read-only"):
+        CORNERS[0, 0] = 1.0

@@ -257,7 +257,9 @@ def test_grids_and_batches_are_the_poses_one_by_one() -> None:
         "horizontal",
         "corners",
         "between",
+        "rms_horizontal",
         "status",
+        "leg",
     ):
         np.testing.assert_allclose(getattr(over, name), getattr(listed, name), rtol=1e-9)
     one = drive_errors(design.geometry, DEFAULT, grid.poses()[3, 4])

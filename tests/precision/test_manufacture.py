@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, solve_field, xy_grid
 from paminsa_viz.model.accuracy import NO_TOLERANCES, Tolerances
+from paminsa_viz.precision import manufacture
 from paminsa_viz.precision.leg_lengths import INDEX, design_lengths, with_deviations
 from paminsa_viz.precision.manufacture import (
     MonteCarlo,
@@ -26,7 +27,7 @@ from paminsa_viz.precision.manufacture import (
     tolerance_errors,
     tolerance_widths,
 )
-from paminsa_viz.precision.unequal_legs import solve_pose
+from paminsa_viz.precision.unequal_legs import Closure, solve_actuators, solve_pose
 from paminsa_viz.quantities import QUANTITIES
 from tests.support.cases import BY_HAND, Case, cases
 from tests.support.measured import pointwise
@@ -235,3 +236,101 @@ def test_maps_of_deviations_are_their_poses_and_say_what_cannot_be_assembled() -
     found = {missing.words[code] for code in missing.code[reachable]}
     assert {"no-assembly:ok", "no-assembly:open"} <= found
     assert len(missing.texts) == len(missing.words)
+
+
+UNEVEN = Tolerances(
+    **{name: 1e-6 * number for number, name in enumerate(vars(Tolerances()), start=2)}
+)
+
+
+def test_errors_are_sums_and_roots_of_slopes_times_widths() -> None:
+    """Of tolerances that are all different, at poses of which one is out of reach."""
+    design = replace(APPENDIX_4, tolerances=UNEVEN)
+    poses = np.array([*BY_HAND, [0.0, 0.0, 0.0, -3.0]]).reshape(2, 2, 4)
+    found = tolerance_errors(design, poses)
+    tolerance, clearance = tolerance_widths(UNEVEN), clearance_widths(UNEVEN)
+    assert tolerance[0, INDEX["bar_43"]] == UNEVEN.bar
+    assert tolerance[2, INDEX["axis_angle"]] == UNEVEN.axis_angle
+    assert clearance[1, INDEX["bar_43"]] == UNEVEN.pin_clearance / 2
+    assert clearance[1, INDEX["guide_height"]] == UNEVEN.guide_clearance / 2
+    assert np.count_nonzero(clearance) == 3 * 7
+    slopes = design_sensitivities(design, poses).lengths
+    slopes[..., 2, :, :] = np.where(
+        np.abs(slopes[..., 2, :, :]) < 1e-9, 0.0, slopes[..., 2, :, :]
+    )  # what rounding leaves of theta
+    size = np.abs(slopes)
+    square = slopes**2 * (tolerance**2 + clearance**2) / 3.0
+    total = square.sum(axis=(-1, -2))
+    expected = {
+        "worst": (size * (tolerance + clearance)).sum(axis=(-1, -2)),
+        "clearance": (size * clearance).sum(axis=(-1, -2)),
+        "rms": np.sqrt(total),
+        "rms_horizontal": np.sqrt(total[..., 0] + total[..., 1]),
+        "rms_tilt": np.sqrt(total[..., 4] + total[..., 5]),
+        "shares": square.sum(axis=-2) / total[..., None],
+    }
+    for name, values in expected.items():
+        np.testing.assert_allclose(
+            getattr(found, name)[0], values[0], rtol=1e-9, atol=1e-15, err_msg=name
+        )
+        assert np.isnan(getattr(found, name)[1, 1]).all()
+        assert np.isfinite(getattr(found, name)[1, 0]).all()
+    assert np.isnan(found.horizontal).tolist() == [[False, False], [False, True]]
+    assert np.isnan(found.tilt).tolist() == [[False, False], [False, True]]
+
+
+def test_lengths_are_drawn_uniform_within_tolerances_and_clearances(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Around the design's own, in blocks of so many robots that 4096 poses are not exceeded."""
+    drawn: list[Any] = []
+
+    def solve(geometry: Any, lengths: Any, actuators: Any, near: Any) -> Any:
+        drawn.append(lengths[:, 0])
+        return solve_actuators(geometry, np.broadcast_to(nominal, (len(lengths), 1, 3, 14)), near)
+
+    design = replace(APPENDIX_4, tolerances=UNEVEN)
+    nominal = design_lengths(design)
+    monkeypatch.setattr(manufacture, "solve_pose", solve)
+    found = monte_carlo(design, BY_HAND, robots=3000, seed=4)
+    assert [len(part) for part in drawn] == [1365, 1365, 270]
+    np.testing.assert_allclose(found.errors, 0.0, atol=1e-12)
+    off = np.concatenate(drawn) - nominal
+    tolerance, clearance = tolerance_widths(UNEVEN), clearance_widths(UNEVEN)
+    most = tolerance + clearance
+    assert (np.abs(off) <= most * (1 + 1e-9)).all()
+    assert (np.abs(off).max(axis=0) > 0.9 * most).all()
+    np.testing.assert_allclose(
+        off.std(axis=0), np.sqrt((tolerance**2 + clearance**2) / 3), rtol=0.06
+    )
+    assert np.abs(np.corrcoef(off.reshape(3000, 42).T) - np.eye(42)).max() < 0.1
+    drawn.clear()
+    monte_carlo(design, BY_HAND, robots=3, seed=4, block=1)
+    assert [len(part) for part in drawn] == [1, 1, 1]
+
+
+def test_statistics_of_drawn_robots_by_hand() -> None:
+    errors = np.zeros((4, 2, 6))
+    errors[:, 0, 0], errors[:, 1, 1] = [1.0, -2.0, 3.0, -4.0], [5.0, 6.0, np.nan, -7.0]
+    status = np.zeros((4, 2), np.uint8)
+    status[2, 1] = Closure.OPEN
+    found = MonteCarlo(np.zeros((2, 4)), 0, errors, status, canceled=False)
+    assert found.solved.tolist() == [1.0, 0.75]
+    assert found.rms[0, 0] == pytest.approx(np.sqrt(7.5))
+    assert np.isnan(found.rms[1, 1])
+    assert [found.quantile(share)[0, 0] for share in (0.25, 0.5, 0.75, 1.0)] == [1.0, 2.0, 3.0, 4.0]
+    assert [found.quantile(share)[1, 1] for share in (0.25, 0.5, 0.75, 1.0)] == [5, 6, 7, np.inf]
+
+
+def test_poses_that_nominal_legs_do_not_reach_say_so_of_unequal_ones_too() -> None:
+    deviations = np.zeros((3, 14))
+    deviations[1, INDEX["shaft"]] = 1e-3
+    design = with_deviations(APPENDIX_4, deviations)
+    poses = np.array([BY_HAND[0], [0.0, 0.0, 0.0, -3.0], [np.nan] * 4])
+    for one in (APPENDIX_4, design):
+        found = manufactured_pose(one, poses)
+        assert found.status.tolist() == [Closure.OK, Closure.OPEN, Closure.NOT_FINITE]
+        assert np.isnan(found.pose[1:]).all()
+    slopes = design_sensitivities(design, BY_HAND[0]).lengths
+    moved = manufactured_pose(design, BY_HAND[0]).coordinates - [*BY_HAND[0], 0.0, 0.0]
+    np.testing.assert_allclose(moved, slopes[:, 1, INDEX["shaft"]] * 1e-3, atol=5e-5)

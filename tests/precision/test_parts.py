@@ -248,6 +248,9 @@ def test_a_combination_is_said_by_its_leading_lengths_with_their_signs() -> None
     assert describe(made, 1) == f"-0.70 {s[0]}(1)"
     made.weights = -weights
     assert describe(made, 2) == f"0.70 {s[0]}(1) - 0.60 {s[2]}(2)"
+    made.weights = np.zeros((3, len(LENGTHS)))
+    made.weights[0, 3] = 1.0
+    assert describe(made, 2) == f"1.00 {s[3]}(1) + 0.00 {s[0]}(1)"
     equal = np.zeros((3, len(LENGTHS)))
     equal[2, 0] = equal[0, 1] = 0.5
     made.weights = equal

@@ -24,6 +24,8 @@ from paminsa_viz.precision.leg_lengths import (
 )
 from paminsa_viz.precision.unequal_legs import (
     Closure,
+    nominal_pose,
+    sensitivities,
     solve_actuators,
     solve_pose,
 )
@@ -121,3 +123,50 @@ def test_bad_deviations_are_refused() -> None:
         with_deviations(APPENDIX_4, np.full((3, 14), 200.0))
     with pytest.raises(InvalidInput, match="batch shapes"):
         solve_pose(APPENDIX_4.geometry, np.zeros((5, 3, 14)), np.zeros((4, 4)), np.zeros(4))
+
+
+def test_batches_of_lengths_and_poses_are_solved_one_by_one() -> None:
+    """With one that cannot be closed among them; sensitivities as well."""
+    g = APPENDIX_4.geometry
+    poses = BY_HAND[:3]
+    actuators = inverse_kinematics(g, poses).actuators
+    lengths = nominal_lengths(g) + random_deviations(2, 1e-3, 2, 1)
+    lengths[1, 0, 2, INDEX["bar_37"]] = 1e-3
+    forward, back = (
+        solve_pose(g, lengths, actuators, poses), solve_actuators(g, lengths, poses)
+    )  # fmt: skip
+    slopes = sensitivities(g, lengths, forward)
+    assert forward.status.tolist() == [[Closure.OK] * 3, [Closure.OPEN] * 3]
+    assert (slopes.lengths.shape, slopes.actuators.shape) == ((2, 3, 6, 3, 14), (2, 3, 6, 4))
+    for row in range(2):
+        for column in range(3):
+            here = lengths[row, 0], actuators[column], poses[column]
+            one = solve_pose(g, *here)
+            assert one.status.shape == ()
+            same = sensitivities(g, lengths[row, 0], one)
+            pairs = [
+                (one.pose, forward.pose), (one.tilt, forward.tilt), (one.slides, forward.slides),
+                (one.actuators, forward.actuators), (one.coordinates, forward.coordinates),
+                (same.lengths, slopes.lengths), (same.actuators, slopes.actuators),
+                (solve_actuators(g, here[0], here[2]).actuators, back.actuators),
+            ]  # fmt: skip
+            for single, batch in pairs:
+                np.testing.assert_allclose(single, batch[row, column], rtol=1e-9, atol=1e-12)
+
+
+def test_inputs_that_are_no_numbers_are_told_from_bars_that_cannot_close() -> None:
+    g = APPENDIX_4.geometry
+    lost = np.array([BY_HAND[0], [np.nan, 0.0, 0.0, -0.5], [np.inf, 0.0, 0.0, -0.5]])
+    far = np.array([[0.0, 0.0, 0.0, -3.0]])
+    for found in (nominal_pose(g, np.concatenate([lost, far])),
+                  solve_actuators(g, nominal_lengths(g), np.concatenate([lost, far]))):  # fmt: skip
+        assert reasons(found) == [
+            Closure.OK, Closure.NOT_FINITE, Closure.NOT_FINITE, Closure.OPEN,
+        ]  # fmt: skip
+        for rows in (found.pose, found.tilt, found.slides, found.actuators):
+            np.testing.assert_array_equal(np.isnan(rows).any(axis=-1), [False, True, True, True])
+    actuators = inverse_kinematics(g, BY_HAND[0]).actuators
+    for column in range(4):
+        wrong = actuators.copy()
+        wrong[column] = np.nan
+        assert reasons(solve_pose(g, nominal_lengths(g), wrong, BY_HAND[0])) == [Closure.NOT_FINITE]

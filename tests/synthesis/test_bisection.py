@@ -56,6 +56,12 @@ class Balls:
         return self.margins(poses, np.zeros_like(poses))
 
 
+def patient(rounds: int = 400) -> Control:
+    """Return a control that ends a search after so many rounds, whatever time they take."""
+    left = iter(range(rounds))
+    return Control(60.0, lambda done: next(left, None) is None)
+
+
 def region_at(scale: float, region: PoseRegion = REGION) -> tuple[Any, Any]:
     whole = region.scaled(scale, ALL)
     low, high = (np.array([*c[:2], t, c[2]]) for c, t in
@@ -76,7 +82,7 @@ def nearest(group: Balls, index: int) -> float:
 
 def found(group: Any, upper: float, tolerance: float | None, **more: Any) -> Nearest:
     return nearest_violation(
-        group, Gauge(REGION, ALL), upper, tolerance, more.pop("control", Control(5.0)), **more
+        group, Gauge(REGION, ALL), upper, tolerance, more.pop("control", None) or patient(), **more
     )
 
 
@@ -91,7 +97,7 @@ def test_two_bounds_hold_the_scale_at_which_a_requirement_breaks(
     group = Balls(*balls)
     first = [nearest(group, index) for index in range(2)]
     scale, index = min(first), int(np.argmin(first))
-    control = Control(5.0)
+    control = patient()
     control.boxes = 7
     got = found(group, 3.0, tolerance, control=control)
     assert got.lower <= scale <= got.upper <= got.lower + tolerance * (1 + 1e-9)
@@ -100,6 +106,7 @@ def test_two_bounds_hold_the_scale_at_which_a_requirement_breaks(
     assert group.pose_margins(got.pose[None])[0, index] < 0.0
     assert Gauge(REGION, ALL).of_poses(got.pose[None])[0] == got.upper
     assert got.boxes == control.boxes - 7
+    assert not len(got.remaining)  # nothing nearer than the tolerance is left
     # margins are those of the region that is proven, or of boxes that reach beyond it
     exact = group.margins(*(part[None] for part in region_at(got.lower)))[0]
     assert (got.margins >= -1e-12).all()
@@ -161,7 +168,7 @@ def test_boxes_that_cannot_be_cut_any_more_bound_what_is_proven(
         region = replace(tiny, half=(8 * slack * SMALLEST,) * 3)
         group = Unknown(FAR, theta=(0.0, 0.0))
         group.smallest = np.inf
-        got = nearest_violation(group, Gauge(region, ALL), 1.0, None, Control(5.0))  # type: ignore
+        got = nearest_violation(group, Gauge(region, ALL), 1.0, None, patient())  # type: ignore
         assert got.pose is None
         assert not len(got.remaining)
         # the boxes from 3e-9 on are left over
@@ -222,6 +229,38 @@ def test_a_gauge_is_the_scale_of_the_smallest_region_around_a_pose(
     # at the edge of what does not grow nothing is beyond it
     edge = np.array([[region.center[0], region.center[1], 0.0, region.center[2] + half[2]]])
     assert Gauge(region, (True, True, False)).of_poses(edge)[0] == 0.0
+
+
+def test_the_boxes_of_least_gauge_are_taken_first() -> None:
+    middle = np.zeros((5, 4))
+    middle[:, 0] = 0.1 + 0.2 * np.array([0.9, 0.1, 0.7, 0.3, 0.5])
+    middle[:, 1], middle[:, 3] = -0.2, -0.5
+    for count, first in ((2, [0.1, 0.3]), (5, [0.1, 0.3, 0.5, 0.7, 0.9]), (9, None)):
+        pool = bisection._Pool(Gauge(REGION, ALL), middle, np.zeros((5, 4)))
+        taken, half, near = pool.take(count)
+        expected = sorted(first or [0.1, 0.3, 0.5, 0.7, 0.9])
+        assert np.sort(near) == pytest.approx(expected)
+        assert np.sort((taken[:, 0] - 0.1) / 0.2) == pytest.approx(expected)
+        assert half.shape == taken.shape
+        assert len(pool.gauge) == len(pool.boxes) == 5 - len(expected)
+
+
+def test_where_no_pose_is_meant_all_holds() -> None:
+    group: Any = Balls(FAR, NEAR)
+    group.z = (1.0, 2.0)
+    got = found(group, 1.5, None)
+    assert (got.lower, got.upper, got.pose, got.requirement) == (1.5, 1.5, None, -1)
+    assert (got.margins.tolist(), got.boxes, got.remaining.shape) == ([np.inf] * 2, 0, (0, 2, 4))
+
+
+def test_a_pose_just_beyond_an_extent_that_does_not_grow_is_beyond_it() -> None:
+    """By more than rounding."""
+    whole = Gauge(
+        PoseRegion(BOX, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (0.0, 0.0)), (True, True, False)
+    )
+    heights = np.array([1.0, 1.0 + 1e-13, 1.0 + 2e-13])
+    poses = np.column_stack([np.zeros((3, 3)), heights])
+    assert whole.of_poses(poses).tolist() == [0.0, 0.0, np.inf]
 
 
 def test_a_side_without_width_is_left_by_any_step() -> None:
@@ -298,8 +337,89 @@ def test_a_search_stops_when_the_progress_function_says_so_and_not_before() -> N
     assert control.boxes == 0
     assert 0.0 <= told[0] <= told[-1] < 1e-3
     assert control.left == pytest.approx(1e3 - control.elapsed, abs=0.1)
+    assert not Control(0.9).over
     for limit in (0.0, -1.0):
         told.clear()
         over = Control(limit, lambda done: bool(told.append(done)))
         assert over.over
         assert told == [1.0]
+
+
+@pytest.mark.parametrize("upper", [np.inf, 1.2, 0.9])
+def test_the_nearest_pose_looked_at_that_breaks_a_requirement_counts(upper: float) -> None:
+    """Of each box the pose nearest to the center, at its middle heading, and its middle."""
+    balls = (np.array([0.3, -0.2, 0.1, -0.5]), 0.15), (np.array([0.1, -0.3, 0.1, -0.6]), 0.1)
+    group: Any = Balls(*balls)
+    gauge, rng = Gauge(REGION, ALL), np.random.default_rng(3)
+    center, size = region_at(1.5)
+    for count in (1, 3, 40):
+        middle = center + size * rng.uniform(-1, 1, (count, 4))
+        half = rng.uniform(0, 0.1, (count, 4))
+        best = None
+        for m, h in zip(middle, half, strict=True):
+            near = np.clip([0.1, -0.2, m[2], -0.5], m - h, m + h)
+            for pose in (near, m):
+                margins, far = group.pose_margins(pose[None])[0], gauge.of_poses(pose[None])[0]
+                if far <= upper and (margins < 0.0).any() and (best is None or far < best[0]):
+                    best = far, pose, int(np.argmax(margins < 0.0))
+        got = bisection._broken(group, gauge, middle, half, upper)
+        assert (got is None) == (best is None)
+        if got is not None and best is not None:
+            assert (got[0], got[2]) == (best[0], best[2])
+            np.testing.assert_array_equal(got[1], best[1])
+            # also at the very bound
+            assert bisection._broken(group, gauge, middle, half, got[0]) is not None
+            assert bisection._broken(group, gauge, middle, half, got[0] * (1 - 1e-12)) is None
+    assert best is not None
+    none = np.empty((0, 4))
+    assert bisection._broken(group, gauge, none, none, upper) is None
+    for value, broken in ((0.0, False), (-1e-300, True), (np.nan, True)):
+        group.pose_margins = lambda poses, v=value: np.full((len(poses), 2), v)
+        assert (bisection._broken(group, gauge, middle, half, upper) is not None) is broken
+
+
+class Undecided(Balls):
+    """Bounds that are all the same, and poses that break nothing."""
+
+    value = -1.0
+
+    def margins(self, middle: Any, half: Any) -> Any:
+        return np.full((len(middle), 1), self.value)
+
+    def pose_margins(self, poses: Any) -> Any:
+        return np.ones((len(poses), 1))
+
+
+def test_a_margin_of_nothing_is_enough_and_boxes_of_the_smallest_size_are_not_cut() -> None:
+    group = Undecided(FAR)
+    group.value = 0.0
+    got = found(group, 1.0, None)
+    assert (got.boxes, got.margins.tolist(), got.lower) == (1, [0.0], 1.0)
+    group.value = -1.0
+    still = replace(REGION, center=(0.0, 0.0, 0.0), half=(0.0, 0.0, 0.0), theta=(0.0, 0.0))
+    group.theta = (0.0, 0.0)
+    assert nearest_violation(group, Gauge(still, ALL), 1.0, None, patient()).boxes == 1  # type: ignore
+    unit = replace(still, half=(1.0, 1.0, 1.0))
+    box = np.zeros((1, 4)), np.full((1, 4), SMALLEST)
+    for size, boxes in ((1.0, 1), (1.0 + 1e-9, 2)):
+        control = patient(3)
+        with pytest.MonkeyPatch.context() as patched:
+            patched.setattr(bisection, "first_box", lambda *_, s=size: (box[0], box[1] * s))
+            nearest_violation(group, Gauge(unit, ALL), 1.0, None, control)  # type: ignore
+        assert control.boxes >= boxes
+        assert (control.boxes == 1) is (boxes == 1)
+
+
+def test_a_search_ends_where_too_many_boxes_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+    for most, boxes in ((3, 3), (4, 7), (7, 7), (8, 15)):
+        monkeypatch.setattr(bisection, "MOST_BOXES", most)
+        got = found(Undecided(FAR), 1.0, None)
+        assert got.boxes == boxes
+        assert len(got.remaining) == boxes + 1
+
+
+def test_the_margin_of_a_region_without_size_is_that_of_its_center() -> None:
+    group = Balls(FAR, NEAR)
+    got = found(group, 0.0, None)
+    exact = group.margins(*(part[None] for part in region_at(0.0)))[0]
+    assert got.margins == pytest.approx(exact, abs=1e-9)

@@ -150,12 +150,15 @@ def test_a_margin_of_reach_shrinks_the_workspace() -> None:
     assert found.cause == "reach_margin"
 
 
-def test_a_bound_that_the_center_breaks_leaves_nothing() -> None:
+@pytest.mark.parametrize("growth", Growth)
+def test_a_bound_that_the_center_breaks_leaves_nothing(growth: Growth) -> None:
     needed = Requirements((Requirement("f_4", high=100.0),), (-TURN, TURN))
-    found = largest_workspace(APPENDIX_4, needed, CYLINDER)
+    found = largest_workspace(APPENDIX_4, needed, CYLINDER, growth=growth)
     assert found.workspace is None
     assert found.proof.verdict is Verdict.REFUTED
     assert found.cause == "f_4"
+    if growth is not Growth.ALL:
+        return
     nowhere = largest_workspace(APPENDIX_4, needed, replace(CYLINDER, center=(0.0, 0.0, None)))
     assert nowhere.workspace is None
 

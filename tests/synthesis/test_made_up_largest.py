@@ -47,7 +47,7 @@ def pose_at(scale: float, grows: Any = (True, True, True)) -> Any:
 @pytest.fixture
 def made_up(monkeypatch: pytest.MonkeyPatch) -> Any:
     """Groups that break at some scales, and what was asked of them."""
-    world = SimpleNamespace(reach=1.5, breaks={}, asked=[])
+    world = SimpleNamespace(reach=1.5, breaks={}, asked=[], left=None)
 
     def groups(design: Any, requirements: Requirements) -> Any:
         bisected = [b for b in requirements.bounds if b in world.breaks]
@@ -60,6 +60,8 @@ def made_up(monkeypatch: pytest.MonkeyPatch) -> Any:
         world.asked.append((bound, upper, tolerance, time))
         scale = world.breaks[bound]
         margins = np.array([0.25, 0.5])
+        if world.left is not None:
+            return Nearest(world.left, upper, None, -1, margins, 3)
         if scale > upper:
             return Nearest(upper, upper, None, -1, margins, 3)
         return Nearest(scale - tolerance, scale, pose_at(scale, gauge.grows), 1, margins, 3)
@@ -113,6 +115,11 @@ def test_a_small_reach_has_small_stages_and_a_later_limit_counts(made_up: Any) -
     assert region.lower == pytest.approx(0.05 - 1e-5 / 0.3)
     # the first one is known well enough from the first stage on
     assert [row[0] for row in made_up.asked].count(other) == 1
+    # of two at the same scale the first one found
+    made_up.breaks = {other: 0.05, CONDITION: 0.05}
+    first = growing(other, CONDITION)
+    first.run(1e-3)
+    assert first.requirement == other
     nothing = growing(other)
     nothing.upper = 0.0
     made_up.asked.clear()
@@ -129,6 +136,17 @@ def test_a_search_that_is_over_ends_after_its_stage(made_up: Any) -> None:
     region.run(1e-3)
     assert len(made_up.asked) == 1
     assert region.lower == pytest.approx(0.9 - FIRST_TOLERANCE / 0.3)
+    # what is known as well as that is not asked for again
+    made_up.breaks = {CONDITION: 0.9}
+    known = region._nearest[0]
+    region._advance(0, region._groups[0], FIRST_TOLERANCE / 0.3)
+    assert len(made_up.asked) == 1
+    # nor is an answer taken that is no better
+    made_up.left = known.lower
+    region._advance(0, region._groups[0], 0.1 * FIRST_TOLERANCE / 0.3)
+    assert len(made_up.asked) == 2
+    assert region._nearest[0] is known
+    made_up.left = None
     # a worse answer than the one before is not taken
     region._nearest[0] = replace(region._nearest[0], lower=0.85)
     made_up.breaks = {CONDITION: 0.84}
@@ -191,8 +209,38 @@ def test_samples_limit_both_bounds(made_up: Any, monkeypatch: pytest.MonkeyPatch
     assert not asked
 
 
-def test_what_is_nothing_is_no_region(made_up: Any) -> None:
+def test_a_sample_that_just_holds_breaks_nothing(
+    made_up: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    poses = np.array([pose_at(0.5)])
+    for margin, broken in ((0.0, False), (-1e-300, True)):
+        monkeypatch.setattr(
+            largest, "sample_requirement", lambda *_, m=margin: (poses, np.array([m]))
+        )
+        region = growing(SAMPLED)
+        assert region._sampled(SAMPLED, 1.0) is broken
+        assert region.upper == (0.5 if broken else 1.5)
+    # nothing is not looked at
+    region.lower = NOTHING
+    monkeypatch.setattr(largest, "sample_requirement", None)
+    region._sample_inside()
+
+
+def test_without_a_path_from_home_there_is_nothing(
+    made_up: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(largest, "home_path", lambda *_: np.empty((0, 4)))
+    region = growing(CONDITION)
+    region.run(1e-3)
+    assert (region.lower, region.upper, region.pose, made_up.asked) == (0.0, 0.0, None, [])
+
+
+def test_what_is_nothing_is_no_region(made_up: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     region = growing()
+    region.lower = 0.5
+    monkeypatch.setattr(largest, "NOTHING", 0.5 * largest._INSIDE)
+    assert region.found is None
+    monkeypatch.undo()
     for lower, scale in ((0.5, 0.5), (1.001 * NOTHING, 1.001 * NOTHING), (NOTHING, None)):
         region.lower = lower
         if scale is None:
@@ -245,11 +293,17 @@ def test_an_answer_states_its_limit_its_gap_and_what_ends_it(
         self.lower, self.upper, self.cause = lower, upper, cause
         self.pose, self.requirement = np.arange(4.0), CONDITION
 
+    limits: list[float] = []
+    control = largest.Control
+    monkeypatch.setattr(
+        largest, "Control", lambda time, progress: limits.append(time) or control(time, progress)
+    )
     monkeypatch.setattr(largest, "CenterSearch", search)
     monkeypatch.setattr(GrowingRegion, "run", run)
     needed = Requirements((CONDITION,), (-TURN, TURN))
     found = largest_workspace(APPENDIX_4, needed, cylinder(0.3, 0.2, None))
     assert free == [([False, False, True], False)]
+    assert limits == [15.0]
     assert found.limit == pytest.approx([2 * limit * half for half in HALF] if place else [0.0] * 3)
     assert found.cause == expected
     proven = place is not None and lower > 0.0
@@ -267,6 +321,9 @@ def test_an_answer_states_its_limit_its_gap_and_what_ends_it(
         assert found.workspace is None
         assert found.proof.verdict is (Verdict.UNDECIDED if open_ else Verdict.REFUTED)
         assert found.proof.region.half == (0.0, 0.0, 0.0)
+    if proven:  # about a center that is given only its own limit counts
+        given = largest_workspace(APPENDIX_4, needed, cylinder(0.3, 0.2, -0.5))
+        assert given.limit == pytest.approx([2 * upper * half for half in HALF])
     assert (found.pose, found.requirement) == (
         ((0.0, 1.0, 2.0, 3.0), CONDITION) if place else (None, None)
     )

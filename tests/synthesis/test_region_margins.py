@@ -136,6 +136,8 @@ def test_a_region_holds_or_names_its_first_limit() -> None:
     reach = np.array([[0.5, 0.4, 0.3, 0.2], [0.6, 0.11, 0.3, 0.4], [0.5, 0.4, 0.1, 0.2]])
     found = RegionMargins(reach, 0.2, 0.3)
     assert found.least_reach == 0.1
+    assert found.holds()
+    assert found.cause() == ""
     for least, holds in ((-1.0, True), (0.0, True), (0.0999, True), (0.1, False), (0.2, False)):
         assert found.holds(least) is holds
         assert found.cause(least) == ("" if holds else "guide:leg3")

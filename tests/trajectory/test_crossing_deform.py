@@ -17,7 +17,7 @@ from paminsa_viz.trajectory import (
     time_optimal,
 )
 from paminsa_viz.trajectory.paths import StraightPath
-from paminsa_viz.trajectory.time_optimal import _EVEN, _ODD, DeformedPlan
+from paminsa_viz.trajectory.time_optimal import DeformedPlan
 
 pytestmark = pytest.mark.slow
 
@@ -89,15 +89,3 @@ def test_what_needs_no_change_is_not_changed_and_what_no_change_helps_is_refused
     assert refusal.value.cause == "hold"
     with pytest.raises(InvalidInput, match="most"):
         plan_deformed(BALANCED, turn, TEN, most=0.0)
-
-
-def test_windows_leave_the_pose_and_all_outside_and_add_to_one_factor_alone() -> None:
-    """By s - s*: an odd one has the slope 1 there, an even one the second derivative 1."""
-    for shape, slope, bend in ((_ODD, 1.0, 0.0), (_EVEN, 0.0, 1.0)):
-        middle = [float(shape.deriv(n)(0.0)) if n else float(shape(0.0)) for n in range(3)]
-        assert middle == pytest.approx([0.0, slope, bend], abs=1e-15)
-        for end in (-1.0, 1.0):
-            ends = [float(shape.deriv(n)(end)) if n else float(shape(end)) for n in range(4)]
-            assert ends == pytest.approx([0.0] * 4, abs=1e-12)
-        x = np.linspace(-1.0, 1.0, 41)
-        assert shape(-x) == pytest.approx((-1.0 if slope else 1.0) * shape(x), abs=1e-15)

@@ -17,6 +17,7 @@ from paminsa_viz.model import (
     inverse_dynamics,
     inverse_kinematics,
 )
+from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import generalized_force
 from paminsa_viz.trajectory import Controller, ControlMode, equations, plant, point_to_point
 from paminsa_viz.trajectory.equations import robot_numbers
@@ -26,6 +27,9 @@ ROBOT = APPENDIX_4.vary(
     {**FRICTION, "payload.mass": 1.0, "load.force_x": 30.0, "load.moment_z": 2.0,
      "load.point_y": 0.05, "load.force_z": -50.0}
 )  # fmt: skip
+SERVO = Drive("servo", rotor_inertia=2e-4, gear_ratio=50.0, viscous=1e-3, coulomb=0.02)
+AXIS = Drive("axis", rotor_inertia=1e-4, transmission="screw", lead=0.01)
+ROBOT = replace(ROBOT, drives=(SERVO, replace(SERVO, gear_ratio=30.0), SERVO, AXIS))
 MODEL = ROBOT.vary({"payload.mass": 0.2, "friction.viscous_rotary": 0.1})
 PLAIN = point_to_point(A, B, 0.6).sample(30)
 SWINGING = replace(
@@ -93,7 +97,7 @@ def test_a_state_changes_as_forward_dynamics_and_powers_say(
     back = inverse_dynamics(ROBOT, pose, velocity, found[4:8], load=load).torque
     np.testing.assert_allclose(back, torque, rtol=1e-8, atol=1e-8)
     assert found[8:] == pytest.approx(
-        [torque @ speed, friction_torque(ROBOT.friction, speed) @ speed, push @ velocity]
+        [torque @ speed, friction_torque(ROBOT.actuator_friction, speed) @ speed, push @ velocity]
     )
     np.testing.assert_array_equal(derivative(t, state[:10]), found[:10])
     exact = forward_dynamics(ROBOT, pose, velocity, torque, load=load)

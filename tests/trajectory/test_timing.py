@@ -25,8 +25,8 @@ from paminsa_viz.trajectory import (
     point_to_point,
     shortest_stretch,
 )
-from paminsa_viz.trajectory.limits import LIMITED
-from paminsa_viz.trajectory.timing import nodes, supremum
+from paminsa_viz.trajectory.limits import LIMITED, UNITS
+from paminsa_viz.trajectory.timing import _longest, limit_of, nodes, supremum
 from tests.support.cases import Case, cases
 from tests.support.samples import with_knee
 from tests.trajectory.plans import FRICTION, LAWS, PLANS, A, B, all_plans, dense, place
@@ -281,3 +281,66 @@ def test_maxima_within_a_fiftieth_of_the_largest_are_followed_up(share: float, s
         return np.maximum(1.0 - 4.0 * (u - 0.75) ** 2, near)[:, None]
 
     assert supremum(hills, breaks).value == pytest.approx(1.2 if seen else 1.0, rel=1e-6)
+
+
+@pytest.mark.parametrize(("width", "pieces"), [(4.5e-12, 3), (3.5e-12, 2)])
+def test_pieces_of_four_rounding_gaps_have_no_instants_of_their_own(
+    width: float, pieces: int
+) -> None:
+    found = nodes(np.array([0.0, 0.25, 0.25 + width, 1.0]))
+    assert len(found) == pieces * 160 + 2
+    assert (np.diff(found) > 0).all()
+    inner = found[(found > 0.2) & (found < 0.3)]
+    assert np.abs(inner - 0.25).min() == pytest.approx(1e-12, rel=1e-3)
+
+
+def test_a_largest_value_is_exact_also_of_steep_hills_and_at_the_ends() -> None:
+    """Cosines of any phase and column, infinite ones, and what is nowhere above zero."""
+    breaks = np.array([0.0, 0.3, 1.0])
+    for top in (0.0, 0.123456, 0.3, 0.77, 1.0):
+        for column, size in ((0, 1.0), (2, 1.0), (1, 1e-3)):
+
+            def hill(
+                u: np.ndarray, top: float = top, column: int = column, size: float = size
+            ) -> np.ndarray:
+                found = np.full((len(u), 3), 0.5 * size)
+                found[:, column] = size * (2.0 + np.cos(5.0 * (u - top)))
+                return found
+
+            best = supremum(hill, breaks)
+            assert best.value == pytest.approx(3.0 * size, rel=1e-15)
+            assert best.u == pytest.approx(top, abs=1e-7)
+            assert best.column == column
+    lost = supremum(lambda u: np.where(u > 0.5, np.inf, u)[:, None], breaks)
+    assert lost.value == np.inf
+    assert 0.5 < lost.u < 0.51
+    none = supremum(lambda u: -1.0 - u[:, None], breaks)
+    assert (none.value, none.u, none.column) == (-1.0, 0.0, 0)
+
+
+def test_limits_by_their_places_are_in_the_units_that_are_told() -> None:
+    """The envelope's is one; a motor's speed is before its gear; infinite where there is none."""
+    limits = MotionLimits(speed=1.0, turn_acceleration=4.0, jerk=5.0, torque=7.0, force=8.0)
+    design = replace(driven(SERVO), drives=(SERVO, None, SERVO, AXIS))
+    found = [limit_of(column, limits, design) for column in range(len(LIMITED))]
+    infinite = np.inf
+    assert found == [
+        1.0, infinite, infinite, 4.0, 5.0, infinite, 7.0, 7.0, 7.0, 8.0, 1.0, 1.0, 1.0, 1.0,
+        pytest.approx(400.0), infinite, pytest.approx(400.0), pytest.approx(600.0),
+    ]  # fmt: skip
+    assert [limit_of(column, limits, None) for column in range(14, 18)] == [infinite] * 4
+    assert len(UNITS) == len(LIMITED) == 18
+
+
+def test_durations_of_torques_are_those_of_the_smallest_positive_root() -> None:
+    """Where the torque does not depend on the speed, falls or rises; without room it is none."""
+    rng = np.random.default_rng(6)
+    room = rng.uniform(-0.2, 1.0, 400)
+    first, second = rng.normal(size=(2, 400)) * 0.5
+    first[:40] = second[20:60] = 0.0
+    found = _longest(room, first, second)
+    for at, up, over, duration in zip(room, first, second, found, strict=True):
+        roots = np.roots([over, up, -at])
+        real = roots[(np.abs(roots.imag) < 1e-12) & (roots.real > 0)].real
+        expected = 1.0 / real.min() if real.size else 0.0
+        assert duration == pytest.approx(expected if at > 0 else np.inf, rel=1e-9)

@@ -65,7 +65,7 @@ class Gauge:
         with np.errstate(divide="ignore", invalid="ignore"):
             if self.region.shape is WorkspaceShape.CYLINDER:
                 plan = np.hypot(away[:, 0], away[:, 1])
-                away = np.stack([plan, plan, away[:, 2]], axis=-1)
+                away = np.column_stack([plan, plan, away[:, 2]])
             share = np.where(away == 0.0, 0.0, away / self.region.half)
         share = np.where(self.grows, share, np.where(share > 1.0 + _ROUND, np.inf, 0.0))
         return share.max(axis=1)
@@ -199,13 +199,12 @@ def nearest_violation(
     first, pose, broken, lower = control.boxes, None, -1, np.inf
     end = control.elapsed + time_limit
     proven: list[tuple[Array, Array]] = []
-    slack = 0.0 if tolerance is None else tolerance
     spare = group.sizes * (SLACK if same.any else 0.0)
     while len(pool.gauge):
         if tolerance is None:
             pool.keep(pool.gauge <= upper)
         else:
-            beyond = pool.gauge >= upper - slack
+            beyond = pool.gauge >= upper - tolerance
             lower = min(lower, pool.gauge[beyond].min(initial=np.inf))
             pool.keep(~beyond)
         if not len(pool.gauge) or len(pool.gauge) > MOST_BOXES:
@@ -230,8 +229,6 @@ def nearest_violation(
         kept = same.kept(middle, half)
         pool.add(middle[kept], half[kept])
     lower = min(lower, upper, pool.gauge.min(initial=np.inf))
-    if tolerance is None and pose is not None:
-        lower = min(lower, float(gauge.of_poses(pose[None])[0]))
     worst = np.full(count, np.inf)
     for near, margins in proven:
         worst = np.minimum(worst, margins[near <= lower].min(axis=0, initial=np.inf))

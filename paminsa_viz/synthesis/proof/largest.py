@@ -87,7 +87,7 @@ class GrowingRegion:
         self._groups = groups(self.design, self.requirements)
         self._nearest: list[Nearest | None] = [None] * len(self._groups)
         self._extent = 2.0 * max(np.extract(self.grows, self.region.half).tolist())
-        if len(home_path(self.design.geometry, self.region.scaled(0.0, self.grows))):
+        if len(home_path(self.design.geometry, self.region)):
             self.lower = self.upper = reach_scale(
                 self.design, self.requirements, self.region, self.grows, _BISECTIONS
             )
@@ -98,7 +98,6 @@ class GrowingRegion:
             return
         self._name_limit_of_reach()
         self._sample()
-        self.lower = min(self.lower, self.upper)
         # an answer of the first stage at once, and finer ones while there is time
         step = min(FIRST_TOLERANCE, 0.25 * self.upper * self._extent)
         while True:
@@ -265,15 +264,16 @@ def largest_workspace(
     if any(free):
         search = CenterSearch(design, requirements, region, grows, free, both_sides)
         place = search.find(control)
-    found, limit = None, (0.0, 0.0, 0.0)
+    found, limit, scale = None, (0.0, 0.0, 0.0), 0.0
     if place is not None:
         region = replace(region, center=place.center)
         growing = GrowingRegion(design, requirements, region, grows, control)
         growing.run(tolerance)
         found = growing.found
-        limit = _size(region.scaled(max(growing.upper, place.scale), grows))
+        scale = max(growing.upper, place.scale)
+        limit = _size(region.scaled(scale, grows))
     if growing is None or found is None:
-        verdict = Verdict.UNDECIDED if max(limit) > 0.0 else Verdict.REFUTED
+        verdict = Verdict.UNDECIDED if scale > 0.0 else Verdict.REFUTED
         largest, size = None, (0.0, 0.0, 0.0)
         proof = Proof(verdict, replace(region, half=size), ())
         cause = "volume" if growing is None else growing.cause or "home"

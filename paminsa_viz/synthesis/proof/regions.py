@@ -148,14 +148,13 @@ def region_margins(geometry: Geometry, region: PoseRegion) -> RegionMargins:
     most = float(np.abs(z5).max())
     least = 0.0 if z5[0] <= 0.0 <= z5[1] else float(np.abs(z5).min())
     bars, difference = g.crank_length + g.coupler_length, abs(g.crank_length - g.coupler_length)
-    reach = np.stack(
+    reach = np.column_stack(
         [
             bars - np.hypot(g.span_ratio * high, most),
             np.hypot(g.span_ratio * low, least) - difference,
             g.stroke - high / (g.magnification - 1),
             low - g.axis_clearance,
-        ],
-        axis=-1,
+        ]
     )
     size = bars + g.stroke + most + g.span_ratio * (region.farthest + _arms(g))
     rb, rp = g.base_radius, g.platform_radius

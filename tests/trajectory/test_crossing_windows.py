@@ -1,0 +1,130 @@
+"""Windows in which paths are changed along the escape twist, and which of them are tried."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.model import escape_twist
+from paminsa_viz.trajectory import CrossingRefused, plan_deformed, time_optimal
+from paminsa_viz.trajectory.crossing import crossings
+from paminsa_viz.trajectory.time_optimal import (
+    _EVEN,
+    _ODD,
+    DeformationWindow,
+    DeformedPath,
+    _deformed,
+)
+from tests.trajectory.crossings import BALANCED, LINE, TEN
+
+MODULE = sys.modules[time_optimal.__module__]
+(CROSSED,) = crossings(BALANCED.geometry, LINE)
+PEAKS = {"odd": (8 / 9) ** 4 / 3, "even": 0.1 * 0.8**4}
+"""Largest values of x (1 - x^2)^4 and x^2 (1 - x^2)^4 / 2: at x = 1/3 and x^2 = 1/5."""
+
+
+def test_a_changed_path_is_the_path_and_its_windows_with_their_derivatives() -> None:
+    shifts = np.array([[0.01, -0.02, 0.1, 0.0], [-0.03, 0.01, 0.2, 0.05]])
+    first = DeformationWindow(0.3, 0.2, shifts[0], _ODD)
+    path = DeformedPath(LINE, (first, DeformationWindow(0.45, 0.1, shifts[1], _EVEN)))
+    s = np.array([0.05, 0.1, 0.25, 0.3, 0.37, 0.42, 0.45, 0.5, 0.55, 0.56, 0.9])
+    x, y = (s - 0.3) / 0.2, (s - 0.45) / 0.1
+    odd = np.where(np.abs(x) < 1, x * (1 - x**2) ** 4, 0.0)
+    even = np.where(np.abs(y) < 1, 0.5 * y**2 * (1 - y**2) ** 4, 0.0)
+    np.testing.assert_allclose(
+        path(s), LINE(s) + odd[:, None] * shifts[0] + even[:, None] * shifts[1], atol=1e-15
+    )
+    for order in (1, 2, 3):
+        slope = (path(s + 1e-6, order - 1) - path(s - 1e-6, order - 1)) / 2e-6
+        np.testing.assert_allclose(path(s, order), slope, atol=1e-4 * np.abs(slope).max() + 1e-8)
+
+
+@pytest.mark.parametrize("kind", PEAKS)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("places", "halves"),
+    [
+        ([0.5], [0.25]), ([0.1], [0.1]), ([0.93], [0.07]), ([0.4, 0.6], [0.1, 0.1]),
+        ([0.05, 0.2, 0.9], [0.05, 0.075, 0.1]),
+    ],
+    ids=["middle", "start", "end", "two", "three"],
+)  # fmt: skip
+def test_windows_reach_to_the_ends_and_half_way_to_each_other(
+    places: list[float], halves: list[float], kind: str, sign: float
+) -> None:
+    """And the platform's center and joints 5 move by as much as the deviation at most."""
+    met = tuple(replace(CROSSED, s=s) for s in places)
+    shape = _ODD if kind == "odd" else _EVEN
+    changed = _deformed(BALANCED, LINE, met, shape, sign * 4e-3)
+    assert [window.at for window in changed.windows] == places
+    assert [window.half for window in changed.windows] == pytest.approx(halves)
+    twist = escape_twist(BALANCED.geometry, np.array(CROSSED.pose))
+    radius = BALANCED.geometry.platform_radius
+    for window in changed.windows:
+        assert window.shape is shape
+        np.testing.assert_allclose(window.shift, window.shift[2] * twist)
+        assert np.sign(window.shift[2]) == sign
+        far = np.hypot(*window.shift[:2]) + radius * abs(window.shift[2])
+        assert far * PEAKS[kind] == pytest.approx(4e-3, rel=1e-6)
+
+
+def test_the_first_of_a_rising_series_of_deviations_that_can_be_run_is_taken(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """From 1/32 of the largest on, twice as much each time; both shapes and signs."""
+    tried: list[tuple[Any, float]] = []
+    refusals = {"cause": "weak", "runs": 7}
+
+    def fake(design: Any, path: Any, limits: Any, duration: Any, *, name: str) -> Any:
+        assert (design, limits, duration, name) == (BALANCED, TEN, 3.0, "through")
+        if path is LINE:
+            raise CrossingRefused(str(refusals["cause"]), "no influence", 0.5)
+        (window,) = path.windows
+        tried.append((window.shape, float(window.shift[2])))
+        if len(tried) == 3:  # it crosses another time: that is another path
+            return SimpleNamespace(crossings=(1, 2))
+        if len(tried) < int(refusals["runs"]):
+            raise CrossingRefused("infeasible", "still not", 0.5)
+        return SimpleNamespace(crossings=(1,))
+
+    def run() -> Any:
+        tried.clear()
+        return plan_deformed(BALANCED, LINE, TEN, 3.0, most=0.032, name="through")
+
+    monkeypatch.setattr(MODULE, "time_optimal", fake)
+    found = run()
+    assert found.deviation == pytest.approx(0.002)
+    assert len(tried) == 7
+    assert found.found.crossings == (1,)
+    refusals["runs"] = 100
+    with pytest.raises(CrossingRefused) as refused:
+        run()
+    assert str(refused.value) == "no influence; nor on a path up to 32 mm from it"
+    assert (refused.value.cause, refused.value.s) == ("weak", 0.5)
+    assert len(tried) == 6 * 4
+    first = np.array([size for _, size in tried[:4]])
+    assert [shape for shape, _ in tried] == [_ODD, _ODD, _EVEN, _EVEN] * 6
+    assert (np.sign(first) == [1, -1, 1, -1]).all()
+    for step in range(6):
+        np.testing.assert_allclose([size for _, size in tried[4 * step :][:4]], first * 2.0**step)
+    refusals["cause"] = "hold"
+    with pytest.raises(CrossingRefused, match=r"^no influence$"):
+        run()
+    assert tried == []
+
+
+def test_windows_leave_the_pose_and_all_outside_and_add_to_one_factor_alone() -> None:
+    """By s - s*: an odd one has the slope 1 there, an even one the second derivative 1."""
+    for shape, slope, bend in ((_ODD, 1.0, 0.0), (_EVEN, 0.0, 1.0)):
+        middle = [float(shape.deriv(n)(0.0)) if n else float(shape(0.0)) for n in range(3)]
+        assert middle == pytest.approx([0.0, slope, bend], abs=1e-15)
+        for end in (-1.0, 1.0):
+            ends = [float(shape.deriv(n)(end)) if n else float(shape(end)) for n in range(4)]
+            assert ends == pytest.approx([0.0] * 4, abs=1e-12)
+        x = np.linspace(-1.0, 1.0, 41)
+        assert shape(-x) == pytest.approx((-1.0 if slope else 1.0) * shape(x), abs=1e-15)
