@@ -24,7 +24,7 @@ from typing import Any
 import tyro
 
 from paminsa_viz import cli
-from paminsa_viz.cli import flags
+from paminsa_viz.cli import flags, motion_flags
 from paminsa_viz.files.design_schema import (
     CHOICE_MEANINGS,
     CHOICES,
@@ -223,10 +223,11 @@ FLAG_HEAD = ("flag", "default", "")
 
 SHARED_FLAGS = tuple(
     kind
-    for kind in vars(flags).values()
-    if inspect.isclass(kind) and kind.__module__ == flags.__name__
+    for module in (flags, motion_flags)
+    for kind in vars(module).values()
+    if inspect.isclass(kind) and kind.__module__ == module.__name__
 )
-"""Groups of flags that several commands have, see `paminsa_viz.cli.flags`."""
+"""Groups of flags that several commands have, see `paminsa_viz.cli.flags` and `.motion_flags`."""
 
 
 def _title(kind: type) -> str:

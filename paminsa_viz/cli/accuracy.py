@@ -14,7 +14,7 @@ from paminsa_viz.blocks.accuracy import (
     manufacture_blocks,
     manufacture_data,
 )
-from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, RegionFlags
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json
 from paminsa_viz.model.design import Design
@@ -47,7 +47,7 @@ Exit code: 0 done; 1 the errors at the pose have no bound; 2 a wrong argument or
 of reach."""
 
 ROTARY_LINEAR = tyro.conf.arg(metavar="DEG UM")
-Pair = Annotated[tuple[float, float] | None, ROTARY_LINEAR]
+Pair = Annotated[OrNone[tuple[float, float]], ROTARY_LINEAR]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from contextlib import redirect_stderr
 from contextvars import ContextVar
-from typing import Any
+from typing import Any, TypeAlias, TypeVar, Union
 
 import tyro
 
@@ -16,6 +16,13 @@ from paminsa_viz.old_names import flags_of_today
 
 command_line: ContextVar[str] = ContextVar("command_line")
 """The command that runs, as it was typed: provenance of what it writes."""
+
+
+T = TypeVar("T")
+
+OrNone: TypeAlias = Union[None, T]  # noqa: RUF036, UP007
+"""A flag that may be left out. With ``T | None`` instead, or with None in the second place, tyro
+loads typeguard to compare the default, which takes as long as loading NumPy."""
 
 
 class UsageError(PaminsaError):

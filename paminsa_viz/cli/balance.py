@@ -24,8 +24,9 @@ from paminsa_viz.balancing import (
     paper_changes,
 )
 from paminsa_viz.blocks.balance import optimum_blocks, optimum_data
-from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
+from paminsa_viz.cli.arguments import OrNone, UsageError
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
+from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model.design import Design
@@ -74,11 +75,11 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
     """Of all balanced designs, the one with the least added mass, or the least mass moved."""
     exact: bool = False
     """Nothing but M_p2 = 0 will do."""
-    max_imbalance: Annotated[float | None, tyro.conf.arg(metavar="N")] = None
+    max_imbalance: Annotated[OrNone[float], tyro.conf.arg(metavar="N")] = None
     """Largest |M_p2|, for goals on a motion [N]."""
-    max_added: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
+    max_added: Annotated[OrNone[float], tyro.conf.arg(metavar="KG")] = None
     """Largest added mass of the whole robot, for goals on a motion [kg]."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
+    out: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.toml")] = None
     """Write the design here."""
 
     def check(self) -> None:

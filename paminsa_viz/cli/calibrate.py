@@ -9,7 +9,7 @@ from typing import Annotated
 import tyro
 
 from paminsa_viz.blocks.calibration import MOST_COMBINATIONS, calibration_blocks, calibration_data
-from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
 from paminsa_viz.errors import TableFileError
@@ -43,16 +43,16 @@ file."""
 class Calibrate(JsonFlags, DesignFlags):
     """Flags of the command."""
 
-    log: Annotated[Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="LOG")] = None
+    log: Annotated[OrNone[Path], tyro.conf.Positional, tyro.conf.arg(metavar="LOG")] = None
     """Table of measured poses and readings, .csv."""
-    propose: Annotated[int | None, tyro.conf.arg(metavar="POSES")] = None
+    propose: Annotated[OrNone[int], tyro.conf.arg(metavar="POSES")] = None
     """Instead of calibrating, choose poses to measure, and write them with --out, .csv or .npz."""
     validate: Annotated[float, tyro.conf.arg(metavar="SHARE")] = 0.0
     """Share of the poses that are held back, drawn at random, to check the result with; 0 to
     0.9."""
     seed: int = 0
     """Seed of that draw."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    out: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE")] = None
     """Design file to write, .toml, or the table of --propose; one that exists is replaced. The
     design is not written where held-back poses are not predicted better than before."""
     all: bool = False

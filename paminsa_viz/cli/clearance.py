@@ -15,7 +15,7 @@ from paminsa_viz.blocks.clearance import (
     region_blocks,
 )
 from paminsa_viz.clearance import clearance
-from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
 from paminsa_viz.cli.output import print_blocks, print_json
 from paminsa_viz.dimensions.layout import layout
@@ -54,11 +54,11 @@ class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
     """Least clearance that is required [mm]."""
     poses: int = 0
     """Random poses of the workspace to check as well; those out of reach do not count."""
-    radius: Annotated[float | None, tyro.conf.arg(metavar="MM")] = None
+    radius: Annotated[OrNone[float], tyro.conf.arg(metavar="MM")] = None
     """Radius of the disc that their positions are in [mm]; half of R_b if left out."""
     theta: Annotated[float, tyro.conf.arg(metavar="DEG")] = 30.0
     """Largest angle of theirs, to either side [deg]."""
-    z: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    z: Annotated[OrNone[tuple[float, float]], tyro.conf.arg(metavar="LOW HIGH")] = None
     """Range of their heights [mm]; what the frame is drawn for if left out."""
     seed: int = 0
     """Seed of the draw."""

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags
 from paminsa_viz.cli.output import print_written
 from paminsa_viz.codegen.fmu import fmu_folder
@@ -31,7 +31,7 @@ program and a README with conventions, units and limits."""
 class Code(DesignFlags):
     """Flags of the command."""
 
-    out: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
+    out: Annotated[OrNone[Path], tyro.conf.arg(metavar="FOLDER")] = None
     """Folder to write into; it is made if it is not there."""
     float: bool = False
     """Use float instead of double."""

@@ -15,7 +15,7 @@ from paminsa_viz.blocks.design import (
     values_data,
     values_table,
 )
-from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import JsonFlags, check_output
 from paminsa_viz.cli.output import (
     print_blocks,
@@ -69,7 +69,7 @@ class CheckDesigns:
 class Show(JsonFlags):
     """Print every value of a design with its symbol and unit."""
 
-    file: Annotated[Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")] = None
+    file: Annotated[OrNone[Path], tyro.conf.Positional, tyro.conf.arg(metavar="FILE")] = None
     """Design file; Appendix 4 if left out."""
 
     def run(self) -> int:
@@ -87,7 +87,7 @@ class Show(JsonFlags):
 class Default:
     """Write Appendix 4's design file, to the screen or to a file."""
 
-    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    out: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE")] = None
     """File to write; one that exists is replaced."""
 
     def run(self) -> int:
@@ -107,7 +107,7 @@ class Diff(JsonFlags):
 
     file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
     """Design file."""
-    other: Annotated[Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")] = None
+    other: Annotated[OrNone[Path], tyro.conf.Positional, tyro.conf.arg(metavar="FILE")] = None
     """Design file to compare with it; if left out, the first one is compared with Appendix 4."""
 
     def run(self) -> int:

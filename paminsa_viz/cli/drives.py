@@ -15,8 +15,9 @@ from paminsa_viz.actuation.ratios import catalog_ratios
 from paminsa_viz.actuation.selection import select_drives
 from paminsa_viz.actuation.sizing import Order
 from paminsa_viz.blocks.drives import cycle_text, ratio_table, selection_blocks, selection_data
-from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
+from paminsa_viz.cli.arguments import OrNone, UsageError
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
+from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import (
     print_blocks,
     print_error,
@@ -58,11 +59,11 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
     waits after each [s]; may be given several times."""
     dwell: Annotated[float, tyro.conf.arg(metavar="S")] = 0.0
     """How long the robot waits after the one motion of --preset or --file [s]."""
-    catalog: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
+    catalog: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.csv")] = None
     """Catalog of motors, gears, screws and belts; generic sizes if left out."""
     order: Order = "mass"
     """What comes first: the lightest, the cheapest, or the one with most margin."""
-    inertia_ratio: Annotated[float | None, tyro.conf.arg(metavar="RATIO")] = None
+    inertia_ratio: Annotated[OrNone[float], tyro.conf.arg(metavar="RATIO")] = None
     """Largest inertia of the robot over that of the motor, at the motor's shaft; any if left
     out."""
     same: bool = False
@@ -72,7 +73,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
     ratios: bool = False
     """List the feasible gear ratios of every motor instead, for a gear without inertia and losses;
     for M4 with each screw and belt, whose inertia is left out too."""
-    save: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
+    save: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.toml")] = None
     """Write the design with the first drive of each list."""
 
     def run(self) -> int:

@@ -11,7 +11,7 @@ import tyro
 
 from paminsa_viz.actuation import actuator_limits
 from paminsa_viz.blocks.excitation import excitation_blocks, excitation_data
-from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.output import print_began, print_blocks, print_error, print_json, print_written
 from paminsa_viz.files.identification_table import excitation_table
@@ -45,7 +45,7 @@ DEFAULTS = ExcitationSettings()
 class Excite(JsonFlags, DesignFlags):
     """Flags of the command."""
 
-    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    out: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE")] = None
     """Table to write, .csv or .npz; one that exists is replaced."""
     period: Annotated[float, tyro.conf.arg(metavar="S")] = DEFAULTS.period
     """Period of the motion [s]."""
@@ -53,15 +53,15 @@ class Excite(JsonFlags, DesignFlags):
     """How often it is run."""
     harmonics: int = DEFAULTS.harmonics
     """Number of harmonics of each coordinate, 3 to 20."""
-    max_torque: Annotated[float | None, tyro.conf.arg(metavar="NM")] = None
+    max_torque: Annotated[OrNone[float], tyro.conf.arg(metavar="NM")] = None
     """Limit of the torque of M1, M2 and M3 [N m]; those of the design's drives by default, and 20
     without drives."""
-    max_force: Annotated[float | None, tyro.conf.arg(metavar="N")] = None
+    max_force: Annotated[OrNone[float], tyro.conf.arg(metavar="N")] = None
     """Limit of the force of M4 [N]; by default that of its drive, and 1000 without one."""
-    max_speed: Annotated[float | None, tyro.conf.arg(metavar="RAD/S")] = None
+    max_speed: Annotated[OrNone[float], tyro.conf.arg(metavar="RAD/S")] = None
     """Limit of the speed of M1, M2 and M3 [rad/s]; by default those of their drives, and 3 without
     drives."""
-    max_lift_speed: Annotated[float | None, tyro.conf.arg(metavar="M/S")] = None
+    max_lift_speed: Annotated[OrNone[float], tyro.conf.arg(metavar="M/S")] = None
     """Limit of the speed of M4 [m/s]; by default that of its drive, and 0.25 without one."""
     max_condition: float = 5.0
     """Largest condition number on the way."""

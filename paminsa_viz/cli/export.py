@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 import tyro
 
-from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, PoseFlags, check_output
 from paminsa_viz.cli.output import print_written
 from paminsa_viz.engines.exported import exported_mjcf
@@ -41,17 +41,17 @@ Try `python -m mujoco.viewer --mjcf=robot/robot.xml`: the sliders move the four 
 class Export(PoseFlags, DesignFlags):
     """Flags of the command."""
 
-    glb: Annotated[Path | None, tyro.conf.arg(metavar="FILE.glb")] = None
+    glb: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.glb")] = None
     """Write the posed robot as GLB."""
-    mjcf: Annotated[Path | None, tyro.conf.arg(metavar="FILE.xml")] = None
+    mjcf: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.xml")] = None
     """Write the MuJoCo model with simple shapes, in one file."""
-    meshes: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER|FILE.zip")] = None
+    meshes: Annotated[OrNone[Path], tyro.conf.arg(metavar="FOLDER|FILE.zip")] = None
     """Write the MuJoCo model with the robot's shapes: robot.xml and meshes/*.obj."""
-    usd: Annotated[Path | None, tyro.conf.arg(metavar="FILE.usda")] = None
+    usd: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.usda")] = None
     """Write the USD stage with UsdPhysics: bodies, joints, the twelve loops, drives."""
-    urdf: Annotated[Path | None, tyro.conf.arg(metavar="FILE.urdf")] = None
+    urdf: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.urdf")] = None
     """Write the URDF, a tree with mimicking joints, and its loops beside it: FILE.loops.json."""
-    dxf: Annotated[Path | None, tyro.conf.arg(metavar="FILE.dxf")] = None
+    dxf: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.dxf")] = None
     """Write the posed skeleton as a drawing: from above, and each leg in its plane."""
     motors: bool = False
     """Give the MuJoCo and USD models plain motors instead of position servos about the pose."""

@@ -1,4 +1,4 @@
-"""Flags that several commands have: of a design, a pose, a motion, files."""
+"""Flags that several commands have: of a design, a pose, a region, files."""
 
 from __future__ import annotations
 
@@ -10,23 +10,17 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import tyro
 
-from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.files.atomic import check_writable
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.tables import table_endings
-from paminsa_viz.files.trajectory_table import read_trajectory
-from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
+from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.load import WRENCH, LoadFrame
 from paminsa_viz.plots.formats import figure_endings
-from paminsa_viz.trajectory import PRESET, Trajectory
 from paminsa_viz.units import MM
 
 if TYPE_CHECKING:
     from paminsa_viz.studies.region import Region
-
-    PresetName: TypeAlias = str
-else:
-    PresetName = Literal[tuple(PRESET)]
 
 Pose: TypeAlias = tuple[float, float, float, float]
 Point: TypeAlias = tuple[float, float, float]
@@ -61,17 +55,17 @@ def check_output(flag: str, path: Path | None, endings: Iterable[str]) -> None:
 class DesignFlags:
     """The robot."""
 
-    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    design: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE")] = None
     """Design file (TOML), instead of the paper's Appendix 4."""
-    knee: Literal["lower", "upper"] | None = None
+    knee: OrNone[Literal["lower", "upper"]] = None
     """Branch of the knee 9: lower as Appendix 1 prints it, or upper, its mirror image; by default
     the design's own."""
-    load: Annotated[Wrench | None, tyro.conf.arg(metavar="FX FY FZ MX MY MZ")] = None
+    load: Annotated[OrNone[Wrench], tyro.conf.arg(metavar="FX FY FZ MX MY MZ")] = None
     """External force [N] and moment [N m] on the platform, instead of the design's own. The
     actuators do not see MX and MY: the bearings carry them."""
-    load_point: Annotated[Point | None, tyro.conf.arg(metavar="X Y Z")] = None
+    load_point: Annotated[OrNone[Point], tyro.conf.arg(metavar="X Y Z")] = None
     """Point of the force, in mm from the platform's center, in the platform's frame."""
-    load_frame: Literal["world", "platform"] | None = None
+    load_frame: OrNone[Literal["world", "platform"]] = None
     """What the directions of force and moment are fixed in."""
 
     def given_design(self) -> Design:
@@ -96,7 +90,7 @@ class DesignFlags:
 class ComparedDesignFlags(DesignFlags):
     """The robot and another one."""
 
-    reference: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    reference: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE")] = None
     """Another design file, to compare with on the same motion; maps show the design minus this
     one."""
 
@@ -111,7 +105,7 @@ class ComparedDesignFlags(DesignFlags):
 class PoseFlags:
     """A pose of the platform."""
 
-    pose: Annotated[Pose | None, tyro.conf.arg(metavar="X Y THETA Z")] = None
+    pose: Annotated[OrNone[Pose], tyro.conf.arg(metavar="X Y THETA Z")] = None
     """Pose in mm, mm, degrees, mm; in the middle of the workspace if left out."""
 
     @property
@@ -124,7 +118,7 @@ class PoseFlags:
 class RegionFlags:
     """Poses that numbers are over."""
 
-    radius: Annotated[float | None, tyro.conf.arg(metavar="MM")] = None
+    radius: Annotated[OrNone[float], tyro.conf.arg(metavar="MM")] = None
     """Radius of the disc of positions that numbers are over [mm]; half of R_b if left out."""
     theta: Annotated[tuple[float, ...], tyro.conf.arg(metavar="DEG")] = ()
     """An angle that they are over [°]; can be repeated. 0 and 30 if left out."""
@@ -150,38 +144,6 @@ class RegionFlags:
             z=tuple(height / MM for height in self.z) or region.z,
             cells=self.cells,
         )
-
-
-@dataclass(frozen=True, kw_only=True)
-class MotionFlags:
-    """A motion."""
-
-    preset: PresetName | None = None
-    """A ready-made motion, sized for the robot; paper-like by default. None of them is the paper's
-    own."""
-    file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
-    """A motion as a table with t_s,x_m,y_m,theta_rad,z_m, instead of a preset."""
-
-    def given_motion(self, geometry: Geometry) -> Trajectory:
-        """Return the trajectory of the file, or else of the preset, sized for a robot.
-
-        Raises:
-            UsageError: If both are given.
-            TableFileError: If the file cannot be read.
-        """
-        self.exclude_both()
-        if self.file is not None:
-            return read_trajectory(self.file)
-        return PRESET[self.preset or "paper-like"].build(geometry).sample()
-
-    def exclude_both(self) -> None:
-        """Refuse a preset together with a file.
-
-        Raises:
-            UsageError: If both are given.
-        """
-        if self.preset is not None and self.file is not None:
-            raise UsageError("--preset and --file exclude each other")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,7 @@ from typing import Annotated
 import tyro
 
 from paminsa_viz.blocks.identification import identification_blocks, identification_data
-from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Pose, pose_si
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
 from paminsa_viz.files.atomic import make_folder, write_bytes
@@ -52,15 +52,15 @@ class Identify(JsonFlags, DesignFlags):
     log: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="LOG")]
     """Log to identify, a CSV file, or one that comes with the program: example, example-other,
     example-payload."""
-    validate: Annotated[str | None, tyro.conf.arg(metavar="LOG")] = None
+    validate: Annotated[OrNone[str], tyro.conf.arg(metavar="LOG")] = None
     """Second log, on another motion, that the numbers of the first have to predict."""
-    payload: Annotated[tuple[str, float] | None, tyro.conf.arg(metavar="LOG KG")] = None
+    payload: Annotated[OrNone[tuple[str, float]], tyro.conf.arg(metavar="LOG KG")] = None
     """Third log, with a payload on the platform, and its mass [kg]; 0 if it was not weighed."""
-    gains: Annotated[tuple[float, float, float, float] | None, tyro.conf.arg(metavar="K")] = None
+    gains: Annotated[OrNone[tuple[float, float, float, float]], tyro.conf.arg(metavar="K")] = None
     """Torque of M1 to M3 [N m/A] and force of M4 [N/A] for each ampere, for logs of currents."""
     split: bool = False
     """Split logs at gaps, rows out of reach and singular ones, instead of refusing them."""
-    start: Annotated[Pose | None, tyro.conf.arg(metavar="X Y THETA Z")] = None
+    start: Annotated[OrNone[Pose], tyro.conf.arg(metavar="X Y THETA Z")] = None
     """Pose near the start of the logs, in mm, mm, degrees, mm; it chooses the assembly mode. The
     home pose by default."""
     cut_off: Annotated[float, tyro.conf.arg(metavar="HZ")] = DEFAULTS.cut_off
@@ -73,7 +73,7 @@ class Identify(JsonFlags, DesignFlags):
     """Fit how the legs' own masses differ."""
     constrain: bool = False
     """Hold the identity of the masses, which only springs break."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    out: Annotated[OrNone[Path], tyro.conf.arg(metavar="DIR")] = None
     """Folder to write into: parameters.csv, residuals.csv, identified.toml, torques.svg."""
 
     def run(self) -> int:

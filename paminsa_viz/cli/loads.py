@@ -10,8 +10,9 @@ import numpy as np
 import tyro
 
 from paminsa_viz.blocks.loads import motion_blocks, motion_data, pose_blocks, pose_data
-from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PoseFlags, check_output
+from paminsa_viz.cli.arguments import OrNone, UsageError
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, check_output
+from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import (
     print_blocks,
     print_error,
@@ -53,7 +54,7 @@ argument or file, or a pose out of reach."""
 class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
     """Flags of the command."""
 
-    bar: Literal["b1", "b2", "b3", "b4", "b7", "b8", "b10"] | None = None
+    bar: OrNone[Literal["b1", "b2", "b3", "b4", "b7", "b8", "b10"]] = None
     """Write N, V and M along this bar, at rest."""
     bearings: bool = False
     """Write peak, RMS and equivalent load of every joint instead of the motion's samples."""

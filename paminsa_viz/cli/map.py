@@ -11,7 +11,7 @@ import numpy as np
 import tyro
 
 from paminsa_viz.blocks.maps import maps_blocks, maps_data
-from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import ComparedDesignFlags, FilesFlags
 from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
 from paminsa_viz.errors import PaminsaError
@@ -73,7 +73,7 @@ class Map(FilesFlags, ComparedDesignFlags):
     """What to map; torques are those of M1, M2 and M3 side by side."""
     theta: Annotated[float, tyro.conf.arg(metavar="DEG")] = 60.0
     """Angle of the platform [°]."""
-    z: Annotated[float | None, tyro.conf.arg(metavar="MM")] = None
+    z: Annotated[OrNone[float], tyro.conf.arg(metavar="MM")] = None
     """Height of the platform [mm]; in the middle of the workspace if left out."""
     at: Annotated[tuple[float, float], tyro.conf.arg(metavar="X Y")] = (0.0, 0.0)
     """Position of the ring that marks a pose [mm]."""
@@ -83,7 +83,7 @@ class Map(FilesFlags, ComparedDesignFlags):
     """Largest condition number of a position that counts in the printed numbers: toward a
     singularity torques grow without bound."""
 
-    range: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    range: Annotated[OrNone[tuple[float, float]], tyro.conf.arg(metavar="LOW HIGH")] = None
     """Ends of the colors [N m, N, mm]; by default the ordinary values are seen best, and what
     explodes next to a singularity lies beyond."""
     full_range: bool = False
@@ -92,7 +92,7 @@ class Map(FilesFlags, ComparedDesignFlags):
     """Let the colors follow a logarithm to both sides of zero."""
     own_ranges: bool = False
     """Give each of the three torques colors of its own."""
-    published: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
+    published: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.csv")] = None
     """Published or measured torques at rest, x_m,y_m with tau1_Nm, tau2_Nm, tau3_Nm, f4_N or some
     of them: drawn as points in the colors of their values, and by how much the computed ones are
     off."""

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, check_output
 from paminsa_viz.cli.output import print_written
 from paminsa_viz.files.atomic import write_bytes
@@ -32,7 +32,7 @@ class Page(DesignFlags):
 
     out: Annotated[Path, tyro.conf.arg(metavar="FILE.html")]
     """File to write; one that exists is replaced."""
-    code: Annotated[str | None, tyro.conf.arg(metavar="PMZ1-...")] = None
+    code: Annotated[OrNone[str], tyro.conf.arg(metavar="PMZ1-...")] = None
     """Share code to open the page with, instead of a design."""
 
     def run(self) -> int:

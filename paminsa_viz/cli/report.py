@@ -9,8 +9,9 @@ from typing import Annotated
 
 import tyro
 
-from paminsa_viz.cli.arguments import UsageError, command_line
-from paminsa_viz.cli.flags import DesignFlags, MotionFlags, PoseFlags, check_output
+from paminsa_viz.cli.arguments import OrNone, UsageError, command_line
+from paminsa_viz.cli.flags import DesignFlags, PoseFlags, check_output
+from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_written, write_report
 from paminsa_viz.files.design_file import load_content
 from paminsa_viz.files.example_logs import given_log
@@ -41,12 +42,12 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
     cross: bool = False
     """The rows of --file are waypoints of a motion that may pass type-2 singularities, in the
     shortest time within --max-torque."""
-    max_torque: Annotated[float | None, tyro.conf.arg(metavar="NM")] = None
+    max_torque: Annotated[OrNone[float], tyro.conf.arg(metavar="NM")] = None
     """Limit of the torque of M1, M2 and M3 for --cross [N m]."""
-    log: Annotated[str | None, tyro.conf.arg(metavar="LOG")] = None
+    log: Annotated[OrNone[str], tyro.conf.arg(metavar="LOG")] = None
     """Log of the built robot to identify it from: a CSV file, or example; see paminsa-viz
     identify."""
-    measured: Annotated[Path | None, tyro.conf.arg(metavar="POSES.csv")] = None
+    measured: Annotated[OrNone[Path], tyro.conf.arg(metavar="POSES.csv")] = None
     """Table of measured poses and readings to calibrate the robot with; see paminsa-viz
     calibrate."""
     verify: bool = True

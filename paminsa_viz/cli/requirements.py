@@ -19,7 +19,7 @@ from paminsa_viz.blocks.requirements import (
     quantities_data,
     quantities_table,
 )
-from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Point, check_output
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
 from paminsa_viz.files.atomic import write_bytes
@@ -61,17 +61,19 @@ argument or file."""
 class RequirementFlags(DesignFlags):
     """The robot and what it is needed for."""
 
-    file: Annotated[Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")] = None
+    file: Annotated[OrNone[Path], tyro.conf.Positional, tyro.conf.arg(metavar="FILE")] = None
     """Design file with its requirements; Appendix 4 if left out."""
     require: Annotated[tuple[str, ...], tyro.conf.arg(metavar="TEXT")] = ()
     """A requirement on top of the file's; may be given several times."""
-    theta: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="FROM TO")] = None
+    theta: Annotated[OrNone[tuple[float, float]], tyro.conf.arg(metavar="FROM TO")] = None
     """Headings that count [degrees], instead of the file's."""
-    cylinder: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="DIAMETER HEIGHT")] = None
+    cylinder: Annotated[OrNone[tuple[float, float]], tyro.conf.arg(metavar="DIAMETER HEIGHT")] = (
+        None
+    )
     """A cylinder that has to fit [mm], instead of the file's workspace."""
-    box: Annotated[Point | None, tyro.conf.arg(metavar="X Y Z")] = None
+    box: Annotated[OrNone[Point], tyro.conf.arg(metavar="X Y Z")] = None
     """A box that has to fit [mm], instead of the file's workspace."""
-    center: Annotated[tuple[str, str, str] | None, tyro.conf.arg(metavar="X Y Z")] = None
+    center: Annotated[OrNone[tuple[str, str, str]], tyro.conf.arg(metavar="X Y Z")] = None
     """Center of the workspace [mm]; 'free' for a coordinate that is to be found. 0 0 free if left
     out."""
 

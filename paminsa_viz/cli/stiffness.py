@@ -13,7 +13,7 @@ from paminsa_viz.blocks.stiffness import (
     stiffness_blocks,
     stiffness_data,
 )
-from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json
 from paminsa_viz.elastostatics.beams import tube_fits
@@ -45,7 +45,7 @@ file, or a pose out of reach."""
 class Stiffness(JsonFlags, PoseFlags, DesignFlags):
     """Flags of the command."""
 
-    payload: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
+    payload: Annotated[OrNone[float], tyro.conf.arg(metavar="KG")] = None
     """Payload [kg] with its center at the platform's, instead of the design's own."""
     shear: bool = False
     """Bars deform by shear as well (Timoshenko)."""

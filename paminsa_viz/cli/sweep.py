@@ -13,15 +13,9 @@ import numpy as np
 import tyro
 
 from paminsa_viz.blocks.sweep import sweep_blocks, sweep_data
-from paminsa_viz.cli.arguments import UsageError, command_line
-from paminsa_viz.cli.flags import (
-    DesignFlags,
-    JsonFlags,
-    MotionFlags,
-    PresetName,
-    RegionFlags,
-    check_output,
-)
+from paminsa_viz.cli.arguments import OrNone, UsageError, command_line
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, RegionFlags, check_output
+from paminsa_viz.cli.motion_flags import MotionFlags, PresetName
 from paminsa_viz.cli.output import print_blocks, print_error, print_json
 from paminsa_viz.interrupts import on_interrupt
 from paminsa_viz.model.design import PARAMETER, Design
@@ -80,13 +74,13 @@ WORTH_PROCESSES = 10**7
 class Sweep(JsonFlags, RegionFlags, MotionFlags, DesignFlags):
     """Flags of the command."""
 
-    preset: PresetName | None = None
+    preset: OrNone[PresetName] = None
     """A ready-made motion to measure the designs on as well."""
     out: Annotated[Path, tyro.conf.arg(metavar="FILE.csv")]
     """Table to write, or to resume."""
     vary: Annotated[tuple[str, ...], tyro.conf.arg(metavar="PATH[=VALUES]")] = ()
     """A design value that varies, and how; can be repeated."""
-    random: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    random: Annotated[OrNone[int], tyro.conf.arg(metavar="N")] = None
     """Draw this many random designs, instead of a grid."""
     seed: int = 0
     """Seed of random designs."""
@@ -106,9 +100,9 @@ class Sweep(JsonFlags, RegionFlags, MotionFlags, DesignFlags):
 
     restart: bool = False
     """Start over, whatever the table holds."""
-    jobs: int | None = None
+    jobs: OrNone[int] = None
     """Number of processes; one on each core if left out, where that pays."""
-    dask: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
+    dask: Annotated[OrNone[str], tyro.conf.arg(metavar="ADDRESS")] = None
     """Work on the Dask cluster with this scheduler, such as tcp://10.0.0.1:8786."""
 
     def run(self) -> int:

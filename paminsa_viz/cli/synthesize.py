@@ -22,8 +22,9 @@ from paminsa_viz.blocks.synthesis import (
     synthesis_blocks,
     synthesis_data,
 )
-from paminsa_viz.cli.arguments import UsageError, command_line
-from paminsa_viz.cli.flags import JsonFlags, MotionFlags, check_output
+from paminsa_viz.cli.arguments import OrNone, UsageError, command_line
+from paminsa_viz.cli.flags import JsonFlags, check_output
+from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_blocks, print_json, print_written, write_report
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.errors import InvalidDesign
@@ -84,7 +85,7 @@ class AnswerFlags:
 
     prices: bool = False
     """What each active requirement costs: the search again near the answer, with it moved."""
-    built: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    built: Annotated[OrNone[int], tyro.conf.arg(metavar="N")] = None
     """Build so many robots within tolerances: the part of them that meets all requirements."""
     mass_tolerance: Annotated[float, tyro.conf.arg(metavar="%")] = 2.0
     """Tolerance of each mass to either side [%]; those of lengths are the design's."""
@@ -152,25 +153,25 @@ class Synthesize(AnswerFlags, JsonFlags):
 
     case: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="CASE.toml")]
     """Case file, or a worked case: cylinder, cell, arch."""
-    objective: ObjectiveName | None = None
+    objective: OrNone[ObjectiveName] = None
     """What is minimized, instead of the file's; torques of motions and energy need motions."""
-    seed: int | None = None
+    seed: OrNone[int] = None
     """Seed of the search, instead of the file's."""
     allow_overlap: bool = False
     """Whether bodies of the robot may overlap as they are drawn; the answer is marked with it."""
-    generations: int | None = None
+    generations: OrNone[int] = None
     """Most generations for each of R_pl < R_b and R_pl > R_b, instead of the file's."""
     workers: int = 1
     """Number of processes."""
-    dask: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
+    dask: Annotated[OrNone[str], tyro.conf.arg(metavar="ADDRESS")] = None
     """Work on the Dask cluster with this scheduler, such as tcp://10.0.0.1:8786."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
+    out: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.toml")] = None
     """Design file to write the robot to, with its requirements."""
-    report: Annotated[Path | None, tyro.conf.arg(metavar="FILE.html")] = None
+    report: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.html")] = None
     """Design report to write on the robot, with the search; see paminsa-viz report."""
-    checkpoint: Annotated[Path | None, tyro.conf.arg(metavar="FILE.json")] = None
+    checkpoint: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.json")] = None
     """File that keeps where the search is; one that exists is resumed."""
-    prove: Annotated[float | None, tyro.conf.arg(metavar="S")] = None
+    prove: Annotated[OrNone[float], tyro.conf.arg(metavar="S")] = None
     """Try to prove the answer over the whole workspace, for at most this time [s]."""
 
     def run(self) -> int:

@@ -9,8 +9,9 @@ from typing import Annotated, Literal
 
 import tyro
 
-from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import ComparedDesignFlags, FilesFlags, MotionFlags
+from paminsa_viz.cli.arguments import OrNone, UsageError
+from paminsa_viz.cli.flags import ComparedDesignFlags, FilesFlags
+from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_error, print_json
 from paminsa_viz.cli.trajectory_report import (
     PAGE,
@@ -80,21 +81,21 @@ MOST_LIMIT = 1e9
 class LimitFlags:
     """Limits of the shortest motion."""
 
-    max_speed: Annotated[float | None, tyro.conf.arg(metavar="M/S")] = None
+    max_speed: Annotated[OrNone[float], tyro.conf.arg(metavar="M/S")] = None
     """Limit of the platform's speed [m/s]."""
-    max_turn_speed: Annotated[float | None, tyro.conf.arg(metavar="DEG/S")] = None
+    max_turn_speed: Annotated[OrNone[float], tyro.conf.arg(metavar="DEG/S")] = None
     """Limit of its turning speed [°/s]."""
-    max_acceleration: Annotated[float | None, tyro.conf.arg(metavar="M/S2")] = None
+    max_acceleration: Annotated[OrNone[float], tyro.conf.arg(metavar="M/S2")] = None
     """Limit of its acceleration [m/s²]."""
-    max_turn_acceleration: Annotated[float | None, tyro.conf.arg(metavar="DEG/S2")] = None
+    max_turn_acceleration: Annotated[OrNone[float], tyro.conf.arg(metavar="DEG/S2")] = None
     """Limit of its turning acceleration [°/s²]."""
-    max_jerk: Annotated[float | None, tyro.conf.arg(metavar="M/S3")] = None
+    max_jerk: Annotated[OrNone[float], tyro.conf.arg(metavar="M/S3")] = None
     """Limit of its jerk [m/s³]."""
-    max_turn_jerk: Annotated[float | None, tyro.conf.arg(metavar="DEG/S3")] = None
+    max_turn_jerk: Annotated[OrNone[float], tyro.conf.arg(metavar="DEG/S3")] = None
     """Limit of its turning jerk [°/s³]."""
-    max_torque: Annotated[float | None, tyro.conf.arg(metavar="NM")] = None
+    max_torque: Annotated[OrNone[float], tyro.conf.arg(metavar="NM")] = None
     """Limit of the torque of M1, M2 and M3 [N m]."""
-    max_force: Annotated[float | None, tyro.conf.arg(metavar="N")] = None
+    max_force: Annotated[OrNone[float], tyro.conf.arg(metavar="N")] = None
     """Limit of the force of M4 [N]."""
 
     @property
@@ -120,7 +121,7 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
     printed: bool = False
     """Also work it out by the formulas as published, misprints included."""
 
-    duration: Annotated[float | None, tyro.conf.arg(metavar="S")] = None
+    duration: Annotated[OrNone[float], tyro.conf.arg(metavar="S")] = None
     """Duration [s], instead of the motion's own."""
     shortest: bool = False
     """Run the motion by the time-optimal law on its path: the shortest time that keeps the limits
@@ -132,10 +133,10 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
     """Let the motion through --waypoints pass type-2 singularities: its time law is planned such
     that torques stay bounded there, and within the limits --max-torque and --max-force. In the
     shortest time, or with --duration in that time."""
-    rate: Annotated[float | None, tyro.conf.arg(metavar="HZ")] = None
+    rate: Annotated[OrNone[float], tyro.conf.arg(metavar="HZ")] = None
     """Samples a second; 1000 for planned motions, and as they are for a table."""
 
-    simulate: Literal["computed-torque", "pd", "feed-forward"] | None = None
+    simulate: OrNone[Literal["computed-torque", "pd", "feed-forward"]] = None
     """Let a controller drive the robot: computed torque, feed-forward with PD, or feed-forward.
     With the last one alone the robot is unstable."""
     payload_mismatch: Annotated[float, tyro.conf.arg(metavar="KG")] = 0.0
@@ -143,13 +144,13 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
     bandwidth: Annotated[float, tyro.conf.arg(metavar="HZ")] = Controller().bandwidth
     """Bandwidth of the controller [Hz]."""
 
-    figure: FigureKind | None = None
+    figure: OrNone[FigureKind] = None
     """What figures show: torques, or with --simulate the tracking, by default.
     A comparison is with --engine or --published, else --printed, else --reference."""
-    engine: Literal["mujoco", "pinocchio"] | None = None
+    engine: OrNone[Literal["mujoco", "pinocchio"]] = None
     """Work the torques out in a physics engine too, for the comparison."""
 
-    published: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
+    published: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.csv")] = None
     """Published or measured torques over time, t_s with tau1_Nm, tau2_Nm, tau3_Nm, f4_N or some of
     them: drawn beside the computed ones, and by how much these are off."""
 

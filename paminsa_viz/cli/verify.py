@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 import tyro
 
 from paminsa_viz.blocks.verification import verification_blocks, verification_data
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_output
+from paminsa_viz.cli.arguments import OrNone
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
+from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, verify
 from paminsa_viz.errors import FileError, InvalidInput
@@ -51,13 +53,13 @@ class Verify(JsonFlags, MotionFlags, DesignFlags):
     """Seed of the random poses."""
     tolerance: float = TOLERANCE
     """Largest difference that passes, over the largest torque of the actuator."""
-    model: Annotated[Path | None, tyro.conf.arg(metavar="FILE.xml")] = None
+    model: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.xml")] = None
     """Check this exported MJCF model against the design, instead of the design's own."""
-    figures: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
+    figures: Annotated[OrNone[Path], tyro.conf.arg(metavar="FOLDER")] = None
     """Write figures like the paper's Figs. 6 and 7 there: both curves and their difference."""
     format: FormatName = "png"
     """Format of the figures."""
-    report: Annotated[Path | None, tyro.conf.arg(metavar="FILE.html")] = None
+    report: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.html")] = None
     """Also measure claims of the documentation about numbers, and write them, how each is checked,
     and the engines' results as one page."""
 

@@ -200,7 +200,7 @@ class _Body:
             if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
         ]
         self.changing = {name for name, count in Counter(stored).items() if count > 1}
-        self._said = source.tree.body[0].lineno if source.tree.body else 0
+        self._said = source.tree.body[0].lineno
 
     def printed(self, name: str) -> tuple[str, Kind]:
         """Return the text of the function, and what it returns."""

@@ -99,7 +99,7 @@ def _views(mechanism: MechanismTree, values: dict[str, float]) -> list[_View]:
     for leg in range(3):
         own = [link.name for link in mechanism.links if link.leg == leg]
         place, turn = frames[leg_name(leg, "B10")]
-        plane = np.stack([turn.apply([1.0, 0.0, 0.0]), [0.0, 0.0, 1.0]], axis=-1)
+        plane = np.column_stack([turn.as_matrix()[:, 0], [0.0, 0.0, 1.0]])
         found.append(_view(f"LEG_{leg + 1}", own, lines, joints, place, plane))
     return found
 

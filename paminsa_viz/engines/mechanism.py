@@ -261,12 +261,11 @@ def _leg(design: Design, leg: int) -> list[Link]:
 def _counterweights(design: Design, leg: int, bar: str, reach: float) -> list[Part]:
     """Place the counterweights of a bar that goes from its first end at x = 0 to x = ``reach``."""
     first = BAR_ENDS[bar][0]
-    outward = math.copysign(1.0, reach)
     found = []
     for number, weight in enumerate(design.counterweights, 1):
         if weight.bar == bar:
-            at_first = weight.joint == first
-            x = -outward * weight.beyond if at_first else reach + outward * weight.beyond
+            outward = math.copysign(weight.beyond, reach)
+            x = -outward if weight.joint == first else reach + outward
             found.append(Part(leg_name(leg, f"counterweight{number}"), weight.mass, (x, 0, 0)))
     return found
 
@@ -321,6 +320,6 @@ def as_cylinder(rod: Rod) -> Bar | None:
         return None
     from scipy.spatial.transform import Rotation  # slow to load
 
-    turn = Rotation.align_vectors([(end - start) / length], [(0.0, 0.0, 1.0)])[0]
+    turn = Rotation.align_vectors([end - start], [(0.0, 0.0, 1.0)])[0]
     x, y, z = (0.5 * (start + end)).tolist()
     return Bar((x, y, z), turn, length, rod.radius)

@@ -167,7 +167,7 @@ def _add_link(robot: ET.Element, link: Link, body: Part) -> None:
 def _angles(turn: Rotation) -> list[float]:
     """Return roll, pitch and yaw about fixed axes [rad], as URDF has them."""
     # Of a rod only the direction of z counts: a turn about it would be a gimbal lock's.
-    x, y, z = turn.apply((0.0, 0.0, 1.0)).tolist()
+    x, y, z = turn.as_matrix()[:, 2].tolist()
     return [0.0, math.atan2(math.hypot(x, y), z), math.atan2(y, x)]
 
 

@@ -316,7 +316,7 @@ def _tried(
     """Fit each cause by itself on top of the columns in ``base``."""
     from scipy.stats import t as student  # takes a while to load
 
-    tries = max(1, len(places))  # p values are multiplied by it (Bonferroni)
+    tries = len(places)  # p values are multiplied by it (Bonferroni)
     solution = identification.solution
     weight = 1 / solution.noise**2
     matrix, right = blocks.weighted(weight)
@@ -335,7 +335,7 @@ def _tried(
     left = own - np.einsum("bqk,bqk->bk", cross, solved[..., :-1])
     score = force[:, tried] - np.einsum("bqk,bq->bk", cross, solved[..., -1])
     visible = left[0] > SPANNED * own[0]
-    size = np.where(visible, score / np.where(visible, left, 1.0), 0.0)
+    size = np.divide(score, left, out=np.zeros_like(score), where=visible)
     count, error = len(size) - 1, jackknife(size[1:])
     residual = square - float(force[0, base] @ span @ solved[0, :, -1])
     residual = max(residual, 1e-12 * square)  # a log without noise

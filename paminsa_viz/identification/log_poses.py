@@ -43,7 +43,7 @@ def follow_pose(geometry: Geometry, position: Array, start: ArrayLike) -> Array:
     modes = forward_kinematics(geometry, position).pose
     off = modes[0, :, :3] - np.asarray(start, np.float64)[:3]
     off[:, 2] = geometry.platform_radius * wrap(off[:, 2])
-    distance = np.linalg.norm(off, axis=-1)
+    distance = np.vecdot(off, off)
     pose = modes[:, int(np.argmin(np.where(np.isfinite(distance), distance, np.inf)))].copy()
     finite = np.isfinite(pose[:, 2])
     pose[finite, 2] = np.unwrap(pose[finite, 2])

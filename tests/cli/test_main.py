@@ -123,7 +123,8 @@ def test_small_commands_do_not_load_what_takes_a_while() -> None:
     at = "'--pose', '50', '-30', '20', '-550'"
     code = (
         "import sys; from paminsa_viz.cli import main; main(['design', 'default']);"
-        f"[main([word, {at}]) for word in ('accuracy', 'stiffness', 'loads')];"
+        f"main(['stiffness', {at}]); assert 'typeguard' not in sys.modules;"
+        f"[main([word, {at}]) for word in ('accuracy', 'loads')];"
         "print([name for name in ('viser', 'plotly', 'matplotlib', 'trimesh', 'numba', 'scipy')"
         " if name in sys.modules], file=sys.stderr)"
     )

@@ -424,23 +424,6 @@ def test_a_plant_that_starts_at_a_singularity_is_not_held(monkeypatch: pytest.Mo
     assert [float(starts[f"{name}_start"] or "nan") for name in POSE] == lower.tolist()
 
 
-def test_units_are_products_of_the_base_units() -> None:
-    bases = {"m": {"m": 1}, "rad": {"rad": 1}, "s": {"s": 1}, "kg": {"kg": 1}}
-    bases["N"] = {"kg": 1, "m": 1, "s": -2}
-    for kind in KINDS:
-        for unit in described(APPENDIX_4, kind).iter("Unit"):
-            over, _, under = unit.attrib["name"].partition("/")
-            expected: dict[str, int] = {}
-            for sign, factors in ((1, over.split(".")), (-1, under.split("."))):
-                for factor in filter(None, factors):
-                    name = factor.rstrip("2")
-                    for base, power in bases[name].items():
-                        times = 2 if factor.endswith("2") else 1
-                        expected[base] = expected.get(base, 0) + sign * power * times
-            (base_unit,) = unit
-            assert {key: int(power) for key, power in base_unit.attrib.items()} == expected
-
-
 COMPILER = """
 import json, pathlib, sys
 words = sys.argv[1:]

@@ -133,10 +133,17 @@ def power(m: Mechanism, x: Any) -> Any:
     return x**3
 
 
+def said_twice(m: Mechanism, x: Any) -> Any:
+    """A formula with a description."""
+    """And another one, which would be none of C."""
+    return x * m.k
+
+
 @pytest.mark.parametrize(
     ("formula", "words"),
     [
         (loop, "the statement For"),
+        (said_twice, "the statement Expr"),
         (swapped, "an exchange of names"),
         (indexed, "an assignment to anything but names"),
         (power, "x ** 3"),
@@ -148,6 +155,19 @@ def test_what_has_no_counterpart_is_refused_with_its_place(formula: Any, words: 
     assert words in str(caught.value)
     first = inspect.getsourcelines(formula)[1]
     assert f", line {first + 2}: " in str(caught.value)  # below its head and description
+
+
+def undescribed(m: Mechanism, x: Any) -> Any:
+    y = x * m.k
+    return y + 1.0
+
+
+def test_a_formula_without_a_description_is_printed_from_its_first_statement_on() -> None:
+    printer = Printer(C99())
+    printer.add(undescribed)
+    text = printer.text()
+    assert "double y = x * m->k;" in text
+    assert "return y + 1.0;" in text
 
 
 class Pair(NamedTuple):

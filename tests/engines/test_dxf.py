@@ -68,7 +68,7 @@ def test_legs_stand_side_by_side_each_about_the_cross_on_its_axis() -> None:
     drawing = drawn(APPENDIX_4, pose)
     configuration = inverse_kinematics(APPENDIX_4.geometry, pose)
     space = drawing.modelspace()
-    spans = []
+    spans, lowest = [], np.inf
     for layer in ("FROM_ABOVE", "LEG_1", "LEG_2", "LEG_3"):
         lines = np.array(
             [
@@ -79,6 +79,11 @@ def test_legs_stand_side_by_side_each_about_the_cross_on_its_axis() -> None:
         circles = space.query(f'CIRCLE[layer=="{layer}"]')
         centers = np.array([(circle.dxf.center.x, circle.dxf.center.y) for circle in circles])
         (radius,) = {round(circle.dxf.radius, 9) for circle in circles}
+        ways = lines[:, 1] - lines[:, 0]
+        for center in centers:  # each joint is on a line
+            share = ((center - lines[:, 0]) * ways).sum(axis=1) / (ways**2).sum(axis=1)
+            off = lines[:, 0] + np.clip(share, 0.0, 1.0)[:, None] * ways - center
+            assert np.hypot(*off.T).min() < 1e-5
         g = APPENDIX_4.geometry
         assert radius < 0.02 * 1e3 * (g.crank_length + g.coupler_length)
         if layer != "FROM_ABOVE":
@@ -103,9 +108,10 @@ def test_legs_stand_side_by_side_each_about_the_cross_on_its_axis() -> None:
         name = next(text for text in space.query("TEXT") if text.dxf.text == layer)
         assert name.dxf.layer == "NOTES"
         assert name.dxf.insert.x == pytest.approx(lines[..., 0].min())
-        assert name.dxf.insert.y < lines[..., 1].min() - name.dxf.height  # below the view
+        assert name.dxf.insert.y == pytest.approx(lines[..., 1].min() - 6 * radius)  # below it
         assert name.dxf.height == pytest.approx(2 * radius)
         spans.append((lines[..., 0].min(), lines[..., 0].max()))
+        lowest = min(lowest, lines[..., 1].min())
     first = spans[0][1] - spans[0][0]
     for before, after in pairwise(spans):
         assert after[0] - before[1] == pytest.approx(GAP * first)
@@ -114,7 +120,7 @@ def test_legs_stand_side_by_side_each_about_the_cross_on_its_axis() -> None:
     assert note.dxf.insert.x == pytest.approx(spans[0][0])
     assert note.dxf.text.endswith(MADE_BY)
     assert note.dxf.height == pytest.approx(2 * radius)
-    assert note.dxf.insert.y < min(text.dxf.insert.y for text in names) - note.dxf.height
+    assert note.dxf.insert.y == pytest.approx(lowest - 10 * radius)  # below their names
     assert {layer.dxf.name: layer.dxf.color for layer in drawing.layers}.items() >= LAYERS.items()
 
 
@@ -161,6 +167,22 @@ def test_legs_are_red_green_and_blue_and_places_are_flat() -> None:
                 places = [1e6 * float(value) for _, value in inside[1:3]]
                 np.testing.assert_allclose(places, np.round(places), atol=1e-3)
     assert kinds == set(wanted)
+
+
+def test_tables_say_how_many_layers_there_are_and_of_which_kind() -> None:
+    lines = [line.strip() for line in dxf_text(APPENDIX_4).splitlines()]
+    pairs = list(zip(map(int, lines[::2]), lines[1::2], strict=True))
+    head = pairs[: pairs.index((2, "ENTITIES"))]
+    table = head.index((0, "TABLE"))
+    assert head[table + 1 : table + 3] == [(2, "LAYER"), (70, str(len(LAYERS)))]
+    assert head[1:6] == [
+        (2, "HEADER"), (9, "$ACADVER"), (1, "AC1009"), (9, "$INSUNITS"), (70, "4"),
+    ]  # fmt: skip
+    for name in LAYERS:
+        place = head.index((2, name))
+        assert [head[place - 1], head[place + 1], head[place + 3]] == [
+            (0, "LAYER"), (70, "0"), (6, "CONTINUOUS"),
+        ]  # fmt: skip
 
 
 def test_a_pose_out_of_reach_is_refused() -> None:

@@ -141,6 +141,25 @@ def test_what_a_log_does_not_excite_is_hidden_and_not_known() -> None:
     assert (both @ found.x)[0] == pytest.approx(x[0] + 2 * x[1], abs=0.1)
 
 
+@pytest.mark.parametrize("alike", [False, True])
+def test_intervals_are_as_wide_as_least_squares_says_where_samples_are_not_correlated(
+    alike: bool,
+) -> None:
+    """Also of columns that are nearly alike; of each sample four times over they are twice that."""
+    columns, x, _ = random_columns(2, samples=1200)
+    if alike:
+        columns = columns[..., :1] + 0.05 * columns / np.array([1.0, 20.0, 1.0, 0.05, 300.0])
+    torque = columns @ x + np.random.default_rng(4).standard_normal((1200, 4))
+    numbers = np.arange(1200) // 20
+    once = solve(normal_blocks(columns, torque, numbers))
+    assert once.widening == pytest.approx(1.0, abs=0.15)
+    rows = (columns / once.noise[:, None]).reshape(-1, 5)
+    plain = np.sqrt(np.diag(np.linalg.inv(rows.T @ rows)))
+    assert np.median(once.deviation(np.eye(5)) / plain) == pytest.approx(once.widening, rel=0.2)
+    four = [np.repeat(part, 4, axis=0) for part in (columns, torque, numbers)]
+    assert solve(normal_blocks(*four)).widening == pytest.approx(2.0 * once.widening, rel=1e-6)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_what_is_told_and_known_does_not_depend_on_units(seed: int) -> None:
     """Of numbers in units a million times as large or small, one of which is not excited."""

@@ -263,6 +263,7 @@ def test_opt_in_numbers_are_found() -> None:
     legs = identify(APPENDIX_4, log, replace(QUICK, legs=True, rotors=True, constrain=True))
     contrasts = [item for item in legs.estimates if item.parameter.kind == "leg"]
     assert len(contrasts) == 24
+    assert {item.parameter.design for item in contrasts} == {0.0}
     assert np.isnan(legs.identity.value)  # with the legs' columns, too, the identity is held
     sizes = LARGE_SHARE * base_scale(APPENDIX_4)[list(LEG_PARAMETERS)]
     assert [item.parameter.most for item in contrasts] == pytest.approx([*sizes] * 3)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.logs import parse_log
 from paminsa_viz.identification import InvalidLog, identify, log_poses, make_log
 from paminsa_viz.identification import log as limits
@@ -55,6 +56,39 @@ def test_a_wrong_row_is_named(
     assert caught.value.row == row
 
 
+def test_angles_of_encoders_that_jump_by_a_full_turn_are_made_continuous(
+    signals: list[Any],
+) -> None:
+    t, position, torque = signals
+    shifted = position + np.array([3.1, 3.1, -3.1, 0.0])
+    jumping = shifted.copy()
+    jumping[:, :3] = np.angle(np.exp(1j * shifted[:, :3]))
+    assert np.abs(np.diff(jumping[:, :3], axis=0)).max(axis=0).min() > 6.0
+    off = (make_log(t, jumping, torque).position - shifted) / (2 * np.pi)
+    np.testing.assert_allclose(off - np.round(off[0]), 0.0, atol=1e-12)
+
+
+def test_a_log_lasts_as_long_as_its_samples_and_needs_four_columns(signals: list[Any]) -> None:
+    t, position, torque = signals
+    assert make_log(t, position, torque).duration == pytest.approx(len(t) / RATE)
+    with pytest.raises(InvalidInput, match=r"position: shape \(799, 4\) where \(800, 4\) is"):
+        make_log(t, position[1:], torque)
+    with pytest.raises(InvalidInput, match=r"torque: shape \(799, 4\) where"):
+        make_log(t, position, torque[1:])
+
+
+@pytest.mark.parametrize("turn", [1.0, -1.0])
+def test_of_two_jumps_in_a_row_the_one_further_beyond_its_limit_is_named(
+    signals: list[Any], turn: float
+) -> None:
+    """A lift of 20 m/s is twice what is believed, 150 rad/s are less beyond, though more."""
+    t, position, torque = signals
+    position[50:, 3] += turn * 20.0 / RATE
+    position[50:, 1] += turn * 150.0 / RATE
+    with pytest.raises(InvalidLog, match=r"^row 51, Z: a jump at [12]\d(\.\d)? m/s; at most 10"):
+        make_log(t, position, torque)
+
+
 def test_samples_know_their_rows_where_rows_are_left_out_or_resampled(signals: list[Any]) -> None:
     log = make_log(*signals, first_row=10)
     assert [log.row(index) for index in (0, 7)] == [10, 17]
@@ -91,9 +125,10 @@ def test_what_just_keeps_a_limit_is_no_error(monkeypatch: pytest.MonkeyPatch) ->
     for column, most in ((0, 2 * np.pi), (3, 20.0)):
         still = position.copy()
         still[:, column] = most
-        make_log(t, still, torque)
-        with pytest.raises(InvalidLog, match="beyond"):
-            make_log(t, np.nextafter(still, 100.0), torque)
+        for sign in (1.0, -1.0):
+            make_log(t, sign * still, torque)
+            with pytest.raises(InvalidLog, match="beyond"):
+                make_log(t, sign * np.nextafter(still, 100.0), torque)
 
 
 def test_a_gap_is_refused_or_splits_and_is_never_closed_up(signals: list[Any]) -> None:
@@ -111,10 +146,12 @@ def test_pieces_begin_where_the_log_says_and_behind_rows_that_are_left_out() -> 
     log = make_log(*clean_signals(1, duration=20.0, rate=RATE))
     position = log.position.copy()
     position[1500:1510, 3] = 5.0  # out of reach
-    split = replace(log, starts=(0, 1007, 2007, 3001), split=True, position=position)
+    starts = (0, 1007, 2007, 3001, 3201, 3400)
+    split = replace(log, starts=starts, split=True, position=position)
     _, pieces = log_poses(APPENDIX_4.geometry, split)
     assert [(piece.start, piece.stop) for piece in pieces] == [
-        (0, 1007), (1007, 1500), (1510, 2007), (2007, 3001), (3001, 4000),
+        (0, 1007), (1007, 1500), (1510, 2007), (2007, 3001), (3001, 3201),
+        (3400, 4000),  # but those of less than a second
     ]  # fmt: skip
 
 
@@ -131,6 +168,35 @@ def test_uneven_rows_are_resampled_and_that_is_stated(signals: list[Any]) -> Non
     assert t[-1] - 1.01 / log.rate < log.t[-1] <= t[-1] + 1e-6 / log.rate
     exact = inverse_kinematics(APPENDIX_4.geometry, multi_sine(1)(log.t)[0]).actuators
     np.testing.assert_allclose(log.position, exact, atol=1e-6)
+
+
+@pytest.mark.parametrize("jittery", [0, 1])
+def test_one_uneven_piece_is_enough_for_all_to_be_resampled(
+    signals: list[Any], jittery: int
+) -> None:
+    kept = np.r_[0:300, 330:800]
+    t, position, torque = (array[kept] for array in signals)
+    part = slice(1, 299) if jittery == 0 else slice(301, -1)  # their ends stay
+    t[part] += np.random.default_rng(0).uniform(-0.2, 0.2, t[part].size) / RATE
+    log = make_log(t, position, torque, split=True)
+    assert any("resampled" in note for note in log.notes)
+    assert log.starts == (0, 300)
+    for piece in log.segments:
+        np.testing.assert_allclose(np.diff(log.t[piece]), 1 / log.rate, rtol=1e-9)
+
+
+def test_a_jump_is_one_that_is_too_fast_but_across_a_gap(signals: list[Any]) -> None:
+    """Where the robot may have gone anywhere; just before and just behind it is one."""
+    kept = np.r_[0:400, 402:800]
+    t, position, torque = (array[kept] for array in signals)
+    for row, refused in ((399, True), (400, False), (401, True)):
+        moved = position.copy()
+        moved[row:, 3] += 1.0  # in less than a fiftieth of a second
+        if refused:
+            with pytest.raises(InvalidLog, match=f"^row {row + 1}, Z: a jump"):
+                make_log(t, moved, torque, split=True)
+        else:
+            assert make_log(t, moved, torque, split=True).starts == (0, 400)
 
 
 @pytest.mark.parametrize("late", [0.3, -0.3])
@@ -163,6 +229,16 @@ def test_rows_of_a_resampled_piece_end_with_its_last_whatever_is_rounded(longer:
     np.testing.assert_allclose(torque, 2.0 * expected, rtol=1e-9, atol=1e-9)
 
 
+def test_a_piece_of_four_rows_is_the_shortest_that_is_resampled() -> None:
+    for size in (3, 4):
+        t = np.array([0.0, 0.9, 2.1, 3.0])[:size]
+        given = t, np.tile(t[:, None], 4), np.ones((size, 4)), np.arange(size)
+        found = limits._resampled(*given, 1.0)
+        expected = np.arange(4.0) if size == 4 else t
+        np.testing.assert_allclose(found[0], expected, atol=1e-12)
+        np.testing.assert_allclose(found[1][:, 0], expected, atol=1e-12)
+
+
 def test_segments_of_a_resampled_log_begin_behind_its_gaps(signals: list[Any]) -> None:
     """Three pieces of uneven rows: each begins where the step between samples is a gap."""
     kept = np.r_[0:300, 330:500, 520:800]
@@ -188,7 +264,18 @@ def test_poses_follow_the_assembly_that_starts_nearest(knee: KneeBranch) -> None
     other = np.abs(modes - poses[:, None]).sum(axis=-1).argmax(axis=1)
     mirror = modes[np.arange(len(t)), other]
     found = follow_pose(design.geometry, position, mirror[0])
-    np.testing.assert_allclose(np.cos(found[:, 2]), np.cos(mirror[:, 2]), atol=1e-9)
+    np.testing.assert_allclose(found[:, [0, 1, 3]], mirror[:, [0, 1, 3]], atol=1e-9)
+    np.testing.assert_allclose(np.exp(1j * found[:, 2]), np.exp(1j * mirror[:, 2]), atol=1e-9)
+    rng, seen = np.random.default_rng(0), set()
+    for start in rng.uniform([-0.3, -0.3, -7.0, -1.0], [0.3, 0.3, 7.0, 0.0], (40, 4)):
+        apart = np.exp(1j * (modes[0, :, 2] - start[2]))  # also full turns away
+        off = np.array([*(modes[0, :, :2] - start[:2]).T, np.angle(apart)])
+        off[2] *= design.geometry.platform_radius
+        nearest = int(np.argmin((off**2).sum(axis=0)))
+        begun = follow_pose(design.geometry, position[[0, 700]], start)
+        np.testing.assert_allclose(begun[0], modes[0, nearest], atol=1e-9)
+        seen.add(nearest)
+    assert seen == {0, 1}
 
 
 def test_rows_near_a_singularity_or_out_of_reach_are_refused_or_left_out() -> None:
@@ -219,8 +306,9 @@ def test_a_robot_at_rest_is_refused() -> None:
     position = np.tile(
         inverse_kinematics(APPENDIX_4.geometry, [0, 0, 0, -0.5]).actuators, (4000, 1)
     )
-    with pytest.raises(InvalidLog, match="hardly moves"):
-        identify(APPENDIX_4, make_log(t, position, position))
+    for design in (APPENDIX_4, replace(APPENDIX_4, gravity=0.9)):  # some gravity is enough
+        with pytest.raises(InvalidLog, match="hardly moves"):
+            identify(design, make_log(t, position, position))
 
 
 def test_headings_have_no_jump_behind_a_row_where_the_legs_do_not_meet() -> None:

@@ -55,6 +55,16 @@ def test_maps_of_a_report_take_the_width_that_they_are_given(
     assert choices == ["linear", "linear", "symlog"]
 
 
+def test_shares_of_poses_are_those_at_the_heading_and_by_the_seed_of_the_report(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Any] = []
+    monkeypatch.setattr(workspace_section, "workspace_blocks", lambda *a: asked.append(a) or ())
+    section = workspace_section.workspace_section(REQUEST)
+    assert asked == [(APPENDIX_4, POSE[2], REQUEST.seed)]
+    assert len(section.blocks) == 1
+
+
 @pytest.fixture(scope="module")
 def drawn() -> Any:
     """Both views with all their lines, in meters."""
