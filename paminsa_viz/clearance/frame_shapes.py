@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from paminsa_viz.clearance.solids import WORLD, Body, BodyPart, Primitive, box, prism
+from paminsa_viz.clearance.solids import OVER, WORLD, Body, BodyPart, Primitive, box, prism
 from paminsa_viz.clearance.solids import cylinder as rod
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
@@ -81,10 +81,9 @@ def _plinth(g: Geometry, place: FrameLayout) -> Iterator[Primitive]:
     """Yield the disc below the workspace, and the tongue that carries the mast."""
     low, high = place.ground - size.PLINTH_HEIGHT, place.ground
     radius, end = plinth_radius(g), place.mast_radius + TONGUE[0]
-    half = min(TONGUE[1], 0.9 * radius)
     yield rod(radius, low, high)
     if end > radius:
-        yield _turned(box((0.0, -half, low), (end, half, high)), MAST_ANGLE)
+        yield _turned(box((0.0, -TONGUE[1], low), (end, TONGUE[1], high)), MAST_ANGLE)
 
 
 def _base_plate(g: Geometry, upper: bool) -> Iterator[Primitive]:
@@ -141,7 +140,7 @@ def _cantilever_of_base(place: FrameLayout, upper: bool) -> list[Primitive]:
 def _upside_down(solid: Primitive) -> Primitive:
     """Return a solid turned over about the horizontal direction of the mast."""
     along = about_z(MAST_ANGLE)
-    turn = along @ np.diag([1.0, -1.0, -1.0]) @ along.T
+    turn = along @ OVER @ along.T
     return solid.moved(np.zeros(3), turn)
 
 

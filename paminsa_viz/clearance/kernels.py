@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from paminsa_viz.clearance import search
-from paminsa_viz.clearance.shapes import FRAMES, shapes_of
+from paminsa_viz.clearance.shapes import shapes_of
 from paminsa_viz.model.design import APPENDIX_4
 
 WORTH = 30
@@ -63,7 +63,7 @@ def compile_in_background() -> threading.Thread:
 
 
 def _compile() -> Any:
-    from paminsa_viz.model.compiled import OPTIONS, kernel, register  # slow to load
+    from paminsa_viz.model.compiled import OPTIONS, kernel, nothing, register  # slow to load
 
     function = search.least_distances
     digest = register(function, inline=False)
@@ -74,10 +74,9 @@ def _compile() -> Any:
         function(s, position, quaternion, first, second, slot, distance, nearest, points)
 
     # on no poses: compiles it
-    arrays, none = shapes_of(APPENDIX_4).arrays, np.zeros(0, np.int64)
-    frames = len(FRAMES)
+    index = nothing(1).astype(np.int64)
     least(
-        arrays, np.zeros((0, frames, 3)), np.zeros((0, frames, 4)), none, none, none,
-        np.zeros((0, 1)), np.zeros((0, 1), np.int64), np.zeros((0, 1, 6)),
+        shapes_of(APPENDIX_4).arrays, nothing(3), nothing(3), index, index, index,
+        nothing(2), nothing(2).astype(np.int64), nothing(3),
     )  # fmt: skip
     return least

@@ -148,8 +148,7 @@ def body_distance(
                 continue
             if in_plane and (s.low[a] >= s.high[b] or s.low[b] >= s.high[a]):
                 continue
-            bound = box_gap(boxes, a, boxes, b)
-            if bound > 0.0 and bound >= least:
+            if box_gap(boxes, a, boxes, b) >= max(least, 0.0):  # of boxes that overlap it is none
                 continue
             bound = rod_gap(rods, a, rods, b)
             if bound >= least:
@@ -168,8 +167,7 @@ def body_distance(
             distance = max(distance, bound)
             if distance < least:
                 least = distance
-                for row in range(6):
-                    points[row] = best[1 + row]
+                points[:] = best[1:]
     return least
 
 
@@ -191,40 +189,34 @@ def least_distances(
     bodies, solids, slots = s.frame.size, s.kind.size, distance.shape[1]
     still = position.shape[1] - 1  # the frame of what does not move
     frames = np.empty((position.shape[1], 12))
-    body_rods, upright = np.empty((bodies, 7)), np.empty((bodies, 6))
+    body_rods, upright = np.empty_like(s.body_rod), np.empty((bodies, 6))
     body_boxes, gaps = np.empty((6, bodies)), np.empty((bodies, bodies))
-    world, rods, boxes = np.empty((solids, 12)), np.empty((solids, 7)), np.empty((solids, 6))
+    world, rods, boxes = np.empty_like(s.local), np.empty_like(s.rod), np.empty((solids, 6))
     placed = np.zeros(bodies, np.bool_)
     work, best, found = np.empty(12), np.empty(7), np.empty(6)
     before = np.full(slots, -1, np.int64)
     for n in range(position.shape[0]):
         for k in range(slots):
             distance[n, k], nearest[n, k] = np.nan, -1
-            for row in range(6):
-                points[n, k, row] = np.nan
+            points[n, k, :] = np.nan
         if not place_frames(position[n], quaternion[n], frames):
             continue
         for i in range(bodies):
             place_rod(s.body_rod, i, frames[s.frame[i]], body_rods)
             place_box(s.body_center, s.body_half, i, frames[s.frame[i]], upright)
-            for row in range(6):
-                body_boxes[row, i] = upright[i, row]
+            body_boxes[:, i] = upright[i]
             placed[i] = placed[i] and s.frame[i] == still
         box_gaps(body_boxes, gaps)
         for k in range(slots):
             distance[n, k] = np.inf
-        limit = np.inf  # the largest of the least distances so far
         for turn in range(slots + first.size):
             pair = before[turn] if turn < slots else turn - slots
             if pair < 0:
                 continue
             i, j = first[pair], second[pair]
-            gap = gaps[i, j]
-            if gap > 0.0 and gap >= limit:
-                continue
             k = slot[pair]
             least = distance[n, k]
-            if (gap > 0.0 and gap >= least) or (turn >= slots and pair == before[k]):
+            if gaps[i, j] >= max(least, 0.0) or (turn >= slots and pair == before[k]):
                 continue
             if rod_gap(body_rods, i, body_rods, j) >= least:
                 continue
@@ -239,11 +231,7 @@ def least_distances(
             gap = body_distance(s, i, j, least, world, rods, boxes, work, best, found)
             if gap < least:
                 distance[n, k], nearest[n, k] = gap, pair
-                limit = gap
-                for other in range(slots):
-                    limit = max(limit, distance[n, other])
-                for row in range(6):
-                    points[n, k, row] = found[row]
+                points[n, k, :] = found
         for k in range(slots):
             before[k] = nearest[n, k]
             if nearest[n, k] < 0:

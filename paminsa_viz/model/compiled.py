@@ -160,12 +160,12 @@ def over_poses(formula: Callable[..., Any], count: int) -> tuple[Any, Any]:
                 for n in range(count):
                     out[start + j, n] = w[5 + n, j]
 
-    over_grid(_MECHANISM, _none(2), _none(2), True, _none(3))
-    over_list(_MECHANISM, _none(2), _none(2))
+    over_grid(_MECHANISM, nothing(2), nothing(2), True, nothing(3))
+    over_list(_MECHANISM, nothing(2), nothing(2))
     return over_grid, over_list
 
 
-def _none(dimensions: int) -> Any:
+def nothing(dimensions: int) -> Any:
     """Return an array of so many dimensions without entries, for a call that compiles a kernel."""
     return np.empty((0,) * dimensions)
 
@@ -315,8 +315,10 @@ regressor = _regressor_kernel(
 def warm_up() -> None:
     """Compile the kernels of motions, or load them from disk, by a call on nothing."""
     e = robot.EnergyTerms(*[1.0] * len(robot.EnergyTerms._fields))
-    numbers, rows = _none(1), _none(2)
+    numbers, rows = nothing(1), nothing(2)
     inverse_dynamics_kernel(_MECHANISM, e, 1.0, rows, numbers, numbers, rows, rows, rows)
     mass_matrix(_MECHANISM, e, rows, numbers, numbers, rows)
     index = numbers.astype(np.int64)
-    regressor(_MECHANISM, 1.0, rows, numbers, numbers, rows, rows, index, index, numbers, _none(3))
+    regressor(
+        _MECHANISM, 1.0, rows, numbers, numbers, rows, rows, index, index, numbers, nothing(3)
+    )

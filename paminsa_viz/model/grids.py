@@ -92,7 +92,7 @@ class Grid:
         for size in reversed(self.shape):
             step = max(1, min(size, poses))
             poses //= step
-            cuts.append([slice(i, min(i + step, size)) for i in range(0, size, step)])
+            cuts.append([slice(i, i + step) for i in range(0, size, step)])
         for index in itertools.product(*reversed(cuts)):
             axes = zip(self.axes, index, strict=True)
             yield index, Grid(tuple((name, v[part]) for (name, v), part in axes), self.fixed)
@@ -240,11 +240,11 @@ def _load_torques(entries: Array, grid: Grid, load: LoadCase) -> Array:
 
 
 def _evaluate(
-    formula: Formula, m: Mechanism, grid: Grid, threads: int | None, factor: float = 1.0
+    formula: Formula, m: Mechanism, grid: Grid, threads: int | None, factor: float | None = None
 ) -> Array:
     """Evaluate a formula over a grid, (results, ...), in blocks, on as many cores as pay.
 
-    The results are multiplied by the factor while they are in the cache.
+    The results are multiplied by the factor, if there is one, while they are in the cache.
     """
     # theta has to be in the outer part, where its sine and cosine are taken once a row
     order = sorted(range(len(grid.axes)), key=lambda i: grid.axes[i][0] != "theta")
@@ -258,7 +258,7 @@ def _evaluate(
     base = np.where([name in moving for name in COORDINATES], 0.0, grid.fixed)
     row_step = max(1, BLOCK // columns)
     pieces = [
-        (slice(r, min(r + row_step, rows)), slice(c, min(c + BLOCK, columns)))
+        (slice(r, r + row_step), slice(c, c + BLOCK))
         for r in range(0, rows, row_step)
         for c in range(0, columns, BLOCK)
     ]
@@ -270,7 +270,7 @@ def _evaluate(
         part = result[r, :, c]
         filled = part if part.flags.c_contiguous else np.empty(part.shape)
         fill(r, c, filled)
-        if factor != 1.0:
+        if factor is not None:
             np.multiply(filled, factor, out=filled)
         if filled is not part:
             part[:] = filled

@@ -22,6 +22,7 @@ from paminsa_viz.balancing import (
     sensitivity,
     tolerance,
     tornado,
+    whole_mass,
 )
 from paminsa_viz.balancing.changes import mass_space
 from paminsa_viz.balancing.convex import MaxAbs
@@ -341,3 +342,52 @@ def test_spreads_of_many_poses_are_those_of_each() -> None:
             for pose in poses.reshape(-1, 4)
         ]
         np.testing.assert_allclose(getattr(every, name).reshape(-1, 3), alone, rtol=1e-9)
+
+
+def test_a_mass_changes_once_and_its_inertia_with_it() -> None:
+    heavy = MassRange("links.b8", 0.0, 3.0)
+    with pytest.raises(InvalidInput, match="twice"):
+        Changes((heavy, MassRange("joints.j7", 0.0, 1.0), heavy))
+    made = space(heavy)
+    held = APPENDIX_4.links.b8
+    after = made.design_of([[(0.0, 2 * held)]])
+    assert after.links.b8 == 2 * held
+    for path in ("inertias.b8_axial", "inertias.b8_transverse"):
+        assert after.value(path) == pytest.approx(2 * APPENDIX_4.value(path))
+
+
+@pytest.mark.parametrize("path", ["counterweights.1.mass", "counterweights.0.beyond"])
+def test_what_is_no_mass_of_the_design_cannot_change(path: str) -> None:
+    weighted = replace(APPENDIX_4, counterweights=(Counterweight("b8", 8, 0.1, 1.0),))
+    with pytest.raises(InvalidInput):
+        mass_space(weighted, Changes((MassRange(path, 0.0, 1.0),)))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_states_are_those_of_the_designs_that_they_stand_for(seed: int) -> None:
+    """Coefficients, the whole mass and the amounts; a range without mass leaves no weight."""
+    rng = np.random.default_rng(seed)
+    design = replace(
+        APPENDIX_4, counterweights=(Counterweight("b3", 7, 0.1, 0.8),),
+        payload=replace(APPENDIX_4.payload, mass=1.5),
+    )  # fmt: skip
+    paths = ("links.b4", "joints.j7", "platform.mass", "payload.mass", "counterweights.0.mass")
+    masses = tuple(MassRange(path, 0.1, 4.0) for path in paths)
+    weights = (beyond("b8", 8, 0.3, 2.0), beyond("b3", 7, 0.2, 1.0))
+    made = mass_space(design, Changes(masses, weights))
+    legs = sum(design.value(p) for p in MASS_PATHS if p.startswith(("joints.", "links."))) + 0.8
+    whole = 3 * legs + design.platform.mass + 1.5
+    assert whole_mass(design) == pytest.approx(whole)
+    amounts = rng.uniform(0.1, 4.0, len(paths))
+    places = [[(0.05, 0.7), (0.3, 0.4)], [(0.2, 0.0)] if seed else []]
+    levers = [*([(0.0, float(amount))] for amount in amounts), *places]
+    state = Program(made.start, made.variables, ()).state(levers)
+    after = made.design_of(levers)
+    assert [weight.mass for weight in after.counterweights] == [amounts[4], 0.7, 0.4]
+    np.testing.assert_allclose(state[:18], lumped_coefficients(after), rtol=1e-9, atol=1e-9)
+    assert state[18] == pytest.approx(whole_mass(after))
+    np.testing.assert_allclose(state[19:], [*amounts, 1.1, 0.0])
+    np.testing.assert_allclose(made.before[:18], lumped_coefficients(design), rtol=1e-12)
+    assert made.before[18] == pytest.approx(whole)
+    assert made.before[19:].tolist() == [*(design.value(path) for path in paths), 0.0, 0.0]
+    assert made.counts.tolist() == [3, 3, 1, 1, 3, 3, 3]

@@ -352,3 +352,45 @@ def test_a_residual_is_the_largest_of_three_as_a_share_of_the_cost_or_of_one() -
     assert of(1.0, 1.0, 0.4, 0.1) == 0.4
     assert of(1.0, 1.0, 0.1, 0.4) == 0.4
     assert of(1.0, np.nan, 0.0, 0.0) == np.inf
+
+
+def test_a_norm_of_many_rows_keeps_columns_that_have_zeros() -> None:
+    matrix = np.array([[1.0, 0.0], [0.0, 2.0], [3.0, 4.0]])
+    found = Norm.of_many(matrix, np.array([1.0, -1.0, 0.5]))
+    for state in np.array([[0.0, 0.0], [1.0, -2.0], [-0.3, 0.7]]):
+        expected = np.linalg.norm(matrix @ state + [1.0, -1.0, 0.5])
+        assert found.value(state) == pytest.approx(expected)
+
+
+def test_a_norm_is_least_from_any_start() -> None:
+    rng = np.random.default_rng(4)
+    matrix, offset, start = rng.normal(size=(6, 2)), rng.normal(size=6), np.array([0.7, -1.3])
+    program = Program(
+        start, plain(np.eye(2), [0, 0], [3, 3]), ((1.0, Norm(matrix, offset)),), scale=1.0
+    )
+    found = solver.solve(program)
+    x, y = np.meshgrid(np.linspace(0, 3, 301), np.linspace(0, 3, 301))
+    states = start + np.column_stack([x.ravel(), y.ravel()])
+    least = np.linalg.norm(states @ matrix.T + offset, axis=1).min()
+    assert least - 0.05 < found.value <= least + 1e-9
+
+
+def test_limits_that_exclude_each_other_are_exceeded_by_the_least_share() -> None:
+    """x <= 1 and x >= 3: by 1 of the one and by 1/3 of the other where x is 2."""
+    low = MaxAbs(np.array([[-1.0]]), np.zeros(1), absolute=False)
+    program = Program(np.zeros(1), (one(0.0, 9.0),), ((1.0, UP),), ((1.0, UP), (-3.0, low)))
+    made = Enclosure(program)
+    assert made.solve() is None
+    found = made.solve(elastic=True)
+    assert found is not None
+    assert found.excess == pytest.approx(0.5)  # x = 1.5 of both
+    assert found.state == pytest.approx([1.5])
+    assert found.bound == pytest.approx(0.5)
+
+
+def test_only_cuts_that_are_opposite_in_all_share_no_weight() -> None:
+    equal = MaxAbs(np.array([[1.0]]), np.array([-1.0]))
+    cuts = Cuts(np.array([1, 1]), np.array([[1.0], [-1.0]]), np.array([-1.0, 7.0]))
+    program = Program(np.zeros(1), (one(),), ((1.0, UP),), ((0.0, equal),))
+    weights = np.array([0.5, 0.2])
+    assert Enclosure(program)._canceled(cuts, weights).tolist() == [0.5, 0.2]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import replace
+from itertools import combinations, product
 
 import numpy as np
 import pytest
@@ -20,6 +22,7 @@ from paminsa_viz.clearance import (
     search,
     shapes_of,
 )
+from paminsa_viz.clearance.solids import WORLD, BodyPart
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Counterweight, Design, KneeBranch, Payload
@@ -144,6 +147,111 @@ def test_every_pair_is_checked_or_has_a_reason() -> None:
     assert reasons[frozenset(("the payload", "the platform"))] is Exclusion.RIGID
     assert reasons[frozenset(("M2", "shaft B2 of leg 2"))] is Exclusion.GUIDED
     assert frozenset(("M1", "shaft B2 of leg 2")) not in reasons
+
+
+def test_pairs_are_those_of_the_bodies_that_are_there() -> None:
+    """What is kept of the pairs of one robot is none of a robot with other bodies."""
+    none, some = Payload(mass=0.0), Payload(mass=1e-3)
+    on_b8, on_b7 = Counterweight("b8", 8, 0.2, 1e-3), Counterweight("b7", 8, 0.2, 1e-3)
+    bare = len(shapes_of(APPENDIX_4).bodies)
+    for payload, weights, more in (
+        (none, (), 0), (some, (), 1), (none, (on_b8,), 3), (none, (on_b7,), 3),
+        (some, (on_b7, on_b8), 7), (none, (replace(on_b8, mass=0.0),), 0), (none, (on_b8,), 3),
+    ):  # fmt: skip
+        shapes = shapes_of(replace(APPENDIX_4, payload=payload, counterweights=weights))
+        count = len(shapes.bodies)
+        assert count == bare + more
+        assert len(shapes.pairs) + len(shapes.excluded) == count * (count - 1) // 2
+        carriers = {
+            shapes.bodies[i].key
+            for i, j, why in shapes.excluded
+            if why is Exclusion.RIGID and shapes.bodies[j].key == "counterweight1"
+        }
+        assert carriers == ({weights[0].bar} if weights and weights[0].mass else set())
+
+
+def test_the_search_is_compiled_once_that_pays(monkeypatch: pytest.MonkeyPatch) -> None:
+    """After thirty poses in all; while a thread compiles it, for thirty poses at once."""
+    compiled = object()
+    monkeypatch.setattr(kernels, "_compile", lambda: compiled)
+    few = kernels._Search()
+    assert [few.get(poses) for poses in (29, 0)] == [search.least_distances] * 2
+    assert few.get(1) is few.get(1) is few.compiled() is compiled
+    busy = threading.Event()
+    waiting = kernels._Search()
+    waiting.thread = threading.Thread(target=busy.wait)
+    waiting.thread.start()
+    assert [waiting.get(29) for _ in range(3)] == [search.least_distances] * 3
+    assert waiting.get(30) is waiting.get(1) is compiled
+    busy.set()
+    waiting.thread.join()
+    done = kernels._Search()
+    done.thread = waiting.thread
+    assert [done.get(29), done.get(1)] == [search.least_distances, compiled]
+
+
+def test_the_search_is_compiled_in_a_thread_that_nothing_waits_for() -> None:
+    thread = kernels.compile_in_background()
+    assert thread.daemon
+    thread.join()
+
+
+ONE_BODY = (
+    {"guide", "quill"}, {"shaft", "shaft_end"}, {"b8", "counterweight1"},
+    {"b4", "counterweight2"}, {"carriage", "arm"}, {"arm"}, {"platform", "payload"},
+)  # fmt: skip
+"""Bodies that are fixed to each other, besides those that stand."""
+
+AT_A_JOINT = (
+    {"arm", "shaft"},  # 2
+    {"shaft_end", "b3"}, {"b3", "b4"}, {"b4", "swivel"}, {"swivel", "platform"},  # 3, 4, 5
+    {"b3", "b7"}, {"slider", "b7"}, {"slider", "b8"}, {"guide", "slider"}, {"b8", "b4"},  # 7, 8, 9
+)  # fmt: skip
+"""Bodies that a joint holds together."""
+
+INSIDE = ({"shaft", "quill"}, {"shaft", "guide"}, {"column", "carriage"}, {"column", "arm"})
+"""Bodies of which one turns or slides inside the other, besides what turns in motor and base."""
+
+
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_pairs_are_left_out_by_how_the_robot_is_built(knee: KneeBranch) -> None:
+    weights = (*LOADED.counterweights, Counterweight("b4", 9, -0.1, 1.0))
+    shapes = shapes_of(with_knee(replace(LOADED, counterweights=weights), knee))
+    reasons = {frozenset((i, j)): why for i, j, why in shapes.excluded}
+    names = {"counterweight": PairGroup.COUNTERWEIGHTS, "payload": PairGroup.PAYLOAD}
+    groups = dict(zip(map(frozenset, shapes.pairs), shapes.groups, strict=True))
+    for (i, one), (j, other) in combinations(enumerate(shapes.bodies), 2):
+        pair, legs = {one.key, other.key}, {one.leg, other.leg} - {0}
+        turns = [f"m{leg}" for leg in legs] + ["base"]
+        stand = one.frame == other.frame == WORLD
+        expected = None
+        if stand or (pair in ONE_BODY and (len(legs) <= 1 or pair == {"arm"})):
+            expected = Exclusion.RIGID
+        elif pair in AT_A_JOINT and len(legs) == 1:
+            expected = Exclusion.JOINED
+        elif (pair in INSIDE and len(legs) <= 1) or any(
+            pair in ({"quill", place}, {"shaft", place}) for place in turns
+        ):
+            expected = Exclusion.GUIDED
+        elif pair == {"carriage", "m4"} and knee is KneeBranch.UPPER:
+            expected = Exclusion.GUIDED  # the ram
+        elif one.leg == other.leg > 0 and "arm" not in pair:
+            apart = [
+                a.extent[0, 1] >= b.extent[1, 1] or b.extent[0, 1] >= a.extent[1, 1]
+                for a, b in product(one.solids, other.solids)
+                if a.joint not in other.joints and b.joint not in one.joints
+            ]
+            expected = Exclusion.LAYERS if all(apart) else None
+        found = reasons.get(frozenset((i, j)))
+        assert found is expected, (one.name, other.name)
+        if found is None:
+            text = f"{one.name}, {other.name}"
+            group = next((names[name] for name in names if name in text), None)
+            parts = {one.part, other.part}
+            for part in (BodyPart.FRAME, BodyPart.PLATFORM, BodyPart.CARRIAGE):
+                group = group or (PairGroup[part.name] if part in parts else None)
+            group = group or (PairGroup.SAME_LEG if len(legs) == 1 else PairGroup.BETWEEN_LEGS)
+            assert groups[frozenset((i, j))] is group
 
 
 def test_reasons_say_which_bodies_and_by_how_much() -> None:

@@ -11,10 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from paminsa_viz.clearance import nearest
 from paminsa_viz.clearance.nearest import (
     BOX,
     CAPSULE,
     CYLINDER,
+    PRISM,
     ConvexSolid,
     nearest_on_circle,
 )
@@ -181,6 +183,30 @@ def test_a_ball_and_a_bar_of_no_length() -> None:
     where = np.array([[(0.0, 0.0, 0.0), (0.5, 0.0, 0.0)], [(0.0, 0.0, 0.0), (0.0, 0.0, 0.0)]])
     upright = np.tile([1.0, 0.0, 0.0, 0.0], (2, 2, 1))
     assert distances(ball, ball, where, upright).distance == pytest.approx([0.3, -0.2])
+
+
+def test_a_place_between_samples_may_be_nearer_than_the_nearest_sample() -> None:
+    """A corner toward one sample of a circle, and a farther one between two others."""
+    angle, radius = np.radians([0.0, 127.5, 250.0]), np.array([0.08, 0.0805, 0.07])
+    corners = (radius * np.stack([np.cos(angle), np.sin(angle)])).T
+    solid = ConvexSolid(PRISM, 0.08, 0.08, 0.01, 0.0, corners, 0, 3)
+    found = nearest_on_circle(solid, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.1, 0.0)
+    assert found == pytest.approx((np.cos(angle[1]), np.sin(angle[1])))
+
+
+def test_brackets_shrink_in_some_thirteen_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of segments past cylinders; halving alone would take forty."""
+    steps, rng = [], np.random.default_rng(0)
+    narrowed = nearest._narrowed
+    monkeypatch.setattr(nearest, "_narrowed", lambda *at: (steps.append(1), narrowed(*at))[1])
+    searched = 0
+    for _ in range(60):
+        before, radius, half = len(steps), *10 ** rng.uniform(-2, -0.4, 2)
+        solid = ConvexSolid(CYLINDER, radius, radius, half, 0.0, NO_CORNERS, 0, 0)
+        nearest.nearest_on_segment(solid, *rng.uniform(-0.5, 0.5, 3), *rng.uniform(-1, 1, 3))
+        searched += len(steps) > before
+    assert searched > 20
+    assert len(steps) / searched < 12.8
 
 
 def test_of_places_that_are_as_near_the_first_one_is_kept() -> None:

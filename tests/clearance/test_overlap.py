@@ -10,10 +10,11 @@ from scipy.spatial.transform import Rotation
 
 from paminsa_viz.clearance.distance import TOUCH, least_shift, solid_distance
 from paminsa_viz.clearance.nearest import BOX, CAPSULE, CYLINDER, PRISM, ConvexSolid, convex_solid
+from paminsa_viz.clearance.search import place_rod, rod_distance, rod_gap
 from paminsa_viz.clearance.shapes import arrays_of
 from paminsa_viz.clearance.solids import NO_CORNERS, WORLD, Body, BodyPart, Primitive
 from paminsa_viz.model.arrays import Array
-from tests.clearance.pairs_of_solids import KINDS, extent, random_solid
+from tests.clearance.pairs_of_solids import KINDS, distances, extent, random_solid
 
 BALL = ConvexSolid(CAPSULE, 0.0, 0.0, 0.0, 0.1, NO_CORNERS, 0, 0)
 
@@ -77,6 +78,29 @@ def test_the_shift_is_the_least_along_all_directions(kinds: tuple[str, str]) -> 
         assert every[index] == pytest.approx(found, abs=1e-14)
 
 
+@pytest.mark.parametrize("kinds", list(product(KINDS, repeat=2)))
+def test_what_parts_capsules_about_solids_parts_the_solids(kinds: tuple[str, str]) -> None:
+    """The distance is that of the solids, or that of a capsule in place of one if that is more."""
+    rng = np.random.default_rng(20 + [*KINDS].index(kinds[0]) + 10 * [*KINDS].index(kinds[1]))
+    one, other = (random_solid(kind, rng) for kind in kinds)
+    arrays = arrays_of(tuple(Body("", "", WORLD, BodyPart.FRAME, 0, (s,)) for s in (one, other)))
+    convex = [convex_solid(arrays, index) for index in range(2)]
+    turn = Rotation.random(24, random_state=1)
+    turns, wxyz = turn.as_matrix().reshape(12, 2, 9), turn.as_quat(scalar_first=True)
+    places = rng.uniform(-0.3, 0.3, (12, 2, 3)) * np.repeat([0.1, 1.0], 6)[:, None, None]
+    found = distances(one, other, places, wxyz.reshape(12, 2, 4)).distance
+    for n, frames in enumerate(np.concatenate([turns, places], axis=2)):
+        rods = np.empty((2, 7))
+        for index in range(2):
+            place_rod(arrays.rod, index, frames[index], rods)
+        bounds = [rod_gap(rods, 0, rods, 1)]
+        if "capsule" not in kinds:
+            bounds += [rod_distance(rods, index, convex[1 - index], frames[1 - index])
+                       for index in range(2)]  # fmt: skip
+        own = solid_distance(convex[0], frames[0], convex[1], frames[1], np.empty(12), np.empty(7))
+        assert found[n] == pytest.approx(max(own, *bounds), abs=1e-12)
+
+
 def test_cores_that_hardly_touch_are_parted_along_their_distance() -> None:
     """Up to a picometer they count as overlapping, along some direction."""
     upright = np.array([1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0])
@@ -88,3 +112,14 @@ def test_cores_that_hardly_touch_are_parted_along_their_distance() -> None:
         assert depth == pytest.approx(-0.2)
         assert (abs(best[1] - best[4]) == pytest.approx(0.2)) == along
     assert np.sqrt(TOUCH) == 1e-12
+
+
+def test_cylinders_about_one_axis_are_parted_along_it() -> None:
+    """As long as their axes are less than a nanometer apart, which shows no direction."""
+    rod = ConvexSolid(CYLINDER, 0.1, 0.1, 0.5, 0.0, NO_CORNERS, 0, 0)
+    frame = np.array([1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0])
+    for apart, shift in ((0.0, 1.0), (0.99e-9, 1.0), (1e-9, 0.2), (1.05e-9, 0.2)):
+        other, normal = frame.copy(), np.empty(3)
+        other[9] = apart
+        assert least_shift(rod, frame, rod, other, normal) == pytest.approx(shift)
+        assert np.abs(normal).tolist() == [float(shift == 0.2), 0.0, float(shift == 1.0)]

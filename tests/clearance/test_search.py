@@ -24,7 +24,8 @@ from paminsa_viz.clearance.search import (
     rod_gap,
 )
 from paminsa_viz.clearance.shapes import FRAMES, arrays_of
-from paminsa_viz.clearance.solids import WORLD, Body, BodyPart
+from paminsa_viz.clearance.solids import WORLD, Body, BodyPart, capsule
+from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Counterweight, Design, KneeBranch, Payload
 from tests.clearance.pairs_of_solids import KINDS, may_meet, outside, random_solid
@@ -68,6 +69,7 @@ def test_the_gap_of_rods_is_that_of_their_segments_less_their_radii() -> None:
     rods[10:20, 3:6] = rods[10:20, :3] + 0.05 * rods[10:20, 3:6]  # short
     rods[20:24, 3:6] = rods[20:24, :3]  # balls
     rods[24:32, 3:6] = rods[24:32, :3] + RNG.uniform(-2, 2, (8, 1)) * [1.0, 0.0, 0.0]  # parallel
+    rods[36:, 3:6] = rods[36:, :3] + 1e-4 * rods[36:, 3:6]  # very short
     rods[32:36, :6] = np.array(rods[32:36, :6] > 0, float)  # corners of a cube: some meet
     for i, j in product(range(40), repeat=2):
         expected = gap_of_segments(rods[i, :6].reshape(2, 3), rods[j, :6].reshape(2, 3))
@@ -192,6 +194,28 @@ def test_the_distance_of_bodies_is_the_least_of_their_solids(knee: KneeBranch) -
         assert (~apart).any()
         np.testing.assert_allclose(found[apart], expected[apart], atol=1e-12)
         assert (found[~apart] <= 0).all()
+
+
+def test_of_solids_of_a_body_that_are_as_near_the_first_one_is_kept() -> None:
+    """And of two bodies that are as near, the first pair."""
+    balls = [capsule([x, 0.0, 0.0], [x, 0.0, 0.0], 0.25) for x in (-1.0, 1.0)]
+    bodies = tuple(
+        Body(name, name, frame, BodyPart.FRAME, 0, solids)
+        for name, frame, solids in zip("abc", BODIES, (tuple(balls), *((ball,) for ball in balls)),
+                                       strict=False)
+    )  # fmt: skip
+    place, level = np.zeros((1, 4, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (1, 4, 1))
+    place[0, 1], place[0, 2] = (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)  # both are in the middle
+    first, second = np.array([0, 0, 1]), np.array([1, 2, 2])
+    distance, nearest = np.empty((1, 2)), np.empty((1, 2), np.int64)
+    points = np.empty((1, 2, 6))
+    arrays = arrays_of(bodies)
+    kernels.compiled()(
+        arrays, place, level, first, second, np.array([0, 0, 1]), distance, nearest, points
+    )
+    assert distance.tolist() == [[0.5, -0.5]]
+    assert nearest.tolist() == [[0, 2]]
+    assert points[0, 0].tolist() == [-0.75, 0.0, 0.0, -0.25, 0.0, 0.0]
 
 
 def test_poses_of_a_batch_do_not_depend_on_each_other() -> None:

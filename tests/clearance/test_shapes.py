@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -10,12 +11,22 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from paminsa_viz.clearance.frame_shapes import _arm
 from paminsa_viz.clearance.nearest import BOX, CAPSULE, CYLINDER, PRISM
 from paminsa_viz.clearance.shapes import _common_rod, shapes_of
-from paminsa_viz.clearance.solids import WORLD, Body, BodyPart, Primitive
+from paminsa_viz.clearance.solids import (
+    WORLD,
+    Body,
+    BodyPart,
+    Primitive,
+    box,
+    capsule,
+    cylinder,
+    prism,
+)
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions.layout import ring_arcs
-from paminsa_viz.dimensions.placement import BODIES
+from paminsa_viz.dimensions.placement import BODIES, place_parts
 from paminsa_viz.meshes import bodies as drawn
 from paminsa_viz.meshes import loads
 from paminsa_viz.meshes.part import MeshPart, fixed_part
@@ -122,10 +133,15 @@ SET_BACK = {
 """What a face of a body may be away from what is drawn in its solid; others touch it [m]."""
 
 
-@pytest.mark.parametrize("knee", list(KneeBranch))
-def test_solids_are_no_larger_than_what_is_drawn_in_them(knee: KneeBranch) -> None:
-    """Every face touches the drawn surface; the ring of the base plate is looked at below."""
-    design = loaded(None, knee)
+@pytest.mark.parametrize(
+    ("knee", "seed"), [(KneeBranch.LOWER, None), (KneeBranch.LOWER, 1), (KneeBranch.UPPER, 1)]
+)
+def test_solids_are_no_larger_than_what_is_drawn_in_them(knee: KneeBranch, seed: int) -> None:
+    """Every face touches the drawn surface; the ring of the base plate is looked at below.
+
+    The arms of robot 1 have a neck, those of the prototype have none.
+    """
+    design = loaded(seed, knee)
     standing = np.vstack([vertices(drawn.make_body(design.geometry, n)) for n in drawn.STANDING])
     for frame in (WORLD, *BODIES):
         world = frame == WORLD
@@ -137,6 +153,21 @@ def test_solids_are_no_larger_than_what_is_drawn_in_them(knee: KneeBranch) -> No
                     continue
                 gaps = loose(solid, points)
                 assert max(gaps.values()) < allowed * (1 + 1e-2), (body.name, number, gaps)
+
+
+def test_arms_have_a_neck_and_a_beam_where_there_is_room_for_them() -> None:
+    """From the carriage's surface on, and between the overlap at the root and joint 2."""
+    radius, away = size.CARRIAGE_RADIUS, 1.0
+    for root, neck in ((radius, False), (float(np.nextafter(radius, 1.0)), True)):
+        kinds = [solid.kind for solid in _arm(root, 0.0)]
+        assert (BOX in kinds) == neck
+    shortest = next(  # the beam begins where it ends, to the last bit
+        length
+        for length in size.ARM_END - size.ARM_OVERLAP + np.arange(-9, 10) * 1e-17
+        if (away - length) - size.ARM_OVERLAP == away - size.ARM_END
+    )
+    for length, beam in ((shortest, False), (shortest + 1e-9, True)):
+        assert (PRISM in [solid.kind for solid in _arm(away, length)]) == beam
 
 
 RING = range(7, 31)
@@ -187,6 +218,28 @@ def test_pins_go_through_what_is_mounted_around_their_joint() -> None:
     assert {k: v for k, v in around.items() if "weight" not in k} == {"platform": (5,)}
 
 
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_what_goes_around_a_joint_is_at_that_joint(knee: KneeBranch) -> None:
+    """In the plane of its leg; beside it are the layers of the bars."""
+    design = with_knee(APPENDIX_4, knee)
+    pose = (0.02, 0.01, 0.1, -0.5 if knee is KneeBranch.LOWER else 0.45)
+    configuration = inverse_kinematics(design.geometry, pose)
+    places, seen = place_parts(configuration), set()
+    for body in shapes_of(design).bodies:
+        for solid in body.solids:
+            if solid.joint:
+                matrix = places[body.frame].matrix
+                center = matrix[:3, :3] @ solid.center + matrix[:3, 3]
+                beta = configuration.beta[body.leg - 1]
+                aside = np.array([-np.sin(beta), np.cos(beta), 0.0])
+                off = center - configuration.points[solid.joint][body.leg - 1]
+                np.testing.assert_allclose(off - (off @ aside) * aside, 0.0, atol=1e-12)
+                seen.add((body.key, solid.joint))
+    around = {"b3": (3, 4, 7), "b4": (4, 5, 9), "b7": (7, 8), "b8": (8, 9)}
+    around |= {"shaft_end": (3,), "slider": (8,), "swivel": (5,)}
+    assert seen == {(key, joint) for key, joints in around.items() for joint in joints}
+
+
 def test_shapes_follow_from_geometry_payload_and_counterweights_alone() -> None:
     shapes = shapes_of(APPENDIX_4)
     assert shapes_of(APPENDIX_4.vary({"links.b3": 3.0, "gravity": 1.0})) is shapes
@@ -210,6 +263,49 @@ def places_on(solid: Primitive, rng: np.random.Generator) -> Any:
         own = solid.radius * np.stack([across * np.cos(turn), across * np.sin(turn), up], axis=1)
         own[:, 2] += np.sign(up) * solid.size[2]
     return own @ solid.rotation.T + solid.center
+
+
+def test_solids_are_made_where_and_as_large_as_they_are_said_to_be() -> None:
+    rng = np.random.default_rng(0)
+    turn = Rotation.random(random_state=0).as_matrix()
+    corners = np.array([(0.2, 0.0), (0.1, 0.3), (-0.1, -0.05)])
+    for _ in range(5):
+        low, high = np.sort(rng.uniform(-1.0, 1.0, (2, 3)), axis=0)
+        middle, half = (low + high) / 2, (high - low) / 2
+        bar = capsule(low, high, 0.05)
+        assert bar.size == pytest.approx([0.0, 0.0, np.linalg.norm(half)])
+        ends = bar.center + bar.size[2] * np.outer([-1, 1], bar.rotation[:, 2])
+        np.testing.assert_allclose(ends, [low, high], atol=1e-15)
+        block = box(low, high, turn)
+        np.testing.assert_allclose([*block.size, *block.center], [*half, *turn @ middle])
+        round_one = cylinder(0.3, low[2], high[2], low, turn, 7)
+        np.testing.assert_allclose(round_one.size, [0.3, 0.3, half[2]])
+        np.testing.assert_allclose(round_one.center, low + middle[2] * turn[:, 2])
+        flat = prism(corners, low[2], high[2], turn)
+        np.testing.assert_allclose(flat.size, [0.2, 0.3, half[2]])
+        np.testing.assert_allclose(flat.center, middle[2] * turn[:, 2])
+        assert (bar.radius, bar.joint, round_one.joint) == (0.05, 0, 7)
+        for solid in (block, round_one, flat):
+            assert solid.radius == 0.0
+            np.testing.assert_array_equal(solid.rotation, turn)
+        proper([bar, block, round_one, flat])
+    ball = capsule(low, low, 0.1)
+    assert ball.size.tolist() == [0.0, 0.0, 0.0]
+    assert ball.rotation[:, 2].tolist() == [0.0, 0.0, 1.0]
+    proper([ball])
+
+
+def proper(solids: Iterable[Primitive]) -> None:
+    """Check that rotations turn, and mirror nothing."""
+    turns = np.array([solid.rotation for solid in solids])
+    np.testing.assert_allclose(turns @ turns.swapaxes(1, 2), np.tile(np.eye(3), (len(turns), 1, 1)),
+                               atol=1e-12)  # fmt: skip
+    np.testing.assert_allclose(np.linalg.det(turns), 1.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_no_solid_of_the_robot_is_mirrored(knee: KneeBranch) -> None:
+    proper(solid for body in shapes_of(loaded(None, knee)).bodies for solid in body.solids)
 
 
 @pytest.mark.parametrize("kind", ["capsule", "box", "cylinder", "prism"])

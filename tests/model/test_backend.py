@@ -12,7 +12,15 @@ from hypothesis import strategies as st
 
 import paminsa_viz.model as model
 from paminsa_viz import quantities
-from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, backend, solve_field, xy_grid
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    InvalidInput,
+    backend,
+    compiled,
+    solve_field,
+    xy_grid,
+)
 from paminsa_viz.model.dynamics import InverseDynamics, TorqueBreakdown
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.lumped import term_factors
@@ -250,5 +258,13 @@ def test_kernels_are_loaded_when_they_pay(
     for count in (1_000, 200_000):
         model.static_torques(APPENDIX_4, np.tile([0.0, 0.0, 0.0, -0.5], (count, 1)))
         found.append(backend.is_compiled())
-    backend.compile_in_background().join()
+    thread = backend.compile_in_background()
+    assert thread.daemon  # a page that ends does not wait for it
+    thread.join()
     assert [*found, backend.is_compiled()] == expected
+
+
+def test_kernels_are_compiled_by_calls_on_nothing() -> None:
+    """Whatever a kernel reads and writes is not there then."""
+    for dimensions in (1, 2, 3):
+        assert compiled.nothing(dimensions).shape == (0,) * dimensions

@@ -228,6 +228,8 @@ def test_a_slope_that_rises_by_rounding_alone_leaves_an_envelope_concave() -> No
     for rise, lines in ((0.9e-12, 2), (1.05e-12, 1)):
         drive = Drive(envelope=((0.0, 3.0), (1.0, 2.0), (2.0, 1.0 + rise)))
         assert len(drive.lines) == lines
+    rising = Drive(envelope=((0.0, 1.0), (1.0, 2.0), (2.0, 3.0)))
+    assert rising.lines == ((1.0, -1.0),) * 2
 
 
 def test_envelopes_have_from_two_to_sixteen_points_of_real_size() -> None:

@@ -272,6 +272,8 @@ def test_a_formula_is_solved_at_the_first_call_and_kept(monkeypatch: pytest.Monk
         quantity.over(field, loaded)
     monkeypatch.setattr(grids, "_evaluate", None)
     assert np.shares_memory(field.solve(DEXTERITY), solved)
+    assert "_solved" not in repr(field)
+    assert "_kept" not in repr(field)
     changed = APPENDIX_4.vary({"links.b3": 1.0, "load.force_y": 5.0, "load.point_x": 0.1})
     for quantity in QUANTITIES.values():
         assert quantity.over(field, changed).shape == field.grid.shape

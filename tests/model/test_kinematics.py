@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4, KneeBranch, Limit, closure, inverse_kinematics
-from paminsa_viz.model.kinematics import HEADINGS, LEG_AXES, wrap
+from paminsa_viz.model.kinematics import AXIS_ANGLES, HEADINGS, LEG_AXES, wrap
 from tests import oracle
 from tests.model import paper
 from tests.support.cases import BOTH, BY_HAND, OTHER, Case, assert_within, cases
@@ -242,6 +242,12 @@ def test_base_points_with_their_indices_put_right() -> None:
         leg: [printed[i, leg] for i in (1, 2, 3) if (i, leg) in printed] for leg in (1, 2, 3)
     }
     assert [len(by_coordinate[leg]) for leg in (1, 2, 3)] == [3, 3, 0]
+
+
+def test_constants_of_the_robot_cannot_be_written() -> None:
+    for values in (LEG_AXES, AXIS_ANGLES, HEADINGS):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = 0.0
 
 
 def test_leg_planes_face_the_center_at_zero() -> None:

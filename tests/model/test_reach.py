@@ -259,7 +259,8 @@ def test_status_and_leg_follow_from_the_least_margin_and_its_number() -> None:
 
 
 def test_long_numbers_of_a_pose_are_shortened() -> None:
-    for x, text in ((9999.0, "9999000.0 mm"), (1e4, "1e+07 mm"), (1.05e4, "1.05e+07 mm")):
+    for x, text in ((9999.0, "9999000.0 mm"), (1e4, "1e+07 mm"), (1.05e4, "1.05e+07 mm"),
+                    (-1.05e4, "-1.05e+07 mm")):  # fmt: skip
         with pytest.raises(UnreachablePose) as caught:
             require_reachable(APPENDIX_4.geometry, [x, 0.0, 0.0, 0.0])
         assert f"pose ({text}, 0.0 mm, 0.0 deg, 0.0 mm) cannot be taken" in str(caught.value)

@@ -247,7 +247,10 @@ def test_mujoco_confirms_the_optimum_and_its_active_bounds(springs):
 
 
 def test_margins_of_what_is_quick_are_those_of_the_whole_check():
-    bounds = (Requirement("condition", low=1.0), Requirement("reach_margin", low=0.01))
+    bounds = (
+        Requirement("condition", low=1.0), Requirement("reach_margin", low=0.01),
+        Requirement("max_torque", high=9.0), Requirement("stiffness_x", high=1e9),
+    )  # fmt: skip
     place = Workspace(WorkspaceShape.CYLINDER, (0.1, 0.1, 0.1), (0.0, 0.0, -0.55))
     asked = Requirements(bounds, (-0.2, 0.2), place)
     expected = {item.label: item.margin for item in check_requirements(APPENDIX_4, asked).items}

@@ -276,6 +276,7 @@ def test_a_motion_that_leaves_the_reach_fails_at_its_first_pose_beyond(index: in
     found = sampled_solution(APPENDIX_4.geometry, good, 9.81)
     assert found.check.first is None
     assert found.check.possible
+    assert found.check.until == 41
     least = check_reach(APPENDIX_4.geometry, pose).margins.min(axis=(1, 2))
     assert found.check.closest.margin == pytest.approx(least.min())
     assert found.check.closest.t == t[int(least.argmin())]
@@ -284,6 +285,7 @@ def test_a_motion_that_leaves_the_reach_fails_at_its_first_pose_beyond(index: in
     bad = sampled_solution(APPENDIX_4.geometry, replace(good, pose=far), 9.81)
     assert bad.check.first is not None
     assert bad.check.first.t == t[index]
+    assert bad.check.until == index
     assert bad.check.first.pose == tuple(far[index])
     assert bad.check.first.margin < 0.0
     missing = np.isnan(bad.torques(APPENDIX_4)).any(axis=1)

@@ -26,6 +26,7 @@ class MadeUp:
     asked: list[tuple[list[float], int]]
     requirables: list[Requirable]
     sign: float
+    base: float = BASE
 
     def add(
         self,
@@ -55,7 +56,7 @@ def made_up(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
     def refined(case: Any, regime: Regime, numbers: list[float], *, rounds: int, workers: Any):
         found.asked.append((numbers, rounds))
         assert regime is Regime.SMALLER
-        return SimpleNamespace(objective=sign * getattr(case, "optimum", BASE))
+        return SimpleNamespace(objective=sign * getattr(case, "optimum", found.base))
 
     monkeypatch.setattr(prices, "refined", refined)
     monkeypatch.setattr(prices, "_requirables", lambda *_: iter(found.requirables))
@@ -104,6 +105,21 @@ def test_a_price_is_the_slope_of_the_optimum_against_the_bound(made_up: MadeUp) 
     assert [row.label for row in found][:7] == order[:7]
     assert {row.label for row in found[7:]} == {"no way", "free"}
     assert parts == pytest.approx([(n + 1) / 9 for n in range(9)])
+
+
+def test_what_costs_nothing_is_within_a_share_of_the_optimum_of_either_sign(
+    made_up: MadeUp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where tightening seems to gain, which a search may leave open."""
+    monkeypatch.setattr(prices, "STILL", 0.25)
+    made_up.base = -8.0  # so that 2 is still nothing
+    made_up.add("just free", 1.0, 1.0, lambda v: -7.0 if v > 1 else -9.0)
+    made_up.add("dear", 1.0, 1.0, lambda v: -6.875 if v > 1 else -9.0)
+    made_up.add("gains", 1.0, 1.0, lambda v: -10.0 if v > 1 else -7.0)
+    found = requirement_prices(made_up.result, step=0.5)
+    assert [(row.label, row.price) for row in found] == [
+        ("gains", -3.0), ("dear", 2.125), ("just free", 0.0),
+    ]  # fmt: skip
 
 
 def test_each_search_starts_at_the_answer_within_its_ranges(made_up: MadeUp) -> None:

@@ -47,7 +47,7 @@ NUMBERS: dict[ModuleType, dict[str, Any]] = {
     front: {"MOST_POINTS": 200, "SLACK": 2e-3, "OTHERS": 0.8, "SAME": 1e-3},
     checkpoint: {"LEAST_POPULATION": 5, "ROUNDING": 1e-9, "LARGEST_FILE": 50_000_000},
     outer: {
-        "EXPLORE": 0.6, "ROUND": 10, "PART": 24, "STILL": 3, "PROGRESS": 2e-4, "SPREAD": 0.02,
+        "EXPLORE": 0.6, "ROUND": 10, "STILL": 3, "PROGRESS": 2e-4, "SPREAD": 0.02,
         "STEP": 15,
     },
     region: {"TRIAL": region.Density(12, 4, 5, 5), "SPARSE": region.Density(4, 2, 3, 3)},
@@ -56,7 +56,7 @@ NUMBERS: dict[ModuleType, dict[str, Any]] = {
     program: {"FEW": 8},
     regions: {"FIRST": 4096, "KEPT": 32, "_ROUNDS": 24, "_SHRINK": 0.6, "SEED": 15},
     bisection: {
-        "BATCH": 8192, "SMALLEST": 1e-9, "MOST_BOXES": 20_000_000, "TURN_LENGTH": 0.1,
+        "BATCH": 8192, "SMALLEST": 1e-9, "TURN_LENGTH": 0.1,
         "_ROUND": 1e-13, "_SPECK": 1e-14,
     },
     certificate: {"SAMPLING_TIME": 0.5, "SAMPLES": (9, 9, 9, 5), "FIXED": (False, False, False)},
@@ -82,7 +82,7 @@ NUMBERS: dict[ModuleType, dict[str, Any]] = {
     measure: {
         "_BAND": 1.25, "_EACH": 2, "_NECK": 3, "_LEAST": 200, "_DEVIATIONS": 3.0, "_SEED": 5,
     },
-    checks: {"DENSITY": 4, "HEADINGS": 9, "PART": 8},
+    checks: {"DENSITY": 4, "HEADINGS": 9},
     engine_check: {"POSES": 60, "WORST": 5, "ACCEPTED": 1e-6},
     prices: {"STEP": 0.02, "AT_END": 2e-3, "STILL": 2e-4},
 }  # fmt: skip

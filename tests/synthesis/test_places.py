@@ -131,6 +131,14 @@ def test_samples_of_what_cannot_be_proven_are_in_their_part(shape: WorkspaceShap
     quick.margin = lambda values: values
     more, _ = sample_requirement(APPENDIX_4, asked, quick, part)  # type: ignore
     assert [len(np.unique(np.round(column, 12))) for column in more.T] == list(SAMPLES)
+    # a quarter of the digits of the time: half as many along each axis where it takes 16 times
+    for times, expected in ((16.0, [4, 4, 4, 2]), (2.0, [8, 8, 8, 4]), (1e9, [2, 2, 2, 2])):
+        quick.entry.cost = times * 0.5 / np.prod(SAMPLES)
+        fewer, _ = sample_requirement(APPENDIX_4, asked, quick, part)  # type: ignore
+        ends = [len(np.unique(np.round(column, 12))) for column in fewer.T]
+        if shape is WorkspaceShape.BOX:
+            assert ends == expected
+        assert ends[2:] == expected[2:] or not len(fewer)
     elsewhere = Requirement("stiffness_x", low=1.0, z=(-0.3, -0.2))
     poses, margins = sample_requirement(APPENDIX_4, asked, elsewhere, part)
     assert (poses.shape, margins.shape) == ((0, 4), (0,))

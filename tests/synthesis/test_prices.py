@@ -119,6 +119,10 @@ def test_ends_that_an_answer_touches_are_asked_and_no_others():
     assert asked(low + 0.9 * near) == asked(low) == {"least crank_length": (low, 1.0)}
     assert asked(high - 0.9 * near) == asked(high) == {"largest crank_length": (high, -1.0)}
     assert asked(low + 1.1 * near) == asked(high - 1.1 * near) == asked(0.5) == {}
+    ranges = (result.case.ranges[0], SearchRange("geometry.magnification", 2.0, 5.0))
+    both = replace(result, case=replace(result.case, ranges=ranges))
+    units = {item.label: item.unit for item in _requirables(both, [low, 5.0])}
+    assert (units["least crank_length"], units["largest magnification"]) == ("m", "")
     low, high = 1e-300, 1.0  # the distance of a value from such an end is exact
     whole = replace(result.case.ranges[0], low=low, high=high)
     result = replace(result, case=replace(result.case, ranges=(whole,)))

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import fast_simplification
 import numpy as np
 import pytest
+import trimesh
 
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -15,9 +18,9 @@ from paminsa_viz.model import (
     measure_singularity,
     static_torques,
 )
-from paminsa_viz.model.reach import MARGINS
+from paminsa_viz.model.reach import MARGINS, Limit
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
-from paminsa_viz.synthesis.volume import check, conflict
+from paminsa_viz.synthesis.volume import check, conflict, workspace
 from paminsa_viz.synthesis.volume.causes import (
     FIRST_REACH,
     INSIDE,
@@ -36,6 +39,7 @@ from paminsa_viz.synthesis.volume.solve import solve_volume
 from paminsa_viz.synthesis.volume.surface import (
     VolumeSurface,
     _cause_at,
+    volume_glb,
     volume_stl,
     volume_surface,
     zero_surface,
@@ -66,6 +70,9 @@ def test_the_fewest_requirements_that_nothing_meets() -> None:
     many[60] = np.arange(40) % 2 == 0
     many[3] = np.arange(40) % 2 == 1
     assert _conflict_of(many) == (3, 60)
+    wide = np.ones((73, 2), bool)
+    wide[0, 0] = False  # a pattern of more than eight bytes
+    assert _conflict_of(wide) == ()
     for count in (56, 57, 64):
         rows = np.random.default_rng(count).random((count, 50)) < 0.999
         expected = () if rows.all(axis=0).any() else None
@@ -94,10 +101,11 @@ def test_the_nearest_bound_is_where_all_others_are_met() -> None:
         design=APPENDIX_4, headings=5, cause=np.zeros((2, 2, 2)), x=axes, y=axes + 1, z=axes - 1,
         requirements=needs("condition <= 5", "f_4 <= 400"),
     )  # fmt: skip
-    held = np.array([[-3.0, -1.0, -0.5, -2.0, np.nan], [0.0, -0.1, -1e-9, 1.0, 1.0]])
+    held = np.array([[-3.0, -1.0, -0.5, -2.0, np.nan], [1.0, -0.1, -1e-9, 0.0, 1.0]])
     places = np.array([0, 3, 5, 6, 7])
-    found = _relaxation(volume, None, held, places, 0)
+    found = _relaxation(volume, None, held, places, 0)  # also where another is just met
     assert (found.requirement, found.by) == (0, 2.0)
+    assert found.relaxed is not None
     assert found.relaxed.high == 7.0
     assert found.center == pytest.approx((0.1, 1.1, -1.0))
     none = _relaxation(volume, None, np.array([[-1.0, np.inf], [-1.0, -1.0]]), places[:2], 0)
@@ -134,7 +142,7 @@ def test_a_requirement_counts_at_the_ends_of_its_ranges() -> None:
     assert sizes == [3.0, 5.0, 4.0, 6.0, 1.0]
 
 
-def test_the_largest_number_of_faces_is_kept() -> None:
+def test_the_largest_number_of_faces_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     x, y, z = np.meshgrid(*[np.arange(13.0)] * 3, indexing="ij")
     away = np.linalg.norm(np.stack([x, y, z], axis=-1) - 6.0, axis=-1)
     cause = np.where(away < 4.0, INSIDE, SINGULAR).astype(np.uint8)
@@ -155,6 +163,16 @@ def test_the_largest_number_of_faces_is_kept() -> None:
     same = make(volume, faces=len(whole.faces))
     np.testing.assert_array_equal(same.vertices, whole.vertices)
     assert len(make(volume, faces=1).faces) >= 4
+    asked: list[int] = []
+
+    def simplify(points: Any, triangles: Any, *, target_count: int) -> Any:
+        asked.append(target_count)
+        return points, triangles, None
+
+    monkeypatch.setattr(fast_simplification, "simplify", simplify)
+    for most in (1, 4, 50):
+        make(volume, faces=most)
+    assert asked == [4, 4, 50]
 
 
 def test_what_cuts_is_named_by_the_node_outside_or_what_is_nearest() -> None:
@@ -307,6 +325,8 @@ def test_shares_are_of_the_nodes_that_can_be_reached(nodes: int) -> None:
         APPENDIX_4, needs("condition <= 4", "f_4 <= 300", "max_torque <= 6"), resolution=COARSE
     )
     places = np.argwhere(volume.reachable)[:: max(1, volume.reachable.sum() // 7)][:nodes]
+    if nodes == 1:  # at which one requirement breaks
+        places = np.argwhere(volume.reachable & ((~volume.met).sum(axis=0) == 1))[:1]
     few = np.zeros_like(volume.reachable)
     few[tuple(places.T)] = True
     part = replace(volume, reachable=few)
@@ -321,3 +341,64 @@ def test_shares_are_of_the_nodes_that_can_be_reached(nodes: int) -> None:
     assert part.shares() == pytest.approx(shares)
     assert volume.utilization == pytest.approx(volume.volume / volume.reachable_volume)
     assert np.isnan(replace(volume, reachable_volume=0.0).utilization)
+
+
+def test_a_glb_has_the_volume_upright_below_one_node() -> None:
+    """In glTF y is up, and z toward the one who looks."""
+    needed = needs("condition <= 5")
+    vertices = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]])
+    faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    surface = VolumeSurface(vertices, faces, np.full(4, SINGULAR, np.uint8), causes_of(needed))
+    scene: Any = trimesh.load(io.BytesIO(volume_glb(surface)), file_type="glb")
+    turn, _ = scene.graph.get("volume")
+    expected = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+    np.testing.assert_allclose(turn, expected, atol=1e-12)
+    (geometry,) = scene.geometry.values()
+    assert np.sort(geometry.extents).tolist() == [1.0, 2.0, 3.0]
+    np.testing.assert_allclose(np.sort(scene.extents), [1.0, 2.0, 3.0])
+    np.testing.assert_allclose(scene.extents, [1.0, 3.0, 2.0])
+
+
+@pytest.mark.parametrize("which", range(4))
+def test_reach_without_a_margin_holds_at_the_end_of_a_guide_only(
+    monkeypatch: pytest.MonkeyPatch, which: int
+) -> None:
+    bounds = SimpleNamespace(
+        margin=lambda z: (np.zeros((1, 1)), np.array([[which + 4]], np.uint8)),
+        position=np.ones((1, 1)), turn=1.0, regular=np.ones((1, 1), bool),
+    )  # fmt: skip
+    monkeypatch.setattr(workspace, "reach_bounds", lambda *_: bounds)
+    middle = Samples(np.zeros((1, 2)), np.array([-0.5]))
+    item = reach_items(APPENDIX_4, Requirements((), (0.0, 0.0)), middle)[0]
+    guide = MARGINS[which] is Limit.GUIDE
+    assert item.holds is guide
+    assert item.reason == ("" if guide else MARGINS[which].reason(1))
+
+
+def test_what_takes_no_pose_is_looked_at_in_the_middle_where_it_is_least_short() -> None:
+    z = np.array([-0.9, -0.6, -0.3])
+    needed = Requirements((Requirement("f_4", high=400.0),), (-np.pi, np.pi))
+    volume: Any = SimpleNamespace(design=APPENDIX_4, requirements=needed, z=z)
+    reach, singular, broken = check._nothing(volume)
+    least = reach_bounds(GEOMETRY, 0.0, 0.0, needed.theta).margin(z)[0]
+    for item in (reach, singular):
+        assert item.pose is not None
+        assert (item.pose[0], item.pose[1], item.pose[3]) == (0.0, 0.0, z[least.argmax()])
+    assert reach.margin == pytest.approx(least.max())
+    assert (broken.margin, broken.holds, broken.requirement) == (-np.inf, False, 0)
+
+
+@pytest.mark.parametrize(("fine", "count"), [(False, 5), (True, 65)])
+def test_a_fine_check_looks_at_four_times_as_many_headings_as_a_volume(
+    monkeypatch: pytest.MonkeyPatch, fine: bool, count: int
+) -> None:
+    asked: list[Any] = []
+    item = RequirementCheck("a", "", 0.0, 1.0, None, True)
+    monkeypatch.setattr(check, "reach_items", lambda *_: (item, item))
+    monkeypatch.setattr(check, "worst_over", lambda *given: asked.append(given) or item)
+    space = Workspace(BOX, (0.1, 0.1, 0.1), (0.0, 0.0, -0.5))
+    needed = replace(needs("condition <= 5"), workspace=space)
+    check.check_requirements(APPENDIX_4, needed, fine=fine)
+    (_, _, _, samples, theta) = asked[0]
+    assert len(theta) == count == (4 * (FINE.headings - 1) + 1 if fine else COARSE.headings)
+    assert len(samples.z) == 2 * (8 if fine else 3) + 1

@@ -16,6 +16,7 @@ from paminsa_viz.model import (
     measure_singularity,
     static_torques,
 )
+from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.reach import MARGINS, Limit, home_pose
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.volume import margins, measure
@@ -28,7 +29,12 @@ from paminsa_viz.synthesis.volume.causes import (
 )
 from paminsa_viz.synthesis.volume.grid import Resolution, home_side, joined_to_home
 from paminsa_viz.synthesis.volume.margins import Columns, heading_margins, headings
-from paminsa_viz.synthesis.volume.reach import can_be_taken, reach_bounds, takes_own_headings
+from paminsa_viz.synthesis.volume.reach import (
+    can_be_taken,
+    leg_distances,
+    reach_bounds,
+    takes_own_headings,
+)
 from paminsa_viz.synthesis.volume.solve import _distances
 from paminsa_viz.synthesis.volume.workspace import (
     best_center,
@@ -365,3 +371,37 @@ def test_points_of_the_reachable_body_are_those_that_can_be_taken(both_sides: bo
     assert 0.02 < expected.mean() < 0.9
     assert (found == expected).mean() > 0.995
     assert not (found & ~expected).any()
+
+
+def test_the_surface_of_a_single_node_is_in_the_cubes_around_it() -> None:
+    """But for those of parts that are not joined to it; points are drawn in some, each once."""
+    x, inside = np.arange(5.0), np.zeros((5, 5, 5), bool)
+    inside[2, 2, 2] = True
+    depth = np.where(inside, 0.2, -0.3)
+    apart = np.zeros_like(inside)
+    for joined, cubes in ((True, 27), (False, 26)):
+        apart[1, 1, 1] = not joined
+        nodes = measure.Nodes(x, x, inside, apart, depth, inside, depth)
+        drawn = measure._Surface.of(nodes, inside, apart, depth, 20)
+        assert drawn.cubes == cubes
+        assert len(np.unique(np.rint(drawn.points), axis=0)) == len(drawn.points) == 20
+        assert np.abs(drawn.points - 2.0).max() <= 1.5
+
+
+@pytest.mark.parametrize("leg", range(3))
+@pytest.mark.parametrize("turn", [0.5, 2.6, 3.7, 5.8])
+@pytest.mark.parametrize("flat", [0, 1])
+def test_an_arc_that_crosses_two_sides_of_a_box_is_at_no_distance(
+    leg: int, turn: float, flat: int
+) -> None:
+    """Far from its corners, whichever two sides are long."""
+    g, axis = GEOMETRY, LEG_AXES[leg]
+    point = g.base_radius * axis + g.platform_radius * np.array([np.cos(turn), np.sin(turn)])
+    half = np.array([[0.03, 0.03]])
+    half[0, flat] = 0.001
+    low, high = leg_distances(
+        np.array([g.base_radius]), np.array([g.platform_radius]), point, half, (0.0, 2 * np.pi),
+        BOX,
+    )  # fmt: skip
+    assert low[0, leg] == 0.0
+    assert high[0, leg] > 2 * g.platform_radius
