@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -52,7 +53,7 @@ def refusal(content: str | bytes, source: str = "up.toml") -> DesignFileError:
         (VERSION + "[links]\nb3_kg = {a=1}", 3, "links.b3_kg", "a table: a number is needed"),
         (VERSION + "[links]\nb3_kg = nan", 3, "links.b3_kg", "nan: a finite number"),
         (VERSION + "[links]\nb3_kg = 1e999", 3, "links.b3_kg", "a finite number"),
-        (VERSION + "[links]\nb3_kg = 1" + 400 * "0", 3, "links.b3_kg", "a finite number"),
+        (VERSION + "[links]\nb3_kg = 1" + 400 * "0", 3, "links.b3_kg", "fewer digits is needed"),
         (VERSION + "[links]\n\nb3_kg = -1", 4, "links.b3_kg", "-1.0: a finite number of at least"),
         (VERSION + "links.b3_kg = -1", 2, "links.b3_kg", "of at least 0 and at most 10000"),
         (VERSION + "links = {b3_kg = -1}", 2, "links.b3_kg", "of at least 0 and at most 10000"),
@@ -75,6 +76,7 @@ def refusal(content: str | bytes, source: str = "up.toml") -> DesignFileError:
         (VERSION + "[geometry]\nR_b = 1", 3, "geometry.R_b", "did you mean base_radius_m"),
         (VERSION + "[geometry]\nkne = 1", 3, "geometry.kne", "did you mean knee?"),
         (VERSION + "nam = 'x'", 2, "nam", "did you mean name?"),
+        (VERSION + "[links]\nb3_xy = 1", 3, "links.b3_xy", "did you mean b3_kg (m_B3"),
         (VERSION + "namxyz = 'x'", 2, "namxyz", "did you mean name?"),  # 3 letters of 4 and 6
         (VERSION + "namwxyz = 'x'", 2, "namwxyz", "there are gravity_m_per_s2"),
         (VERSION + "[joints]\nb3_kxy = 1", 3, "joints.b3_kxy", "did you mean b3_kg in [links]"),
@@ -89,7 +91,7 @@ def refusal(content: str | bytes, source: str = "up.toml") -> DesignFileError:
         (VERSION + "[links]\nb3_kg = 0.5 kg", 3, "", "without its unit"),
         (VERSION + "[links\nb3_kg = 1", 2, "", "is not valid TOML"),
         (VERSION + "x = 1" + 5000 * "0", 2, "", "too long"),
-        (VERSION + "x = " + 900 * "[", None, "", "nested too deeply"),
+        (VERSION + "x = " + 900 * "[", None, "", "is nested too deeply for a design file"),
         (VERSION + "x = " + 50_000 * "[\n", None, "", "nested too deeply"),
         (b"\xff\xfe\x00", None, "", "is not a text file"),
         (b"a = 1\n\x80", 2, "", "is not a text file"),
@@ -162,6 +164,15 @@ def test_the_knee_stands_in_a_file_only_where_it_is_not_the_printed_one() -> Non
         read = read_design(f'{VERSION}[geometry]\nknee = "{word}"', "d")
         assert read.geometry == upper.geometry
     assert read_design(f'{VERSION}[geometry]\nknee = "printed"', "d") == APPENDIX_4
+
+
+def test_a_name_has_two_hundred_characters_at_most() -> None:
+    named = replace(APPENDIX_4, name="n" * 200)
+    assert read_design(write_design(named), "a.toml").name == named.name
+    with pytest.raises(DesignFileError, match="of at most 200 characters"):
+        write_design(replace(named, name="n" * 201))
+    problem = refusal(VERSION + "gravity_m_per_s2 = 1" + 30 * "0").problem
+    assert problem == "a finite number of fewer digits is needed"
 
 
 def test_counterweights_are_tables_in_double_brackets() -> None:
@@ -279,3 +290,5 @@ def test_lines_are_found_through_headings_quotes_and_dots() -> None:
     assert find_line(text, "u.v.c.d") == 5
     assert find_line(text, "u.v.c") == 5
     assert find_line(text, "b") is None
+    assert find_line('c = 2\n"a=b" = 1\n\'d"=\' = 3', "a=b") == 2
+    assert find_line('c = 2\n"a=b" = 1\n\'d"=\' = 3', 'd"=') == 3

@@ -90,3 +90,10 @@ def test_a_file_is_read_as_its_text(tmp_path: Path) -> None:
     path.write_text("t_s,f4_N\n0,1\n1,2\n")
     assert read_published(path).name == "fig6"
     np.testing.assert_array_equal(read_published(path).torque[:, 3], [1.0, 2.0])
+
+
+def test_maps_may_be_in_other_units() -> None:
+    text = "x_mm,y [mm],tau2_Nm\n10,-20,3\n"
+    found = parse_published_map(io.StringIO(text, newline=""), "map.csv")
+    np.testing.assert_allclose(found.position, [[0.01, -0.02]])
+    assert found.torque[0, 1] == 3.0

@@ -127,6 +127,23 @@ def test_where_edges_exceed_corners_errors_are_exact_in_x_and_y_and_nearly_in_th
     assert exceeded >= 5
 
 
+def test_a_straight_edge_is_off_its_chord_by_an_eighth_of_its_length_times_its_turn() -> None:
+    """Along an edge that lies on a line of symmetry the platform hardly turns."""
+    angle = np.radians(150.0)
+    poses = np.array([[0.125 * np.cos(angle), 0.125 * np.sin(angle), 0.0, -0.6]])
+    found = drive_errors(GEOMETRY, DriveAccuracy(), poses)
+    first, last = (
+        np.concatenate([np.flatnonzero(sign * CORNERS[:, j] > 0) for j in range(3)])
+        for sign in (-1.0, 1.0)
+    )
+    apart = found.corners[:, last] - found.corners[:, first]
+    turn, length = np.abs(apart[..., 2]), np.hypot(apart[..., 0], apart[..., 1])
+    off = np.where(turn < 1e-7, length * turn / 8.0, 0.0).max(axis=1)
+    assert (off > 1e-13).all()
+    for column in (0, 3):
+        np.testing.assert_allclose(found.between[:, column], off, rtol=1e-3)
+
+
 def modes(beta: Any) -> Any:
     """a and b of the closure equations of headings (..., 3), see `kinematics`."""
     axes = np.arctan2(LEG_AXES[:, 1], LEG_AXES[:, 0])
