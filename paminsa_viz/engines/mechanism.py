@@ -261,11 +261,12 @@ def _leg(design: Design, leg: int) -> list[Link]:
 def _counterweights(design: Design, leg: int, bar: str, reach: float) -> list[Part]:
     """Place the counterweights of a bar that goes from its first end at x = 0 to x = ``reach``."""
     first = BAR_ENDS[bar][0]
+    outward = math.copysign(1.0, reach)  # a weight between the joints is less than 0 beyond one
     found = []
     for number, weight in enumerate(design.counterweights, 1):
         if weight.bar == bar:
-            outward = math.copysign(weight.beyond, reach)
-            x = -outward if weight.joint == first else reach + outward
+            out = outward * weight.beyond
+            x = -out if weight.joint == first else reach + out
             found.append(Part(leg_name(leg, f"counterweight{number}"), weight.mass, (x, 0, 0)))
     return found
 
