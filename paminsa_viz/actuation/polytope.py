@@ -133,8 +133,8 @@ def wrench_polytope(design: Design, pose: ArrayLike) -> WrenchPolytope:
         InvalidInput: If the pose cannot be taken or is singular, so that it has none.
     """
     at = capability(design, pose)
-    numbers = np.concatenate([at.torque.ravel(), at.rows.ravel()])
-    if at.pose.ndim != 1 or not np.isfinite(numbers).all():
+    finite = np.isfinite(at.torque).all() and np.isfinite(at.rows).all()
+    if at.pose.ndim != 1 or not finite:
         raise InvalidInput("pose", "a pose is needed that can be taken and is not singular")
     length = design.geometry.platform_radius
     return WrenchPolytope(at.rows, at.torque[:3], at.limits.rated[:3], length)

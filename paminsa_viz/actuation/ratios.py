@@ -226,7 +226,7 @@ def _scan(
     """Narrow intervals to the feasible ratios of a scan, in place; return where it has gaps."""
     gaps = np.zeros(len(table), bool)
     for row in rows:
-        part = table[np.array([row])]
+        part = table[row : row + 1]
         end = high[row] if np.isfinite(high[row]) else WIDEST * max(low[row], 1.0)
         start = max(low[row], end / WIDEST**2)
         ratios = np.geomspace(start, end, SCANNED)

@@ -74,7 +74,7 @@ def figures(sizing: Sizing, index: int) -> DriveFigures:
     table, load = sizing.table, sizing.load
     drive = table.drive(index)
     speed, torque = cloud(load, drive)
-    one = table[np.array([index])]
+    one = table[index : index + 1]
     found = ratio_intervals(load, one, inertia_ratio=sizing.most_inertia)
     ends = (found.low[0], found.high[0]) if found.feasible[0] else (np.nan, np.nan)
     lead = drive.ratio / drive.gear_ratio

@@ -133,7 +133,7 @@ class TimedPath:
         """Return dt/dq [s]: finite at the ends, where s' is zero."""
         rests = np.array(self.rests)
         i = np.clip(np.floor(q).astype(int), 0, len(rests) - 2)
-        q = np.maximum(q, i + 1e-7)
+        q = i + np.clip(q - i, 1e-7, 1.0 - 1e-7)
         rate = np.diff(rests)[i] * 0.5 * np.pi * np.sin(np.pi * (q - i))
         return rate / np.sqrt(np.maximum(self.z(self._place(q)), 1e-300))
 

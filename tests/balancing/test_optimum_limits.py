@@ -175,8 +175,8 @@ def test_every_infeasible_limit_is_reported() -> None:
     assert all(item.attainable >= item.limit for item in caught.value.limits)
 
 
-def test_a_limit_that_others_are_in_the_way_of_is_reported_with_these_kept() -> None:
-    """No mass may be taken away, so that the peak cannot go to where it could alone."""
+def test_an_infeasible_limit_is_reported_with_the_other_limits_kept() -> None:
+    """Without added mass the peak static torque stays above its least value."""
     peak, added = StaticPeak(field()), AddedMass()
     with pytest.raises(InfeasibleBounds) as caught:
         optimize(APPENDIX_4, changes(0.2), MassChange(), limits=[(added, 0.0), (peak, 0.0)])
