@@ -132,6 +132,16 @@ def test_table_has_a_row_a_node_that_can_be_reached(volume: Volume) -> None:
     assert (table.columns["cause"] == "inside").sum() == volume.inside.sum()
     assert table.provenance["requirement 1"] == "condition <= 10"
     assert float(table.provenance["volume [m^3]"]) == volume.volume
+    # lengths to a nanometer, distances to a tenth of a micrometer
+    for axis in ("x", "y", "z"):
+        nodes = np.round(getattr(volume, axis), 9)
+        assert set(table.columns[f"{axis}_m"]) <= set(nodes)
+    depth = np.round(volume.depth[volume.inside], 7)
+    own = table.columns["depth_m"][table.columns["cause"] == "inside"]
+    np.testing.assert_array_equal(own, depth)
+    stated = {name: value for name, value in table.provenance.items() if name.startswith("design ")}
+    assert float(stated["design geometry.base_radius [m]"]) == 0.35
+    assert float(stated["design geometry.magnification"]) == 3.0
 
 
 @pytest.mark.parametrize("kind", VOLUME_FORMATS)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from paminsa_viz import palette
 from paminsa_viz.model import (
     APPENDIX_4,
     check_reach,
@@ -39,6 +40,7 @@ from paminsa_viz.synthesis.volume.solve import solve_volume
 from paminsa_viz.synthesis.volume.surface import (
     VolumeSurface,
     _cause_at,
+    cause_color,
     volume_glb,
     volume_stl,
     volume_surface,
@@ -357,6 +359,12 @@ def test_a_glb_has_the_volume_upright_below_one_node() -> None:
     assert np.sort(geometry.extents).tolist() == [1.0, 2.0, 3.0]
     np.testing.assert_allclose(np.sort(scene.extents), [1.0, 2.0, 3.0])
     np.testing.assert_allclose(scene.extents, [1.0, 3.0, 2.0])
+    # in the color of the page, opaque, seen from both sides, and dull as other drawings are
+    material = geometry.visual.material
+    color = (*palette.rgb(cause_color(surface.causes[SINGULAR])), 255)
+    assert tuple(material.baseColorFactor) == color
+    assert (material.metallicFactor, material.doubleSided) == (0.0, True)
+    assert 0.7 <= material.roughnessFactor <= 0.8
 
 
 @pytest.mark.parametrize("which", range(4))

@@ -1,0 +1,244 @@
+"""What volumes and workspaces do exactly at a bound, an edge or a tie."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.progress import go_on
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
+from paminsa_viz.synthesis.volume import measure, solve
+from paminsa_viz.synthesis.volume.causes import (
+    FIRST_REQUIREMENT,
+    INSIDE,
+    OTHER_SIDE,
+    reach_distances,
+)
+from paminsa_viz.synthesis.volume.grid import COARSE, Resolution
+from paminsa_viz.synthesis.volume.margins import heading_margins
+from paminsa_viz.synthesis.volume.measure import Nodes
+from paminsa_viz.synthesis.volume.reach import ReachBounds, _on_arc, reach_bounds
+from paminsa_viz.synthesis.volume.solve import solve_volume
+from paminsa_viz.synthesis.volume.workspace import Samples, least_within, reach_items
+from tests.synthesis.robots import needs
+
+GEOMETRY = APPENDIX_4.geometry
+BOX, CYLINDER = WorkspaceShape.BOX, WorkspaceShape.CYLINDER
+TURN = (-0.1, 0.1)
+
+
+def at_most(*limits: float) -> Requirements:
+    """Bounds on the condition number."""
+    return Requirements(tuple(Requirement("condition", high=most) for most in limits), TURN)
+
+
+# ---------------------------------------------------------------- bounds
+
+
+def test_a_bound_that_is_just_met_is_met_at_nodes_and_at_points() -> None:
+    rough = Resolution(1_000, 3, 5.0)
+    zero = solve_volume(APPENDIX_4, at_most(0.0), resolution=rough)
+    value = -zero.margins[0]  # of which a bound is exactly at a node
+    level = int(zero.reachable.sum(axis=(0, 1)).argmax())
+    place = np.where(zero.reachable & (value < 4.0), value, 0.0)[..., level].argmax()
+    i, j = np.unravel_index(place, value.shape[:2])
+    most = float(value[i, j, level])
+    assert 2.0 < most < 4.0
+    volume = solve_volume(APPENDIX_4, at_most(most), resolution=rough)
+    assert volume.margins[0, i, j, level] == 0.0
+    assert volume.met[0, i, j, level]
+    assert volume.cause[i, j, level] == INSIDE
+    assert volume.depth[i, j, level] == 0.0
+    less = solve_volume(APPENDIX_4, at_most(np.nextafter(most, 0.0)), resolution=rough)
+    assert less.cause[i, j, level] == FIRST_REQUIREMENT
+    point = np.array([[volume.x[i], volume.y[j], volume.z[level]]])
+    margins, _ = heading_margins(
+        APPENDIX_4, at_most(0.0), point[:, :2], np.zeros(1), 3, lift=point[:, 2]
+    )
+    exact = -float(margins[0, 0, 0])
+    for bound, holds in ((exact, True), (np.nextafter(exact, 0.0), False)):
+        every, second = measure._met(APPENDIX_4, at_most(bound), point, 3, go_on)
+        assert (every.tolist(), second.tolist()) == ([holds], [holds])
+
+
+def test_of_equal_requirements_the_first_is_named() -> None:
+    volume = solve_volume(APPENDIX_4, at_most(3.0, 3.0, 9.0), resolution=Resolution(1_000, 3, 5.0))
+    broken = volume.reachable & ~volume.inside
+    assert broken.sum() > 50
+    assert (volume.cause[broken] == FIRST_REQUIREMENT).all()
+    assert FIRST_REQUIREMENT in volume.nearest[volume.inside]
+    assert not np.isin(volume.nearest, FIRST_REQUIREMENT + np.array([1, 2])).any()
+
+
+@pytest.mark.parametrize("which", range(3))
+def test_of_equal_limits_of_reach_the_first_is_named(which: int) -> None:
+    """Each as near as one after it, and the others farther, at lengths that are exact."""
+    for other in range(which + 1, 4):
+        margin = np.full(4, 0.25)
+        margin[[which, other]] = 0.125
+        bars, apart = 0.625 + margin[0], 0.625 - margin[1]
+        g = replace(
+            GEOMETRY, magnification=5.0, crank_length=0.5 * (bars - apart),
+            coupler_length=0.5 * (bars + apart), guide_stroke=0.125 + margin[2],
+            axis_clearance=0.5 - margin[3],
+        )  # fmt: skip
+        near_leg, far_leg = np.ones(1, np.int8), np.full(1, 2, np.int8)
+        half = np.full(1, 0.5)
+        bounds = ReachBounds(g, half, half, near_leg, far_leg, half, 1.0)
+        least, code = bounds.margin(np.array([-g.platform_joint_height]))
+        assert least.tolist() == [0.125]
+        assert code.tolist() == [4 * (1 if which % 2 else 2) + which]
+
+
+# ---------------------------------------------------------------- heights
+
+
+def test_heights_on_the_guides_belong_to_homes_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With nodes exactly there: inside, at no distance from the other side."""
+    x, z = 0.05 * np.arange(-6.0, 7.0), 0.05 * np.arange(-19.0, 2.0)
+    monkeypatch.setattr(solve, "axes_of", lambda *_: (x, z, 3))
+    volume = solve_volume(APPENDIX_4, Requirements((), TURN), resolution=COARSE)
+    top = z.tolist().index(0.0)
+    assert volume.inside[..., top].any()
+    assert (volume.cause[..., : top + 1] != OTHER_SIDE).all()
+    assert (volume.cause[..., top + 1 :] == OTHER_SIDE).all()
+    bounds = reach_bounds(GEOMETRY, x[:, None, None], x[None, :, None], TURN)
+    distance, code = reach_distances(bounds, z)
+    expected = np.minimum(distance, -z)
+    assert volume.depth[volume.inside] == pytest.approx(expected[volume.inside], abs=1e-12)
+    named = np.where(-z < distance, OTHER_SIDE, code)
+    np.testing.assert_array_equal(volume.nearest[volume.inside], named[volume.inside])
+    assert OTHER_SIDE in volume.nearest[volume.inside]
+    points = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -1e-9], [0.0, 0.0, 1e-9]])
+    for both, expected in ((False, [True, True, False]), (True, [True] * 3)):
+        found = measure._taken(APPENDIX_4, volume.requirements, points, both)
+        assert found.tolist() == expected
+
+
+# ---------------------------------------------------------------- places of a workspace
+
+
+@pytest.mark.parametrize("shape", WorkspaceShape)
+def test_a_workspace_at_every_node_up_to_the_edge_and_beyond(shape: WorkspaceShape) -> None:
+    """Of a given center: the least of its nodes, and nothing where it sticks out by one."""
+    x, y, z = 0.1 * np.arange(5.0), 0.1 * np.arange(6.0), 0.1 * np.arange(4.0)
+    volume: Any = SimpleNamespace(x=x, y=y, z=z, cell=0.1)
+    values = np.random.default_rng(2).normal(size=(5, 6, 4))
+    for i, j in np.ndindex(5, 6):
+        space = Workspace(shape, (0.2, 0.2, 0.001), (float(x[i]), float(y[j]), None))
+        found = least_within(values, space, volume)
+        assert found.shape == (1, 1, 4)
+        fits = 1 <= i <= 3 and 1 <= j <= 4
+        block = values[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2]
+        least = block.min(axis=(0, 1))
+        if shape is CYLINDER and fits:
+            cross = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], bool)
+            least = block[cross].min(axis=0)
+        assert found[0, 0].tolist() == (least.tolist() if fits else [-np.inf] * 4)
+
+
+def test_nodes_on_the_rim_of_a_disc_count_to_a_billionth_of_a_step() -> None:
+    axis = 0.1 * np.arange(-4.0, 5.0)
+    volume: Any = SimpleNamespace(x=axis, y=axis, z=axis, cell=0.1)
+    values = np.zeros((9, 9, 9))
+    values[7, 4] = -1.0  # 0.3 from the middle
+    for inward, held in ((0.0, True), (0.95e-10, True), (1.05e-10, False), (5e-9, False)):
+        radius = 0.3 - inward
+        size = cast(Any, (2 * radius, 2 * radius, 0.1))
+        found = least_within(values, Workspace(CYLINDER, size, (0.0, 0.0, 0.0)), volume)
+        assert found[0, 0, 0] == (-1.0 if held else 0.0)
+
+
+# ---------------------------------------------------------------- headings
+
+
+def test_headings_on_an_arc_are_those_to_a_billionth_of_a_radian_beyond_its_ends() -> None:
+    theta = (0.3, 1.1)
+    for end, way in zip(theta, (-1.0, 1.0), strict=True):
+        beyond = end + way * np.array([-0.1, -2.5e-9, 0.0, 0.95e-9, 1.05e-9, 2.5e-9, 0.1])
+        for turns in (-2.0, 0.0, 1.0):
+            found = _on_arc(beyond + 2.0 * np.pi * turns, theta)
+            assert found.tolist() == [True] * 4 + [False] * 3
+
+
+@pytest.mark.parametrize("swap", [False, True])
+def test_singular_headings_are_shown_at_their_worst(swap: bool) -> None:
+    """Where no turn is singular, the heading of the smallest circle: without a turn, exactly."""
+    radii = (0.1, 0.35) if swap else (0.35, 0.1)
+    g = replace(GEOMETRY, base_radius=radii[0], platform_radius=radii[1])
+    design = replace(APPENDIX_4, geometry=g)
+    middle = Samples(np.zeros((1, 2)), np.array([-0.6]))
+    for theta, turned in (((-0.4, 0.5), True), ((-2.0, 1.9), swap)):
+        item = reach_items(design, Requirements((), theta), middle)[1]
+        found = reach_bounds(g, 0.0, 0.0, theta)
+        cosines = np.cos(np.linspace(*theta, 4001))
+        least = float((np.sign(radii[0] - radii[1]) * (radii[0] * cosines - radii[1])).min())
+        assert found.turn == pytest.approx(least, abs=1e-6)
+        assert item.holds is turned
+        assert item.pose is not None
+        expected = 0.0 if turned else theta[0]
+        assert item.pose[2] == pytest.approx(expected, abs=0.013)
+        assert item.value == pytest.approx(0.25 if turned else least)
+    even = reach_items(design, Requirements((), (-0.4, 0.4)), middle)[1]
+    assert even.pose is not None
+    assert even.pose[2] == pytest.approx(0.0, abs=1e-15)
+
+
+def test_no_position_and_no_turn_may_be_singular_itself() -> None:
+    leg = np.zeros(3, np.int8)
+    one = np.ones(3)
+    for turn, expected in ((0.1, [False, False, True]), (0.0, [False] * 3)):
+        found = ReachBounds(GEOMETRY, one, one, leg, leg, np.array([-0.1, 0.0, 0.1]), turn)
+        assert found.regular.tolist() == expected
+
+
+def test_progress_is_a_growing_share_that_ends_with_all() -> None:
+    told: list[float] = []
+    solve_volume(
+        APPENDIX_4, needs("max_torque <= 9 N m", "condition <= 5"),
+        resolution=Resolution(1_000, 3, 5.0), progress=lambda done: bool(told.append(done)),
+    )  # fmt: skip
+    assert told == sorted(told)
+    assert 0.0 < told[0] < told[-1] == 1.0
+
+
+# ---------------------------------------------------------------- points
+
+
+@pytest.mark.parametrize(("times", "points"), [(1.0, 1), (1.6, 1), (2.0, 2), (9.0, 2)])
+def test_each_cube_has_as_many_points_as_can_be_paid_for(times: float, points: int) -> None:
+    """One or two; of two one in each half, of one anywhere in its height."""
+    x = np.arange(-5.0, 6.0)
+    depth = 3.3 - np.linalg.norm(np.stack(np.meshgrid(x, x, x, indexing="ij")), axis=0)
+    none = np.zeros(depth.shape, bool)
+    nodes = Nodes(x, x, depth > 0, none, depth, depth > 0, depth)
+    cubes = measure._Surface.of(nodes, depth > 0, none, depth, np.inf).cubes
+    drawn = measure._Surface.of(nodes, depth > 0, none, depth, times * cubes)
+    place = np.rint(drawn.points)
+    found, count = np.unique(place, axis=0, return_counts=True)
+    assert len(found) == cubes == drawn.cubes
+    assert (count == points).all()
+    height = drawn.points[:, 2] - place[:, 2]
+    assert np.abs(height).max() <= 0.5
+    assert (height > 0.0).mean() == pytest.approx(0.5, abs=0.1)
+    few = measure._Surface.of(nodes, depth > 0, none, depth, 40)
+    above = few.points[:, 2] > np.rint(few.points[:, 2])
+    assert 8 < above.sum() < 32
+
+
+def test_the_time_of_points_is_that_of_one_height_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Any] = []
+
+    def time(*given: Any) -> float:
+        asked.append(given)
+        return 0.0
+
+    monkeypatch.setattr(measure, "time_per_position", time)
+    needed = at_most(3.0)
+    solve_volume(APPENDIX_4, needed, resolution=Resolution(64, 3, 5.0))
+    assert asked == [(APPENDIX_4, needed, 3, 1)]
