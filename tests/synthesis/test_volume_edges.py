@@ -120,6 +120,33 @@ def test_heights_on_the_guides_belong_to_homes_side(monkeypatch: pytest.MonkeyPa
         assert found.tolist() == expected
 
 
+def test_distances_to_the_end_of_reach_are_negative_beyond_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """And what ends the volume next to it is the requirement that is broken first."""
+    seen: list[Nodes] = []
+    whole = measure.measure
+
+    def noted(design: Any, requirements: Any, nodes: Nodes, *more: Any) -> Any:
+        seen.append(nodes)
+        return whole(design, requirements, nodes, *more)
+
+    monkeypatch.setattr(solve, "measure", noted)
+    rough = Resolution(1_000, 3, 5.0)
+    volume = solve_volume(APPENDIX_4, at_most(50.0, 3.0, 4.0), resolution=rough)
+    (nodes,) = seen
+    for inside, depth in ((nodes.reachable, nodes.body), (nodes.inside, nodes.depth)):
+        assert (depth[inside] >= 0.0).all()
+        assert (depth[~inside] <= 0.0).all()
+        assert depth[inside].max() > volume.cell
+        assert depth[~inside].min() < -volume.cell
+    broken = volume.reachable & ~volume.inside
+    assert (volume.cause[broken] == FIRST_REQUIREMENT + 1).all()
+    assert FIRST_REQUIREMENT + 1 in volume.nearest[volume.inside]
+    ends = np.unique(volume.nearest[volume.inside])
+    assert set(ends[ends >= FIRST_REQUIREMENT]) == {FIRST_REQUIREMENT + 1}
+
+
 # ---------------------------------------------------------------- places of a workspace
 
 
