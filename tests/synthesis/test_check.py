@@ -196,6 +196,13 @@ def test_over_a_volume_the_worst_of_its_nodes_counts() -> None:
     assert found.holds
     for index, item in enumerate(found.items[2:]):
         assert item.margin == pytest.approx(volume.margins[index][volume.inside].min(), rel=1e-9)
+    for item in found.items:  # each is shown at a pose of the volume
+        assert item.pose is not None
+        x, y, _, z = item.pose
+        axes = zip((volume.x, volume.y, volume.z), (x, y, z), strict=True)
+        at = [int(np.abs(axis - one).argmin()) for axis, one in axes]
+        assert volume.inside[tuple(at)]
+        assert check_reach(APPENDIX_4.geometry, np.array(item.pose)).ok
 
 
 def test_empty_volume_shows_the_best_pose_of_each() -> None:

@@ -102,6 +102,7 @@ def test_parts_by_cause_are_the_whole(surface: VolumeSurface) -> None:
     assert sum(len(faces) for _, faces in parts.values()) == len(surface.faces)
     assert {cause.kind for cause in parts} >= {CauseKind.REQUIREMENT, CauseKind.REACH}
     assert CauseKind.INSIDE not in {cause.kind for cause in parts}
+    assert [cause.code for cause in parts] == sorted(cause.code for cause in parts)
     colors = {cause_color(cause) for cause in parts if cause.requirement is not None}
     assert len(colors) == 3
 
@@ -155,7 +156,8 @@ def test_equal_volumes_give_equal_files(kind: str) -> None:
 
 def test_empty_volume_has_no_surface_to_write() -> None:
     empty = solve_volume(APPENDIX_4, needs("condition <= 1"), resolution=COARSE)
-    assert len(volume_surface(empty).faces) == 0
+    none = volume_surface(empty)
+    assert (none.vertices.shape, none.faces.shape, none.cause.shape) == ((0, 3), (0, 3), (0,))
     with pytest.raises(InvalidInput, match="empty"):
         volume_bytes(empty, "stl")
     assert volume_bytes(empty, "csv")

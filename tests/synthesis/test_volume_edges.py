@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 
 from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model.grids import Field
 from paminsa_viz.progress import go_on
+from paminsa_viz.quantities import QUANTITIES
+from paminsa_viz.quantities.quantity import Missing
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.volume import measure, solve
 from paminsa_viz.synthesis.volume.causes import (
@@ -24,7 +27,7 @@ from paminsa_viz.synthesis.volume.margins import heading_margins
 from paminsa_viz.synthesis.volume.measure import Nodes
 from paminsa_viz.synthesis.volume.reach import ReachBounds, _on_arc, reach_bounds
 from paminsa_viz.synthesis.volume.solve import solve_volume
-from paminsa_viz.synthesis.volume.workspace import Samples, least_within, reach_items
+from paminsa_viz.synthesis.volume.workspace import Samples, least_within, reach_items, worst_over
 from tests.synthesis.robots import needs
 
 GEOMETRY = APPENDIX_4.geometry
@@ -93,6 +96,38 @@ def test_of_equal_limits_of_reach_the_first_is_named(which: int) -> None:
         least, code = bounds.margin(np.array([-g.platform_joint_height]))
         assert least.tolist() == [0.125]
         assert code.tolist() == [4 * (1 if which % 2 else 2) + which]
+
+
+@pytest.mark.parametrize(
+    ("missing", "reason"),
+    [(None, "no value"), (0, "no value"), (1, "nothing to measure"), (2, "too short")],
+)
+def test_a_value_that_is_missing_has_its_reason(
+    monkeypatch: pytest.MonkeyPatch, missing: int | None, reason: str
+) -> None:
+    """That of the quantity where the pose can be taken, else that of the pose."""
+
+    def value(field: Field, design: Any) -> Any:
+        return np.where(field.grid.poses()[..., 0] > 0.05, np.nan, 1.0)
+
+    def why(field: Field, design: Any) -> Missing:
+        code = np.full(field.status.shape, missing, np.uint8)
+        return Missing(code, ("", "nothing to measure", "too short"), ("", "a", "b"))
+
+    made = replace(QUANTITIES["condition"], value=value, missing=None if missing is None else why)
+    monkeypatch.setattr(Requirement, "entry", made)
+    bound = Requirement("condition", high=1.0)
+    z, theta = np.array([-0.6]), np.array([0.0])
+    for x, expected in ((0.1, reason), (3.0, "out of reach: leg")):
+        samples = Samples(np.array([[0.0, 0.0], [x, 0.0]]), z)
+        found = worst_over(APPENDIX_4, bound, 0, samples, theta)
+        assert (found.margin, found.holds) == (-np.inf, False)
+        assert found.pose == (x, 0.0, 0.0, -0.6)
+        assert found.reason.startswith(expected)
+        assert len(found.reason) == len(reason) or x == 3.0
+    # and a bound that is just met holds
+    found = worst_over(APPENDIX_4, bound, 0, Samples(np.zeros((1, 2)), z), theta)
+    assert (found.margin, found.holds, found.reason) == (0.0, True, "")
 
 
 # ---------------------------------------------------------------- heights
@@ -169,6 +204,16 @@ def test_a_workspace_at_every_node_up_to_the_edge_and_beyond(shape: WorkspaceSha
         assert found[0, 0].tolist() == (least.tolist() if fits else [-np.inf] * 4)
 
 
+def test_an_extent_is_as_many_nodes_as_are_nearest_to_it() -> None:
+    axis = 0.1 * np.arange(-9.0, 10.0)
+    volume: Any = SimpleNamespace(x=axis, y=axis, z=axis, cell=0.1)
+    values = np.zeros((19, 19, 19))
+    values[9, 9, 2] = -1.0  # 0.7 from the middle
+    for half, held in ((0.64, False), (0.66, True)):
+        found = least_within(values, Workspace(BOX, (0.1, 0.1, 2 * half), (0.0, 0.0, 0.0)), volume)
+        assert found[0, 0, 0] == (-1.0 if held else 0.0)
+
+
 def test_nodes_on_the_rim_of_a_disc_count_to_a_billionth_of_a_step() -> None:
     axis = 0.1 * np.arange(-4.0, 5.0)
     volume: Any = SimpleNamespace(x=axis, y=axis, z=axis, cell=0.1)
@@ -191,6 +236,29 @@ def test_headings_on_an_arc_are_those_to_a_billionth_of_a_radian_beyond_its_ends
         for turns in (-2.0, 0.0, 1.0):
             found = _on_arc(beyond + 2.0 * np.pi * turns, theta)
             assert found.tolist() == [True] * 4 + [False] * 3
+
+
+def test_of_several_positions_the_one_nearest_to_the_circle_is_named() -> None:
+    """At the first height, or at one that counts there; beyond the circle it says so."""
+    samples = Samples(np.array([[0.05, 0.0], [0.2, 0.1], [0.1, 0.0]]), np.array([-0.7, -0.6, -0.5]))
+    needed = Requirements((), (-0.3, 0.3))
+    item = reach_items(APPENDIX_4, needed, samples)[1]
+    assert item.pose == pytest.approx((0.2, 0.1, 0.0, -0.7), abs=1e-12)
+    assert (item.value, item.reason) == (pytest.approx(0.25 - np.hypot(0.2, 0.1)), "")
+    counted = np.array([[1, 1, 1], [0, 1, 0], [0, 0, 1]], bool)
+    item = reach_items(APPENDIX_4, needed, samples, counted)[1]
+    assert item.pose == pytest.approx((0.2, 0.1, 0.0, -0.6), abs=1e-12)
+    beyond = samples._replace(positions=samples.positions + np.array([0.05, 0.0]))
+    item = reach_items(APPENDIX_4, needed, beyond)[1]
+    assert (item.holds, item.reason) == (False, "beyond the circle of singular positions")
+    turned = reach_items(APPENDIX_4, Requirements((), (0.0, 2.0)), beyond)[1]
+    assert turned.reason == "the headings reach the singular rotation"
+    # of equal radii the singular heading is that of home
+    same = replace(APPENDIX_4, geometry=replace(GEOMETRY, platform_radius=GEOMETRY.base_radius))
+    item = reach_items(same, Requirements((), (-0.25, 0.5)), samples)[1]
+    assert item.pose is not None
+    assert (item.holds, item.pose[2]) == (False, pytest.approx(0.0, abs=1e-12))
+    assert item.reason == turned.reason
 
 
 @pytest.mark.parametrize("swap", [False, True])
@@ -250,6 +318,7 @@ def test_each_cube_has_as_many_points_as_can_be_paid_for(times: float, points: i
     found, count = np.unique(place, axis=0, return_counts=True)
     assert len(found) == cubes == drawn.cubes
     assert (count == points).all()
+    np.testing.assert_array_equal(place, np.tile(found, (points, 1)))  # in the order of nodes
     height = drawn.points[:, 2] - place[:, 2]
     assert np.abs(height).max() <= 0.5
     assert (height > 0.0).mean() == pytest.approx(0.5, abs=0.1)
