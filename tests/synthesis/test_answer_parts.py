@@ -158,6 +158,9 @@ def test_every_mass_but_the_payload_is_off_by_two_percent_at_most() -> None:
     again, more = built_robots(design, 1), built_robots(design, 1, seed=1)
     assert again[0] == built_robots(design, 1, seed=0)[0] != more[0]
     assert built_robots(design, 1, mass_tolerance=0.0)[0] is not None
+    lightest = min(robot.links.b3 for robot in (first, *others) if robot is not None)
+    found = build_yield(design, lambda robot: {"b3": robot.links.b3}, samples=60)
+    assert found.worst == {"b3": lightest}
     for samples, tolerance in ((0, 0.1), (1, 1.0), (1, -1e-9)):
         with pytest.raises(InvalidInput):
             built_robots(design, samples, mass_tolerance=tolerance)
@@ -166,6 +169,7 @@ def test_every_mass_but_the_payload_is_off_by_two_percent_at_most() -> None:
 def test_a_part_is_from_none_to_all_of_at_least_one() -> None:
     for passed, samples in ((0, 1), (1, 1)):
         assert fraction(passed, samples).value == passed
+    assert fraction(3, 4).value == 0.75
     for passed, samples in ((0, 0), (-1, 3), (4, 3)):
         with pytest.raises(InvalidInput, match="no part of anything"):
             fraction(passed, samples)

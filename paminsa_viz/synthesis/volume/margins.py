@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,8 +28,8 @@ class Columns(Grid):
         lift: (n,) what is added to the heights at each position [m]; None for nothing.
     """
 
-    positions: Array = field(default_factory=lambda: np.empty((0, 2)))
-    lift: Array | None = None
+    positions: Array
+    lift: Array | None
 
     @classmethod
     def at(cls, positions: Array, theta: Array, z: Array, lift: Array | None = None) -> Columns:
