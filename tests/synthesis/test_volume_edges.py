@@ -130,6 +130,16 @@ def test_a_value_that_is_missing_has_its_reason(
     assert (found.margin, found.holds, found.reason) == (0.0, True, "")
 
 
+def test_what_takes_long_has_no_value_where_a_pose_cannot_be_taken() -> None:
+    """Also beside what is quick, and of a formula that would have one."""
+    bounds = (Requirement("f_4", high=1e9), Requirement("linear_error_x", high=1.0))
+    positions, z = np.array([[0.0, 0.0], [0.5, 0.0]]), np.array([-0.6, -1.5])
+    for asked in (bounds, bounds[1:]):
+        found, _ = heading_margins(APPENDIX_4, Requirements(asked, TURN), positions, z, 3)
+        assert np.isfinite(found[-1]).tolist() == [[True, False], [False, False]]
+        assert np.isneginf(found[-1]).sum() == 3
+
+
 # ---------------------------------------------------------------- heights
 
 

@@ -69,7 +69,7 @@ def solve_columns(geometry: Geometry, columns: Columns, *, status: bool = True) 
         geometry: Lengths of the mechanism.
         columns: The poses.
         status: Whether to work out which poses can be taken. Without it all count as if they can;
-            for formulas that are NaN where they cannot.
+            where no one reads what comes out of the others.
     """
     if not status:
         ok = np.full(columns.shape, Limit.OK, np.uint8)
@@ -99,8 +99,8 @@ BLOCK = 2**15
 """Poses worked on at a time, so that what a formula returns stays in the cache."""
 
 CHEAP = 1e-6
-"""Cost of a quantity [s a pose] up to which its formula is NaN itself where a pose cannot be taken;
-those of the others skip such poses."""
+"""Cost of a quantity [s a pose] up to which poses that cannot be taken are evaluated as well: most are
+NaN there, and no one reads the others. What costs more skips such poses."""
 
 _LONG_BARS = 100.0
 """Length of bars that reach wherever others do [m]; no longer ones are possible."""
