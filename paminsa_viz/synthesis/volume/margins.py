@@ -99,8 +99,8 @@ BLOCK = 2**15
 """Poses worked on at a time, so that what a formula returns stays in the cache."""
 
 CHEAP = 1e-6
-"""Cost of a quantity [s a pose] up to which poses that cannot be taken are evaluated as well: most of
-them are NaN there, and no one reads the others. What costs more skips such poses."""
+"""Cost of a quantity [s a pose] up to which poses that cannot be taken are evaluated as well: most
+of them are NaN there, and no one reads the others. What costs more skips such poses."""
 
 _LONG_BARS = 100.0
 """Length of bars that reach wherever others do [m]; no longer ones are possible."""
