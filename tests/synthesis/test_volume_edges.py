@@ -135,9 +135,19 @@ def test_what_takes_long_has_no_value_where_a_pose_cannot_be_taken() -> None:
     bounds = (Requirement("f_4", high=1e9), Requirement("linear_error_x", high=1.0))
     positions, z = np.array([[0.0, 0.0], [0.5, 0.0]]), np.array([-0.6, -1.5])
     for asked in (bounds, bounds[1:]):
-        found, _ = heading_margins(APPENDIX_4, Requirements(asked, TURN), positions, z, 3)
-        assert np.isfinite(found[-1]).tolist() == [[True, False], [False, False]]
-        assert np.isneginf(found[-1]).sum() == 3
+        for found in heading_margins(APPENDIX_4, Requirements(asked, TURN), positions, z, 3):
+            assert np.isfinite(found[-1]).tolist() == [[True, False], [False, False]]
+            assert np.isneginf(found[-1]).sum() == 3
+
+
+def test_a_requirement_holds_at_the_ends_of_its_heights() -> None:
+    bound = Requirement("f_4", high=400.0, z=(-0.625, -0.5))
+    z = np.array([np.nextafter(-0.625, -1.0), -0.625, -0.5, np.nextafter(-0.5, 0.0)])
+    asked, middle = Requirements((bound,), TURN), np.zeros((4, 2))
+    free = [True, False, False, True]
+    assert np.isinf(heading_margins(APPENDIX_4, asked, middle[:1], z, 3)[0][0, 0]).tolist() == free
+    lifted = heading_margins(APPENDIX_4, asked, middle, np.zeros(1), 3, lift=z)[0][0, :, 0]
+    assert np.isinf(lifted).tolist() == free
 
 
 # ---------------------------------------------------------------- heights
