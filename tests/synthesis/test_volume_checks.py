@@ -62,7 +62,7 @@ BOX, CYLINDER = WorkspaceShape.BOX, WorkspaceShape.CYLINDER
 
 
 def test_the_fewest_requirements_that_nothing_meets() -> None:
-    """Of ones beyond 56 as well, for which patterns are numbers of any size."""
+    """Of any number of them; up to twelve the set is the smallest, of more an irreducible one."""
     met = np.ones((3, 8), bool)
     met[0, :4] = met[2, 4:] = False
     assert _conflict_of(met) == (0, 2)
@@ -75,10 +75,11 @@ def test_the_fewest_requirements_that_nothing_meets() -> None:
     wide = np.ones((73, 2), bool)
     wide[0, 0] = False  # a pattern of more than eight bytes
     assert _conflict_of(wide) == ()
-    for count in (56, 57, 64):
-        rows = np.random.default_rng(count).random((count, 50)) < 0.999
-        expected = () if rows.all(axis=0).any() else None
-        assert expected is None or _conflict_of(rows) == expected
+    for count, expected in ((12, (0,)), (13, (10, 11, 12))):  # the first, or the last three
+        rows = np.ones((count, 9), bool)
+        rows[0] = False
+        rows[-3:] = ~np.repeat(np.eye(3, dtype=bool), 3, axis=1)
+        assert _conflict_of(rows) == expected
 
 
 def test_a_bound_moves_outward_on_the_side_that_breaks(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -22,6 +22,7 @@ from paminsa_viz.synthesis.volume.causes import (
     OTHER_SIDE,
     reach_distances,
 )
+from paminsa_viz.synthesis.volume.conflict import smallest_conflict
 from paminsa_viz.synthesis.volume.grid import COARSE, Resolution
 from paminsa_viz.synthesis.volume.margins import heading_margins
 from paminsa_viz.synthesis.volume.measure import Nodes
@@ -67,6 +68,20 @@ def test_a_bound_that_is_just_met_is_met_at_nodes_and_at_points() -> None:
     for bound, holds in ((exact, True), (np.nextafter(exact, 0.0), False)):
         every, second = measure._met(APPENDIX_4, at_most(bound), point, 3, go_on)
         assert (every.tolist(), second.tolist()) == ([holds], [holds])
+
+
+def test_a_bound_that_one_node_just_meets_contradicts_nothing() -> None:
+    rough = Resolution(1_000, 3, 5.0)
+    zero = solve_volume(APPENDIX_4, at_most(0.0), resolution=rough)
+    least = -float(np.nanmax(zero.margins))
+    volume = solve_volume(APPENDIX_4, at_most(least), resolution=rough)
+    assert volume.inside.any()
+    assert smallest_conflict(volume) is None
+    empty = solve_volume(APPENDIX_4, at_most(np.nextafter(least, 0.0)), resolution=rough)
+    found = smallest_conflict(empty)
+    assert found is not None
+    assert found.requirements == (0,)
+    assert found.relaxations[0].relaxed == at_most(least).bounds[0]
 
 
 def test_of_equal_requirements_the_first_is_named() -> None:
