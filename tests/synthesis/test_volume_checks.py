@@ -317,9 +317,13 @@ def test_the_search_for_a_center_starts_with_its_step_and_halves_it(
     first = [(-0.2, 0.0, -0.5), (0.2, 0.0, -0.5), (0.0, 0.0, -0.7), (0.0, 0.0, -0.3)]
     assert [pytest.approx(one) for one in first] == asked[1:5]
     assert asked[6] == pytest.approx((0.4, 0.0, -0.5))
-    assert len(asked) == 1 + 4 * check._ROUNDS
+    assert len(asked) == 1 + 4 * 8
     assert np.abs(np.array(found) - top).sum() < 0.11
-    assert FINE.headings > COARSE.headings
+    # nowhere better: it stays, and looks nearer
+    top = np.array([np.inf, 0.0, 0.0])
+    asked.clear()
+    assert check._refined(APPENDIX_4, needed, (0.0, 0.0, -0.5), 0.2) == (0.0, 0.0, -0.5)
+    assert [asked[2 + 4 * n][0] for n in range(8)] == pytest.approx(0.2 * 0.5 ** np.arange(8.0))
 
 
 @pytest.mark.parametrize("nodes", [0, 1, 7])

@@ -11,6 +11,8 @@ import pytest
 
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.grids import Field
+from paminsa_viz.model.singularity import measure_singularity
+from paminsa_viz.model.statics import static_torques
 from paminsa_viz.progress import go_on
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.quantity import Missing
@@ -20,6 +22,8 @@ from paminsa_viz.synthesis.volume.causes import (
     FIRST_REQUIREMENT,
     INSIDE,
     OTHER_SIDE,
+    SINGULAR,
+    cause_slice,
     reach_distances,
 )
 from paminsa_viz.synthesis.volume.conflict import smallest_conflict
@@ -163,6 +167,38 @@ def test_a_requirement_holds_at_the_ends_of_its_heights() -> None:
     assert np.isinf(heading_margins(APPENDIX_4, asked, middle[:1], z, 3)[0][0, 0]).tolist() == free
     lifted = heading_margins(APPENDIX_4, asked, middle, np.zeros(1), 3, lift=z)[0][0, :, 0]
     assert np.isinf(lifted).tolist() == free
+
+
+def test_of_bounds_of_any_size_the_one_broken_most_is_named() -> None:
+    """By the part of itself; a bound that is just met is not broken."""
+    x, y = np.linspace(-0.2, 0.2, 9), np.linspace(-0.15, 0.15, 7)
+    poses = np.stack(np.broadcast_arrays(x, y[:, None], 0.1, -0.6), axis=-1)
+    lift = static_torques(APPENDIX_4, poses)[..., 3]
+    kappa = measure_singularity(GEOMETRY, poses).condition
+    exact = float(np.median(kappa))
+    bounds = (
+        Requirement("condition", high=exact), Requirement("f_4", high=float(np.median(lift))),
+    )  # fmt: skip
+    found = cause_slice(APPENDIX_4, Requirements(bounds, TURN), x, y, 0.1, -0.6)
+    shares = np.stack([kappa / exact - 1.0, lift / bounds[1].high - 1.0])  # type: ignore[operator]
+    np.testing.assert_array_equal(found.broken, shares > 0.0)
+    assert not found.broken[0][kappa == exact].any()
+    named = np.where((shares > 0.0).any(axis=0), FIRST_REQUIREMENT + shares.argmax(axis=0), INSIDE)
+    np.testing.assert_array_equal(found.cause, named)
+    assert {INSIDE, FIRST_REQUIREMENT, FIRST_REQUIREMENT + 1} == set(np.unique(found.cause))
+
+
+@pytest.mark.parametrize("turn", [0.0, -0.1])
+def test_no_position_is_within_reach_where_headings_are_singular(turn: float) -> None:
+    """Neither at the center nor beyond the circle; the center is the farthest off."""
+    x = np.array([0.0, 0.1, 0.3, 0.5])
+    for part in (x, x[2:]):
+        bounds = reach_bounds(GEOMETRY, part, 0.0, (-0.2, 0.2))
+        least, _ = reach_distances(replace(bounds, turn=turn), np.full(len(part), -0.6))
+        assert (least < 0.0).all()
+    far, code = reach_distances(replace(bounds, turn=0.1), np.full(len(part), -0.6))
+    assert (far < 0.0).all()
+    assert (code == SINGULAR).any()
 
 
 # ---------------------------------------------------------------- heights
