@@ -12,7 +12,7 @@ import pytest
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
-from paminsa_viz.synthesis.proof import certificate, evidence, regions
+from paminsa_viz.synthesis.proof import certificate, evidence, families, regions
 from paminsa_viz.synthesis.proof.bisection import Nearest
 from paminsa_viz.synthesis.proof.certificate import region_of, sampled_evidence
 from paminsa_viz.synthesis.proof.evidence import (
@@ -28,6 +28,7 @@ from paminsa_viz.synthesis.proof.families import (
     EVERYWHERE,
     FAMILIES,
     SLACK,
+    Family,
     Method,
     Symmetry,
     groups,
@@ -268,6 +269,26 @@ def test_margins_of_boxes_without_size_are_those_of_their_poses(index: int) -> N
     np.testing.assert_allclose(found, exact, rtol=1e-9, atol=1e-9)
     wide = group.margins(poses, np.full_like(poses, 1e-3))
     assert (wide <= exact + 1e-12).all()
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_values_depend_on_the_height_where_the_family_says_so(family: Family) -> None:
+    low, high = (family.values(APPENDIX_4, np.array([[0.05, 0.02, 0.1, z]])) for z in (-0.7, -0.5))
+    changed = max(abs(float(high[key][0] - low[key][0])) for key in family.keys)
+    assert changed > 0.1 if family.by_height else changed == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_mean_square_that_is_rounded_down_has_its_root_rounded_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    high = np.array([[1.0, 2.0, 3.0, 9.0, 4.0], [-1.0, -0.5, 0.0, 9.0, 2.0]])
+    low = np.array([[-5.0, 2.0, 3.0, 9.0, 0.0], [-1.0, -3.0, -2.0, 9.0, 0.0]])
+    monkeypatch.setattr(families, "static_bounds", lambda *_: (low, high))
+    found = families._static_ranges(APPENDIX_4, low, high)
+    roots = np.sqrt([4.0, 2.0])
+    assert (found["rms_torque"][1] > roots).all()
+    assert found["rms_torque"][1] == pytest.approx(roots, rel=2e-15)
+    assert found["max_torque"][1].tolist() == [5.0, 3.0]
 
 
 def test_boxes_of_a_third_are_those_within_sixty_degrees_of_the_y_axis() -> None:
