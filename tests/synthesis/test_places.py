@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -139,6 +140,8 @@ def test_samples_of_what_cannot_be_proven_are_in_their_part(shape: WorkspaceShap
         if shape is WorkspaceShape.BOX:
             assert ends == expected
         assert ends[2:] == expected[2:] or not len(fewer)
+    level, _ = sample_requirement(APPENDIX_4, asked, bound, replace(part, half=(*part.half[:2], 0)))
+    assert len(level) == len(np.unique(level, axis=0)) > 9
     elsewhere = Requirement("stiffness_x", low=1.0, z=(-0.3, -0.2))
     poses, margins = sample_requirement(APPENDIX_4, asked, elsewhere, part)
     assert (poses.shape, margins.shape) == ((0, 4), (0,))

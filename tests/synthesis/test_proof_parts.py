@@ -17,6 +17,7 @@ from paminsa_viz.synthesis.proof.bisection import Nearest
 from paminsa_viz.synthesis.proof.certificate import region_of, sampled_evidence
 from paminsa_viz.synthesis.proof.evidence import (
     LARGEST,
+    Proof,
     Verdict,
     home_path,
     prove_reach,
@@ -34,7 +35,13 @@ from paminsa_viz.synthesis.proof.families import (
     groups,
     method,
 )
-from paminsa_viz.synthesis.proof.regions import PoseRegion, box, least_free, region_margins
+from paminsa_viz.synthesis.proof.regions import (
+    PoseRegion,
+    RegionMargins,
+    box,
+    least_free,
+    region_margins,
+)
 from paminsa_viz.synthesis.search.region import reach_margins, spans
 
 GEOMETRY = APPENDIX_4.geometry
@@ -116,7 +123,7 @@ def test_reach_is_refuted_by_a_pose_and_else_open(
     needed = Requirements((), DISC.theta)
     fine = prove_reach(APPENDIX_4, needed, DISC)
     margins = region_margins(GEOMETRY, DISC)
-    assert {item.verdict for item in fine.values()} == {Verdict.PROVEN}
+    assert {(item.verdict, item.boxes) for item in fine.values()} == {(Verdict.PROVEN, 0)}
     assert fine["reach"].margin == margins.least_reach
     assert fine["singularity"].margin == min(margins.circle, margins.turn)
     far = replace(DISC, half=(0.4, 0.4, 0.7))
@@ -142,11 +149,46 @@ def test_a_margin_of_reach_is_over_its_own_part() -> None:
     assert regions_of(Requirements((elsewhere,), DISC.theta), DISC) == [DISC]
     found = prove_reach(APPENDIX_4, needed, DISC)[high]
     assert (found.verdict, found.margin) == (Verdict.PROVEN, pytest.approx(expected))
+    assert found.boxes == 0
+    touching = replace(high, z=(DISC.high[2], 0.0))  # at a single height
+    top = replace(part, center=(0.03, -0.02, DISC.high[2]), half=(0.08, 0.08, 0.0))
+    assert regions_of(Requirements((touching,), DISC.theta), DISC) == [DISC, top]
     steep = replace(high, low=0.02 + expected + 1e-3)
     found = prove_reach(APPENDIX_4, Requirements((steep,), DISC.theta), DISC)[steep]
     assert found.verdict is Verdict.REFUTED
     assert found.margin == pytest.approx(-1e-3, abs=1e-5)
     assert found.pose is not None
+
+
+def test_a_margin_of_nothing_is_kept_if_it_is_asked_for_and_else_open(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Reach is proven above zero; a bound on its margin is kept where just met."""
+    none = np.empty((0, 4))
+    plain = Proof(Verdict.PROVEN, DISC, ())
+    assert (plain.path.shape, plain.remaining.shape) == (none.shape, (0, 2, 4))
+    assert (plain.boxes, plain.seconds, plain.pose, plain.sampled) == (0, 0.0, None, ())
+    pose, low = np.array([0.01, 0.02, 0.1, -0.6]), Requirement("reach_margin", low=0.02)
+    needed = Requirements((low,), DISC.theta)
+    monkeypatch.setattr(evidence, "least_free", lambda *_: (pose, 1e-9, "reach"))
+    for reach, circle, name in ((0.0, 0.1, "reach"), (0.1, 0.0, "singularity")):
+        made = RegionMargins(np.full((3, 4), reach), circle, 0.1)
+        monkeypatch.setattr(evidence, "region_margins", lambda *_, m=made: m)
+        found = prove_reach(APPENDIX_4, needed, DISC)
+        assert found[name].verdict is Verdict.UNDECIDED
+        assert found[low].verdict is (Verdict.PROVEN if reach else Verdict.UNDECIDED)
+    monkeypatch.setattr(evidence, "freedom", lambda g, poses: np.full((2, len(poses)), 0.02))
+    for margin, verdict in ((0.0, Verdict.PROVEN), (-1e-300, Verdict.UNDECIDED)):
+        monkeypatch.setattr(evidence, "reach_margin", lambda *_, m=margin: m)
+        item = prove_reach(APPENDIX_4, needed, DISC)[low]
+        assert (item.verdict, item.margin) == (verdict, 0.0)
+    monkeypatch.setattr(
+        evidence, "region_margins", lambda *_: RegionMargins(np.full((3, 4), 0.1), 0.1, 0.1)
+    )
+    for margin, scale in ((0.0, 50.0 / 0.1), (-1e-300, 0.0)):  # half the longest bar, or nothing
+        monkeypatch.setattr(evidence, "reach_margin", lambda *_, m=margin: m)
+        found_scale = reach_scale(APPENDIX_4, needed, DISC, (True,) * 3, 40)
+        assert found_scale == pytest.approx(scale, rel=1e-9)
 
 
 @pytest.mark.parametrize("digits", [12, 26])
@@ -248,6 +290,8 @@ def test_how_a_requirement_is_answered_for() -> None:
     ]  # fmt: skip
     assert found[2].sizes.tolist() == [5.0, 300.0]
     assert groups(APPENDIX_4, Requirements((lift,), whole))[0].sizes.tolist() == [300.0]
+    small = (Requirement("tau_1", low=-0.25), Requirement("f_4", high=-0.5))
+    assert groups(APPENDIX_4, Requirements(small, whole))[0].sizes.tolist() == [0.25, 0.5]
 
 
 @pytest.mark.parametrize("index", range(3))
