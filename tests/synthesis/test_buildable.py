@@ -24,8 +24,17 @@ from paminsa_viz.blocks.synthesis import (
 )
 from paminsa_viz.clearance import clearance, pair_clearance, shapes_of
 from paminsa_viz.dimensions import needs
+from paminsa_viz.dimensions.layers import SLIDER_HALF
 from paminsa_viz.elastostatics import platform_stiffness
-from paminsa_viz.model import APPENDIX_4, BarLaw, Geometry, KneeBranch, inverse_kinematics, resized
+from paminsa_viz.model import (
+    APPENDIX_4,
+    BarLaw,
+    Geometry,
+    KneeBranch,
+    check_reach,
+    inverse_kinematics,
+    resized,
+)
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirement, Workspace, WorkspaceShape
 from paminsa_viz.synthesis import (
@@ -38,6 +47,7 @@ from paminsa_viz.synthesis import (
     buildability,
     synthesize,
 )
+from paminsa_viz.synthesis.search.buildability import best_height
 from paminsa_viz.synthesis.search.evaluation import REFUSED
 from paminsa_viz.synthesis.search.extremes import Extent, Least, least_over
 from paminsa_viz.synthesis.search.kernels import plate_distance
@@ -224,13 +234,81 @@ def test_least_values_are_looked_for_from_six_four_and_one_of_the_samples(
 
     def least(values: Any, extent: Any, density: Any, *, starts: int, kinds: Any) -> Least:
         looked.append((starts, density, kinds is not None))
-        return Least(0.01, np.array([0.0, 0.0, 0.0, -0.55]))
+        return Least(-4e-10, np.array([0.0, 0.0, 0.0, -0.55]))
 
     monkeypatch.setattr(f"{place}.least_over", least)
-    space = Workspace(WorkspaceShape.CYLINDER, (0.123, 0.123, 0.1), (0.0, 0.0, -0.55))
-    buildability(APPENDIX_4, space, (-0.1, 0.1))
+    space = Workspace(WorkspaceShape.CYLINDER, (0.123, 0.123, 0.1), (0.02, 0.0, -0.55))
+    found = buildability(APPENDIX_4, space, (-0.1, 0.1))
     close = SPARSE.finer(2)
     assert looked == [(6, close, True), (4, close, False), (1, SPARSE.finer(1), False)]
+    # rounding is no overlap
+    assert str(found.clearance) == str(found.stiffness) == str(found.frequency) == "0.0"
+    assert found.center == (0.02, 0.0, -0.55)
+    # what else is said of it: the farthest slider and joint 5, and all that moves
+    pose = Extent(space, (-0.1, 0.1)).samples(SPARSE.finer(4))
+    points = inverse_kinematics(APPENDIX_4.geometry, pose).points
+    slider = np.linalg.norm((points[8] - points[3])[..., :2], axis=-1).max()
+    assert found.needed_guide == pytest.approx(slider + SLIDER_HALF, abs=1e-4)
+    deep = np.abs(points[5][..., 2]).max()
+    k = np.array([APPENDIX_4.geometry.magnification])
+    assert found.needed_shaft == pytest.approx(needs.needed_shaft(APPENDIX_4, np.array([deep]), k))
+    links, joints = vars(APPENDIX_4.links).values(), vars(APPENDIX_4.joints).values()
+    moving = 3 * (sum(links) + sum(joints)) + APPENDIX_4.platform.mass
+    assert found.moving_mass == pytest.approx(moving)
+
+
+def test_what_is_out_of_reach_counts_for_nothing() -> None:
+    far = Workspace(WorkspaceShape.BOX, (0.1, 0.1, 0.1), (0.0, 0.0, -3.0))
+    none = buildability(APPENDIX_4, far, (-0.1, 0.1))
+    assert none.within_reach == 0.0
+    assert none.bodies == ("", "")
+    values = none.clearance, none.overlapping, none.stiffness, none.frequency
+    assert np.isnan(values).all()
+    assert not none.clear
+
+
+def test_a_robot_is_clear_with_guides_and_shafts_that_are_just_long_enough() -> None:
+    fine = Buildability(
+        (0.0, 0.0, -0.5), 1.0, 0.001, ("", ""), np.zeros(4), 0.0, 1e4, 20.0, 0.3, 0.3, 0.4, 0.4, 5.0
+    )  # fmt: skip
+    assert fine.clear
+    assert replace(fine, needed_guide=0.2, needed_shaft=0.3).clear
+    for change in (
+        {"clearance": 0.0}, {"clearance": -0.001}, {"overlapping": 0.001},
+        {"overlapping": float("nan")}, {"needed_guide": 0.3001}, {"needed_shaft": 0.4001},
+    ):  # fmt: skip
+        assert not replace(fine, **change).clear  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("knee", KneeBranch)
+@pytest.mark.parametrize("bars", [(0.42, 0.68), (0.5, 0.5)])
+def test_a_reference_is_placed_where_its_reach_has_most_room(
+    bars: tuple[float, float], knee: KneeBranch
+) -> None:
+    """All of its workspace on the platform's side of the guides; bars of one length at them."""
+    crank, coupler = bars
+    geometry = replace(
+        APPENDIX_4.geometry, crank_length=crank, coupler_length=coupler, guide_link_length=2.0,
+        knee=knee, base_radius=0.55,
+    )  # fmt: skip
+    space = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.3), (0.03, -0.02, None))
+    found = best_height(replace(APPENDIX_4, geometry=geometry), space, (-0.3, 0.2))
+    assert replace(found, center=space.center) == space
+    side = -knee.sign
+    middle = (found.center[2] or 0.0) + geometry.platform_joint_height
+
+    def margin(height: float) -> float:
+        placed = replace(space, center=(0.03, -0.02, height - geometry.platform_joint_height))
+        pose = Extent(placed, (-0.3, 0.2)).samples(SPARSE.finer(2))
+        return float(check_reach(geometry, pose).margins.min())
+
+    others = side * np.linspace(0.15, crank + coupler, 60)
+    best = max(map(margin, others.tolist()))
+    assert best > 0.02
+    assert margin(middle) > best - 0.01
+    assert side * middle >= 0.15 - 1e-12
+    if crank == coupler:
+        assert side * middle == pytest.approx(0.15)
 
 
 def test_a_search_ends_at_the_first_pose_without_a_value() -> None:
