@@ -49,7 +49,7 @@ from paminsa_viz.synthesis import (
 )
 from paminsa_viz.synthesis.search.buildability import best_height
 from paminsa_viz.synthesis.search.evaluation import REFUSED
-from paminsa_viz.synthesis.search.extremes import Extent, Least, least_over
+from paminsa_viz.synthesis.search.extremes import Extent, Least
 from paminsa_viz.synthesis.search.kernels import plate_distance
 from paminsa_viz.synthesis.search.region import SPARSE
 from paminsa_viz.synthesis.search.trial import Poses, TrialRobot
@@ -311,22 +311,6 @@ def test_a_reference_is_placed_where_its_reach_has_most_room(
         assert side * middle == pytest.approx(0.15)
 
 
-def test_a_search_ends_at_the_first_pose_without_a_value() -> None:
-    """From one start in the first round; the other one would find such a pose later."""
-    box = Workspace(WorkspaceShape.BOX, (0.2, 0.2, 0.2), (0.0, 0.0, -0.5))
-
-    def values(poses: Any) -> Any:
-        x, y, theta, z = poses.T
-        low = np.minimum(1.0 + np.abs(x + 0.093), 1.02 + np.abs(x - 0.1))
-        none = (np.abs(x + 0.093) < 5e-4) | (np.abs(x - 0.05) < 1e-3)
-        off = 10.0 * (np.abs(y - 0.1) + np.abs(theta) + np.abs(z + 0.5))
-        return np.where(none, -np.inf, low + off)
-
-    found = least_over(values, Extent(box, (-0.1, 0.1)), SPARSE, starts=2)
-    assert found.value == -np.inf
-    assert found.pose == pytest.approx([0.05, 0.1, 0.0, -0.5])
-
-
 @pytest.mark.parametrize("case", [CYLINDER, CELL])
 def test_costs_that_do_not_matter_are_not_worked_out(case: SynthesisCase) -> None:
     numbers = random_numbers(case, 400)
@@ -339,47 +323,6 @@ def test_costs_that_do_not_matter_are_not_worked_out(case: SynthesisCase) -> Non
         found = np.array(evaluator.costs(list(numbers), [most] * len(numbers)))
         assert (found[whole <= most] == whole[whole <= most]).all()
         assert (found[whole > most] > most).all()
-
-
-def test_least_value_is_found_between_samples_and_on_the_boundary() -> None:
-    space = Workspace(WorkspaceShape.CYLINDER, (0.4, 0.4, 0.2), (0.0, 0.0, -0.5))
-    extent = Extent(space, (-TURN, TURN))
-    inside = np.array([0.07, -0.05, 0.31, -0.46])
-    found = least_over(lambda p: ((p - inside) ** 2).sum(axis=-1), extent, SPARSE)
-    assert found.pose == pytest.approx(inside, abs=1e-3)
-    assert found.value < 1e-6
-    outside = np.array([0.5, 0.3, 2.0, -1.0])
-    found = least_over(lambda p: ((p - outside) ** 2).sum(axis=-1), extent, SPARSE)
-    edge = 0.2 * outside[:2] / np.linalg.norm(outside[:2])
-    assert found.pose == pytest.approx([*edge, TURN, -0.6], abs=1e-3)
-    for pose in extent.random(200), extent.clipped(np.random.default_rng(0).normal(size=(50, 4))):
-        assert (np.hypot(pose[:, 0], pose[:, 1]) <= 0.2 + 1e-12).all()
-        assert (np.abs(pose[:, 2]) <= TURN).all()
-        assert (np.abs(pose[:, 3] + 0.5) <= 0.1).all()
-    upper = extent.within((-0.45, 1.0))
-    assert upper is not None
-    assert upper.heights == pytest.approx((-0.45, -0.4))
-    assert extent.within((0.0, 1.0)) is None
-
-
-def test_least_value_of_what_is_worse_between_samples_than_at_them() -> None:
-    """Two wells: one has the worst samples, the other, between samples, the least value."""
-    extent = Extent(Workspace(WorkspaceShape.BOX, (2.0, 2.0, 2.0), (0.0, 0.0, -3.0)), (-1.0, 1.0))
-    sampled = extent.samples(SPARSE)
-    wide = sampled[np.argmin(np.linalg.norm(sampled - [0.5, 0.5, 0.0, -3.0], axis=1))]
-    away = np.linalg.norm(sampled - [-0.6, -0.6, 0.0, -3.0], axis=1)
-    narrow = sampled[np.argmin(away)] + 0.05
-
-    def wells(pose: np.ndarray) -> np.ndarray:
-        first = 0.02 * np.maximum(np.linalg.norm(pose - wide, axis=-1) - 1.0, 0.0)
-        second = 4.8 * np.linalg.norm(pose - narrow, axis=-1) - 0.475
-        return np.stack([first, second])
-
-    asked = {"values": lambda pose: wells(pose).min(axis=0), "extent": extent, "density": SPARSE}
-    assert least_over(**asked).value == pytest.approx(0.0, abs=1e-6)  # type: ignore
-    found = least_over(**asked, kinds=lambda pose: wells(pose).argmin(axis=0))  # type: ignore
-    assert -0.475 <= found.value < -0.4
-    assert found.pose == pytest.approx(narrow, abs=0.02)
 
 
 def similar(design: Design, ratio: float, law: BarLaw) -> Design:

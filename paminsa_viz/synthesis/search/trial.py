@@ -206,7 +206,7 @@ class TrialRobot:
         both = np.abs(rotary).max(axis=1), np.sqrt((rotary**2).mean(axis=1))
         columns = np.column_stack([held, *both])
         if not np.isfinite(columns).all():
-            return np.array([[-np.inf], [np.inf]]) * np.ones(columns.shape[1])
+            return np.repeat([[-np.inf], [np.inf]], columns.shape[1], axis=1)
         return np.array([columns.min(axis=0), columns.max(axis=0)])
 
     def plate_distance(self, theta: Range, enough: float) -> float:
@@ -232,7 +232,7 @@ class TrialRobot:
         Those of the knees may be largest inside the workspace.
         """
         found = self.poses.over(self.case.requirements.theta)
-        out = np.zeros(4)
+        out = np.empty(4)
         guide = self.geometry.guide_link_length
         xy = found.place(found.within, self.workspace)
         kernels.load()[2](self.mechanism, guide, xy, found.turns, self.heights(), out)
