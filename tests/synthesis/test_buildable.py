@@ -47,6 +47,7 @@ from paminsa_viz.synthesis import (
     buildability,
     synthesize,
 )
+from paminsa_viz.synthesis.search import result as result_file
 from paminsa_viz.synthesis.search.buildability import best_height
 from paminsa_viz.synthesis.search.evaluation import REFUSED
 from paminsa_viz.synthesis.search.extremes import Extent, Least
@@ -278,6 +279,36 @@ def test_a_robot_is_clear_with_guides_and_shafts_that_are_just_long_enough() -> 
         {"overlapping": float("nan")}, {"needed_guide": 0.3001}, {"needed_shaft": 0.4001},
     ):  # fmt: skip
         assert not replace(fine, **change).clear  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("height", [None, -0.6])
+def test_a_reference_is_looked_at_in_the_workspace_of_the_answer(
+    height: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At its own best height, where that is free; where there is no robot, none is."""
+    asked: list[tuple[Design, Workspace]] = []
+
+    def note(design: Design, space: Workspace, theta: Any) -> str:
+        assert theta == (-TURN, TURN)
+        asked.append((design, space))
+        return "found"
+
+    monkeypatch.setattr(result_file, "buildability", note)
+    space = replace(CYLINDER.workspace, center=(0.0, 0.0, height))
+    case = replace(
+        CYLINDER, requirements=replace(CYLINDER.requirements, workspace=space),
+        ranges=CYLINDER.ranges[:5],
+    )  # fmt: skip
+    placed, longer = (
+        replace(space, center=(0.0, 0.0, -0.75)),
+        APPENDIX_4.with_knee(KneeBranch.UPPER),
+    )
+    found = SynthesisResult(case, longer, placed, None, True, 0.5, (), (), {}, (), False, 7)
+    assert found.buildability == ("found", "found")
+    best = best_height(APPENDIX_4, placed, (-TURN, TURN))
+    assert best != placed
+    assert asked == [(longer, placed), (APPENDIX_4, best if height is None else placed)]
+    assert replace(found, poses=0).buildability is None
 
 
 @pytest.mark.parametrize("knee", KneeBranch)

@@ -24,7 +24,7 @@ from paminsa_viz.synthesis import (
 from paminsa_viz.synthesis.search import refusals
 from paminsa_viz.synthesis.search.refusals import critical_radius, least_footprint
 from tests.synthesis.search_cases import CELL, CYLINDER
-from tests.synthesis.test_trials import random_numbers
+from tests.synthesis.test_trials import GOOD, random_numbers
 
 
 def test_condition_toward_a_leg() -> None:
@@ -89,9 +89,8 @@ def test_footprint_of_a_workspace_off_the_center_is_that_of_its_points(
 
 
 def test_footprints_of_robots_are_above_the_bound() -> None:
-    found = Evaluator(replace(CYLINDER, margin=0.0), Regime.SMALLER).evaluate(
-        random_numbers(CYLINDER, 15000)
-    )
+    near = np.array(GOOD["cylinder"][1]) * np.random.default_rng(4).uniform(0.7, 1.3, (600, 6))
+    found = Evaluator(replace(CYLINDER, margin=0.0), Regime.SMALLER).evaluate(near)
     feasible = [item for item in found if item.feasible]
     assert len(feasible) > 20
     least = least_footprint(CYLINDER, Regime.SMALLER, 0.15 / critical_radius(10.0))
