@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 
 from paminsa_viz import cli
+from paminsa_viz.cli.arguments import OrNone, Words
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.version import COMMAND
 
@@ -87,9 +88,9 @@ class AppOptions:
     """Port to listen on; 0 takes any free one. A port in use is an error."""
     browser: bool = True
     """Open the page in the browser."""
-    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    design: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE")] = None
     """Design file (TOML) to start with, instead of the paper's Appendix 4."""
-    allow_host: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME")] = ()
+    allow_host: Annotated[Words, tyro.conf.arg(metavar="NAME")] = ()
     """Another name under which a browser may open the page, such as robot.local."""
     token: Literal["auto", "on", "off"] = "auto"
     """Whether a browser has to show the access token that is part of the printed address; auto asks

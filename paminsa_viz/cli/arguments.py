@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from contextlib import redirect_stderr
 from contextvars import ContextVar
-from typing import Any, TypeAlias, TypeVar, Union
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, Union
 
 import tyro
 
@@ -23,6 +23,12 @@ T = TypeVar("T")
 OrNone: TypeAlias = Union[None, T]  # noqa: RUF036, UP007
 """A flag that may be left out. With ``T | None`` instead, or with None in the second place, tyro
 loads typeguard to compare the default, which takes as long as loading NumPy."""
+
+if TYPE_CHECKING:
+    Words: TypeAlias = tuple[str, ...]
+else:  # that is what a bare tuple means to tyro, and of other tuples typeguard compares the default
+    Words = tuple
+"""A flag of a word that can be repeated."""
 
 
 class UsageError(PaminsaError):

@@ -19,7 +19,7 @@ from paminsa_viz.blocks.requirements import (
     quantities_data,
     quantities_table,
 )
-from paminsa_viz.cli.arguments import OrNone, UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError, Words
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Point, check_output
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
 from paminsa_viz.files.atomic import write_bytes
@@ -63,7 +63,7 @@ class RequirementFlags(DesignFlags):
 
     file: Annotated[OrNone[Path], tyro.conf.Positional, tyro.conf.arg(metavar="FILE")] = None
     """Design file with its requirements; Appendix 4 if left out."""
-    require: Annotated[tuple[str, ...], tyro.conf.arg(metavar="TEXT")] = ()
+    require: Annotated[Words, tyro.conf.arg(metavar="TEXT")] = ()
     """A requirement on top of the file's; may be given several times."""
     theta: Annotated[OrNone[tuple[float, float]], tyro.conf.arg(metavar="FROM TO")] = None
     """Headings that count [degrees], instead of the file's."""

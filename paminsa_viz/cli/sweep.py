@@ -13,7 +13,7 @@ import numpy as np
 import tyro
 
 from paminsa_viz.blocks.sweep import sweep_blocks, sweep_data
-from paminsa_viz.cli.arguments import OrNone, UsageError, command_line
+from paminsa_viz.cli.arguments import OrNone, UsageError, Words, command_line
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, RegionFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags, PresetName
 from paminsa_viz.cli.output import print_blocks, print_error, print_json
@@ -78,7 +78,7 @@ class Sweep(JsonFlags, RegionFlags, MotionFlags, DesignFlags):
     """A ready-made motion to measure the designs on as well."""
     out: Annotated[Path, tyro.conf.arg(metavar="FILE.csv")]
     """Table to write, or to resume."""
-    vary: Annotated[tuple[str, ...], tyro.conf.arg(metavar="PATH[=VALUES]")] = ()
+    vary: Annotated[Words, tyro.conf.arg(metavar="PATH[=VALUES]")] = ()
     """A design value that varies, and how; can be repeated."""
     random: Annotated[OrNone[int], tyro.conf.arg(metavar="N")] = None
     """Draw this many random designs, instead of a grid."""
@@ -94,7 +94,7 @@ class Sweep(JsonFlags, RegionFlags, MotionFlags, DesignFlags):
     max_condition: float = CONDITION_LIMIT
     """Largest condition number at which torques count; beyond it they grow without bound."""
 
-    index: Annotated[tuple[str, ...], tyro.conf.arg(metavar="QUANTITY")] = ()
+    index: Annotated[Words, tyro.conf.arg(metavar="QUANTITY")] = ()
     """A quantity of maps whose global indices are measured: mean, least and spread over the
     region, such as horizontal-force or transmission; can be repeated."""
 

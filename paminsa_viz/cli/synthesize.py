@@ -22,7 +22,7 @@ from paminsa_viz.blocks.synthesis import (
     synthesis_blocks,
     synthesis_data,
 )
-from paminsa_viz.cli.arguments import OrNone, UsageError, command_line
+from paminsa_viz.cli.arguments import OrNone, UsageError, Words, command_line
 from paminsa_viz.cli.flags import JsonFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_blocks, print_json, print_written, write_report
@@ -93,7 +93,7 @@ class AnswerFlags:
     """Check torques and forces in MuJoCo."""
     conflict: bool = False
     """Where no robot meets the requirements, look for the fewest that contradict."""
-    front: Annotated[tuple[str, ...], tyro.conf.arg(metavar="OBJECTIVE")] = ()
+    front: Annotated[Words, tyro.conf.arg(metavar="OBJECTIVE")] = ()
     """An objective of a front: robots of which none is better than another in all of them, instead
     of one; at least twice. --out FILE.toml writes them to FILE-1.toml, FILE-2.toml ..."""
     points: int = 8
