@@ -20,6 +20,7 @@ from paminsa_viz.synthesis.search import solve
 from paminsa_viz.synthesis.search.case_conflict import CaseConflict, case_conflict
 from paminsa_viz.synthesis.search.evaluation import REFUSED, Evaluator
 from paminsa_viz.synthesis.search.outer import RegimeState, search_round
+from paminsa_viz.synthesis.search.result import outcomes_of
 from paminsa_viz.synthesis.search.solve import SLACK, _Answer, _Run
 from tests.synthesis.search_cases import CYLINDER
 
@@ -276,6 +277,17 @@ def test_states_of_regimes_that_are_not_asked_for_do_not_count() -> None:
     assert (found.design, found.workspace) == (case.reference, case.workspace)
     assert (found.regime, found.inner, found.proof, found.poses) == (None, None, None, 0)
     assert np.isnan(found.objective)
+
+
+def test_a_bound_that_is_met_by_exactly_its_share_decides() -> None:
+    """A half of a percent of 200 N is one newton, to either side."""
+    required = replace(FINER.requirements, bounds=(Requirement("f_4", high=200.0),))
+    case = replace(FINER, requirements=required, limits=())
+    for value, active in ((198.9, False), (199.0, True), (201.0, True), (201.1, False)):
+        found: Any = SimpleNamespace(values=np.array([value]))
+        (outcome,) = outcomes_of(case, found)
+        assert (outcome.value, outcome.active) == (value, active)
+        assert outcome.margin == pytest.approx(200.0 - value)
 
 
 # ---------------------------------------------------------------- a round of the search
