@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from contextlib import suppress
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -251,6 +252,21 @@ def test_numbers_of_a_drive_are_from_1e_12_to_1e9() -> None:
         assert Drive(rated_torque=possible).rated_torque == possible
         with pytest.raises(InvalidDesign, match=r"drive\.rated_torque"):
             Drive(rated_torque=math.nextafter(possible, beyond))
+
+
+def test_only_inertia_friction_mass_and_cost_of_a_drive_may_be_zero() -> None:
+    numbers = [item.name for item in fields(Drive) if "unit" in item.metadata]
+    screw = {"transmission": "screw", "lead": 0.01}
+    possible = set()
+    for name in numbers:
+        with suppress(InvalidDesign):
+            Drive(**screw | {name: 0.0})
+            possible.add(name)
+        with pytest.raises(InvalidDesign, match=rf"drive\.{name}"):
+            Drive(**screw | {name: -1.0})
+    assert len(numbers) == 19
+    inertias = {"rotor_inertia", "gear_inertia"}
+    assert possible == inertias | {"viscous", "coulomb", "mass", "cost"}
 
 
 def test_a_drive_of_which_nothing_is_known_adds_and_limits_nothing() -> None:
