@@ -17,6 +17,7 @@ from paminsa_viz.synthesis.proof.bisection import Nearest
 from paminsa_viz.synthesis.proof.certificate import region_of, sampled_evidence
 from paminsa_viz.synthesis.proof.evidence import (
     LARGEST,
+    Evidence,
     Proof,
     Verdict,
     home_path,
@@ -39,6 +40,7 @@ from paminsa_viz.synthesis.proof.regions import (
     PoseRegion,
     RegionMargins,
     box,
+    freedom,
     least_free,
     region_margins,
 )
@@ -49,6 +51,7 @@ TURN = 0.4
 DISC = PoseRegion(WorkspaceShape.CYLINDER, (0.03, -0.02, -0.6), (0.08, 0.08, 0.1), (-0.2, TURN))
 BOXES = replace(DISC, shape=WorkspaceShape.BOX, half=(0.08, 0.05, 0.1))
 CLEAR = replace(GEOMETRY, axis_clearance=0.01)
+CONDITION, STIFFNESS = Requirement("condition", high=9.0), Requirement("stiffness_x", low=1.0)
 
 
 @pytest.mark.parametrize("region", [DISC, BOXES, replace(DISC, center=(0.03, -0.02, 0.02))])
@@ -142,7 +145,14 @@ def test_a_margin_of_reach_is_over_its_own_part() -> None:
     part = replace(DISC, center=(0.03, -0.02, -0.525), half=(0.08, 0.08, 0.025), theta=(0.0, 0.1))
     expected = region_margins(GEOMETRY, part).least_reach - 0.02
     assert reach_margin(APPENDIX_4, needed, high, DISC) == pytest.approx(expected, abs=1e-14)
-    assert regions_of(needed, DISC)[0] == DISC
+    whole, own = regions_of(needed, DISC)
+    assert (whole, own.theta, own.shape) == (DISC, part.theta, part.shape)
+    assert (own.center, own.half) == (pytest.approx(part.center), pytest.approx(part.half))
+    loose = replace(high, low=0.0)
+    assert reach_margin(APPENDIX_4, needed, loose, DISC) == pytest.approx(expected + 0.02)
+    far = replace(DISC, half=(0.4, 0.4, 0.1))
+    found = prove_reach(APPENDIX_4, Requirements((loose,), DISC.theta), far)[loose]
+    assert found.margin == pytest.approx(freedom(GEOMETRY, np.array([found.pose]))[0, 0])
     assert len(regions_of(Requirements((high, high), DISC.theta), DISC)) == 2
     elsewhere = replace(high, z=(0.0, 1.0))
     assert reach_margin(APPENDIX_4, needed, elsewhere, DISC) == np.inf
@@ -168,6 +178,13 @@ def test_a_margin_of_nothing_is_kept_if_it_is_asked_for_and_else_open(
     plain = Proof(Verdict.PROVEN, DISC, ())
     assert (plain.path.shape, plain.remaining.shape) == (none.shape, (0, 2, 4))
     assert (plain.boxes, plain.seconds, plain.pose, plain.sampled) == (0, 0.0, None, ())
+    items = (
+        Evidence("reach", Method.SAMPLED, Verdict.PROVEN, 0.1, (9.0,) * 4),
+        Evidence.of(CONDITION, Method.BISECTION, Verdict.REFUTED, -0.1, np.arange(4.0)),
+        Evidence.of(STIFFNESS, Method.SAMPLED, Verdict.SAMPLED, 0.1, np.arange(4.0) + 1.0),
+    )
+    full = replace(plain, evidence=items)
+    assert (full.pose, full.sampled) == ((0.0, 1.0, 2.0, 3.0), (STIFFNESS,))
     pose, low = np.array([0.01, 0.02, 0.1, -0.6]), Requirement("reach_margin", low=0.02)
     needed = Requirements((low,), DISC.theta)
     monkeypatch.setattr(evidence, "least_free", lambda *_: (pose, 1e-9, "reach"))
@@ -225,11 +242,13 @@ def test_a_path_from_home_goes_straight_one_coordinate_after_the_other(
     region = replace(DISC, center=(0.03, -0.05, -0.3), theta=(0.1, 0.3))
     goal = np.array([0.03, -0.05, 0.1, -0.3])
 
-    def moves(path: Any) -> list[list[int]]:
-        steps = np.diff(path, axis=0)
+    def moves_of(path: Any) -> list[list[int]]:
         assert path[0].tolist() == home.tolist()
+        return [np.flatnonzero(step).tolist() for step in np.diff(path, axis=0)]
+
+    def moves(path: Any) -> list[list[int]]:
         assert path[-1] == pytest.approx(goal)
-        return [np.flatnonzero(step).tolist() for step in steps]
+        return moves_of(path)
 
     path = home_path(GEOMETRY, region)
     assert moves(path) == [[3], [0, 1], [2]]
@@ -248,6 +267,13 @@ def test_a_path_from_home_goes_straight_one_coordinate_after_the_other(
     seen.clear()
     refused[:] = range(100)
     assert home_path(GEOMETRY, region).shape == (0, 4)
+    # straight up, by a single box
+    seen.clear()
+    refused[:] = []
+    above = replace(region, center=(home[0], home[1], home[3] + 0.1), theta=(-0.1, 0.1))
+    assert moves_of(home_path(GEOMETRY, above)) == [[3]]
+    (only,) = seen
+    assert (only.low[2], only.high[2]) == pytest.approx((home[3], home[3] + 0.1))
     # already there: home itself is what is proven
     seen.clear()
     refused[:] = []
