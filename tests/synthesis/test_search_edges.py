@@ -15,13 +15,13 @@ from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.progress import Canceled
 from paminsa_viz.quantities.requirements import Requirement, Workspace, WorkspaceShape
 from paminsa_viz.studies.executors import here
-from paminsa_viz.synthesis import Evaluator, Guide, ObjectiveLimit, Regime, SearchRange
+from paminsa_viz.synthesis import Effort, Evaluator, Guide, ObjectiveLimit, Regime, SearchRange
 from paminsa_viz.synthesis.search import outer, refusals, solve
 from paminsa_viz.synthesis.search.case import SHAFT
 from paminsa_viz.synthesis.search.evaluation import REFUSED
 from paminsa_viz.synthesis.search.extremes import Extent
 from paminsa_viz.synthesis.search.kernels import TORQUE_COLUMNS
-from paminsa_viz.synthesis.search.outer import PROGRESS, RegimeState, refined
+from paminsa_viz.synthesis.search.outer import EXPLORE, PROGRESS, RegimeState, refined
 from paminsa_viz.synthesis.search.refusals import least_footprint
 from paminsa_viz.synthesis.search.region import SPARSE, ray, reach_margins
 from paminsa_viz.synthesis.search.trial import ABOVE_QUILL, Poses, Robots, TrialRobot, _following
@@ -247,14 +247,16 @@ def test_a_refinement_ends_where_a_round_gains_less_than_its_share(
 
         monkeypatch.setattr(outer, "search_round", one)
         monkeypatch.setattr(Evaluator, "evaluate", lambda self, numbers: ["done"])
-        assert refined(CYLINDER, Regime.SMALLER, NUMBERS[0].tolist()) == "done"
+        assert refined(case, Regime.SMALLER, NUMBERS[0].tolist()) == "done"
         assert {generations for _, generations in asked} == {15}
-        assert asked[0][0].generation == np.ceil(0.6 * CYLINDER.effort.generations)
+        assert 0 <= asked[0][0].generation - EXPLORE * case.effort.generations < 1
         return len(asked)
 
+    case = replace(CYLINDER, effort=Effort(201))
     gain = 0.1 * PROGRESS
+    assert play([0.0, 0.0, 0.0, 0.0]) == 2
     assert play([5.0, 4.0, 3.0, 2.0, 1.0]) == 4
-    assert play([4.0 * (1 + 2 * gain), 4.0, 4.0, 4.0]) == 3
+    assert play([4.0 * (1 + 1.05 * gain), 4.0, 4.0, 4.0]) == 3
     assert play([4.0 * (1 + 0.9 * gain), 4.0, 1.0, 1.0]) == 2
     assert play([-4.0 * (1 - 2 * gain), -4.0, -4.0, -4.0]) == 3
     assert play([-4.0 * (1 - 0.9 * gain), -4.0, -9.0, -9.0]) == 2
