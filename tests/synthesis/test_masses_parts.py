@@ -105,8 +105,8 @@ def test_motions_about_a_center_go_where_it_is() -> None:
 # ---------------------------------------------------------------- motions at their samples
 
 
-def line(start: Any, goal: Any) -> Trajectory:
-    return point_to_point(start, goal, 1.0).sample(21)
+def line(start: Any, goal: Any, rate: float = 21) -> Trajectory:
+    return point_to_point(start, goal, 1.0).sample(rate)
 
 
 G = replace(APPENDIX_4.geometry, crank_length=0.9, coupler_length=0.9, guide_link_length=2.0)
@@ -120,6 +120,9 @@ TURN = float(singular_rotation(G))
         (G, line((0.0, 0.0, 0.0, -0.8), (0.0, 0.0, 0.0, -1.9)), Limit.STRETCHED),
         (G, line((0.0, 0.0, 0.0, -0.8), (0.5, 0.1, 0.1, -0.8)), Limit.SINGULAR),
         (G, line((0.5, 0.1, 0.1, -0.8), (0.0, 0.0, 0.0, -0.8)), Limit.SINGULAR),
+        # at the second of three samples already
+        (G, line((0.0, 0.0, 0.0, -0.5), (0.7, 0.0, 0.0, -0.5), 2), Limit.SINGULAR),
+        (G, line((0.0, 0.0, 0.0, -0.5), (0.0, 0.0, 2.2 * TURN, -0.5), 2), Limit.SINGULAR),
         (G, line((0.0, 0.0, 0.0, -0.8), (0.0, 0.0, TURN + 0.2, -0.8)), Limit.SINGULAR),
         (G, line((0.0, 0.0, 0.0, -0.8), (0.0, 0.0, -TURN - 0.2, -0.8)), Limit.SINGULAR),
         (
