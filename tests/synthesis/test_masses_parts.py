@@ -205,6 +205,23 @@ def test_a_bound_at_rest_is_the_extreme_of_all_its_poses(load: LoadCase, springs
         limits_at_rest(space, Requirement("tau_1", high=1.0), beyond)
 
 
+def test_the_largest_torque_on_motions_is_that_of_any_of_three_actuators() -> None:
+    asked = still(motions=(motion(),), motion_torque=3.0, motion_force=200.0)
+    program = inner_program(APPENDIX_4, asked, poses())
+    torque, force = program.limits
+    matrix, offset = program.motions[0][1:]
+    rng, before = np.random.default_rng(5), program.space.before
+    for actuator in range(4):  # its own part of the state's effect, and an offset of its own
+        term = force.term if actuator == 3 else torque.term
+        held = {tuple(row) for row in term.matrix.tolist()}
+        assert held >= {tuple(row) for row in matrix[:, actuator].tolist()}
+    for _ in range(4):
+        state = before + 3.0 * rng.normal(size=len(before))
+        size = np.abs(matrix @ state + offset).max(axis=0)
+        assert torque.term.value(state) == pytest.approx(size[:3].max())
+        assert force.term.value(state) == pytest.approx(size[3])
+
+
 # ---------------------------------------------------------------- what an answer says
 
 
