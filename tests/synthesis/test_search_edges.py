@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.dimensions.needs import needed_guide, needed_shaft
-from paminsa_viz.model import APPENDIX_4, KneeBranch, LoadCase, inverse_kinematics
+from paminsa_viz.dimensions.needs import missing_room, needed_guide, needed_shaft
+from paminsa_viz.model import APPENDIX_4, Counterweight, KneeBranch, LoadCase, inverse_kinematics
 from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.progress import Canceled
 from paminsa_viz.quantities.requirements import Requirement, Workspace, WorkspaceShape
@@ -202,6 +202,38 @@ def test_guides_that_would_be_too_long_for_any_robot_are_as_long_as_one_may_be()
     (found,) = Robots.of(CYLINDER, numbers).geometries
     assert found.guide_link_length == LARGEST["m"]
     assert (Robots.of(CYLINDER, numbers).margins[:, 2] < 0.0).all()
+
+
+def test_what_drawn_bodies_lack_is_that_of_the_poses_of_each_workspace() -> None:
+    numbers = np.array([[0.3, 0.1, 3.0, 0.5, 0.6, -0.6], [0.295, 0.085, 4.8, 0.79, 0.28, -0.77]])
+    robots = Robots.of(CYLINDER, numbers)
+    found = robots.missing_room(0.05)
+    for row, (geometry, space) in enumerate(zip(robots.geometries, robots.workspaces, strict=True)):
+        pose = Extent(space, CYLINDER.requirements.theta).samples(SPARSE.finer(4))
+        points = inverse_kinematics(geometry, pose).points
+        rho = np.linalg.norm((points[5] - points[3])[..., :2], axis=-1)
+        deep = np.abs(points[5][..., 2])
+        apart = np.linalg.norm(points[8] - points[5], axis=-1)
+        expected = missing_room(
+            [geometry], rho.min(axis=(0, 1), keepdims=True)[0] / (geometry.magnification - 1.0),
+            np.array([[deep.min(), deep.max()]]), np.array([[apart.min(), apart.max()]]), 0.05,
+        )  # fmt: skip
+        assert found[row] == pytest.approx(expected[0], abs=1e-3)
+    assert (found.max(axis=1) > 0.01).all()
+
+
+def test_a_trial_is_drawn_with_its_counterweights_and_bars_that_keep_their_masses() -> None:
+    weights = (Counterweight("b8", 8, 0.1, 1.5),)
+    (trial,) = Robots.of(CYLINDER, NUMBERS).trials(Poses(CYLINDER), [0])
+    assert trial.drawn == replace(APPENDIX_4, geometry=trial.geometry)
+    inner: Any = SimpleNamespace(design=replace(APPENDIX_4, counterweights=weights))
+    own = replace(trial, inner=inner)
+    assert own.drawn == replace(inner.design, geometry=trial.geometry)
+    assert own.design is inner.design
+    assert len(trial.radii) == 4
+    assert trial.torques((0.0, 0.1), (3.0, 4.0)).shape == (2, len(TORQUE_COLUMNS))
+    most = TORQUE_COLUMNS.index("max_torque")
+    assert trial.static_torque == trial.torques(CYLINDER.requirements.theta)[1, most]
 
 
 def test_plates_and_bars_are_looked_at_where_the_workspace_is() -> None:
