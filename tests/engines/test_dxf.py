@@ -137,6 +137,7 @@ def test_legs_are_red_green_and_blue_and_places_are_flat() -> None:
     assert (red, green, blue, either) == ((255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 255))
     assert len(set(gray)) == 1
     text = dxf_text(APPENDIX_4)
+    assert "-0.0\n" not in text  # a zero has no sign
     colors = {
         layer.dxf.name: ezdxf.colors.aci2rgb(layer.dxf.color)
         for layer in ezdxf.read(io.StringIO(text)).layers

@@ -133,6 +133,18 @@ def test_factors_of_slower_motions_are_those_of_the_table() -> None:
     assert missing("drives", [*rows, f"so that {worked_claims.PAYLOAD:g} kg change M1..M3"]) == []
 
 
+def test_the_largest_power_and_torque_are_those_of_either_sign(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(
+        worked_claims, "regressor_torques",
+        lambda y, c: np.tile([1.0, -7.0, 3.0, -5.0], (len(y), 1)),
+    )  # fmt: skip
+    velocity = PRESET["paper-like"].build(APPENDIX_4.geometry).sample().velocity[:, 3]
+    speed = np.abs(velocity).max() / APPENDIX_4.geometry.magnification
+    np.testing.assert_allclose(worked_claims._paper_like(), [-5.0, 5.0 * speed, 7.0] * 2)
+
+
 def test_robots_are_drawn_at_home_and_their_errors_are_mean_squares(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
