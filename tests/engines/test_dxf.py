@@ -178,6 +178,7 @@ def test_tables_say_how_many_layers_there_are_and_of_which_kind() -> None:
         "SECTION", "ENDSEC", "SECTION", "TABLE", *["LAYER"] * len(LAYERS), "ENDTAB", "ENDSEC",
         "SECTION",
     ]  # fmt: skip
+    assert pairs[-2:] == [(0, "ENDSEC"), (0, "EOF")]
     table = head.index((0, "TABLE"))
     assert head[table + 1 : table + 3] == [(2, "LAYER"), (70, str(len(LAYERS)))]
     assert head[1:6] == [

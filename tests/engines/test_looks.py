@@ -130,6 +130,8 @@ def test_rods_reach_the_joints_of_their_link() -> None:
     (platform, lift, *_) = mechanism.links
     assert len(platform.rods) == 6
     assert len(lift.rods) == 3
+    flat = APPENDIX_4.vary({"geometry.platform_joint_height": 0.0})
+    assert len(build_mechanism(flat).links[0].rods) == 3  # no posts
 
 
 @pytest.mark.parametrize("design", [APPENDIX_4, RANDOM, SLIM], ids=["paper", "random", "slim"])
