@@ -14,7 +14,9 @@ import pytest
 
 from paminsa_viz.balancing.effects import IN_MOTION, Effect
 from paminsa_viz.blocks import balance
+from paminsa_viz.blocks.balance import bound_name
 from paminsa_viz.blocks.springs import GAP, springs_blocks
+from paminsa_viz.blocks.tolerances import length_tolerance_blocks, mass_tolerance_blocks
 from paminsa_viz.model.design import APPENDIX_4, Counterweight, KneeBranch
 from paminsa_viz.trajectory import PRESET, analyze
 from tests.blocks.said import cells, said
@@ -260,3 +262,34 @@ def test_springs_with_the_torques_that_they_leave() -> None:
     assert GAP == 1e-6  # N m
     assert said(shown(GAP)) == [(f"{best}.", "plain")]
     assert said(shown(1.01 * GAP)) == [(f"{best} by more than 1·10⁻⁶ N·m.", "plain")]
+
+
+def test_spreads_of_a_balance_by_masses_and_by_lengths() -> None:
+    masses: Any = SimpleNamespace(
+        nominal=-1.5, deviation=0.25, worst=0.75, torque=np.array([1.0, 2.0, 3.0]),
+        torque_deviation=np.array([0.1, 0.2, 0.3]), torque_worst=np.array([1.5, 2.5, 3.5]),
+        shares={"links.b4": 0.5, "joints.j7": 0.25, "links.b3": 0.15, "links.b8": 0.1},
+    )  # fmt: skip
+    table, note = mass_tolerance_blocks(masses)
+    assert cells(table) == [
+        ("M_p2 [N]", "−1.500", "0.250", "2.250"), ("M1 [N·m]", "1.000", "0.100", "1.500"),
+        ("M2 [N·m]", "2.000", "0.200", "2.500"), ("M3 [N·m]", "3.000", "0.300", "3.500"),
+    ]  # fmt: skip
+    names = (f"{bound_name(path)} {share} %" for path, share in
+             (("links.b4", 50), ("joints.j7", 25), ("links.b3", 15)))  # fmt: skip
+    assert said([note]) == [(f"Of the variance: {', '.join(names)}.", "plain")]
+    masses.shares = {}
+    assert len(mass_tolerance_blocks(masses)) == 1
+
+    lengths: Any = SimpleNamespace(
+        nominal=1.25, peaks=np.array([1.0, 4.0, 2.0]), quantile=lambda share: 10.0 * share,
+        lost=np.array([0, 1, 3]),
+    )  # fmt: skip
+    table, note = length_tolerance_blocks(lengths)
+    assert cells(table) == [
+        ("Nominal lengths", "1.250"), ("Half of 3 robots below", "5.000"),
+        ("95 % below", "9.500"), ("Largest of all", "4.000"),
+    ]  # fmt: skip
+    assert said([note]) == [("2 of the robots cannot take all of the poses.", "plain")]
+    lengths.lost = np.zeros(3)
+    assert len(length_tolerance_blocks(lengths)) == 1
