@@ -47,6 +47,23 @@ def test_tube_is_a_disc_less_a_disc(outer: float, share: float) -> None:
     assert 0.5 < tube.shear <= disc.shear
 
 
+@given(nu=st.floats(0.0, 0.5), share=st.floats(0.0, 0.99))
+def test_shear_area_is_that_of_the_flexure_of_a_ring(nu: float, share: float) -> None:
+    """Cowper's definition, of the harmonic function that leaves both surfaces free of shear."""
+    area, second = math.pi * (1 - share**2), math.pi / 4 * (1 - share**4)
+    along = -(0.75 + nu / 2) * (1 + share**2), -(0.75 + nu / 2) * share**2  # of r and of 1/r
+
+    def integral(r: float) -> float:
+        return math.pi * (along[0] * r**4 / 4 + along[1] * r**2 / 2 + r**6 / 24)
+
+    expected = 2 * (1 + nu) * second**2 / (area * (integral(share) - integral(1.0)))
+    assert tube_section(2.0, 2 * share, nu).shear == pytest.approx(expected, rel=1e-9)
+    elastic = Elastic(young_modulus=2 * 26e9 * (1 + nu), shear_modulus=26e9)
+    assert elastic.poisson == pytest.approx(nu, abs=1e-12)
+    tube = tube_section(elastic.b4_outer, elastic.b4_inner, nu)
+    assert elastic.section("b4").shear == pytest.approx(tube.shear)
+
+
 @pytest.mark.parametrize("bar", BARS)
 @pytest.mark.parametrize("inner", [0.02, 0.021, 1.0])
 def test_tube_without_a_wall_is_refused(bar: str, inner: float) -> None:
