@@ -13,7 +13,7 @@ from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.design_file import read_design
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.model.design import APPENDIX_4, ELASTIC_PARAMETERS, Design
+from paminsa_viz.model.design import APPENDIX_4, ELASTIC_PARAMETERS, TILT_INERTIA, Design
 from paminsa_viz.model.elastic import BARS, Elastic, tube_section
 
 LENGTHS = {
@@ -86,6 +86,8 @@ def test_numbers_left_open_count_as_the_tube_and_as_rigid() -> None:
     assert APPENDIX_4.value("elastic.platform_tilt_inertia") == 0.5 * APPENDIX_4.platform.inertia
     with pytest.raises(InvalidDesign, match="I_pl/2"):
         APPENDIX_4.vary({"elastic.platform_tilt_inertia": 0.007})
+    flat = 0.5 * APPENDIX_4.platform.inertia  # of a plate without height
+    assert APPENDIX_4.vary({"elastic.platform_tilt_inertia": flat}).stored(TILT_INERTIA) == flat
     given_area = APPENDIX_4.vary({"elastic.b4_area": 1e-4, "elastic.guide": 1e7})
     section, tube = given_area.elastic.section("b4"), APPENDIX_4.elastic.section("b4")
     assert section == tube._replace(area=1e-4)
