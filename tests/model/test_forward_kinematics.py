@@ -182,9 +182,21 @@ def test_where_leg_lines_are_parallel_and_where_both_modes_meet() -> None:
         with np.errstate(invalid="ignore"):
             return closing_angles(m, *along, Heading(length, 0.0, 0.0, 0.0)).half_c
 
-    last = 1.0 + 4 * ROUNDING  # R_b/R_pl at which both modes meet, but for rounding
-    assert half_angle(1.0) == half_angle(last) == 1.0
-    assert np.isnan(half_angle(np.nextafter(last, 2.0)))
+    for length in (0.5, 1.0, 2.0):
+        last = 1.0 + 4 * ROUNDING / length  # R_b/R_pl at which both modes meet, but for rounding
+        assert half_angle(1.0, length) == half_angle(last, length) == 1.0
+        assert np.isnan(half_angle(np.nextafter(last, 2.0), length))
     assert half_angle(0.75) == 0.75
     assert np.isnan(half_angle(0.5, 1e-12))
     assert half_angle(0.5, np.nextafter(1e-12, 1.0)) == 0.5
+
+
+def test_the_only_valid_mode_is_the_nearest_from_anywhere() -> None:
+    """With a platform larger than its base, at which legs of one mode may point away from it."""
+    rng, g = np.random.default_rng(2), Geometry(platform_radius=0.4)
+    chosen = np.append(rng.uniform(-1.5, 1.5, (200, 3)), np.full((200, 1), 0.3), axis=1)
+    found = forward_kinematics(g, chosen)
+    one = found.ok.sum(axis=1) == 1
+    assert one.sum() > 5
+    nearest = nearest_solution(g, chosen[one], [9.0, -9.0, 0.0, 0.0])
+    assert_within(nearest, found.pose[found.ok & one[:, None]], 1e-12)
