@@ -173,6 +173,10 @@ def test_tables_say_how_many_layers_there_are_and_of_which_kind() -> None:
     lines = [line.strip() for line in dxf_text(APPENDIX_4).splitlines()]
     pairs = list(zip(map(int, lines[::2]), lines[1::2], strict=True))
     head = pairs[: pairs.index((2, "ENTITIES"))]
+    assert [value for code, value in head if code == 0] == [
+        "SECTION", "ENDSEC", "SECTION", "TABLE", *["LAYER"] * len(LAYERS), "ENDTAB", "ENDSEC",
+        "SECTION",
+    ]  # fmt: skip
     table = head.index((0, "TABLE"))
     assert head[table + 1 : table + 3] == [(2, "LAYER"), (70, str(len(LAYERS)))]
     assert head[1:6] == [

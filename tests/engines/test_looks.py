@@ -108,6 +108,11 @@ def test_looks_grow_with_the_robot() -> None:
             np.testing.assert_allclose(
                 [other.start, other.end], 2.0 * np.array([rod.start, rod.end]), atol=1e-15
             )
+    near, far = (
+        float(ET.fromstring(mjcf_text(design)).find("statistic").attrib["extent"])  # type: ignore[union-attr]
+        for design in (APPENDIX_4, APPENDIX_4.vary(lengths))
+    )
+    assert far == pytest.approx(2.0 * near)
 
 
 def test_rods_reach_the_joints_of_their_link() -> None:
@@ -348,6 +353,8 @@ def test_sliding_joints_of_the_urdf_reach_all_of_the_workspace_to_both_sides() -
         assert low == -high
         assert high > 1.5 * (workspace_radius(g) + workspace_height(g))
         assert (effort, speed) == (MOST_EFFORT, MOST_SPEED)
+    said = f"limits that the format demands: {MOST_EFFORT:g} N and {MOST_SPEED:g} m/s"
+    assert missing("machine", [said]) == []
     offsets = [float(mimic.attrib["offset"]) for joint in joints for mimic in joint.iter("mimic")]
     assert offsets == [0.0] * 6
 

@@ -61,7 +61,9 @@ def test_a_foreign_reader_places_all_links_and_closes_the_loops(design: Design) 
 
 
 def test_parallel_bars_are_mimicked() -> None:
-    robot = ET.fromstring(urdf_text(APPENDIX_4))
+    text = urdf_text(APPENDIX_4)
+    assert text.startswith("<?xml version")
+    robot = ET.fromstring(text)
     mimics = {
         joint.attrib["name"]: (mimic.attrib["joint"], float(mimic.attrib["multiplier"]))
         for joint in robot.iter("joint")

@@ -157,6 +157,8 @@ def test_lines_are_as_wide_as_what_they_stand_for(drawn: Any) -> None:
             for single in (True, False)
         )  # fmt: skip
         assert min(feet) > max(joints) > bar  # rings, with their bars inside
+        crosses = [line.get_markersize() for line in area.lines if line.get_marker() == "+"]
+        assert all(max(joints) < size < min(feet) for size in crosses)
         rings = [line for line in area.lines if line.get_marker() == "o"]
         assert all(line.get_markeredgewidth() < guide for line in rings)
 

@@ -312,17 +312,19 @@ def test_a_reference_is_looked_at_in_the_workspace_of_the_answer(
 
 
 @pytest.mark.parametrize("knee", KneeBranch)
-@pytest.mark.parametrize("bars", [(0.42, 0.68), (0.5, 0.5)])
+@pytest.mark.parametrize(
+    ("crank", "coupler", "base", "high"),
+    [(0.42, 0.68, 0.55, 0.3), (0.5, 0.5, 0.55, 0.3), (0.2, 1.0, 0.3, 0.1)],
+)
 def test_a_reference_is_placed_where_its_reach_has_most_room(
-    bars: tuple[float, float], knee: KneeBranch
+    crank: float, coupler: float, base: float, high: float, knee: KneeBranch
 ) -> None:
     """All of its workspace on the platform's side of the guides; bars of one length at them."""
-    crank, coupler = bars
     geometry = replace(
         APPENDIX_4.geometry, crank_length=crank, coupler_length=coupler, guide_link_length=2.0,
-        knee=knee, base_radius=0.55,
+        knee=knee, base_radius=base,
     )  # fmt: skip
-    space = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.3), (0.03, -0.02, None))
+    space = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, high), (0.03, -0.02, None))
     found = best_height(replace(APPENDIX_4, geometry=geometry), space, (-0.3, 0.2))
     assert replace(found, center=space.center) == space
     side = -knee.sign
@@ -333,13 +335,13 @@ def test_a_reference_is_placed_where_its_reach_has_most_room(
         pose = Extent(placed, (-0.3, 0.2)).samples(SPARSE.finer(2))
         return float(check_reach(geometry, pose).margins.min())
 
-    others = side * np.linspace(0.15, crank + coupler, 60)
+    others = side * np.linspace(0.5 * high, crank + coupler, 60)
     best = max(map(margin, others.tolist()))
     assert best > 0.02
     assert margin(middle) > best - 0.01
-    assert side * middle >= 0.15 - 1e-12
+    assert side * middle >= 0.5 * high - 1e-12
     if crank == coupler:
-        assert side * middle == pytest.approx(0.15)
+        assert side * middle == pytest.approx(0.5 * high)
 
 
 @pytest.mark.parametrize("case", [CYLINDER, CELL])

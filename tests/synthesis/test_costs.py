@@ -88,6 +88,9 @@ def test_limits_of_other_objectives_are_broken_by_their_share() -> None:
     assert replace(one, relaxed=2)._limits(trial)[0] == pytest.approx(0.1 / 0.5)
     trial.footprint = 0.4
     assert one._limits(trial)[0] == pytest.approx(0.1)
+    for most, share in ((-0.5, 0.9 / 0.5), (0.0, 0.4)):
+        none = evaluator(limits=(ObjectiveLimit("footprint", most),))
+        assert none._limits(trial)[0] == pytest.approx(share)
     # what is relaxed is minimized, by how much it is broken
     worst, found = np.array([12.0]), np.array([0.6, 0.018])
     assert one._objective(trial, worst, found) == 0.4
@@ -324,6 +327,9 @@ def test_what_is_relaxed_breaks_nothing_and_is_minimized(monkeypatch: pytest.Mon
         found, _ = judged(monkeypatch, {index: extremes}, relaxed=index)
         assert found.feasible
         assert found.objective == pytest.approx(by)
+        found, asked = judged(monkeypatch, {index: extremes}, relaxed=index, best=by)
+        assert found.feasible
+        assert 5 not in asked
     for index, low, by in ((5, 0.1, 0.4), (6, 0.2, 0.05), (5, 0.8, -0.3)):
         # whatever the best of the others costs: only then is it known
         found, asked = judged(monkeypatch, least={index: low}, relaxed=index, best=-100.0)
@@ -347,7 +353,7 @@ def test_distances_are_looked_at_where_a_trial_may_become_the_best(
         assert found.objective == 0.6 or known
     # none at all where it costs too much anyway
     found, asked = judged(monkeypatch, {0: (1.0, 11.0)}, near, most=0.59, beside=0.2)
-    assert (found.feasible, found.objective, asked) == (True, 0.6, [])
+    assert (found.feasible, found.violation, found.objective, asked) == (True, 0.0, 0.6, [])
     assert found.worst[7] == 0.2
     # what has no value is refused after all else
     found, _ = judged(monkeypatch, footprint=np.inf)

@@ -141,5 +141,10 @@ def test_the_first_of_equal_samples_stays_and_none_is_worse_than_none(starts: in
     def values(pose: Any) -> Any:
         return np.where((pose == samples[5]).all(axis=1), -np.inf, pose[:, 0])
 
+    def between(pose: Any) -> Any:
+        return np.linalg.norm(pose - samples[5] - 0.01, axis=1)
+
+    found = least_over(between, extent, SPARSE, starts=starts)
+    assert (found.value == between(samples).min()) == (starts == 0)
     none = least_over(values, extent, SPARSE, starts=starts)
     assert (none.value, none.pose.tolist()) == (-np.inf, samples[5].tolist())

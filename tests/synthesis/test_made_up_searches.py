@@ -20,6 +20,7 @@ from paminsa_viz.synthesis.search import solve
 from paminsa_viz.synthesis.search.case_conflict import CaseConflict, case_conflict
 from paminsa_viz.synthesis.search.evaluation import REFUSED, Evaluator
 from paminsa_viz.synthesis.search.outer import RegimeState, search_round
+from paminsa_viz.synthesis.search.result import outcomes_of
 from paminsa_viz.synthesis.search.solve import SLACK, _Answer, _Run
 from tests.synthesis.search_cases import CYLINDER
 
@@ -239,6 +240,54 @@ def test_a_proof_is_made_of_what_holds_on_finer_poses_if_it_is_wanted(
     required = replace(FINER.requirements, workspace=space)
     expected = ((FINER.reference, required), {"time_limit": wanted})
     assert answer.proof == (expected if proven else None)
+
+
+@pytest.mark.parametrize(
+    ("done", "generations", "asked"),
+    [(0, 25, [10, 10, 5]), (20, 23, [3]), (25, 25, [1]), (40, 25, [1]), (0, 10, [10])],
+)
+def test_a_search_goes_on_in_rounds_to_its_end(
+    done: int, generations: int, asked: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One more generation where a state is at its end, or beyond, and is not known to be."""
+    given: list[int] = []
+
+    def one(evaluator: Evaluator, state: RegimeState, *_: Any, generations: int) -> RegimeState:
+        assert evaluator.relaxed == 2
+        given.append(generations)
+        after = state.generation + generations
+        return replace(state, generation=after, done=after >= case.effort.generations)
+
+    monkeypatch.setattr(solve, "search_round", one)
+    case = replace(CYLINDER, effort=Effort(generations, 4))
+    noted: list[RegimeState] = []
+    run = _Run(case, here, go_on, relaxed=2)
+    state = run.search(RegimeState(Regime.SMALLER, done), noted.append)
+    assert given == asked
+    assert noted[-1] is state
+    assert len(noted) == len(asked)
+    assert run.search(state) is state
+
+
+def test_states_of_regimes_that_are_not_asked_for_do_not_count() -> None:
+    case = replace(CYLINDER, regimes=(Regime.LARGER,), limits=(ObjectiveLimit("footprint", 0.3),))
+    found = solve.synthesize(case, states=(RegimeState(Regime.SMALLER, 3),))
+    assert found.refused.keys() == {Regime.LARGER}
+    assert (found.states, found.canceled, found.feasible) == ((), False, False)
+    assert (found.design, found.workspace) == (case.reference, case.workspace)
+    assert (found.regime, found.inner, found.proof, found.poses) == (None, None, None, 0)
+    assert np.isnan(found.objective)
+
+
+def test_a_bound_that_is_met_by_exactly_its_share_decides() -> None:
+    """A half of a percent of 200 N is one newton, to either side."""
+    required = replace(FINER.requirements, bounds=(Requirement("f_4", high=200.0),))
+    case = replace(FINER, requirements=required, limits=())
+    for value, active in ((198.9, False), (199.0, True), (201.0, True), (201.1, False)):
+        found: Any = SimpleNamespace(values=np.array([value]))
+        (outcome,) = outcomes_of(case, found)
+        assert (outcome.value, outcome.active) == (value, active)
+        assert outcome.margin == pytest.approx(200.0 - value)
 
 
 # ---------------------------------------------------------------- a round of the search

@@ -218,6 +218,11 @@ def test_poses_outside_move_to_the_boundary_and_others_stay(
     anywhere = inside + rng.normal(size=(200, 4)) * 0.3
     found = own.clipped(anywhere)
     np.testing.assert_allclose(own.clipped(found), found, atol=1e-12)
+    middle, half = np.array([*space.center[:2], 0.05, -0.6]), 0.5 * np.array(space.size)
+    off = np.abs(found - middle)
+    assert (off - [half[0], half[1], 0.25, half[2]]).max() <= 1e-12
+    if shape is WorkspaceShape.CYLINDER:
+        assert (np.hypot(off[:, 0], off[:, 1]) <= half[0] + 1e-12).all()
     # convex, so that the nearest place is the one from which nothing inside is toward the pose
     for part in (slice(0, 2), slice(2, 3), slice(3, 4)):
         away = (anywhere - found)[:, None, part]

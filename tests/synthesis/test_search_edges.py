@@ -274,12 +274,14 @@ def test_relaxations_are_looked_for_where_no_regime_has_an_answer(
     monkeypatch: pytest.MonkeyPatch, feasible: Any, relax: bool, canceled: bool, asked: bool
 ) -> None:
     called: list[Any] = []
+    searched: list[Regime] = []
 
     class Run:
         def __init__(self, *_: Any, **__: Any) -> None:
             pass
 
         def search(self, state: RegimeState, note: Any) -> RegimeState:
+            searched.append(state.regime)
             if canceled:
                 raise Canceled
             note(state)
@@ -299,6 +301,7 @@ def test_relaxations_are_looked_for_where_no_regime_has_an_answer(
     assert given[4] == (("x",) if asked else ())
     assert given[5] is canceled
     assert len(given[1]) == (0 if canceled else 2)
+    assert searched == list(Regime)[: 1 if canceled else 2]
     if asked:
         assert called[0][1:3] == (tuple(Regime), here)
 
