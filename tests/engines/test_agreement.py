@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from paminsa_viz.engines import EngineMissing, why_missing
 from paminsa_viz.engines.closed_loop import ClosedLoopRobot, _solve
+from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.missing import is_installed
 from paminsa_viz.engines.mujoco_model import MujocoRobot
 from paminsa_viz.engines.pinocchio_model import PinocchioRobot
@@ -84,6 +86,18 @@ def test_loads_and_wrenches_on_top_of_them(engine: Engine, frame: LoadFrame) -> 
     plain = engine(bare)
     assert worst(plain.static_torques(states[0]), static_torques(bare, states[0])) < SHARP
     found = plain.inverse_dynamics(*states, load=load.wrench)
+    assert worst(found, inverse_dynamics(design, *states).torque) < SHARP
+
+
+def test_forces_that_a_program_has_left_on_the_joints_count_for_nothing(mujoco: Any) -> None:
+    """With servos that hold an exported model, and its load."""
+    load = LoadCase(30.0, -20.0, -80.0, 2.0, -3.0, 4.0, point_x=0.05)
+    design = replace(RANDOM, load=load)
+    robot = MujocoRobot(design, xml=exported_mjcf(design))
+    states = samples.random_states(np.random.default_rng(4), design, 5)
+    left = np.random.default_rng(5).normal(size=(2, robot.model.nv))
+    robot.data.qfrc_applied[:], robot.data.qfrc_actuator[:] = left
+    found = robot.inverse_dynamics(*states)
     assert worst(found, inverse_dynamics(design, *states).torque) < SHARP
 
 

@@ -306,6 +306,8 @@ def test_a_robot_that_falls_is_played_until_it_strays(mujoco: Any) -> None:
     np.testing.assert_array_equal(part.gap[kept], whole.gap[kept])
     for rest in (part.poses, part.drift, part.stray, part.gap):
         assert np.isnan(rest[part.until :]).all()
+    for turn in (0.5, -0.5):  # to either side
+        assert mujoco_model._stray(np.array([0.2, 0.0, turn, -0.15]), 0.1) == pytest.approx(0.3)
     alone = play(APPENDIX_4, times[:1], poses[:1], still[:1], still[:1])
     assert alone.until == 1
     assert alone.stray[0] < 1e-9

@@ -133,6 +133,44 @@ def test_factors_of_slower_motions_are_those_of_the_table() -> None:
     assert missing("drives", [*rows, f"so that {worked_claims.PAYLOAD:g} kg change M1..M3"]) == []
 
 
+def test_the_largest_power_and_torque_are_those_of_either_sign(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(
+        worked_claims, "regressor_torques",
+        lambda y, c: np.tile([1.0, -7.0, 3.0, -5.0], (len(y), 1)),
+    )  # fmt: skip
+    velocity = PRESET["paper-like"].build(APPENDIX_4.geometry).sample().velocity[:, 3]
+    speed = np.abs(velocity).max() / APPENDIX_4.geometry.magnification
+    np.testing.assert_allclose(worked_claims._paper_like(), [-5.0, 5.0 * speed, 7.0] * 2)
+
+
+def test_errors_by_lengths_add_up_and_their_variances_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tolerances and clearances alike, each evenly within its half width."""
+    rng = np.random.default_rng(2)
+    slope = rng.normal(size=(6, 3, 14))
+    tolerance, clearance = rng.uniform(0.5, 2.0, size=(2, 3, 14))
+    monkeypatch.setattr(worked_claims, "_sensitivities", lambda: (slope, tolerance, clearance))
+    second = np.degrees(1.0) * 3600
+    sizes = np.array([1e6, 1e6, 1e6, second])
+    flat = slope.reshape(6, -1)
+    drawn = [(width.ravel() ** 2 / 3.0) for width in (tolerance, clearance)]
+    variance = [sum(float(s**2 @ part) for part in drawn) for s in flat]
+    rms = np.sqrt(variance)
+    np.testing.assert_allclose(
+        worked_claims._tolerances_rms(),
+        [*rms[:4] * sizes, np.hypot(rms[4], rms[5]) * second, rms[4] * second],
+    )
+    wide = (tolerance + clearance).ravel()
+    turns = np.linspace(0.0, np.pi, 20_000)
+    tilt = np.abs(np.outer(np.cos(turns), flat[4]) + np.outer(np.sin(turns), flat[5])) @ wide
+    part = np.abs(flat[:3]) @ clearance.ravel() * 1e6
+    np.testing.assert_allclose(
+        worked_claims._tolerances_worst(),
+        [*np.abs(flat[:4]) @ wide * sizes, tilt.max() * second, *part], rtol=1e-6,
+    )  # fmt: skip
+
+
 def test_robots_are_drawn_at_home_and_their_errors_are_mean_squares(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
