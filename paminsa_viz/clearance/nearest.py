@@ -23,8 +23,8 @@ import numpy as np
 
 CAPSULE, BOX, CYLINDER, PRISM = 0, 1, 2, 3
 
-STEPS = 60
-"""Most steps of an iteration; eight are usual."""
+STEPS = 200
+"""Most steps of an iteration; eight are usual, and 150 past edges that are nearly parallel."""
 
 SAMPLES = 24
 """Places on a circle from which its nearest points are searched."""

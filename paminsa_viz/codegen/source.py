@@ -7,7 +7,7 @@ import inspect
 import io
 import textwrap
 import tokenize
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from types import FunctionType
 from typing import Any, NamedTuple, TypeGuard, Union
 
@@ -37,8 +37,8 @@ class Record:
     name: str
     fields: tuple[str, ...]
     size: int
-    comments: tuple[str, ...] = field(default=(), compare=False)
-    doc: str = field(default="", compare=False)
+    comments: tuple[str, ...] = ()
+    doc: str = ""
 
 
 class Plain(NamedTuple):

@@ -169,8 +169,8 @@ class ClosedLoopRobot(ABC):
     def _place(self, x: Array, *motion: Array) -> tuple[NDArray[np.bool_], Array]:
         """Return which poses (n, 4) are reachable with finite motion, and their coordinates."""
         values = joint_values(inverse_kinematics(self.design.geometry, x))
-        q = np.stack([values[name] for name in self._names], axis=-1)
-        good = np.asarray(np.isfinite(np.concatenate([q, *motion], axis=-1)).all(axis=-1))
+        q = np.stack([values[name] for name in self._names], axis=1)
+        good = np.asarray(np.isfinite(np.concatenate([q, *motion], axis=1)).all(axis=1))
         return good, q[good]
 
     def _eliminate(self, q: Array) -> tuple[Array, Array, Callable[[Array], Array]]:

@@ -124,7 +124,7 @@ def _entities(view: _View, offset: float, radius: float, crossed: bool) -> list[
     if crossed:
         arm = 3 * radius
         lines = np.concatenate([lines, [[[-arm, 0], [arm, 0]], [[0, -arm], [0, arm]]]])
-    long = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=-1) > LEAST_ROD
+    long = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > LEAST_ROD
     found = [
         _pairs((0, "LINE"), (8, view.layer), *_point(start, offset), *_point(end, offset, 1))
         for start, end in lines[long]

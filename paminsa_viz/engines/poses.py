@@ -15,7 +15,12 @@ from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
-from paminsa_viz.model.reach import check_reach, workspace_height, workspace_radius
+from paminsa_viz.model.reach import (
+    check_reach,
+    home_pose,
+    workspace_height,
+    workspace_radius,
+)
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 from paminsa_viz.model.singularity import measure_singularity, singular_rotation
 from paminsa_viz.units import format_ascii
@@ -178,8 +183,7 @@ def workspace_poses(geometry: Geometry, count: int, seed: int = 0) -> Array:
     rng = np.random.default_rng(seed)
     across, up = workspace_radius(geometry), workspace_height(geometry)
     turn = np.nan_to_num(singular_rotation(geometry), nan=np.pi)
-    home = np.array([0.0, 0.0, 0.0, -0.5 * up - geometry.platform_joint_height])
-    side = np.sign(measure_singularity(geometry, home).determinant)
+    side = np.sign(measure_singularity(geometry, home_pose(geometry)).determinant)
     found = np.empty((0, 4))
     for _ in range(_ROUNDS):
         poses = rng.uniform(-1.0, 1.0, (_DRAWN, 4)) * [across, across, turn, up]

@@ -42,7 +42,10 @@ from paminsa_viz.version import MADE_BY
 BASE = "base"
 
 MOST_EFFORT, MOST_SPEED = 1000.0, 10.0
-"""Limits of sliding joints, which the format demands and the design does not know [N], [m/s]."""
+"""Limits of sliding joints, which the format demands and the design does not know [N], [m/s].
+
+`docs/machine.md` states them.
+"""
 
 MIMICKED_PIN = "pin7"
 """The closure of a leg that the mimicking joints satisfy."""

@@ -141,8 +141,8 @@ class Parameter:
     label: str
     default: float
     positive: bool
-    signed: bool = False
-    limits: tuple[float, float] | None = None
+    signed: bool
+    limits: tuple[float, float] | None
 
     @property
     def display(self) -> DisplayUnit:

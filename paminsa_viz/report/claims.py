@@ -118,7 +118,7 @@ def _statics() -> float:
             / (2 * h)
             for one in step
         ],
-        axis=-1,
+        axis=1,
     )
     torque = np.einsum("nij,ni->nj", jacobian(APPENDIX_4, poses), slope)
     return _relative(torque - static_torques(APPENDIX_4, poses), torque)

@@ -109,7 +109,7 @@ def _drive_medians() -> Array:
     radius, angle = g.base_radius / 2 * np.sqrt(at), np.pi * (3 - np.sqrt(5)) * np.arange(400)
     z = np.full(400, home_pose(g)[3])
     poses = [
-        np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(400, theta), z], axis=-1)
+        np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(400, theta), z], axis=1)
         for theta in (0.0, np.radians(30.0))
     ]
     return np.median(_corners(np.concatenate(poses)), axis=0)[[2, 4]]
@@ -239,7 +239,7 @@ def _cylinder() -> float:
 
     def holds(diameter: float) -> bool:
         r = diameter / 2
-        poses = np.stack([r * np.cos(angle), r * np.sin(angle), theta, z], axis=-1)
+        poses = np.stack([r * np.cos(angle), r * np.sin(angle), theta, z], axis=1)
         return bool(_met(poses, 450.0).all())
 
     low, high = 0.36, 0.38

@@ -116,7 +116,7 @@ def draw_sketch(configuration: Configuration) -> MatplotlibFigure:
             for arm in joints[2]:
                 _line(area, np.array([hub, arm]), up, LIFT_COLOR, 2.2)
             for one, other in zip(plate, joints[5], strict=True):
-                _line(area, np.array([one, other]), up, INK, 1.2)
+                _line(area, np.array([one, other]), up, INK, 1.3)
         area.fill(plate[:, 0], plate[:, up], fc=PLATFORM, ec=INK, lw=1.3, alpha=0.8)
         for leg, color in enumerate(LEG_COLORS):
             points = {number: point[leg] for number, point in joints.items()}

@@ -14,6 +14,9 @@ import pytest
 
 from paminsa_viz.balancing.effects import IN_MOTION, Effect
 from paminsa_viz.blocks import balance
+from paminsa_viz.blocks.balance import bound_name
+from paminsa_viz.blocks.springs import GAP, springs_blocks
+from paminsa_viz.blocks.tolerances import length_tolerance_blocks, mass_tolerance_blocks
 from paminsa_viz.model.design import APPENDIX_4, Counterweight, KneeBranch
 from paminsa_viz.trajectory import PRESET, analyze
 from tests.blocks.said import cells, said
@@ -233,3 +236,60 @@ def test_a_balanced_design_needs_nothing() -> None:
     }
     assert ("The design is balanced: M1 to M3 carry no weight.", "ok") in kinds["after"]
     assert all(kind != "ok" for _, kind in kinds["before"])
+
+
+def test_springs_with_the_torques_that_they_leave() -> None:
+    def shown(gap: float) -> Any:
+        fit: Any = SimpleNamespace(
+            springs=(SimpleNamespace(stiffness=1234.5, free_length=0.12345),),
+            reach=((0.23456, 0.45678),), before=9.87654, after=1.23456, gap=gap,
+        )  # fmt: skip
+        torque = np.array([1.23456, -2.34567, 3.45678, 456.78912])
+        return springs_blocks(fit, torque, np.array([0.12345, -0.23456, 0.0, 450.0]))
+
+    spring, torques, note = shown(0.0012345)
+    assert cells(spring) == [
+        ("Stiffness on each leg", "1.234 N/mm"), ("Free length", "123.5 mm"),
+        ("Length in use", "235 mm to 457 mm"),
+    ]  # fmt: skip
+    assert cells(torques) == [
+        ("Largest on the map [N·m]", "9.877", "1.235"),
+        ("M1 at this pose [N·m]", "1.235", "0.123"), ("M2 at this pose [N·m]", "−2.346", "−0.235"),
+        ("M3 at this pose [N·m]", "3.457", "0.000"), ("M4 at this pose [N]", "456.789", "450.000"),
+    ]  # fmt: skip
+    best = "Certified: no other stiffness and free length is better"
+    assert said([note]) == [(f"{best} by more than 0.0012 N·m.", "plain")]
+    assert GAP == 1e-6  # N m
+    assert said(shown(GAP)) == [(f"{best}.", "plain")]
+    assert said(shown(1.01 * GAP)) == [(f"{best} by more than 1·10⁻⁶ N·m.", "plain")]
+
+
+def test_spreads_of_a_balance_by_masses_and_by_lengths() -> None:
+    masses: Any = SimpleNamespace(
+        nominal=-1.5, deviation=0.25, worst=0.75, torque=np.array([1.0, 2.0, 3.0]),
+        torque_deviation=np.array([0.1, 0.2, 0.3]), torque_worst=np.array([1.5, 2.5, 3.5]),
+        shares={"links.b4": 0.5, "joints.j7": 0.25, "links.b3": 0.15, "links.b8": 0.1},
+    )  # fmt: skip
+    table, note = mass_tolerance_blocks(masses)
+    assert cells(table) == [
+        ("M_p2 [N]", "−1.500", "0.250", "2.250"), ("M1 [N·m]", "1.000", "0.100", "1.500"),
+        ("M2 [N·m]", "2.000", "0.200", "2.500"), ("M3 [N·m]", "3.000", "0.300", "3.500"),
+    ]  # fmt: skip
+    names = (f"{bound_name(path)} {share} %" for path, share in
+             (("links.b4", 50), ("joints.j7", 25), ("links.b3", 15)))  # fmt: skip
+    assert said([note]) == [(f"Of the variance: {', '.join(names)}.", "plain")]
+    masses.shares = {}
+    assert len(mass_tolerance_blocks(masses)) == 1
+
+    lengths: Any = SimpleNamespace(
+        nominal=1.25, peaks=np.array([1.0, 4.0, 2.0]), quantile=lambda share: 10.0 * share,
+        lost=np.array([0, 1, 3]),
+    )  # fmt: skip
+    table, note = length_tolerance_blocks(lengths)
+    assert cells(table) == [
+        ("Nominal lengths", "1.250"), ("Half of 3 robots below", "5.000"),
+        ("95 % below", "9.500"), ("Largest of all", "4.000"),
+    ]  # fmt: skip
+    assert said([note]) == [("2 of the robots cannot take all of the poses.", "plain")]
+    lengths.lost = np.zeros(3)
+    assert len(length_tolerance_blocks(lengths)) == 1

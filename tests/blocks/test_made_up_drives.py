@@ -8,11 +8,12 @@ from itertools import product
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from paminsa_viz.actuation.ratios import GearRatios
 from paminsa_viz.actuation.selection import DriveFigures
-from paminsa_viz.blocks import drives
+from paminsa_viz.blocks import drives, forces
 from paminsa_viz.blocks.drives import (
     FIGURES_HEAD,
     cycle_text,
@@ -21,11 +22,14 @@ from paminsa_viz.blocks.drives import (
     own_table,
     ratio_table,
 )
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.drive import ACTUATORS, Drive
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.units import NONE
 from tests.blocks.said import cells, said
+
+POSE = np.array([0.05, -0.02, 0.2, -0.55])
 
 MOTOR = Drive(
     "motor", gear_ratio=50.0, rated_torque=2.0, peak_torque=5.0, top_speed=400.0, mass=1.25,
@@ -236,3 +240,58 @@ def test_motions_of_a_cycle() -> None:
     ]
     cycle: Any = SimpleNamespace(duties=motions)
     assert cycle_text(cycle) == ("a (1.5 s, 1 times, dwell 0 s), b (2 s, 3 times, dwell 0.25 s)")
+
+
+def test_limits_are_those_of_drives_or_the_default_and_the_nearest_one_is_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    limits: Any = SimpleNamespace(
+        rated=(1.0, 2.0, 3.0, 400.0), peak=(5.0, 6.0, 7.0, 800.0), speed=(1.0, 2.0, 3.0, 0.5)
+    )
+    monkeypatch.setattr(forces, "actuator_limits", lambda design: limits)
+    screw = Drive("axis", rotor_inertia=2e-5, transmission="screw", lead=0.01)
+    table = forces._limits(replace(APPENDIX_4, drives=(None, MOTOR, None, screw)))
+    assert table.words == 2
+    assert cells(table) == [
+        ("M1", "default", "1 N·m", "5 N·m", "57.3°/s"),
+        ("M2", "drive", "2 N·m", "6 N·m", "114.6°/s"),
+        ("M3", "default", "3 N·m", "7 N·m", "171.9°/s"),
+        ("M4", "drive", "400 N", "800 N", "0.5 m/s"),
+    ]
+    faces: Any = SimpleNamespace(faces=("a", "b", "c"), limiting_face=1)
+    monkeypatch.setattr(forces, "wrench_polytope", lambda design, pose: faces)
+    monkeypatch.setattr(forces, "index_table", lambda *given: "table")
+    for sign, word in ((1.0, "M3 at +T"), (-1.0, "M3 at −T")):
+        at = SimpleNamespace(horizontal_limit=(2, sign))
+        monkeypatch.setattr(forces, "capability", lambda design, pose, at=at: at)
+        made: Any = forces._capability(APPENDIX_4, POSE)
+        assert f"limited by {word}; the face" in made[1].text
+        assert made[1].text.endswith("nearest to zero is b.")
+
+
+def test_quantities_that_have_no_value_say_why_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    def over(field: Any, design: Any, key: str = "") -> float:
+        if key in ("p", "q", "r"):
+            raise InvalidInput("design", "no " + ("drive" if key == "r" else "payload"))
+        return 2.0
+
+    def found(keys: Any) -> list[Any]:
+        return [
+            SimpleNamespace(key=key, symbol=key.upper(), title=f"title {key}", unit="N",
+                            over=lambda field, design, key=key: over(field, design, key))
+            for key in keys
+        ]  # fmt: skip
+
+    monkeypatch.setattr(forces, "find", found)
+    metrics = [SimpleNamespace(value=lambda over, number=number: number) for number in (3, 4, 5)]
+    monkeypatch.setattr(forces, "global_indices", lambda keys: metrics)
+    table = forces.index_table(APPENDIX_4, POSE, ["p", "s", "q", "r"], "About. ")
+    assert table.words == 2
+    assert cells(table) == [
+        ("P", "title p", *[NONE] * 4), ("S", "title s", "2 N", "3 N", "4 N", "5 N"),
+        ("Q", "title q", *[NONE] * 4), ("R", "title r", *[NONE] * 4),
+    ]  # fmt: skip
+    assert table.caption.startswith("About. At the report's pose")
+    assert table.caption.endswith(
+        " P, Q: no value, design: no payload. R: no value, design: no drive."
+    )

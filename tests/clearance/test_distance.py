@@ -194,12 +194,30 @@ def test_a_place_between_samples_may_be_nearer_than_the_nearest_sample() -> None
     assert found == pytest.approx((np.cos(angle[1]), np.sin(angle[1])))
 
 
-def test_brackets_shrink_in_some_thirteen_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of segments past cylinders; halving alone would take forty."""
-    steps, rng = [], np.random.default_rng(0)
+def convex(kind: str, rng: np.random.Generator) -> ConvexSolid:
+    """Return a random solid as the search has it, without a radius."""
+    solid = random_solid(kind, rng)
+    return ConvexSolid(solid.kind, *solid.size, 0.0, solid.corners, 0, len(solid.corners))
+
+
+def circle(rng: np.random.Generator) -> list[float]:
+    """Return center and two radii of a random circle."""
+    radii = Rotation.random(random_state=rng.integers(2**31)).as_matrix()[:2]
+    return [*rng.uniform(-0.5, 0.5, 3), *(10 ** rng.uniform(-2, -0.2) * radii).ravel()]
+
+
+@pytest.fixture
+def steps(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Return a list that grows by one with every step of a bracket."""
+    found: list[int] = []
     narrowed = nearest._narrowed
-    monkeypatch.setattr(nearest, "_narrowed", lambda *at: (steps.append(1), narrowed(*at))[1])
-    searched = 0
+    monkeypatch.setattr(nearest, "_narrowed", lambda *at: (found.append(1), narrowed(*at))[1])
+    return found
+
+
+def test_brackets_shrink_in_some_thirteen_steps(steps: list[int]) -> None:
+    """Of segments past cylinders, and of circles about prisms; halving alone takes fifty each."""
+    rng, searched = np.random.default_rng(0), 0
     for _ in range(60):
         before, radius, half = len(steps), *10 ** rng.uniform(-2, -0.4, 2)
         solid = ConvexSolid(CYLINDER, radius, radius, half, 0.0, NO_CORNERS, 0, 0)
@@ -207,6 +225,45 @@ def test_brackets_shrink_in_some_thirteen_steps(monkeypatch: pytest.MonkeyPatch)
         searched += len(steps) > before
     assert searched > 20
     assert len(steps) / searched < 12.8
+    steps.clear()
+    for _ in range(30):
+        nearest_on_circle(convex("prism", rng), *circle(rng))
+    assert len(steps) / 30 < 14.8
+
+
+def test_brackets_shrink_along_faces_that_are_nearly_parallel(steps: list[int]) -> None:
+    """There secants alone take 200 steps, which is the most, and halving every fifth time 150."""
+    rng, most = np.random.default_rng(0), 0
+    for kind in ("cylinder", "prism") * 50:
+        solid, before = convex(kind, rng), len(steps)
+        place = np.append(rng.uniform(-1.2, 1.2, 2) * solid.a, 1.5 * solid.c)
+        along = rng.normal(size=3) * [1.0, 1.0, 1e-7]
+        place[:2] -= along[:2] * rng.uniform(size=2)
+        nearest.nearest_on_segment(solid, *place, *along)
+        most = max(most, len(steps) - before)
+    assert 100 < most < 145
+    rng, most = np.random.default_rng(0), 0
+    for _ in range(60):
+        solid, radius = convex("cylinder", rng), 10 ** rng.uniform(-2, -0.2)
+        before, (u, v) = len(steps), 1e-7 * radius * rng.normal(size=2)
+        x, y = 1.2 * max(solid.a, 0.05) * rng.uniform(-1, 1, 2)
+        nearest_on_circle(solid, x, y, 1.5 * solid.c, radius, 0.0, u, 0.0, radius, v)
+        most = max(most, len(steps) - before)
+    assert 100 < most < 140
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_nearest_places_do_not_depend_on_the_unit_of_length(kind: str) -> None:
+    """Not in a single bit, where the units are powers of two of each other."""
+    rng = np.random.default_rng(4)
+    for unit in (2.0**-20, 2.0**20) * 5:
+        solid, around, along = convex(kind, rng), circle(rng), rng.uniform(-0.5, 0.5, 6)
+        a, b, c = (unit * value for value in solid[1:4])
+        other = solid._replace(a=a, b=b, c=c, corners=unit * solid.corners)
+        found = nearest_on_circle(other, *(unit * value for value in around))
+        assert found == nearest_on_circle(solid, *around)
+        t = nearest.nearest_on_segment(other, *(unit * along))
+        assert t == nearest.nearest_on_segment(solid, *along)
 
 
 def test_of_places_that_are_as_near_the_first_one_is_kept() -> None:

@@ -406,7 +406,10 @@ def test_vectors_are_regular_poses_from_all_of_the_workspace_and_a_tenth_out_of_
     moving = [column(*(f"{kind}_{i}" for i in range(4))) for kind in ("velocity", "acceleration")]
     spread = np.concatenate(moving).std(axis=0)
     np.testing.assert_allclose(spread, [0.3, 0.3, 1.0, 0.3], rtol=0.07)
-    said = ["rates drawn with deviations of 0.3 m/s, 1 rad/s"]
+    said = [
+        f"with {ROWS} states within reach and {ROWS // 10} out of it",
+        "rates drawn with deviations of 0.3 m/s, 1 rad/s",
+    ]
     assert missing("machine", [*said, f"condition numbers up to {WORST_CONDITION:g})"]) == []
     found = inverse_kinematics(g, pose[inside]).actuators
     given = column("actuators_0", "actuators_1", "actuators_2", "actuators_3")

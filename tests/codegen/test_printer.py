@@ -170,6 +170,19 @@ def test_a_formula_without_a_description_is_printed_from_its_first_statement_on(
     assert "return y + 1.0;" in text
 
 
+def either(a: Any, b: Any, d: Any) -> Any:
+    """A choice between truths is one, and between numbers a number."""
+    is_less = where(a < b, b < d, d < a)
+    less = where(is_less, a, b)
+    return less * d
+
+
+def test_a_choice_is_of_the_kind_of_what_it_chooses_from() -> None:
+    lines = printed(C99(), either)["either"]
+    assert "const int is_less = a < b ? b < d : d < a;" in lines
+    assert "const double less = is_less ? a : b;" in lines
+
+
 class Pair(NamedTuple):
     """Two numbers."""
 
@@ -224,7 +237,7 @@ def arithmetic(a: Any, b: Any, d: Any) -> Any:
 
 def conditions(a: Any, b: Any, d: Any) -> Any:
     """Conditions with the parentheses that compilers want, and no others."""
-    x = where((a < b) & (a - b < d) & (d < a), -a, a + b)
+    x = where((a < b) & (a - b < d) & (d < a + b), -a, a + b)
     y = where((a < b) | (b < d) | (d < a), b - a, d)
     z = where((a < b) | (b < d) & (d < a), where(a < b, d, a), x * y)
     return where((a < b) == (a + b < d), x, z)
@@ -281,7 +294,7 @@ def test_there_are_no_needless_parentheses() -> None:
         assert lines == [f"{line};" for line in source]
         equal = language.equality("==")
         assert [line.removeprefix(start) for line in functions["conditions"][-5:-1]] == [
-            "x = a < b && a - b < d && d < a ? -a : a + b;",
+            "x = a < b && a - b < d && d < a + b ? -a : a + b;",
             "y = a < b || b < d || d < a ? b - a : d;",
             "z = a < b || (b < d && d < a) ? (a < b ? d : a) : x * y;",
             f"return (a < b) {equal} (a + b < d) ? x : z;",

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from paminsa_viz.engines import EngineMissing, why_missing
 from paminsa_viz.engines.closed_loop import ClosedLoopRobot, _solve
+from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.missing import is_installed
 from paminsa_viz.engines.mujoco_model import MujocoRobot
 from paminsa_viz.engines.pinocchio_model import PinocchioRobot
@@ -80,8 +82,23 @@ def test_loads_and_wrenches_on_top_of_them(engine: Engine, frame: LoadFrame) -> 
         exact = inverse_dynamics(design.vary(more), *(part[row] for part in states)).torque
         np.testing.assert_allclose(found[row], exact, rtol=1e-9, atol=1e-8)
     # one wrench serves every state; without the design's own load it is the only one
-    plain = engine(replace(design, load=LoadCase(frame=frame)))
-    assert worst(plain.static_torques(states[0]), static_torques(plain.design, states[0])) < SHARP
+    bare = replace(design, load=LoadCase(point_x=0.05, point_y=-0.03, point_z=0.02, frame=frame))
+    plain = engine(bare)
+    assert worst(plain.static_torques(states[0]), static_torques(bare, states[0])) < SHARP
+    found = plain.inverse_dynamics(*states, load=load.wrench)
+    assert worst(found, inverse_dynamics(design, *states).torque) < SHARP
+
+
+def test_forces_that_a_program_has_left_on_the_joints_count_for_nothing(mujoco: Any) -> None:
+    """With servos that hold an exported model, and its load."""
+    load = LoadCase(30.0, -20.0, -80.0, 2.0, -3.0, 4.0, point_x=0.05)
+    design = replace(RANDOM, load=load)
+    robot = MujocoRobot(design, xml=exported_mjcf(design))
+    states = samples.random_states(np.random.default_rng(4), design, 5)
+    left = np.random.default_rng(5).normal(size=(2, robot.model.nv))
+    robot.data.qfrc_applied[:], robot.data.qfrc_actuator[:] = left
+    found = robot.inverse_dynamics(*states)
+    assert worst(found, inverse_dynamics(design, *states).torque) < SHARP
 
 
 def test_a_stack_with_a_singular_system_has_nan_there_alone() -> None:
@@ -188,6 +205,11 @@ def test_a_missing_engine_is_named_with_what_brings_it(
     is_installed.cache_clear()
     assert isinstance(caught.value, PaminsaError)
     assert isinstance(caught.value, ImportError)
+
+
+def test_an_engine_that_is_installed_is_not_missing(engine: Engine) -> None:
+    is_installed.cache_clear()
+    assert why_missing("MuJoCo" if engine is MujocoRobot else "Pinocchio") == ""
 
 
 def test_cause_of_a_failed_import_is_reported() -> None:

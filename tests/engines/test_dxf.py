@@ -137,6 +137,7 @@ def test_legs_are_red_green_and_blue_and_places_are_flat() -> None:
     assert (red, green, blue, either) == ((255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 255))
     assert len(set(gray)) == 1
     text = dxf_text(APPENDIX_4)
+    assert "-0.0\n" not in text  # a zero has no sign
     colors = {
         layer.dxf.name: ezdxf.colors.aci2rgb(layer.dxf.color)
         for layer in ezdxf.read(io.StringIO(text)).layers
@@ -173,6 +174,11 @@ def test_tables_say_how_many_layers_there_are_and_of_which_kind() -> None:
     lines = [line.strip() for line in dxf_text(APPENDIX_4).splitlines()]
     pairs = list(zip(map(int, lines[::2]), lines[1::2], strict=True))
     head = pairs[: pairs.index((2, "ENTITIES"))]
+    assert [value for code, value in head if code == 0] == [
+        "SECTION", "ENDSEC", "SECTION", "TABLE", *["LAYER"] * len(LAYERS), "ENDTAB", "ENDSEC",
+        "SECTION",
+    ]  # fmt: skip
+    assert pairs[-2:] == [(0, "ENDSEC"), (0, "EOF")]
     table = head.index((0, "TABLE"))
     assert head[table + 1 : table + 3] == [(2, "LAYER"), (70, str(len(LAYERS)))]
     assert head[1:6] == [

@@ -130,6 +130,8 @@ def test_rods_reach_the_joints_of_their_link() -> None:
     (platform, lift, *_) = mechanism.links
     assert len(platform.rods) == 6
     assert len(lift.rods) == 3
+    flat = APPENDIX_4.vary({"geometry.platform_joint_height": 0.0})
+    assert len(build_mechanism(flat).links[0].rods) == 3  # no posts
 
 
 @pytest.mark.parametrize("design", [APPENDIX_4, RANDOM, SLIM], ids=["paper", "random", "slim"])
@@ -139,7 +141,8 @@ def test_rods_are_as_thick_as_documented(design: Design) -> None:
         "3 % of the base radius at the arms of the lift",
         "for the platform 6 % of its radius, or of a fifth of the base radius where that is more",
         "its arms are twice as thick",
-        "camera starts at 120° and looks down 15°",
+        "camera starts at 120° and looks down 15° at an extent of 1.5 times crank plus coupler",
+        "has a ball for each other mass, 1.3 times as thick as its link",
     ]
     assert missing("drawn-sizes", said) == []
     g = design.geometry
@@ -184,7 +187,7 @@ def test_mjcf_draws_the_rods_and_a_ball_for_each_other_mass(drawn: Any) -> None:
             assert len(balls) == (part.name != "payload")
             for ball in balls:
                 np.testing.assert_allclose(numbers(ball.attrib["pos"]), part.center)
-                assert float(ball.attrib["size"]) > link.rods[0].radius  # it is seen
+                assert float(ball.attrib["size"]) == pytest.approx(1.3 * link.rods[0].radius)
                 np.testing.assert_allclose(numbers(ball.attrib["rgba"]), color)
     assert_drawn(links, found)
 
@@ -202,7 +205,8 @@ def test_mjcf_is_seen_whole_from_aside_and_lit_from_above() -> None:
     np.testing.assert_allclose(center, [0.0, 0.0, -0.3])  # between guides and platform
     g = APPENDIX_4.geometry
     for far in ((g.base_radius, 0.0, 0.0), (0.05, 0.0, -0.6)):
-        assert np.linalg.norm(far - center) < extent < 2 * (g.crank_length + g.coupler_length)
+        assert np.linalg.norm(far - center) < extent
+    assert extent == pytest.approx(1.5 * (g.crank_length + g.coupler_length))
     assert float(of("visual/global")["elevation"]) < 0  # the camera looks down
     light = of("worldbody/light")
     place, way = numbers(light["pos"]), numbers(light["dir"])
@@ -213,6 +217,11 @@ def test_mjcf_is_seen_whole_from_aside_and_lit_from_above() -> None:
     assert [float(defaults[name]) for name in ("contype", "conaffinity", "mass")] == [0, 0, 0]
     assert int(defaults["group"]) < 3 <= int(of("default/site")["group"])  # what a viewer shows
     assert numbers(of("default/equality")["solref"]) == pytest.approx([2 * TIME_STEP, 1.0])
+
+
+def test_servos_and_time_steps_are_those_of_the_documentation() -> None:
+    said = f"servos of {SERVO_FREQUENCY:g} rad/s in time steps of {1e3 * TIME_STEP:g} ms"
+    assert missing("verification", [said]) == []
 
 
 def test_servos_are_critically_damped_where_the_other_actuators_are_free() -> None:
@@ -346,8 +355,12 @@ def test_sliding_joints_of_the_urdf_reach_all_of_the_workspace_to_both_sides() -
             float(limit.attrib[key]) for key in ("lower", "upper", "effort", "velocity")
         )
         assert low == -high
-        assert high > 1.5 * (workspace_radius(g) + workspace_height(g))
+        assert high == pytest.approx(2.0 * (workspace_radius(g) + workspace_height(g)))
         assert (effort, speed) == (MOST_EFFORT, MOST_SPEED)
+    said = (
+        f"limits that the format demands: {MOST_EFFORT:g} N and {MOST_SPEED:g} m/s, which are not"
+    )
+    assert missing("machine", [f"{said} the robot's, and to both sides twice its radius"]) == []
     offsets = [float(mimic.attrib["offset"]) for joint in joints for mimic in joint.iter("mimic")]
     assert offsets == [0.0] * 6
 

@@ -306,6 +306,8 @@ def test_a_robot_that_falls_is_played_until_it_strays(mujoco: Any) -> None:
     np.testing.assert_array_equal(part.gap[kept], whole.gap[kept])
     for rest in (part.poses, part.drift, part.stray, part.gap):
         assert np.isnan(rest[part.until :]).all()
+    for turn in (0.5, -0.5):  # to either side
+        assert mujoco_model._stray(np.array([0.2, 0.0, turn, -0.15]), 0.1) == pytest.approx(0.3)
     alone = play(APPENDIX_4, times[:1], poses[:1], still[:1], still[:1])
     assert alone.until == 1
     assert alone.stray[0] < 1e-9
@@ -335,8 +337,17 @@ def test_a_simulation_stands_under_the_load_and_what_is_put_on_top_of_it(frame: 
 def test_steps_divide_the_times_and_loops_are_as_stiff_as_they_allow(
     mujoco: Any, wait: float, step: float, count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And the gap is the largest distance along an axis of two points that belong together."""
+    """And the gap is the largest distance along an axis of two points that belong together.
+
+    Each step has the torque of its middle.
+    """
     robots: list[MujocoRobot] = []
+    controls: list[Any] = []
+    step_of = mujoco.mj_step
+
+    def stepped(model: Any, data: Any) -> None:
+        controls.append(data.ctrl.copy())
+        step_of(model, data)
 
     class Noted(MujocoRobot):
         def __init__(self, *args: Any, **options: Any) -> None:
@@ -344,9 +355,14 @@ def test_steps_divide_the_times_and_loops_are_as_stiff_as_they_allow(
             robots.append(self)
 
     monkeypatch.setattr(mujoco_model, "MujocoRobot", Noted)
+    monkeypatch.setattr(mujoco, "mj_step", stepped)
     pose = np.tile([0.02, 0.01, 0.3, -0.5], (2, 1))
-    found = play(APPENDIX_4, [0.0, wait], pose, 0 * pose, 0 * pose, step=step)
+    torque = np.array([[0.5, -0.5, 0.2, 200.0], [1.0, 2.0, -3.0, 400.0]])
+    found = play(APPENDIX_4, [0.0, wait], pose, 0 * pose, torque, step=step)
     (robot,) = robots
+    middles = (np.arange(count) + 0.5) / count
+    wanted = [np.interp(middles, (0.0, 1.0), column) for column in torque.T]
+    np.testing.assert_allclose(controls, np.transpose(wanted), rtol=1e-13)
     assert robot.model.opt.timestep == pytest.approx(wait / count)
     np.testing.assert_allclose(robot.model.eq_solref, np.tile([2 * step, 1.0], (12, 1)))
     pairs = zip(robot.model.eq_obj1id, robot.model.eq_obj2id, strict=True)

@@ -10,7 +10,7 @@ import pytest
 
 from paminsa_viz.engines.mechanism import build_mechanism
 from paminsa_viz.engines.poses import start_values, world_frames
-from paminsa_viz.engines.urdf import closure_table, urdf_text
+from paminsa_viz.engines.urdf import _text, closure_table, urdf_text
 from paminsa_viz.model.design import APPENDIX_4, Design
 from tests.support import samples
 
@@ -61,7 +61,10 @@ def test_a_foreign_reader_places_all_links_and_closes_the_loops(design: Design) 
 
 
 def test_parallel_bars_are_mimicked() -> None:
-    robot = ET.fromstring(urdf_text(APPENDIX_4))
+    text = urdf_text(APPENDIX_4)
+    assert text.startswith("<?xml version")
+    assert _text((-0.0, 1)) == "0.0 1.0"  # a zero has no sign
+    robot = ET.fromstring(text)
     mimics = {
         joint.attrib["name"]: (mimic.attrib["joint"], float(mimic.attrib["multiplier"]))
         for joint in robot.iter("joint")

@@ -70,7 +70,10 @@ def test_joints_join_the_bodies_where_they_stand(design: Design) -> None:
         if not kind.endswith("Joint"):
             continue
         count[kind] = count.get(kind, 0) + 1
-        if kind == "PhysicsFixedJoint":
+        if kind == "PhysicsFixedJoint":  # the base to the world, where both are
+            assert (joint["physics:body1"], "physics:body0" in joint) == ("base", False)
+            for side in (0, 1):
+                assert joint[f"physics:localPos{side}"].tolist() == [0.0, 0.0, 0.0]
             continue
         (p0, r0), (p1, r1) = (
             at(frame(bodies[joint[f"physics:body{side}"]]), joint, side) for side in (0, 1)
@@ -98,6 +101,15 @@ def test_joints_join_the_bodies_where_they_stand(design: Design) -> None:
         "PhysicsSphericalJoint": 12,
     }
     assert text.count("physics:excludeFromArticulation = 1") == 11
+    outside = [name for name, own in joints.items() if "physics:excludeFromArticulation" in own[2]]
+    assert "leg1_pin5" not in outside  # the platform's place in the tree
+    assert len(outside) == 11
+    # one text for a turn and for a zero
+    turns = [own[key] for every in (bodies, joints) for _, _, own in every.values() for key in own
+             if key.startswith(("xformOp:orient", "physics:localRot"))]  # fmt: skip
+    assert len(turns) > 24 + 2 * 35  # of bodies, joints and rods
+    assert (np.array(turns)[:, 0] >= 0.0).all()
+    assert not re.search(r"-0\.0\b(?!e)", text)
 
 
 @EACH
@@ -108,7 +120,7 @@ def test_all_mass_is_in_bodies_with_inertia(design: Design) -> None:
     assert base["physics:mass"] == 1.0
     assert base["physics:centerOfMass"].tolist() == [0.0, 0.0, 0.0]
     assert base["physics:diagonalInertia"].tolist() == [1.0, 1.0, 1.0]
-    np.testing.assert_array_equal(frame(("", "", base))[0], 0.0)
+    assert frame(("", "", base))[0].tolist() == [0.0, 0.0, 0.0]
     assert len(moving) == 23
     whole = sum(body.mass for body in oracle.bodies(design, oracle.split(np.zeros(4))))
     assert sum(own["physics:mass"] for own in moving.values()) == pytest.approx(whole, rel=1e-14)

@@ -34,6 +34,7 @@ from paminsa_viz.model import (
     Misprint,
     check_reach,
     measure_singularity,
+    singular_rotation,
     static_imbalance,
 )
 from paminsa_viz.model.parameters import Counterweight
@@ -300,6 +301,8 @@ def test_workspace_poses_are_usable_everywhere(seed: int) -> None:
     determinant = measure_singularity(g, poses).determinant
     home = measure_singularity(g, np.array(home_pose(g))).determinant
     assert set(np.sign(determinant)) == {np.sign(home)}
+    if np.isfinite(turn := singular_rotation(g)):  # what is beyond is behind a singularity
+        assert np.abs(poses[:, 2]).max() < turn
     assert np.array_equal(poses, workspace_poses(g, 300, seed))
     assert np.array_equal(poses[:50], workspace_poses(g, 50, seed))
 

@@ -262,6 +262,8 @@ def test_kernels_are_loaded_when_they_pay(
     assert thread.daemon  # a page that ends does not wait for it
     thread.join()
     assert [*found, backend.is_compiled()] == expected
+    # and a page never waits for a formula that it has not asked for at its start
+    assert backend._kernels.get_loops(backend.Formula(ratio_of_lengths, 2), 10**6) is None
 
 
 def test_kernels_are_compiled_by_calls_on_nothing() -> None:

@@ -335,8 +335,11 @@ def test_whole_and_numpy_numbers_become_floats(kind: Any) -> None:
         assert stored == value
 
 
-def test_a_counterweight_is_at_its_joint_unless_it_is_placed() -> None:
+def test_a_counterweight_is_at_its_joint_and_weighs_nothing_unless_it_is_said() -> None:
     assert Counterweight("b3", 7, mass=1.0).beyond == 0.0
+    assert Counterweight("b3", 7, beyond=0.1).mass == 0.0
+    places = [Counterweight("b3", 7, beyond).place for beyond in (0.0, 0.1, -0.1)]
+    assert [place.split()[-3] for place in places] == ["beyond", "beyond", "before"]
 
 
 @EACH

@@ -75,4 +75,5 @@ def test_numbers_have_ends_beyond_which_there_is_no_machine() -> None:
     assert (LARGEST["m"], LARGEST["kg"], LARGEST["kg m^2"], LARGEST[""]) == (1e2, 1e4, 1e4, 1e2)
     assert {LARGEST[unit] for unit in ("Pa", "N/m", "N m/rad")} == {1e18}
     assert (LARGEST_OTHER, SMALLEST) == (1e4, 1e-6)
+    assert LARGEST["m/s^2"] == pytest.approx(100 * 9.81, rel=0.02)  # a hundred times the Earth's
     assert APPENDIX_4.vary({"links.b1": 0.0}).links.b1 == 0.0

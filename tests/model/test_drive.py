@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -28,6 +30,7 @@ from paminsa_viz.model import (
     kinetic_energy,
     lumped_coefficients,
     mass_matrix,
+    platform_wrench,
     regressor_torques,
     torque_breakdown,
     torque_regressor,
@@ -64,6 +67,15 @@ def test_a_screw_turns_its_lead_into_a_ratio() -> None:
     assert ROTARY.reflected_inertia == pytest.approx(5e-6 * 1e4)
 
 
+@pytest.mark.parametrize("drive", DRIVES, ids=["M1", "M2", "M3", "M4"])
+def test_friction_takes_the_same_power_at_the_motor_and_at_the_actuator(drive: Drive) -> None:
+    viscous, coulomb = drive.reflected_friction
+    for speed in (0.02, 0.3):
+        motor = drive.ratio * speed
+        lost = (drive.viscous * motor + drive.coulomb) * motor
+        assert (viscous * speed + coulomb) * speed == pytest.approx(lost, rel=1e-12)
+
+
 @given(case=cases())
 def test_inertia_and_friction_of_the_drives_are_added(case: Case) -> None:
     pose, v, a = case.states()
@@ -98,6 +110,29 @@ def test_mass_matrix_and_kinetic_energy_agree_with_the_drives(case: Case) -> Non
     assert_close(kinetic_energy(design, pose, v)[:, None], energy[:, None], 1e-10)
     torque = inverse_dynamics(design, pose, v, a).torque
     assert_close(forward_dynamics(design, pose, v, torque), a, 1e-6)
+
+
+def test_drives_add_what_each_of_them_adds_alone() -> None:
+    states = samples.random_states(np.random.default_rng(0), APPENDIX_4, 5)
+    calls: list[Callable[[Design], Any]] = [
+        lambda design: mass_matrix(design, states[0]),
+        lambda design: kinetic_energy(design, *states[:2]),
+        lambda design: inverse_dynamics(design, *states).torque,
+        lambda design: torque_breakdown(design, *states).total,
+        lambda design: platform_wrench(design.without_friction(), *states),
+        lambda design: np.array(design.actuator_friction[:2]),
+    ]
+    alone = [
+        replace(APPENDIX_4, drives=tuple(d if i == j else None for j, d in enumerate(DRIVES)))
+        for i in range(4)
+    ]
+    for call in calls:
+        none = call(APPENDIX_4)
+        added = [call(design) - none for design in alone]
+        assert all(np.abs(part).max() > 0 for part in added)
+        np.testing.assert_allclose(
+            call(driven(APPENDIX_4)) - none, sum(added), rtol=1e-9, atol=1e-9
+        )
 
 
 def test_actuator_accelerations_are_the_rate_of_their_speeds() -> None:
@@ -251,6 +286,21 @@ def test_numbers_of_a_drive_are_from_1e_12_to_1e9() -> None:
         assert Drive(rated_torque=possible).rated_torque == possible
         with pytest.raises(InvalidDesign, match=r"drive\.rated_torque"):
             Drive(rated_torque=math.nextafter(possible, beyond))
+
+
+def test_only_inertia_friction_mass_and_cost_of_a_drive_may_be_zero() -> None:
+    numbers = [item.name for item in fields(Drive) if "unit" in item.metadata]
+    screw = {"transmission": "screw", "lead": 0.01}
+    possible = set()
+    for name in numbers:
+        with suppress(InvalidDesign):
+            Drive(**screw | {name: 0.0})
+            possible.add(name)
+        with pytest.raises(InvalidDesign, match=rf"drive\.{name}"):
+            Drive(**screw | {name: -1.0})
+    assert len(numbers) == 19
+    inertias = {"rotor_inertia", "gear_inertia"}
+    assert possible == inertias | {"viscous", "coulomb", "mass", "cost"}
 
 
 def test_a_drive_of_which_nothing_is_known_adds_and_limits_nothing() -> None:

@@ -13,7 +13,7 @@ from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.design_file import read_design
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.model.design import APPENDIX_4, ELASTIC_PARAMETERS, Design
+from paminsa_viz.model.design import APPENDIX_4, ELASTIC_PARAMETERS, TILT_INERTIA, Design
 from paminsa_viz.model.elastic import BARS, Elastic, tube_section
 
 LENGTHS = {
@@ -47,6 +47,23 @@ def test_tube_is_a_disc_less_a_disc(outer: float, share: float) -> None:
     assert 0.5 < tube.shear <= disc.shear
 
 
+@given(nu=st.floats(0.0, 0.5), share=st.floats(0.0, 0.99))
+def test_shear_area_is_that_of_the_flexure_of_a_ring(nu: float, share: float) -> None:
+    """Cowper's definition, of the harmonic function that leaves both surfaces free of shear."""
+    area, second = math.pi * (1 - share**2), math.pi / 4 * (1 - share**4)
+    along = -(0.75 + nu / 2) * (1 + share**2), -(0.75 + nu / 2) * share**2  # of r and of 1/r
+
+    def integral(r: float) -> float:
+        return math.pi * (along[0] * r**4 / 4 + along[1] * r**2 / 2 + r**6 / 24)
+
+    expected = 2 * (1 + nu) * second**2 / (area * (integral(share) - integral(1.0)))
+    assert tube_section(2.0, 2 * share, nu).shear == pytest.approx(expected, rel=1e-9)
+    elastic = Elastic(young_modulus=2 * 26e9 * (1 + nu), shear_modulus=26e9)
+    assert elastic.poisson == pytest.approx(nu, abs=1e-12)
+    tube = tube_section(elastic.b4_outer, elastic.b4_inner, nu)
+    assert elastic.section("b4").shear == pytest.approx(tube.shear)
+
+
 @pytest.mark.parametrize("bar", BARS)
 @pytest.mark.parametrize("inner", [0.02, 0.021, 1.0])
 def test_tube_without_a_wall_is_refused(bar: str, inner: float) -> None:
@@ -69,6 +86,8 @@ def test_numbers_left_open_count_as_the_tube_and_as_rigid() -> None:
     assert APPENDIX_4.value("elastic.platform_tilt_inertia") == 0.5 * APPENDIX_4.platform.inertia
     with pytest.raises(InvalidDesign, match="I_pl/2"):
         APPENDIX_4.vary({"elastic.platform_tilt_inertia": 0.007})
+    flat = 0.5 * APPENDIX_4.platform.inertia  # of a plate without height
+    assert APPENDIX_4.vary({"elastic.platform_tilt_inertia": flat}).stored(TILT_INERTIA) == flat
     given_area = APPENDIX_4.vary({"elastic.b4_area": 1e-4, "elastic.guide": 1e7})
     section, tube = given_area.elastic.section("b4"), APPENDIX_4.elastic.section("b4")
     assert section == tube._replace(area=1e-4)

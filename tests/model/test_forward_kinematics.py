@@ -18,7 +18,9 @@ from paminsa_viz.model import (
     singular_radius,
     singular_rotation,
 )
+from paminsa_viz.model.kinematic_formulas import Heading, closing_angles
 from paminsa_viz.model.kinematics import HEADINGS, wrap
+from paminsa_viz.model.leg import ROUNDING, mechanism
 from tests import oracle
 from tests.support.cases import BY_HAND, Case, assert_within, cases
 
@@ -167,3 +169,34 @@ def test_no_isolated_pose_where_the_platform_moves_with_locked_actuators(
         assert np.isnan(found.pose).all()
         assert not found.ok.any()
         assert np.isnan(nearest_solution(g, actuators, pose)).all()
+
+
+def test_where_leg_lines_are_parallel_and_where_both_modes_meet() -> None:
+    """The ends of what rounding leaves open, of headings at which all numbers are exact."""
+
+    def half_angle(radii: float, length: float = 1.0) -> Any:
+        m = mechanism(Geometry(base_radius=0.5, platform_radius=0.5))._replace(
+            base_radius=radii, platform_radius=1.0
+        )
+        along = Heading(0.0, 0.0, 0.0, 1.0), Heading(0.0, 1.0, 0.0, 0.0)
+        with np.errstate(invalid="ignore"):
+            return closing_angles(m, *along, Heading(length, 0.0, 0.0, 0.0)).half_c
+
+    for length in (0.5, 1.0, 2.0):
+        last = 1.0 + 4 * ROUNDING / length  # R_b/R_pl at which both modes meet, but for rounding
+        assert half_angle(1.0, length) == half_angle(last, length) == 1.0
+        assert np.isnan(half_angle(np.nextafter(last, 2.0), length))
+    assert half_angle(0.75) == 0.75
+    assert np.isnan(half_angle(0.5, 1e-12))
+    assert half_angle(0.5, np.nextafter(1e-12, 1.0)) == 0.5
+
+
+def test_the_only_valid_mode_is_the_nearest_from_anywhere() -> None:
+    """With a platform larger than its base, at which legs of one mode may point away from it."""
+    rng, g = np.random.default_rng(2), Geometry(platform_radius=0.4)
+    chosen = np.append(rng.uniform(-1.5, 1.5, (200, 3)), np.full((200, 1), 0.3), axis=1)
+    found = forward_kinematics(g, chosen)
+    one = found.ok.sum(axis=1) == 1
+    assert one.sum() > 5
+    nearest = nearest_solution(g, chosen[one], [9.0, -9.0, 0.0, 0.0])
+    assert_within(nearest, found.pose[found.ok & one[:, None]], 1e-12)

@@ -235,6 +235,7 @@ def test_splitting_covers_a_grid_once(names: tuple[str, ...], sizes: list[int], 
         np.testing.assert_array_equal(piece.poses(), whole[index])
         seen[index] += 1
     np.testing.assert_array_equal(seen, 1)
+    assert len(list(grid.split(grid.size))) == 1
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.kinematics import AXIS_ANGLES
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.measures import least_margin, leg_margins, serial_margin
+from paminsa_viz.model.robot import AXIS_X, AXIS_Y
 from paminsa_viz.model.singularity import NEAR_LOCUS
 from tests.support.cases import Case, cases
 
@@ -63,6 +64,23 @@ def test_every_leg_and_limit_is_named_by_its_own_number() -> None:
     assert {one // 4 for one in seen} == {0, 1, 2}
 
 
+def test_of_margins_that_are_as_small_the_first_is_named() -> None:
+    """Legs 1 and 2 are mirror images in x = 0; what is no number at first stays."""
+    m = mechanism(APPENDIX_4.geometry)
+    far = m._replace(stroke=9.0, clearance=-9.0)  # neither guide nor axis is near
+    for robot, y, z, which in (
+        (m, 0.05, -0.95, 0.0), (far, -0.05, -0.03, 1.0),
+        (m._replace(clearance=-9.0), 0.1, -0.4, 2.0), (m._replace(stroke=9.0), -0.125, -0.5, 3.0),
+    ):  # fmt: skip
+        one, two = (
+            leg_margins(robot, AXIS_X[leg], AXIS_Y[leg], 0.0, y, 1.0, 0.0, z) for leg in (0, 1)
+        )
+        assert one == two
+        found = least_margin(robot, 0.0, y, 1.0, 0.0, z)
+        assert (found.margin, found.which) == (min(one), which)
+    assert least_margin(m, np.nan, 0.0, 1.0, 0.0, -0.5).which == 0.0
+
+
 @given(case=cases())
 def test_no_actuator_feels_the_escape_twist(case: Case) -> None:
     """On the circle of positions and at the singular heading; away from both there is none."""
@@ -89,9 +107,10 @@ def test_no_actuator_feels_the_escape_twist(case: Case) -> None:
 
 
 def test_a_turn_counts_as_the_path_of_the_joints_on_the_platform() -> None:
+    """Of which one of a micrometer is near."""
     g = APPENDIX_4.geometry
-    turn, size = singular_rotation(g), NEAR_LOCUS / g.platform_radius
-    for share, there in ((0.5, True), (2.0, False)):
+    turn, size = singular_rotation(g), 1e-6 / g.platform_radius
+    for share, there in ((0.95, True), (1.05, False)):
         for sign in (-1.0, 1.0):
             found = escape_twist(g, [0.01, 0.02, sign * (turn - share * size), -0.5])
             assert np.isfinite(found).all() == there

@@ -166,11 +166,14 @@ def test_every_way_to_a_torque_has_the_same_load(load: LoadCase, seed: int) -> N
     still = np.zeros_like(pose)
     close(static_torques(design, pose), inverse_dynamics(design, pose, still, still).torque, 1e-12)
     close(static_breakdown(design, pose).total, static_torques(design, pose), 1e-12)
-    grid = Grid.over(pose[0], y=pose[0, 1] + np.array([0.0, 1e-3]), theta=pose[0, 2] + [0.0, 0.01])
-    field = solve_field(design.geometry, grid)
-    expected = np.moveaxis(static_torques(design, grid.poses()), -1, 0)
-    close(field.torques(design), expected, 1e-12)
-    close(rotary_torques(design, grid), expected[:3], 1e-12)
+    near = dict(zip("xy", pose[0, :2, None] + [0.0, 1e-3], strict=True))
+    near["theta"] = pose[0, 2] + np.array([0.0, 0.01])
+    for names in (("y", "theta"), ("theta", "x"), ("y", "theta", "x"), ("theta", "x", "y")):
+        grid = Grid.over(pose[0], **{name: near[name] for name in names})
+        field = solve_field(design.geometry, grid)
+        expected = np.moveaxis(static_torques(design, grid.poses()), -1, 0)
+        close(field.torques(design), expected, 1e-12)
+        close(rotary_torques(design, grid), expected[:3], 1e-12)
 
 
 @pytest.mark.parametrize("name", ["mujoco", "pinocchio"])

@@ -307,3 +307,16 @@ def test_bounds_of_reach_and_their_rounding_scale_with_the_robot(
     for name in ("rho2_min", "rho2_max", "reach2_min", "reach2_max"):
         assert getattr(other, name) == pytest.approx(scale**2 * getattr(one, name), rel=1e-14)
     assert one.rho2_min > 0
+
+
+def test_an_explanation_names_the_leg_and_by_how_much_or_neither() -> None:
+    angle = AXIS_ANGLES[:, None]
+    away = np.concatenate([-0.5 * np.cos(angle), -0.5 * np.sin(angle)], axis=1)
+    pose = np.array([*([x, y, 0.0, -0.5] for x, y in away), [0.0, 0.0, 0.0, -0.5], [np.nan] * 4])
+    found = check_reach(APPENDIX_4.geometry, pose)
+    for leg in range(3):
+        text = found.explanation((leg,))
+        assert text.startswith(Limit(int(found.status[leg])).explanation)
+        assert text.endswith(f" (leg {leg + 1}, by {1e3 * found.excess[leg]:.2f} mm)")
+    assert found.explanation((3,)) == Limit.OK.explanation
+    assert found.explanation((4,)) == Limit.NOT_FINITE.explanation

@@ -16,6 +16,7 @@ from paminsa_viz.model.singular_limit import (
     SERIAL_CLEARANCE,
     counting,
     near_by_reach,
+    near_singularity,
 )
 from tests.support.samples import random_design
 
@@ -51,6 +52,15 @@ def test_guide_at_its_end_does_not_hide_a_pantograph_near_a_singularity() -> Non
     both = margins.copy()
     both[2, MARGINS.index(Limit.STRETCHED)] = 0.5 * SERIAL_CLEARANCE
     assert near_by_reach(2.0, replace(folded, margins=both))
+
+
+def test_poses_at_a_limit_still_count() -> None:
+    """By default a local conditioning index of 0.1, and always 10 mm to a serial singularity."""
+    worst, least = 1 / 0.1, 10e-3
+    assert not near_singularity(worst, least)
+    assert near_singularity(np.nextafter(worst, np.inf), least)
+    assert near_singularity(worst, np.nextafter(least, 0.0))
+    assert near_singularity([np.nan, 1.0], [1.0, np.nan]).all()
 
 
 def test_higher_limit_lets_more_poses_count() -> None:

@@ -30,6 +30,9 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.backend import compile_now, use_numpy
 from paminsa_viz.model.kinematics import LEG_AXES, wrap
+from paminsa_viz.model.leg import ROUNDING, SINGULAR, Mechanism, mechanism_of_lengths
+from paminsa_viz.model.measures import _largest_eigenvalue
+from paminsa_viz.model.robot import platform_determinant
 from tests import oracle
 from tests.support.cases import Case, assert_within, cases
 
@@ -266,3 +269,54 @@ def test_a_pose_is_singular_where_rounding_decides(compiled, draw, limit, case: 
                 assert ok.all()
                 assert np.isfinite(result.torque).all()
                 assert np.isfinite(measured.condition).all()
+
+
+def test_what_counts_as_singular_ends_at_the_documented_shares_of_lengths() -> None:
+    """Of numbers that are exact in binary: at the end itself a pose is singular, beyond it not."""
+    assert 16 * np.finfo(float).eps == ROUNDING
+    assert SINGULAR == 256 * ROUNDING == 2.0**-40
+    lengths = {"joint_height": 0.0, "shaft": 0.0, "crank": 1.0, "coupler": 3.0, "root": 1.0}
+
+    def robot(rb: float, rp: float, k: float = 2.0, clearance: float = 0.0) -> Mechanism:
+        return mechanism_of_lengths(
+            k=k, base_radius=rb, platform_radius=rp, stroke=9.0, clearance=clearance, **lengths
+        )
+
+    # R_b cos theta - R_pl = 2^-40 (R_b + R_pl)
+    rb, rp = 1 + SINGULAR, 1 - SINGULAR
+    assert platform_determinant(robot(rb, rp), 0.5, 0.0, 1.0) == 0.0
+    assert platform_determinant(robot(np.nextafter(rb, 2), rp), 0.5, 0.0, 1.0) > 0.0
+    # the square of the circle's radius, less that of the position, = 2^-40 (R_b + R_pl)^2
+    c = (5 - 9 * SINGULAR) / 4
+    assert platform_determinant(robot(2.0, 1.0), 0.0, 0.0, c) == 0.0
+    assert platform_determinant(robot(2.0, 1.0), 0.0, 0.0, np.nextafter(c, 0.0)) < 0.0
+    # X_1, and |85| at both ends of its way, here with k/(k - 1) = 2
+    m = robot(0.75, 0.25)
+    assert m.rho2_min == SINGULAR**2
+    assert m.reach2_min == (2 + 6 * SINGULAR) ** 2
+    assert m.reach2_max == (4 - 6 * SINGULAR) ** 2
+    assert robot(0.75, 0.25, clearance=0.5).rho2_min == 0.25
+    assert (m.rho2_max, robot(0.75, 0.25, k=4.0).rho2_max) == (81.0, 27.0**2)
+
+
+def test_largest_eigenvalues_are_numpys_for_any_that_coincide() -> None:
+    """Of rotated matrices with two equal ones, where rounding leaves no angle, and with three."""
+    rng = np.random.default_rng(0)
+    for values in ((1.0, 2.0, 3.0), (1.0, 1.0, 3.0), (1.0, 3.0, 3.0), (0.0, 0.0, 1e-9)):
+        turned = np.linalg.qr(rng.normal(size=(200, 3, 3)))[0]
+        a = turned @ np.diag(values) @ turned.swapaxes(-1, -2)
+        found = _largest_eigenvalue(*a[:, [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]].T)
+        np.testing.assert_allclose(found, values[-1], rtol=1e-7)
+    assert _largest_eigenvalue(*np.array([2.0, 2.0, 2.0, 0.0, 0.0, 0.0])) == 2.0
+
+
+def test_a_platform_that_is_as_large_as_its_base_is_singular_at_its_center() -> None:
+    """The circle's radius is zero there, and not the root of a rounding below it."""
+    rb, rp = 0.733407192340118, 0.7334071923401179
+    assert rb * rb + rp * rp - 2.0 * rb * rp < 0.0
+    for base, platform in ((rb, rp), (rp, rb), (0.4, 0.4)):
+        g = Geometry(base_radius=base, platform_radius=platform)
+        assert base < platform or singular_rotation(g) == pytest.approx(0.0, abs=1e-7)
+        found = measure_singularity(g, [[0.0, 0.0, 0.0, -0.5], [0.1, 0.0, 0.0, -0.5]])
+        np.testing.assert_allclose(found.position_distance, [0.0, -0.1], atol=1e-15)
+        np.testing.assert_allclose(found.rotation_distance[0], 0.0, atol=1e-7)

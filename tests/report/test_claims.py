@@ -80,9 +80,9 @@ def test_a_claim_without_a_figure_or_beyond_its_bound_is_marked() -> None:
 
 def test_several_figures_are_shown_with_the_worst_of_them() -> None:
     claim = replace(CLAIMS[0], stated=(2.0, 10.0), allowed=0.02, unit="mm", text="Two", check="how")
-    for second, verdict in ((10.1, "holds"), (10.3, "FAILS")):
+    for second, verdict in ((10.1, "holds"), (10.3, "FAILS"), (9.7, "FAILS")):
         shown = claims_section([MeasuredClaim(claim, np.array([2.0, second]))])
         cells = shown.blocks[-1].rows[-1].cells  # type: ignore[union-attr]
         assert cells[:2] == ("Two: 2, 10 mm", f"how: 2, {second} mm")
-        assert cells[2] == f"{100 * (second / 10.0 - 1.0):.2g} % off"
+        assert cells[2] == f"{100 * abs(second / 10.0 - 1.0):.2g} % off"
         assert cells[-2:] == ("± 2 %", verdict)

@@ -108,6 +108,29 @@ def test_torques_beyond_the_limit_are_noticed_at_one_sample(
         assert not MeasuredClaim(claim, claim.measure()).holds
 
 
+def test_torques_between_samples_are_looked_at_ten_thousand_times_a_second(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Those of each actuator over its own limit, of either sign."""
+    rates: list[float] = []
+    motion = claims.PRESET["arch"].build(APPENDIX_4.geometry).sample(20.0)
+
+    def sample(rate: float) -> Any:
+        rates.append(rate)
+        return motion
+
+    found = SimpleNamespace(plan=SimpleNamespace(sample=sample))
+    monkeypatch.setattr(claims, "shortest_motion", lambda *given: found)
+    for column, torque, excess in ((0, -9.0, 0.5), (2, 7.5, 0.25), (3, -500.0, 0.25)):
+        every = np.zeros((motion.size, 4))
+        every[5, column] = torque
+        monkeypatch.setattr(
+            claims, "inverse_dynamics", lambda *given, every=every: SimpleNamespace(torque=every)
+        )
+        assert claims._between_samples() == pytest.approx(excess)
+    assert rates == [pytest.approx(10_000.0, rel=0.01)] * 3
+
+
 def test_a_claim_is_about_all_its_figures_and_their_own_sizes() -> None:
     def holds(found: Any, allowed: float, stated: Any = None) -> bool:
         claim = Claim("a.md", "text", "check", "m", allowed, lambda: 0.0, stated)

@@ -14,6 +14,7 @@ from paminsa_viz.blocks.balance import mass_facts
 from paminsa_viz.blocks.kinds import Fact
 from paminsa_viz.blocks.trajectory import trajectory_facts
 from paminsa_viz.blocks.verification import verification_fact
+from paminsa_viz.cli.report import Report
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.report import claims, claims_page, page
@@ -47,6 +48,10 @@ def made(passed: bool) -> Any:
 def opening(analysis: Any, found: Any) -> dict[str, Fact]:
     facts = [*mass_facts(APPENDIX_4), *trajectory_facts(analysis), verification_fact(found)]
     return {fact.label: fact for fact in facts}
+
+
+def test_a_report_from_python_is_that_of_the_command() -> None:
+    assert (ReportRequest.verified, ReportRequest.seed) == (Report.verify, Report.seed)
 
 
 def test_numbers_that_a_report_opens_with() -> None:

@@ -12,6 +12,8 @@ from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.report import worked_claims
 from paminsa_viz.report.claims import CLAIMS
+from paminsa_viz.trajectory import PRESET
+from tests.support.documentation import missing
 
 HALF_TURN = np.radians(30.0)
 
@@ -56,7 +58,8 @@ def test_the_rim_of_a_cylinder_is_tried_all_around_and_where_it_fails_first(
     def met(poses: np.ndarray, lift: float) -> np.ndarray:
         assert lift == 450.0
         tried.append(poses)
-        return np.hypot(poses[:, 0], poses[:, 1]) <= 0.18437
+        other = np.arange(len(poses)) != 777  # a single pose is enough to break it
+        return (np.hypot(poses[:, 0], poses[:, 1]) <= 0.18437) | other
 
     monkeypatch.setattr(worked_claims, "_met", met)
     assert worked_claims._cylinder() == pytest.approx(2e3 * 0.18437, abs=0.01)
@@ -70,6 +73,7 @@ def test_the_rim_of_a_cylinder_is_tried_all_around_and_where_it_fails_first(
                                atol=1e-3)  # fmt: skip
     assert (np.abs(around[:, 2]) <= HALF_TURN).all()
     assert (close[:, 3] == -0.6).all()
+    assert (around[:, 3] != -0.6).all()
     for off in (np.arctan2(close[:, 1], close[:, 0]) - np.pi / 2, close[:, 2]):
         assert abs(off.mean()) < 0.003
         assert off.std() == pytest.approx(0.02, rel=0.08)
@@ -93,6 +97,78 @@ def test_a_volume_is_counted_in_a_box_around_it_at_nine_headings(
     monkeypatch.setattr(worked_claims, "_met", met)
     assert worked_claims._volume() == pytest.approx(4e3 / 3 * np.pi * 0.4**3, rel=1e-3)
     np.testing.assert_allclose(headings, np.radians(np.linspace(-30.0, 30.0, 9)))
+
+
+def test_volumes_are_those_of_the_table_with_its_requirements(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Any] = []
+
+    def solved(design: Any, requirements: Any, *, resolution: Any) -> Any:
+        asked.append((resolution.nodes, resolution.headings, requirements.theta))
+        bounds = [(one.quantity, one.low, one.high) for one in requirements.bounds]
+        assert bounds == [
+            ("condition", None, 10.0), ("max_torque", None, 15.0), ("f_4", None, 250.0),
+        ]  # fmt: skip
+        return SimpleNamespace(cell=0.0203, volume=0.0921, error=0.00075)
+
+    monkeypatch.setattr(worked_claims, "solve_volume", solved)
+    found = worked_claims._volumes()
+    np.testing.assert_allclose(found, [20.3, 92.1, 0.75] * len(worked_claims.VOLUMES))
+    assert asked == [(nodes, 9, (-HALF_TURN, HALF_TURN)) for nodes in worked_claims.VOLUMES]
+    rows = [
+        f"| {nodes:,} | {cell:.1f} mm | {volume:.2f} dm³ | {error:.2f} dm³ |"
+        for nodes, (cell, volume, error) in worked_claims.VOLUMES.items()
+    ]
+    said = "κ ≤ 10, max |τ| ≤ 15 N·m, F₄ ≤ 250 N, ±30°, 9 headings:"
+    assert missing("requirements", [*rows, said]) == []
+
+
+def test_factors_of_slower_motions_are_those_of_the_table() -> None:
+    rows = [
+        f"| {name} | {PRESET[name].build(APPENDIX_4.geometry).duration:.2f} s | "
+        + " | ".join(f"{factor:.3f}" for factor in row) + " |"
+        for name, row in worked_claims.SLOWER.items()
+    ]  # fmt: skip
+    assert missing("drives", [*rows, f"so that {worked_claims.PAYLOAD:g} kg change M1..M3"]) == []
+
+
+def test_the_largest_power_and_torque_are_those_of_either_sign(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(
+        worked_claims, "regressor_torques",
+        lambda y, c: np.tile([1.0, -7.0, 3.0, -5.0], (len(y), 1)),
+    )  # fmt: skip
+    velocity = PRESET["paper-like"].build(APPENDIX_4.geometry).sample().velocity[:, 3]
+    speed = np.abs(velocity).max() / APPENDIX_4.geometry.magnification
+    np.testing.assert_allclose(worked_claims._paper_like(), [-5.0, 5.0 * speed, 7.0] * 2)
+
+
+def test_errors_by_lengths_add_up_and_their_variances_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tolerances and clearances alike, each evenly within its half width."""
+    rng = np.random.default_rng(2)
+    slope = rng.normal(size=(6, 3, 14))
+    tolerance, clearance = rng.uniform(0.5, 2.0, size=(2, 3, 14))
+    monkeypatch.setattr(worked_claims, "_sensitivities", lambda: (slope, tolerance, clearance))
+    second = np.degrees(1.0) * 3600
+    sizes = np.array([1e6, 1e6, 1e6, second])
+    flat = slope.reshape(6, -1)
+    drawn = [(width.ravel() ** 2 / 3.0) for width in (tolerance, clearance)]
+    variance = [sum(float(s**2 @ part) for part in drawn) for s in flat]
+    rms = np.sqrt(variance)
+    np.testing.assert_allclose(
+        worked_claims._tolerances_rms(),
+        [*rms[:4] * sizes, np.hypot(rms[4], rms[5]) * second, rms[4] * second],
+    )
+    wide = (tolerance + clearance).ravel()
+    turns = np.linspace(0.0, np.pi, 20_000)
+    tilt = np.abs(np.outer(np.cos(turns), flat[4]) + np.outer(np.sin(turns), flat[5])) @ wide
+    part = np.abs(flat[:3]) @ clearance.ravel() * 1e6
+    np.testing.assert_allclose(
+        worked_claims._tolerances_worst(),
+        [*np.abs(flat[:4]) @ wide * sizes, tilt.max() * second, *part], rtol=1e-6,
+    )  # fmt: skip
 
 
 def test_robots_are_drawn_at_home_and_their_errors_are_mean_squares(

@@ -137,6 +137,7 @@ def test_lines_are_as_wide_as_what_they_stand_for(drawn: Any) -> None:
     letters = [*page.texts, *(text for area in page.axes for text in area.texts)]
     assert len({text.get_fontsize() for text in letters}) == 1
     assert 9.0 <= letters[0].get_fontsize() <= 11.0
+    thin: list[float] = []
     for area, solid in zip(page.axes, (15, 18), strict=True):  # from the side the lift's arms too
         lines = [line for line in area.lines if line.get_marker() == "None"]
         robot = [line for line in lines if line.get_color() in {*LEG_COLORS, LIFT_COLOR}]
@@ -146,19 +147,25 @@ def test_lines_are_as_wide_as_what_they_stand_for(drawn: Any) -> None:
         (bar,), (guide,) = set(bars), set(guides)
         (plate,) = area.patches
         others = [line.get_linewidth() for line in lines if line not in robot]
-        assert bar > 1.5 * guide
+        assert bar == 2.0 * guide
         assert bar > plate.get_linewidth() > guide
-        assert bar > max(others)
+        thin.append(min(others))
+        posts = {width for width in others if width > thin[0]}
+        assert posts <= {plate.get_linewidth()}
         assert 0.5 <= min(others) < guide
-        assert 0.5 < plate.get_alpha() < 1.0  # bars are seen through it
+        assert plate.get_alpha() == 0.8  # a fifth of the bars is seen through it
         feet, joints = (
             {line.get_markersize() for line in area.lines
              if line.get_marker() == "o" and (len(line.get_xdata()) == 1) == single}
             for single in (True, False)
         )  # fmt: skip
-        assert min(feet) > max(joints) > bar  # rings, with their bars inside
+        assert set(feet) == {2.0 * size for size in joints}
+        assert max(joints) > bar  # rings, with their bars inside
+        crosses = [line.get_markersize() for line in area.lines if line.get_marker() == "+"]
+        assert all(max(joints) < size < min(feet) for size in crosses)
         rings = [line for line in area.lines if line.get_marker() == "o"]
         assert all(line.get_markeredgewidth() < guide for line in rings)
+    assert thin[0] == thin[1]  # frame, loci and level alike
 
 
 def test_views_stand_side_by_side_with_their_words_and_legs_are_numbered(drawn: Any) -> None:

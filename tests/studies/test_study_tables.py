@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import csv
+import hashlib
+import os
+import struct
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -89,7 +93,31 @@ def test_the_table_is_the_same_from_a_cluster(expected, tmp_path) -> None:
     ):
         assert workers.count == 2
         run_study(MOVED, path, workers, command="test")
+        with pytest.raises(ValueError, match="No client"):  # those of other programs are left alone
+            distributed.default_client()
+        assert workers.executor is not None
+        drawn = [workers.executor.submit(os.urandom, 8).result() for _ in range(2)]
+        assert drawn[0] != drawn[1]  # a task is not taken for one like it
+        with pytest.raises(ZeroDivisionError):
+            workers.executor.submit(failing, tmp_path / "tries").result()
+        assert (tmp_path / "tries").read_text() == "xxx"  # what fails is begun twice again
     assert path.read_bytes() == expected
+
+
+def failing(tries: Path) -> float:
+    with tries.open("a") as file:
+        file.write("x")
+    return 1 / 0
+
+
+def test_a_cluster_without_workers_is_refused() -> None:
+    distributed = pytest.importorskip("distributed")
+    with (
+        distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None) as local,
+        pytest.raises(InvalidInput, match="has no workers"),
+        cluster(local.scheduler_address),
+    ):
+        pass
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense", "http://x"])
@@ -243,6 +271,12 @@ def test_the_last_bit_of_any_sample_makes_another_motion(row, column) -> None:
     changed = Trajectory(t[:, 0], *states, name=MOTION.name)
     assert samples_hash(changed) != samples_hash(MOTION)
     assert samples_hash(replace(MOTION, name="other")) == samples_hash(MOTION)
+
+
+def test_a_motion_is_known_by_its_samples_as_doubles_of_eight_bytes() -> None:
+    parts = (MOTION.t, MOTION.pose, MOTION.velocity, MOTION.acceleration)
+    doubles = [struct.pack("<d", number) for part in parts for number in part.ravel().tolist()]
+    assert samples_hash(MOTION) == hashlib.sha256(b"".join(doubles)).hexdigest()[:32]
 
 
 def test_a_later_version_goes_on_with_a_table() -> None:

@@ -18,6 +18,7 @@ from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.studies.executors import processes
 from paminsa_viz.synthesis import Regime, RegimeState, SynthesisCase, SynthesisResult, synthesize
+from paminsa_viz.synthesis.answer import checks
 from paminsa_viz.synthesis.answer.checks import AnswerMargins, build_yield, built_robots, fraction
 from paminsa_viz.synthesis.answer.engine_check import check_by_mujoco
 from paminsa_viz.synthesis.masses.program import solve_inner
@@ -202,6 +203,41 @@ def test_a_draw_at_its_end_is_the_end_of_a_tolerance(
     for name, most in expected.items():
         assert getattr(g, name) - getattr(was, name) == pytest.approx(side * most, rel=1e-9)
     assert robot.links.b4 == pytest.approx((1 + 0.1 * side) * APPENDIX_4.links.b4)
+
+
+@pytest.mark.parametrize("index", range(8))
+def test_each_draw_of_a_length_is_of_one_part(index: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Independent of all others: two parts of B4, five lengths, and two heights of joint 5."""
+
+    class OneAtATime:
+        def uniform(self, low: float, high: float, shape: Any) -> Any:
+            return high * np.eye(8)[[index]] if shape[1] == 8 else np.zeros(shape)
+
+    monkeypatch.setattr(np.random, "default_rng", lambda seed: OneAtATime())
+    own = Tolerances(
+        bar=1e-3, shaft=2e-3, axis_radius=3e-3, joint_radius=4e-3, joint_height=5e-4,
+        guide_height=7e-4,
+    )  # fmt: skip
+    (robot,) = built_robots(replace(APPENDIX_4, tolerances=own), 1)
+
+    def lengths(design: Design) -> Any:
+        g = design.geometry
+        upper = g.coupler_length / g.magnification
+        return np.array([
+            upper, g.coupler_length - upper, g.crank_length, g.shaft_length, g.base_radius,
+            g.platform_radius, g.platform_joint_height,
+        ])  # fmt: skip
+
+    expected = np.zeros(7)
+    expected[min(index, 6)] = (1e-3, 1e-3, 1e-3, 2e-3, 3e-3, 4e-3, 5e-4, 7e-4)[index]
+    assert lengths(robot) - lengths(APPENDIX_4) == pytest.approx(expected, abs=1e-12)
+
+
+def test_what_is_no_robot_meets_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checks, "built_robots", lambda *_, **more: [APPENDIX_4, None, None])
+    found = build_yield(APPENDIX_4, lambda _: {"a": 1.0}, samples=3)
+    assert (found.fraction.passed, found.missed) == (1, {"no robot": 2})
+    assert found.worst == {"a": 1.0, "no robot": -np.inf}
 
 
 def test_it_can_be_canceled_and_says_so():

@@ -37,7 +37,7 @@ class Balls:
     """Requirements, each broken within a ball of positions and headings; bounds are exact."""
 
     design = APPENDIX_4
-    family = SimpleNamespace(axes=(True, True, True, True))
+    family = SimpleNamespace(by_height=True)
     z = (-np.inf, np.inf)
 
     def __init__(self, *balls: tuple[Any, float], theta: Any = (-0.3, 0.5)) -> None:
@@ -292,7 +292,7 @@ def test_a_box_is_cut_along_its_longest_side() -> None:
 
 def group_of(theta: Any, z: Any, high: bool) -> Any:
     return SimpleNamespace(
-        theta=theta, z=z, family=SimpleNamespace(axes=(True, True, True, high))
+        theta=theta, z=z, family=SimpleNamespace(by_height=high)
     )  # fmt: skip
 
 

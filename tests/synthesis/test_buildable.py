@@ -24,8 +24,17 @@ from paminsa_viz.blocks.synthesis import (
 )
 from paminsa_viz.clearance import clearance, pair_clearance, shapes_of
 from paminsa_viz.dimensions import needs
+from paminsa_viz.dimensions.layers import SLIDER_HALF
 from paminsa_viz.elastostatics import platform_stiffness
-from paminsa_viz.model import APPENDIX_4, BarLaw, Geometry, KneeBranch, inverse_kinematics, resized
+from paminsa_viz.model import (
+    APPENDIX_4,
+    BarLaw,
+    Geometry,
+    KneeBranch,
+    check_reach,
+    inverse_kinematics,
+    resized,
+)
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirement, Workspace, WorkspaceShape
 from paminsa_viz.synthesis import (
@@ -38,8 +47,10 @@ from paminsa_viz.synthesis import (
     buildability,
     synthesize,
 )
+from paminsa_viz.synthesis.search import result as result_file
+from paminsa_viz.synthesis.search.buildability import best_height
 from paminsa_viz.synthesis.search.evaluation import REFUSED
-from paminsa_viz.synthesis.search.extremes import Extent, Least, least_over
+from paminsa_viz.synthesis.search.extremes import Extent, Least
 from paminsa_viz.synthesis.search.kernels import plate_distance
 from paminsa_viz.synthesis.search.region import SPARSE
 from paminsa_viz.synthesis.search.trial import Poses, TrialRobot
@@ -224,29 +235,113 @@ def test_least_values_are_looked_for_from_six_four_and_one_of_the_samples(
 
     def least(values: Any, extent: Any, density: Any, *, starts: int, kinds: Any) -> Least:
         looked.append((starts, density, kinds is not None))
-        return Least(0.01, np.array([0.0, 0.0, 0.0, -0.55]))
+        return Least(-4e-10, np.array([0.0, 0.0, 0.0, -0.55]))
 
     monkeypatch.setattr(f"{place}.least_over", least)
-    space = Workspace(WorkspaceShape.CYLINDER, (0.123, 0.123, 0.1), (0.0, 0.0, -0.55))
-    buildability(APPENDIX_4, space, (-0.1, 0.1))
+    space = Workspace(WorkspaceShape.CYLINDER, (0.123, 0.123, 0.1), (0.02, 0.0, -0.55))
+    found = buildability(APPENDIX_4, space, (-0.1, 0.1))
     close = SPARSE.finer(2)
     assert looked == [(6, close, True), (4, close, False), (1, SPARSE.finer(1), False)]
+    # rounding is no overlap
+    assert str(found.clearance) == str(found.stiffness) == str(found.frequency) == "0.0"
+    assert found.center == (0.02, 0.0, -0.55)
+    # what else is said of it: the farthest slider and joint 5, and all that moves
+    pose = Extent(space, (-0.1, 0.1)).samples(SPARSE.finer(4))
+    points = inverse_kinematics(APPENDIX_4.geometry, pose).points
+    slider = np.linalg.norm((points[8] - points[3])[..., :2], axis=-1).max()
+    assert found.needed_guide == pytest.approx(slider + SLIDER_HALF, abs=1e-4)
+    deep = np.abs(points[5][..., 2]).max()
+    k = np.array([APPENDIX_4.geometry.magnification])
+    assert found.needed_shaft == pytest.approx(needs.needed_shaft(APPENDIX_4, np.array([deep]), k))
+    links, joints = vars(APPENDIX_4.links).values(), vars(APPENDIX_4.joints).values()
+    moving = 3 * (sum(links) + sum(joints)) + APPENDIX_4.platform.mass
+    assert found.moving_mass == pytest.approx(moving)
 
 
-def test_a_search_ends_at_the_first_pose_without_a_value() -> None:
-    """From one start in the first round; the other one would find such a pose later."""
-    box = Workspace(WorkspaceShape.BOX, (0.2, 0.2, 0.2), (0.0, 0.0, -0.5))
+def test_what_is_out_of_reach_counts_for_nothing() -> None:
+    far = Workspace(WorkspaceShape.BOX, (0.1, 0.1, 0.1), (0.0, 0.0, -3.0))
+    none = buildability(APPENDIX_4, far, (-0.1, 0.1))
+    assert none.within_reach == 0.0
+    assert none.bodies == ("", "")
+    values = none.clearance, none.overlapping, none.stiffness, none.frequency
+    assert np.isnan(values).all()
+    assert not none.clear
 
-    def values(poses: Any) -> Any:
-        x, y, theta, z = poses.T
-        low = np.minimum(1.0 + np.abs(x + 0.093), 1.02 + np.abs(x - 0.1))
-        none = (np.abs(x + 0.093) < 5e-4) | (np.abs(x - 0.05) < 1e-3)
-        off = 10.0 * (np.abs(y - 0.1) + np.abs(theta) + np.abs(z + 0.5))
-        return np.where(none, -np.inf, low + off)
 
-    found = least_over(values, Extent(box, (-0.1, 0.1)), SPARSE, starts=2)
-    assert found.value == -np.inf
-    assert found.pose == pytest.approx([0.05, 0.1, 0.0, -0.5])
+def test_a_robot_is_clear_with_guides_and_shafts_that_are_just_long_enough() -> None:
+    fine = Buildability(
+        (0.0, 0.0, -0.5), 1.0, 0.001, ("", ""), np.zeros(4), 0.0, 1e4, 20.0, 0.3, 0.3, 0.4, 0.4, 5.0
+    )  # fmt: skip
+    assert fine.clear
+    assert replace(fine, needed_guide=0.2, needed_shaft=0.3).clear
+    for change in (
+        {"clearance": 0.0}, {"clearance": -0.001}, {"overlapping": 0.001},
+        {"overlapping": float("nan")}, {"needed_guide": 0.3001}, {"needed_shaft": 0.4001},
+    ):  # fmt: skip
+        assert not replace(fine, **change).clear  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("height", [None, -0.6])
+def test_a_reference_is_looked_at_in_the_workspace_of_the_answer(
+    height: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At its own best height, where that is free; where there is no robot, none is."""
+    asked: list[tuple[Design, Workspace]] = []
+
+    def note(design: Design, space: Workspace, theta: Any) -> str:
+        assert theta == (-TURN, TURN)
+        asked.append((design, space))
+        return "found"
+
+    monkeypatch.setattr(result_file, "buildability", note)
+    space = replace(CYLINDER.workspace, center=(0.0, 0.0, height))
+    case = replace(
+        CYLINDER, requirements=replace(CYLINDER.requirements, workspace=space),
+        ranges=CYLINDER.ranges[:5],
+    )  # fmt: skip
+    placed, longer = (
+        replace(space, center=(0.0, 0.0, -0.75)),
+        APPENDIX_4.with_knee(KneeBranch.UPPER),
+    )
+    found = SynthesisResult(case, longer, placed, None, True, 0.5, (), (), {}, (), False, 7)
+    assert found.buildability == ("found", "found")
+    best = best_height(APPENDIX_4, placed, (-TURN, TURN))
+    assert best != placed
+    assert asked == [(longer, placed), (APPENDIX_4, best if height is None else placed)]
+    assert replace(found, poses=0).buildability is None
+
+
+@pytest.mark.parametrize("knee", KneeBranch)
+@pytest.mark.parametrize(
+    ("crank", "coupler", "base", "high"),
+    [(0.42, 0.68, 0.55, 0.3), (0.5, 0.5, 0.55, 0.3), (0.2, 1.0, 0.3, 0.1)],
+)
+def test_a_reference_is_placed_where_its_reach_has_most_room(
+    crank: float, coupler: float, base: float, high: float, knee: KneeBranch
+) -> None:
+    """All of its workspace on the platform's side of the guides; bars of one length at them."""
+    geometry = replace(
+        APPENDIX_4.geometry, crank_length=crank, coupler_length=coupler, guide_link_length=2.0,
+        knee=knee, base_radius=base,
+    )  # fmt: skip
+    space = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, high), (0.03, -0.02, None))
+    found = best_height(replace(APPENDIX_4, geometry=geometry), space, (-0.3, 0.2))
+    assert replace(found, center=space.center) == space
+    side = -knee.sign
+    middle = (found.center[2] or 0.0) + geometry.platform_joint_height
+
+    def margin(height: float) -> float:
+        placed = replace(space, center=(0.03, -0.02, height - geometry.platform_joint_height))
+        pose = Extent(placed, (-0.3, 0.2)).samples(SPARSE.finer(2))
+        return float(check_reach(geometry, pose).margins.min())
+
+    others = side * np.linspace(0.5 * high, crank + coupler, 60)
+    best = max(map(margin, others.tolist()))
+    assert best > 0.02
+    assert margin(middle) > best - 0.01
+    assert side * middle >= 0.5 * high - 1e-12
+    if crank == coupler:
+        assert side * middle == pytest.approx(0.5 * high)
 
 
 @pytest.mark.parametrize("case", [CYLINDER, CELL])
@@ -261,47 +356,6 @@ def test_costs_that_do_not_matter_are_not_worked_out(case: SynthesisCase) -> Non
         found = np.array(evaluator.costs(list(numbers), [most] * len(numbers)))
         assert (found[whole <= most] == whole[whole <= most]).all()
         assert (found[whole > most] > most).all()
-
-
-def test_least_value_is_found_between_samples_and_on_the_boundary() -> None:
-    space = Workspace(WorkspaceShape.CYLINDER, (0.4, 0.4, 0.2), (0.0, 0.0, -0.5))
-    extent = Extent(space, (-TURN, TURN))
-    inside = np.array([0.07, -0.05, 0.31, -0.46])
-    found = least_over(lambda p: ((p - inside) ** 2).sum(axis=-1), extent, SPARSE)
-    assert found.pose == pytest.approx(inside, abs=1e-3)
-    assert found.value < 1e-6
-    outside = np.array([0.5, 0.3, 2.0, -1.0])
-    found = least_over(lambda p: ((p - outside) ** 2).sum(axis=-1), extent, SPARSE)
-    edge = 0.2 * outside[:2] / np.linalg.norm(outside[:2])
-    assert found.pose == pytest.approx([*edge, TURN, -0.6], abs=1e-3)
-    for pose in extent.random(200), extent.clipped(np.random.default_rng(0).normal(size=(50, 4))):
-        assert (np.hypot(pose[:, 0], pose[:, 1]) <= 0.2 + 1e-12).all()
-        assert (np.abs(pose[:, 2]) <= TURN).all()
-        assert (np.abs(pose[:, 3] + 0.5) <= 0.1).all()
-    upper = extent.within((-0.45, 1.0))
-    assert upper is not None
-    assert upper.heights == pytest.approx((-0.45, -0.4))
-    assert extent.within((0.0, 1.0)) is None
-
-
-def test_least_value_of_what_is_worse_between_samples_than_at_them() -> None:
-    """Two wells: one has the worst samples, the other, between samples, the least value."""
-    extent = Extent(Workspace(WorkspaceShape.BOX, (2.0, 2.0, 2.0), (0.0, 0.0, -3.0)), (-1.0, 1.0))
-    sampled = extent.samples(SPARSE)
-    wide = sampled[np.argmin(np.linalg.norm(sampled - [0.5, 0.5, 0.0, -3.0], axis=1))]
-    away = np.linalg.norm(sampled - [-0.6, -0.6, 0.0, -3.0], axis=1)
-    narrow = sampled[np.argmin(away)] + 0.05
-
-    def wells(pose: np.ndarray) -> np.ndarray:
-        first = 0.02 * np.maximum(np.linalg.norm(pose - wide, axis=-1) - 1.0, 0.0)
-        second = 4.8 * np.linalg.norm(pose - narrow, axis=-1) - 0.475
-        return np.stack([first, second])
-
-    asked = {"values": lambda pose: wells(pose).min(axis=0), "extent": extent, "density": SPARSE}
-    assert least_over(**asked).value == pytest.approx(0.0, abs=1e-6)  # type: ignore
-    found = least_over(**asked, kinds=lambda pose: wells(pose).argmin(axis=0))  # type: ignore
-    assert -0.475 <= found.value < -0.4
-    assert found.pose == pytest.approx(narrow, abs=0.02)
 
 
 def similar(design: Design, ratio: float, law: BarLaw) -> Design:

@@ -8,14 +8,22 @@ from itertools import count
 import numpy as np
 import pytest
 
-from paminsa_viz.balancing import MassRange, at_joint, on_bar, on_slider
+from paminsa_viz.balancing import (
+    CounterweightRange,
+    MassRange,
+    SpringPlace,
+    at_joint,
+    on_bar,
+    on_guide,
+    on_slider,
+)
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model import APPENDIX_4, BarLaw
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis import Effort, Guide, ObjectiveLimit, Regime, SearchRange, SynthesisCase
-from paminsa_viz.synthesis.masses.case import MassFactor
-from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case, read_case
+from paminsa_viz.synthesis.masses.case import InnerCase, MassFactor
+from paminsa_viz.synthesis.search.case_file import EXAMPLES, RATE, load_case, read_case
 from tests.synthesis.search_cases import CELL, CYLINDER, arch_case
 
 HEAD = """schema_version = 1
@@ -200,7 +208,9 @@ def test_the_arch_goes_there_and_back_about_the_center():
     np.testing.assert_allclose(extent, [0.3, 0.0, np.radians(60.0), 0.1], atol=1e-3)
     np.testing.assert_allclose(motion.pose[0], motion.pose[-1], atol=1e-12)
     assert motion.pose[:, 3].max() == pytest.approx(0.05, abs=1e-3)
-    assert [w.bar for w in inner.counterweights] == ["b8", "b3"]
+    assert inner.counterweights == (
+        CounterweightRange("b8", 8, 0.2, 0.2, 4.0), CounterweightRange("b3", 7, 0.2, 0.2, 4.0)
+    )  # fmt: skip
 
 
 def test_masses_and_springs_are_read():
@@ -212,8 +222,41 @@ def test_masses_and_springs_are_read():
     first, second = inner.springs
     assert (first.first, first.second) == (on_slider(0.3), at_joint(9))
     assert (first.max_stiffness, first.min_free_length, first.max_free_length) == (2000, 0, 0.2)
-    assert second.first == on_bar("b4", 9, 0.1)
-    assert (second.second.radius, second.second.height) == (0.05, -0.2)
+    assert second == SpringPlace(on_bar("b4", 9, 0.1), on_guide(0.05, -0.2), 100.0, 0.0, 0.0)
+    assert inner.goal == "peak_torque"
+
+
+STILL = f"""{HEAD}
+[[counterweights]]
+bar = "b8"
+joint = 8
+beyond_m = 0.1
+mass_kg = 0.7
+[synthesis.ranges]
+base_radius_m = [0.1, 0.6]
+"""
+
+
+def test_what_a_file_leaves_out_of_masses_and_motions() -> None:
+    """Nothing is to be carried fast: the moving mass counts; motions are straight and one way."""
+    own = read_case(
+        f'{STILL}[[synthesis.masses]]\nmass = "counterweights.0.mass"\nfactor = [0, 2]', ""
+    )
+    assert own.inner == InnerCase(
+        "moving_mass", (), (MassFactor("counterweights.0.mass", 0.0, 2.0),), from_center=True
+    )
+    move = "[[synthesis.motions]]\nfrom = [0, 0, 0, 0]\nto = [0.1, 0, 0.2, 0]\nduration_s = 0.5\n"
+    inner = read_case(STILL + move, "mine.toml").inner
+    assert inner is not None
+    (motion,) = inner.motions
+    assert (inner.goal, motion.t[-1]) == ("peak_torque", 0.5)
+    assert np.diff(motion.t) == pytest.approx(np.full(len(motion.t) - 1, 1 / RATE))
+    assert motion.pose[-1].tolist() == pytest.approx([0.1, 0.0, 0.2, 0.0])
+    assert np.ptp(motion.pose[:, 3]) == 0.0
+    for wrong in ("counterweights.0.beyond", "inertias.b8_axial", "payload.mass_"):
+        text = f'{STILL}[[synthesis.masses]]\nmass = "{wrong}"\nfactor = [0, 2]'
+        with pytest.raises(DesignFileError, match=r"no mass of the design|no design value"):
+            read_case(text, "mine.toml")
 
 
 def test_a_file_without_them_has_none():

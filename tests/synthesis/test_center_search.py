@@ -389,7 +389,7 @@ def test_rounds_go_on_until_nothing_more_is_found_or_the_bound_is_near() -> None
     clock = SimpleNamespace(over=False, elapsed=0.0, left=10.0)
 
     def slow(*_: Any) -> Any:
-        clock.elapsed += 1.0
+        clock.elapsed += 0.85
         return np.ones((1, 3))
 
     done.made._searched = slow

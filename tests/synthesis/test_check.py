@@ -13,11 +13,18 @@ from paminsa_viz.model.reach import check_reach
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.quantities import QUANTITIES
-from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
+from paminsa_viz.quantities.requirements import (
+    Requirement,
+    Requirements,
+    Workspace,
+    WorkspaceShape,
+)
+from paminsa_viz.synthesis.volume import check
 from paminsa_viz.synthesis.volume.check import Over, _refined, check_requirements
-from paminsa_viz.synthesis.volume.grid import COARSE, Resolution
+from paminsa_viz.synthesis.volume.grid import COARSE, FINE, Resolution
 from paminsa_viz.synthesis.volume.solve import solve_volume
 from paminsa_viz.synthesis.volume.workspace import (
+    RequirementCheck,
     Samples,
     best_center,
     sample_workspace,
@@ -153,6 +160,39 @@ def test_what_takes_long_is_looked_at_in_fewer_poses(monkeypatch: pytest.MonkeyP
     assert poses["frequency_1"] < poses["clearance"] == poses["condition"]
 
 
+@pytest.mark.parametrize("fine", [False, True])
+def test_samples_and_headings_are_the_most_that_can_be_paid_for(
+    monkeypatch: pytest.MonkeyPatch, fine: bool
+) -> None:
+    """One sample less from center to boundary and half the headings, down to one and to five."""
+    taken: list[tuple[Samples, np.ndarray]] = []
+    item = RequirementCheck("a", "", 0.0, 1.0, None, True)
+    monkeypatch.setattr(check, "reach_items", lambda *_: (item, item))
+    monkeypatch.setattr(check, "worst_over", lambda *given: taken.append(given[3:]) or item)
+    plan = [(3, 5), (2, 5), (1, 5)]
+    if fine:
+        plan = [(8, 65), (7, 32), (6, 16), (5, 8), (4, 5), *plan]
+    budget = (FINE if fine else COARSE).budget
+    samples = [sample_workspace(BOX, (0.02, 0.0, -0.55), few) for few, _ in plan]
+    counts = [len(s.positions) * len(s.z) * n for s, (_, n) in zip(samples, plan, strict=True)]
+    told: list[float] = []
+    for number, count in enumerate(counts):
+        for share, used in ((0.999, number), (1.001, min(number + 1, len(plan) - 1))):
+            entry = replace(QUANTITIES["condition"], cost=share * budget / count)
+            monkeypatch.setattr(Requirement, "entry", entry)
+            taken.clear()
+            told.clear()
+            asked = over(BOX, "condition <= 10", "condition <= 5")
+            check_requirements(
+                APPENDIX_4, asked, fine=fine, progress=lambda done: bool(told.append(done))
+            )
+            for got, theta in taken:
+                np.testing.assert_array_equal(got.positions, samples[used].positions)
+                np.testing.assert_array_equal(got.z, samples[used].z)
+                assert len(theta) == plan[used][1]
+            assert told == [0.0, 0.5]
+
+
 def test_a_robot_that_takes_no_pose_with_every_heading_says_so() -> None:
     requirements = replace(needs("condition <= 10", "f_4 <= 450"), theta=(-math.pi, math.pi))
     found = check_requirements(APPENDIX_4.vary({"geometry.guide_stroke": 0.05}), requirements)
@@ -196,6 +236,13 @@ def test_over_a_volume_the_worst_of_its_nodes_counts() -> None:
     assert found.holds
     for index, item in enumerate(found.items[2:]):
         assert item.margin == pytest.approx(volume.margins[index][volume.inside].min(), rel=1e-9)
+    for item in found.items:  # each is shown at a pose of the volume
+        assert item.pose is not None
+        x, y, _, z = item.pose
+        axes = zip((volume.x, volume.y, volume.z), (x, y, z), strict=True)
+        at = [int(np.abs(axis - one).argmin()) for axis, one in axes]
+        assert volume.inside[tuple(at)]
+        assert check_reach(APPENDIX_4.geometry, np.array(item.pose)).ok
 
 
 def test_empty_volume_shows_the_best_pose_of_each() -> None:

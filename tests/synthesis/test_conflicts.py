@@ -136,6 +136,8 @@ def test_sets_are_contradictory_and_irreducible(conflicts):
             assert all(feasible(tuple(x for x in found if x != item)) for item in found)
     if conflicts:
         assert len(irreducible_set(items, feasible, 6)) == min(map(len, conflicts))
+    # where not even none of them can be met, none of them is to blame
+    assert irreducible_set(items[:1], lambda chosen: False) == ()
 
 
 def contradictory() -> InnerCase:

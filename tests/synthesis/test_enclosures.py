@@ -19,6 +19,7 @@ from paminsa_viz.model import (
     static_torques,
 )
 from paminsa_viz.model.leg import mechanism
+from paminsa_viz.synthesis.proof import enclosures
 from paminsa_viz.synthesis.proof.affine import (
     Affine,
     box_variables,
@@ -177,6 +178,27 @@ def test_every_entry_off_the_diagonal_counts(place: tuple[int, int], middle: flo
     found = max(np.linalg.cond(center + linear), np.linalg.cond(center - linear))
     assert found > 2.5
     assert found <= bound <= 1.05 * found
+
+
+@pytest.mark.parametrize("skew", [0.0, 1e-3])
+def test_sizes_norms_and_bounds_are_widened_by_what_the_vectors_are_off(
+    monkeypatch: pytest.MonkeyPatch, skew: float
+) -> None:
+    """Each by the same share; of an upper triangle of numbers the bound then has a closed form."""
+    assert 450 * 2.0**-53 <= enclosures.SKEW <= 910 * 2.0**-53
+    monkeypatch.setattr(enclosures, "SKEW", skew)
+    a = Affine(-2.0, 0.5, 0.0, 0.0, -0.25, 0.125)
+    assert enclosures._most(a) == pytest.approx(2.875 * (1 + skew), rel=1e-12)
+    for row in ((1.0, 0.2, -0.3, 0.5), (0.1, 2.0, 1.0, 0.3), (1.0, 0.0, 0.0, 1.0)):
+        norm = np.linalg.norm(np.reshape(row, (2, 2)), 2)
+        assert enclosures._norm(*row) == pytest.approx(norm * (1 + skew), rel=1e-12)
+    middle, last, beside = 0.9, 0.3, 0.2
+    most, rest = beside * (1 + skew), middle * (1 + skew)
+    more = np.linalg.norm([[1.0, most], [0.0, rest]], 2) * (1 + skew) - 1.0
+    entries = (1.0, beside, 0.0, 0.0, middle, 0.0, 0.0, 0.0, last)
+    found = block_condition(*(Affine(c, 0.0, 0.0, 0.0, 0.0, 0.0) for c in entries))
+    expected = (1.0 + more * (1 + skew)) / last * (1 + skew) ** 2
+    assert found == pytest.approx(expected, rel=1e-12)
 
 
 SEEDS = st.integers(0, 2**16)

@@ -62,7 +62,9 @@ def test_least_and_largest_condition_numbers(seed: int) -> None:
 @given(seed=SEEDS, loaded=st.booleans())
 def test_least_and_largest_torques(seed: int, loaded: bool) -> None:
     rng = np.random.default_rng(seed)
-    load = LoadCase(*rng.uniform(-30, 30, 2), moment_z=rng.uniform(-3, 3)) if loaded else LoadCase()
+    some = loaded * rng.integers(0, 2, 3)  # a force without a moment, or along one axis, as well
+    x, y, moment = some * rng.uniform(-30, 30, 3)
+    load = LoadCase(x, y, moment_z=moment)
     design = replace(random_design(rng), load=load)
     xy, theta, z, every = poses(design, seed)
     out = np.empty((2, len(kernels.TORQUE_COLUMNS)))

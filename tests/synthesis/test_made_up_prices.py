@@ -12,10 +12,12 @@ import pytest
 
 from paminsa_viz.synthesis import Effort, Regime, SynthesisResult, synthesize
 from paminsa_viz.synthesis.answer import prices
-from paminsa_viz.synthesis.answer.prices import STILL, Requirable, requirement_prices
+from paminsa_viz.synthesis.answer.prices import Requirable, requirement_prices
 from tests.synthesis.test_prices import one_length
 
 BASE = 10.0
+FREE = 2e-4
+"""Share of the optimum that a search leaves open."""
 
 
 @dataclass
@@ -73,15 +75,15 @@ def test_a_price_is_the_slope_of_the_optimum_against_the_bound(made_up: MadeUp) 
     made_up.add("one way", 5.0, 1.0, lambda v: BASE + 0.25 * (v - 5), lambda v: v < 5.0)
     made_up.add("other way", 8.0, 1.0, lambda v: BASE + (v - 8) if v > 8.0 else nothing)
     made_up.add("no way", 1.0, 1.0, lambda v: nothing)
-    made_up.add("free", 1.0, 1.0, lambda v: BASE + 0.99 * STILL * BASE * (v - 1) / 0.04)
-    made_up.add("dear", 1.0, 1.0, lambda v: BASE + 1.01 * STILL * BASE * (v - 1) / 0.04)
+    made_up.add("free", 1.0, 1.0, lambda v: BASE + 0.99 * FREE * BASE * (v - 1) / 0.04)
+    made_up.add("dear", 1.0, 1.0, lambda v: BASE + 1.01 * FREE * BASE * (v - 1) / 0.04)
     made_up.add("bend", 1.0, 1.0, lambda v: BASE + (v - 1) * (6.0 if v > 1 else 4.0))
     parts: list[float] = []
     found = requirement_prices(made_up.result, progress=lambda done: bool(parts.append(done)))
     rows = {row.label: row for row in found}
     price = {
         "up": 3.0, "down": 0.5, "at zero": 7.0, "one way": 0.25, "other way": 1.0,
-        "no way": nothing, "free": 0.0, "dear": 1.01 * STILL * BASE / 0.04, "bend": 5.0,
+        "no way": nothing, "free": 0.0, "dear": 1.01 * FREE * BASE / 0.04, "bend": 5.0,
     }  # fmt: skip
     step = {
         "up": 0.04, "down": 0.08, "at zero": 0.02, "one way": 0.1, "other way": 0.16,

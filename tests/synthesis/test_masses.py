@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.actuation.catalog import generic_catalog
+from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.actuation.selection import size_design
 from paminsa_viz.balancing import (
     CounterweightRange,
@@ -283,24 +284,54 @@ def test_masses_are_the_best_with_drives_that_fit_them():
     assert all(figures is not None and figures.feasible for figures in sized)
 
 
-def test_drives_that_never_settle_are_tried_six_times(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two sets of drives that lead to each other; only what goes around is of interest."""
+@pytest.mark.parametrize("fit", [True, False])
+@pytest.mark.parametrize("settles", [True, False])
+def test_drives_are_chosen_again_until_they_are_those_of_the_round_before(
+    settles: bool, fit: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Or six times, where two sets lead to each other; only what goes around is of interest."""
     place = "paminsa_viz.synthesis.masses.drives"
     weak, strong = (Drive(rotor_inertia=inertia) for inertia in (1e-5, 2e-5))
+    asked: list[tuple[object, ...]] = []
 
     class Chosen:
+        feasible = fit
+
         def __init__(self, design: Design) -> None:
-            self.following = strong if design.drives[0] == weak else weak
+            self.following = strong if design.drives[0] == weak or settles else weak
 
         def design(self, design: Design) -> Design:
+            assert not any(design.drives)
             return replace(design, drives=(self.following,) * 3 + (None,))
 
+    def select(cycle: Design, *given: object, **more: object) -> Chosen:
+        asked.append((given, more))
+        return Chosen(cycle)
+
+    def cycle(design: Design, duties: list[Duty]) -> Design:
+        asked.append(tuple(duties))
+        return design
+
     monkeypatch.setattr(f"{place}.solve_inner", lambda design, *_: SimpleNamespace(design=design))
-    monkeypatch.setattr(f"{place}.duty_cycle", lambda design, duties: design)
-    monkeypatch.setattr(f"{place}.select_drives", lambda cycle, *_, **__: Chosen(cycle))
+    monkeypatch.setattr(f"{place}.duty_cycle", cycle)
+    monkeypatch.setattr(f"{place}.select_drives", select)
     case = InnerCase("peak_torque", (motion(),), MASSES, WEIGHTS[:1])
     found = solve_with_drives(APPENDIX_4, case, poses(), generic_catalog())
-    assert (found.rounds, found.settled) == (6, False)
+    assert (found.rounds, found.settled) == ((2, True) if settles else (6, False))
+    assert found.feasible is (settles and fit)
+    assert found.inner.design.drives[0] == (strong if settles else weak)
+    # each motion once, and drives that may differ, unless it is said
+    assert asked[0] == (Duty(motion()),)
+    assert asked[1] == ((generic_catalog(),), {"order": "mass", "same": False})
+    asked.clear()
+    duties = [Duty(motion(), 3)]
+    solve_with_drives(
+        APPENDIX_4, case, poses(), generic_catalog(), duties=duties, order="cost", same=True
+    )
+    assert asked[0] == tuple(duties)
+    assert asked[1] == ((generic_catalog(),), {"order": "cost", "same": True})
+    with pytest.raises(InvalidInput, match="at least one"):
+        solve_with_drives(APPENDIX_4, case, poses(), generic_catalog(), duties=[])
 
 
 def test_springs_and_missing_motions_are_refused():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -87,6 +88,17 @@ def test_the_lowest_value_is_found_inside_and_at_the_ends(shape: WorkspaceShape)
         for end in (low, high):
             share = np.mean(np.abs(first[:, column] - end) < 1e-12)
             assert share == pytest.approx(0.5 * (1 - 1 / 1.3), abs=0.02)
+    # then about the best, nearer and nearer, at the same poses in every version
+    rng = np.random.default_rng(15)
+    unit = 1.3 * rng.uniform(-1.0, 1.0, (4096, 4))
+    np.testing.assert_array_equal(first, from_unit(part, unit))
+    for turn, near in enumerate(seen[1:]):
+        best = np.argsort(np.linalg.norm(from_unit(part, unit) - inside, axis=1))[:32]
+        drawn = np.clip(np.repeat(unit[best], 32, axis=0), -1.0, 1.0)
+        drawn = drawn + 0.3 * 0.6**turn * rng.normal(size=drawn.shape)
+        np.testing.assert_allclose(near, from_unit(part, drawn), atol=1e-12)
+        unit = np.concatenate([unit[best], drawn])
+    assert len(seen) == 1 + 24
     inside = np.array([0.5, -0.5, 1.0, 0.0])
     pose, _ = lowest(value, part)
     assert pose[2:] == pytest.approx([THETA[1], CENTER[2] + 0.15], abs=1e-9)
@@ -139,6 +151,8 @@ def test_samples_of_what_cannot_be_proven_are_in_their_part(shape: WorkspaceShap
         if shape is WorkspaceShape.BOX:
             assert ends == expected
         assert ends[2:] == expected[2:] or not len(fewer)
+    level, _ = sample_requirement(APPENDIX_4, asked, bound, replace(part, half=(*part.half[:2], 0)))
+    assert len(level) == len(np.unique(level, axis=0)) > 9
     elsewhere = Requirement("stiffness_x", low=1.0, z=(-0.3, -0.2))
     poses, margins = sample_requirement(APPENDIX_4, asked, elsewhere, part)
     assert (poses.shape, margins.shape) == ((0, 4), (0,))

@@ -19,7 +19,6 @@ from paminsa_viz.synthesis import (
     synthesize,
 )
 from paminsa_viz.synthesis.answer.prices import (
-    AT_END,
     _bound,
     _limit,
     _requirables,
@@ -105,7 +104,7 @@ def test_range_of_headings_costs_what_the_closed_form_says():
 def test_ends_that_an_answer_touches_are_asked_and_no_others():
     path, low, high = "geometry.crank_length", 0.2, 0.8
     result = synthesize(one_length(effort=Effort(1, 4)), relax=False)
-    near = AT_END * (high - low)
+    near = 0.002 * (high - low)
 
     def asked(value: float) -> dict[str, tuple[float, float]]:
         items = _requirables(result, [value])
@@ -126,7 +125,7 @@ def test_ends_that_an_answer_touches_are_asked_and_no_others():
     low, high = 1e-300, 1.0  # the distance of a value from such an end is exact
     whole = replace(result.case.ranges[0], low=low, high=high)
     result = replace(result, case=replace(result.case, ranges=(whole,)))
-    assert asked(AT_END) == {"least crank_length": (low, 1.0)}
+    assert asked(0.002) == {"least crank_length": (low, 1.0)}
 
 
 def test_sizes_and_headings_move_about_their_middle():
@@ -160,6 +159,7 @@ def test_sizes_and_headings_move_about_their_middle():
         ((1.0, None), 1.1, {"low": 2.5}, 1.0),
         ((1.0, 3.0), 1.1, {"low": 2.5}, 1.0),
         ((1.0, 3.0), 2.9, {"high": 2.5}, -1.0),
+        ((1.0, 3.0), 2.0, {"high": 2.5}, -1.0),
         ((-3.0, 3.0), -2.9, {"low": -2.5, "high": 2.5}, -1.0),
     ],
 )

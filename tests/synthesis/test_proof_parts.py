@@ -12,11 +12,13 @@ import pytest
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
-from paminsa_viz.synthesis.proof import certificate, evidence, regions
+from paminsa_viz.synthesis.proof import certificate, evidence, families, regions
 from paminsa_viz.synthesis.proof.bisection import Nearest
 from paminsa_viz.synthesis.proof.certificate import region_of, sampled_evidence
 from paminsa_viz.synthesis.proof.evidence import (
     LARGEST,
+    Evidence,
+    Proof,
     Verdict,
     home_path,
     prove_reach,
@@ -28,12 +30,20 @@ from paminsa_viz.synthesis.proof.families import (
     EVERYWHERE,
     FAMILIES,
     SLACK,
+    Family,
     Method,
     Symmetry,
     groups,
     method,
 )
-from paminsa_viz.synthesis.proof.regions import PoseRegion, box, least_free, region_margins
+from paminsa_viz.synthesis.proof.regions import (
+    PoseRegion,
+    RegionMargins,
+    box,
+    freedom,
+    least_free,
+    region_margins,
+)
 from paminsa_viz.synthesis.search.region import reach_margins, spans
 
 GEOMETRY = APPENDIX_4.geometry
@@ -41,6 +51,7 @@ TURN = 0.4
 DISC = PoseRegion(WorkspaceShape.CYLINDER, (0.03, -0.02, -0.6), (0.08, 0.08, 0.1), (-0.2, TURN))
 BOXES = replace(DISC, shape=WorkspaceShape.BOX, half=(0.08, 0.05, 0.1))
 CLEAR = replace(GEOMETRY, axis_clearance=0.01)
+CONDITION, STIFFNESS = Requirement("condition", high=9.0), Requirement("stiffness_x", low=1.0)
 
 
 @pytest.mark.parametrize("region", [DISC, BOXES, replace(DISC, center=(0.03, -0.02, 0.02))])
@@ -115,7 +126,7 @@ def test_reach_is_refuted_by_a_pose_and_else_open(
     needed = Requirements((), DISC.theta)
     fine = prove_reach(APPENDIX_4, needed, DISC)
     margins = region_margins(GEOMETRY, DISC)
-    assert {item.verdict for item in fine.values()} == {Verdict.PROVEN}
+    assert {(item.verdict, item.boxes) for item in fine.values()} == {(Verdict.PROVEN, 0)}
     assert fine["reach"].margin == margins.least_reach
     assert fine["singularity"].margin == min(margins.circle, margins.turn)
     far = replace(DISC, half=(0.4, 0.4, 0.7))
@@ -134,18 +145,67 @@ def test_a_margin_of_reach_is_over_its_own_part() -> None:
     part = replace(DISC, center=(0.03, -0.02, -0.525), half=(0.08, 0.08, 0.025), theta=(0.0, 0.1))
     expected = region_margins(GEOMETRY, part).least_reach - 0.02
     assert reach_margin(APPENDIX_4, needed, high, DISC) == pytest.approx(expected, abs=1e-14)
-    assert regions_of(needed, DISC)[0] == DISC
+    whole, own = regions_of(needed, DISC)
+    assert (whole, own.theta, own.shape) == (DISC, part.theta, part.shape)
+    assert (own.center, own.half) == (pytest.approx(part.center), pytest.approx(part.half))
+    loose = replace(high, low=0.0)
+    assert reach_margin(APPENDIX_4, needed, loose, DISC) == pytest.approx(expected + 0.02)
+    far = replace(DISC, half=(0.4, 0.4, 0.1))
+    found = prove_reach(APPENDIX_4, Requirements((loose,), DISC.theta), far)[loose]
+    assert found.margin == pytest.approx(freedom(GEOMETRY, np.array([found.pose]))[0, 0])
     assert len(regions_of(Requirements((high, high), DISC.theta), DISC)) == 2
     elsewhere = replace(high, z=(0.0, 1.0))
     assert reach_margin(APPENDIX_4, needed, elsewhere, DISC) == np.inf
     assert regions_of(Requirements((elsewhere,), DISC.theta), DISC) == [DISC]
     found = prove_reach(APPENDIX_4, needed, DISC)[high]
     assert (found.verdict, found.margin) == (Verdict.PROVEN, pytest.approx(expected))
+    assert found.boxes == 0
+    touching = replace(high, z=(DISC.high[2], 0.0))  # at a single height
+    top = replace(part, center=(0.03, -0.02, DISC.high[2]), half=(0.08, 0.08, 0.0))
+    assert regions_of(Requirements((touching,), DISC.theta), DISC) == [DISC, top]
     steep = replace(high, low=0.02 + expected + 1e-3)
     found = prove_reach(APPENDIX_4, Requirements((steep,), DISC.theta), DISC)[steep]
     assert found.verdict is Verdict.REFUTED
     assert found.margin == pytest.approx(-1e-3, abs=1e-5)
     assert found.pose is not None
+
+
+def test_a_margin_of_nothing_is_kept_if_it_is_asked_for_and_else_open(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Reach is proven above zero; a bound on its margin is kept where just met."""
+    none = np.empty((0, 4))
+    plain = Proof(Verdict.PROVEN, DISC, ())
+    assert (plain.path.shape, plain.remaining.shape) == (none.shape, (0, 2, 4))
+    assert (plain.boxes, plain.seconds, plain.pose, plain.sampled) == (0, 0.0, None, ())
+    items = (
+        Evidence("reach", Method.SAMPLED, Verdict.PROVEN, 0.1, (9.0,) * 4),
+        Evidence.of(CONDITION, Method.BISECTION, Verdict.REFUTED, -0.1, np.arange(4.0)),
+        Evidence.of(STIFFNESS, Method.SAMPLED, Verdict.SAMPLED, 0.1, np.arange(4.0) + 1.0),
+    )
+    full = replace(plain, evidence=items)
+    assert (full.pose, full.sampled) == ((0.0, 1.0, 2.0, 3.0), (STIFFNESS,))
+    pose, low = np.array([0.01, 0.02, 0.1, -0.6]), Requirement("reach_margin", low=0.02)
+    needed = Requirements((low,), DISC.theta)
+    monkeypatch.setattr(evidence, "least_free", lambda *_: (pose, 1e-9, "reach"))
+    for reach, circle, name in ((0.0, 0.1, "reach"), (0.1, 0.0, "singularity")):
+        made = RegionMargins(np.full((3, 4), reach), circle, 0.1)
+        monkeypatch.setattr(evidence, "region_margins", lambda *_, m=made: m)
+        found = prove_reach(APPENDIX_4, needed, DISC)
+        assert found[name].verdict is Verdict.UNDECIDED
+        assert found[low].verdict is (Verdict.PROVEN if reach else Verdict.UNDECIDED)
+    monkeypatch.setattr(evidence, "freedom", lambda g, poses: np.full((2, len(poses)), 0.02))
+    for margin, verdict in ((0.0, Verdict.PROVEN), (-1e-300, Verdict.UNDECIDED)):
+        monkeypatch.setattr(evidence, "reach_margin", lambda *_, m=margin: m)
+        item = prove_reach(APPENDIX_4, needed, DISC)[low]
+        assert (item.verdict, item.margin) == (verdict, 0.0)
+    monkeypatch.setattr(
+        evidence, "region_margins", lambda *_: RegionMargins(np.full((3, 4), 0.1), 0.1, 0.1)
+    )
+    for margin, scale in ((0.0, 50.0 / 0.1), (-1e-300, 0.0)):  # half the longest bar, or nothing
+        monkeypatch.setattr(evidence, "reach_margin", lambda *_, m=margin: m)
+        found_scale = reach_scale(APPENDIX_4, needed, DISC, (True,) * 3, 40)
+        assert found_scale == pytest.approx(scale, rel=1e-9)
 
 
 @pytest.mark.parametrize("digits", [12, 26])
@@ -182,11 +242,13 @@ def test_a_path_from_home_goes_straight_one_coordinate_after_the_other(
     region = replace(DISC, center=(0.03, -0.05, -0.3), theta=(0.1, 0.3))
     goal = np.array([0.03, -0.05, 0.1, -0.3])
 
-    def moves(path: Any) -> list[list[int]]:
-        steps = np.diff(path, axis=0)
+    def moves_of(path: Any) -> list[list[int]]:
         assert path[0].tolist() == home.tolist()
+        return [np.flatnonzero(step).tolist() for step in np.diff(path, axis=0)]
+
+    def moves(path: Any) -> list[list[int]]:
         assert path[-1] == pytest.approx(goal)
-        return [np.flatnonzero(step).tolist() for step in steps]
+        return moves_of(path)
 
     path = home_path(GEOMETRY, region)
     assert moves(path) == [[3], [0, 1], [2]]
@@ -205,6 +267,13 @@ def test_a_path_from_home_goes_straight_one_coordinate_after_the_other(
     seen.clear()
     refused[:] = range(100)
     assert home_path(GEOMETRY, region).shape == (0, 4)
+    # straight up, by a single box
+    seen.clear()
+    refused[:] = []
+    above = replace(region, center=(home[0], home[1], home[3] + 0.1), theta=(-0.1, 0.1))
+    assert moves_of(home_path(GEOMETRY, above)) == [[3]]
+    (only,) = seen
+    assert (only.low[2], only.high[2]) == pytest.approx((home[3], home[3] + 0.1))
     # already there: home itself is what is proven
     seen.clear()
     refused[:] = []
@@ -247,6 +316,8 @@ def test_how_a_requirement_is_answered_for() -> None:
     ]  # fmt: skip
     assert found[2].sizes.tolist() == [5.0, 300.0]
     assert groups(APPENDIX_4, Requirements((lift,), whole))[0].sizes.tolist() == [300.0]
+    small = (Requirement("tau_1", low=-0.25), Requirement("f_4", high=-0.5))
+    assert groups(APPENDIX_4, Requirements(small, whole))[0].sizes.tolist() == [0.25, 0.5]
 
 
 @pytest.mark.parametrize("index", range(3))
@@ -268,6 +339,26 @@ def test_margins_of_boxes_without_size_are_those_of_their_poses(index: int) -> N
     np.testing.assert_allclose(found, exact, rtol=1e-9, atol=1e-9)
     wide = group.margins(poses, np.full_like(poses, 1e-3))
     assert (wide <= exact + 1e-12).all()
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_values_depend_on_the_height_where_the_family_says_so(family: Family) -> None:
+    low, high = (family.values(APPENDIX_4, np.array([[0.05, 0.02, 0.1, z]])) for z in (-0.7, -0.5))
+    changed = max(abs(float(high[key][0] - low[key][0])) for key in family.keys)
+    assert changed > 0.1 if family.by_height else changed == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_mean_square_that_is_rounded_down_has_its_root_rounded_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    high = np.array([[1.0, 2.0, 3.0, 9.0, 4.0], [-1.0, -0.5, 0.0, 9.0, 2.0]])
+    low = np.array([[-5.0, 2.0, 3.0, 9.0, 0.0], [-1.0, -3.0, -2.0, 9.0, 0.0]])
+    monkeypatch.setattr(families, "static_bounds", lambda *_: (low, high))
+    found = families._static_ranges(APPENDIX_4, low, high)
+    roots = np.sqrt([4.0, 2.0])
+    assert (found["rms_torque"][1] > roots).all()
+    assert found["rms_torque"][1] == pytest.approx(roots, rel=2e-15)
+    assert found["max_torque"][1].tolist() == [5.0, 3.0]
 
 
 def test_boxes_of_a_third_are_those_within_sixty_degrees_of_the_y_axis() -> None:

@@ -17,6 +17,7 @@ from paminsa_viz.synthesis.search.region import (
     SPARSE,
     TRIAL,
     Density,
+    center,
     extent,
     farthest,
     ray,
@@ -133,9 +134,12 @@ def test_poses_that_are_alike_are_left_out_and_no_others(theta: tuple[float, flo
     """The largest condition number over the whole workspace is that of the part."""
     centered = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.2), (0.0, 0.0, -0.6))
     geometry = APPENDIX_4.geometry
-    for space in (centered, replace(centered, center=(0.03, 0.0, -0.6))):
+    spaces = (centered, *(replace(centered, center=(*xy, -0.6)) for xy in ((0, 0.02), (0.03, 0))))
+    for space in spaces:
         few, every = (sample(space, theta, SPARSE, alike=alike) for alike in (True, False))
-        assert (few.poses < every.poses) == (space is centered)
+        mirrored = theta[0] < 0 and space.center[0] == 0.0
+        assert (few.poses < every.poses) == (mirrored or space is centered)
+        assert (len(few.within) < len(every.within)) == (space is centered)
         worst = []
         for found in (few, every):
             at = found.place(found.within, space)
@@ -143,12 +147,60 @@ def test_poses_that_are_alike_are_left_out_and_no_others(theta: tuple[float, flo
             pose[..., :2], pose[..., 2], pose[..., 3] = at, found.theta[:, None], -0.6
             worst.append(measure_singularity(geometry, pose).condition.max())
         assert worst[0] == pytest.approx(worst[1], rel=1e-9)
-        assert len(few.theta) == (
-            1 if theta[0] == theta[1] else 2 if theta[0] < 0 and space is centered else 3
-        )
+        assert len(few.theta) == (1 if theta[0] == theta[1] else 2 if mirrored else 3)
     np.testing.assert_allclose(
         every.turns, np.transpose([np.cos(every.theta), np.sin(every.theta)])
     )
+
+
+@pytest.mark.parametrize("around", [1, 4, 5, 12])
+@pytest.mark.parametrize("shape", list(WorkspaceShape))
+def test_positions_are_on_outlines_at_even_distances(shape: WorkspaceShape, around: int) -> None:
+    """As many for each leg on the outer one, one toward each leg; half as many on those within."""
+    density = Density(around, 4, 3, 2)
+    found = sample(workspace(shape, 1), (-0.3, 0.4), density)
+    size = np.abs(found.within).max(axis=1)
+    if shape is WorkspaceShape.CYLINDER:
+        size = np.hypot(*found.within.T)
+    levels, counts = np.unique(size.round(9), return_counts=True)
+    assert levels == pytest.approx([0.0, 1 / 3, 2 / 3, 1.0])
+    expected = [3 * max(1, around // 2)] * 2 + [3 * around]
+    if shape is WorkspaceShape.BOX:  # as many on each side, its end included
+        expected = [4 * max(1, count // 4) for count in expected]
+    assert counts.tolist() == [1, *expected]
+    for level, count in zip(levels[1:], expected, strict=True):
+        outline = found.within[np.isclose(size, level)]
+        if shape is WorkspaceShape.BOX:
+            for corner in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
+                assert np.isclose(outline, level * np.array(corner)).all(axis=1).sum() == 1
+            steps = np.abs(np.roll(outline, -1, axis=0) - outline)
+            assert steps.max(axis=1) == pytest.approx(np.full(count, 8 * level / count))
+            assert steps.min(axis=1).max() < 1e-9
+        else:
+            angle = np.sort(np.arctan2(outline[:, 1], outline[:, 0]) % (2 * np.pi))
+            assert np.diff(angle) == pytest.approx(np.full(count - 1, 2 * np.pi / count))
+            for leg in np.radians([90.0, 210.0, 330.0]):
+                assert np.abs(angle - leg).min() < 1e-9
+
+
+@pytest.mark.parametrize("headings", [1, 2, 3, 4, 5])
+def test_headings_that_are_the_same_to_both_sides_are_those_of_one(headings: int) -> None:
+    space = Workspace(WorkspaceShape.BOX, (0.2, 0.2, 0.2), (0.0, 0.0, -0.6))
+    density = Density(4, 2, headings, 2)
+    found = sample(space, (-0.4, 0.4), density, alike=True).theta
+    assert found == pytest.approx(np.linspace(0.0, 0.4, max(2, (headings + 1) // 2)))
+    for theta, alike in (((-0.4, 0.4), False), ((-0.4, 0.3), True), ((0.1, 0.4), True)):
+        every = sample(space, theta, density, alike=alike).theta
+        assert every == pytest.approx(np.linspace(*theta, headings))
+
+
+def test_a_center_that_is_not_given_is_the_axis() -> None:
+    free = Workspace(WorkspaceShape.BOX, (0.2, 0.4, 0.2), (None, None, None))
+    assert center(free).tolist() == [0.0, 0.0]
+    assert center(replace(free, center=(0.1, -0.2, None))).tolist() == [0.1, -0.2]
+    assert farthest(free) == pytest.approx(np.hypot(0.1, 0.2))
+    level = Extent(replace(free, center=(0.0, 0.0, 0.0)), (-0.1, 0.1))
+    assert level.heights == pytest.approx((-0.1, 0.1))
 
 
 @given(shape=SHAPES, seed=SEEDS)
@@ -166,6 +218,11 @@ def test_poses_outside_move_to_the_boundary_and_others_stay(
     anywhere = inside + rng.normal(size=(200, 4)) * 0.3
     found = own.clipped(anywhere)
     np.testing.assert_allclose(own.clipped(found), found, atol=1e-12)
+    middle, half = np.array([*space.center[:2], 0.05, -0.6]), 0.5 * np.array(space.size)
+    off = np.abs(found - middle)
+    assert (off - [half[0], half[1], 0.25, half[2]]).max() <= 1e-12
+    if shape is WorkspaceShape.CYLINDER:
+        assert (np.hypot(off[:, 0], off[:, 1]) <= half[0] + 1e-12).all()
     # convex, so that the nearest place is the one from which nothing inside is toward the pose
     for part in (slice(0, 2), slice(2, 3), slice(3, 4)):
         away = (anywhere - found)[:, None, part]

@@ -169,5 +169,7 @@ def test_what_is_known_of_a_requirement_has_the_bound_that_its_margin_stands_for
         Requirement("f_4", low=1.0, high=2.0), Method.CLOSED_FORM, Verdict.PROVEN, 0.1
     )
     assert np.isnan(both.bound)
+    zero = Evidence.of(Requirement("f_4", high=0.0), Method.SAMPLED, Verdict.SAMPLED, 0.5)
+    assert zero.bound == -0.5
     plain = Evidence("singularity", Method.CLOSED_FORM, Verdict.PROVEN, 0.3)
     assert (plain.key, plain.bound) == ("singularity", 0.3)

@@ -9,19 +9,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.model import APPENDIX_4, KneeBranch, LoadCase
+from paminsa_viz.dimensions.needs import needed_guide, needed_shaft
+from paminsa_viz.model import APPENDIX_4, KneeBranch, LoadCase, inverse_kinematics
+from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.progress import Canceled
 from paminsa_viz.quantities.requirements import Requirement, Workspace, WorkspaceShape
 from paminsa_viz.studies.executors import here
-from paminsa_viz.synthesis import Evaluator, ObjectiveLimit, Regime
+from paminsa_viz.synthesis import Evaluator, Guide, ObjectiveLimit, Regime, SearchRange
 from paminsa_viz.synthesis.search import outer, refusals, solve
+from paminsa_viz.synthesis.search.case import SHAFT
 from paminsa_viz.synthesis.search.evaluation import REFUSED
-from paminsa_viz.synthesis.search.extremes import Extent, least_over
+from paminsa_viz.synthesis.search.extremes import Extent
 from paminsa_viz.synthesis.search.kernels import TORQUE_COLUMNS
 from paminsa_viz.synthesis.search.outer import PROGRESS, RegimeState, refined
 from paminsa_viz.synthesis.search.refusals import least_footprint
-from paminsa_viz.synthesis.search.region import Density, ray
-from paminsa_viz.synthesis.search.trial import Poses, Robots, TrialRobot, _following
+from paminsa_viz.synthesis.search.region import SPARSE, ray, reach_margins
+from paminsa_viz.synthesis.search.trial import ABOVE_QUILL, Poses, Robots, TrialRobot, _following
 from paminsa_viz.synthesis.search.trial_masses import _tightened
 from tests.synthesis.search_cases import CYLINDER
 from tests.synthesis.test_costs import evaluator
@@ -38,31 +41,6 @@ def test_a_ray_from_the_very_edge_of_a_workspace_leaves_on_the_other_side() -> N
     assert ray(disc, np.array([1.0, 0.0])) == pytest.approx(0.2)
     beyond = replace(disc, center=(0.1 + 1e-9, 0.0, -0.6))
     assert ray(beyond, np.array([1.0, 0.0])) == 0.0
-
-
-@pytest.mark.parametrize("density", [Density(4, 2, 3, 5), Density(4, 2, 1, 1)])
-def test_a_pattern_search_starts_with_steps_to_the_next_sample(
-    monkeypatch: pytest.MonkeyPatch, density: Density
-) -> None:
-    """Along the axes and eight directions to both sides, halved where nothing is better."""
-    monkeypatch.setattr(Extent, "clipped", lambda self, pose: pose)
-    extent, asked = Extent(SPACE, (-0.2, 0.4)), []
-    start = extent.samples(density)[3]
-
-    def values(poses: Any) -> Any:
-        asked.append(poses)
-        return np.where((poses == start).all(axis=1), 0.0, 1.0)
-
-    found = least_over(values, extent, density, starts=1)
-    assert (found.value, found.pose.tolist()) == (0.0, start.tolist())
-    size = 0.5 * np.array([0.2, 0.4, 0.6, 0.3])
-    steps = size / [2.0, 2.0, max(density.theta - 1.0, 1.0), max(density.z - 1.0, 1.0)]
-    turned = np.random.default_rng(0).normal(size=(8, 4))
-    turned /= np.linalg.norm(turned, axis=1)[:, None]
-    axes = np.concatenate([np.eye(4), -np.eye(4), turned, -turned])
-    for number, near in enumerate(asked[1:4]):
-        np.testing.assert_allclose((near - start) / steps * 2.0**number, axes, atol=1e-9)
-    assert len(asked) == 1 + 24
 
 
 # ---------------------------------------------------------------- what a trial is refused for
@@ -118,12 +96,10 @@ def test_bounds_on_the_margin_of_reach_count_on_either_side() -> None:
     found = one._over_poses(trial, margins, 0.1, np.inf)
     assert found.worst.tolist() == [0.03]
     high = Requirement("reach_margin", high=0.5)
-    both = evaluator(low, high, Requirement("condition", high=20.0))
-    (done,) = both.evaluate(NUMBERS)
-    assert done.trial is not None
-    indices = [index for index, _ in both._others(done.trial)]
-    assert indices == [1]
-    ((_, (least, most)),) = both._others(done.trial)
+    both = replace(evaluator(low, high, Requirement("condition", high=20.0)), density=SPARSE)
+    (done,) = Robots.of(both.case, NUMBERS).trials(Poses(both.case), [0])
+    ((index, (least, most)),) = both._others(done)
+    assert index == 1
     assert Robots.of(both.case, NUMBERS).margins.min() == pytest.approx(least, abs=5e-3)
     assert least < most <= 0.8
 
@@ -183,6 +159,64 @@ def test_shafts_that_follow_keep_the_largest_clearance_that_is_asked_for() -> No
         bounds = (Requirement("clearance", low=low), Requirement("clearance", low=0.0005))
         assert shaft(*bounds) == pytest.approx(base + low)
         assert shaft(*bounds[::-1], Requirement("clearance", high=3.0)) == pytest.approx(base + low)
+    # more than what the bodies need, by so much that others decide
+    (trial,) = Robots.of(replace(CYLINDER, allow_overlap=False, clearance=0.0), numbers).geometries
+    pose = Extent(CYLINDER.workspace_of(numbers[0]), CYLINDER.requirements.theta).samples(SPARSE)
+    deep = np.abs(inverse_kinematics(trial, pose).points[5][..., 2]).max()
+    needed = needed_shaft(APPENDIX_4, np.array([deep]), np.array([3.0]))
+    assert trial.shaft_length == pytest.approx(needed[0] + ABOVE_QUILL) == pytest.approx(base)
+
+
+@pytest.mark.parametrize("guide", list(Guide))
+@pytest.mark.parametrize(
+    ("changes", "follows"),
+    [
+        ({}, True), ({"allow_overlap": True}, False), ({"shaft_follows": False}, False),
+        ({"ranges": (*CYLINDER.ranges, SearchRange(SHAFT, 0.1, 0.9))}, False),
+    ],
+)  # fmt: skip
+def test_guides_and_shafts_follow_the_workspace_where_they_are_to(
+    changes: dict[str, Any], follows: bool, guide: Guide
+) -> None:
+    """Guides as long as the farthest slider and the margin; all of the slider, if bodies count."""
+    case = replace(CYLINDER, **{"allow_overlap": False, "guide": guide, "margin": 0.03} | changes)
+    numbers = np.array([[0.3, 0.1, 3.0, 0.5, 0.6, -0.6, 0.2][: len(case.paths)]])
+    (found,) = Robots.of(case, numbers).geometries
+    pose = Extent(case.workspace_of(numbers[0]), case.requirements.theta).samples(SPARSE.finer(4))
+    points = inverse_kinematics(found, pose).points
+    slider = np.linalg.norm((points[8] - points[3])[..., :2], axis=-1).max()
+    for margin in (0.03, 0.001):
+        (found,) = Robots.of(replace(case, margin=margin), numbers).geometries
+        if guide is Guide.KEPT:
+            assert found.guide_link_length == APPENDIX_4.geometry.guide_link_length
+            continue
+        more = max(margin, needed_guide(np.zeros(1))[0] if case.clear else 0.0)
+        assert found.guide_link_length == pytest.approx(slider + more, abs=1e-4)
+        assert reach_margins([found], Robots.of(case, numbers).spans)[0, 2] >= margin
+    held = 0.2 if SHAFT in case.paths else APPENDIX_4.geometry.shaft_length
+    assert (found.shaft_length != held) is follows
+
+
+def test_guides_that_would_be_too_long_for_any_robot_are_as_long_as_one_may_be() -> None:
+    numbers = np.array([[0.1001, 0.1, 1.001, 0.5, 0.6, -0.6]])
+    (found,) = Robots.of(CYLINDER, numbers).geometries
+    assert found.guide_link_length == LARGEST["m"]
+    assert (Robots.of(CYLINDER, numbers).margins[:, 2] < 0.0).all()
+
+
+def test_plates_and_bars_are_looked_at_where_the_workspace_is() -> None:
+    """At the height of the origin as well."""
+    space = replace(SPACE, center=(0.0, 0.0, 0.0))
+    geometry = APPENDIX_4.with_knee(KneeBranch.UPPER).geometry
+    masses = np.zeros(28), np.zeros(18)
+
+    def apart(z: float) -> float:
+        placed = replace(space, center=(0.0, 0.0, z))
+        trial = TrialRobot(Poses(CYLINDER), NUMBERS[0], geometry, placed, *masses)
+        return trial.plate_distance((-0.1, 0.2), 1.0)
+
+    assert apart(0.0) == pytest.approx(apart(1e-12), abs=1e-9)
+    assert apart(0.0) != pytest.approx(apart(0.3), abs=1e-3)
 
 
 def test_bounds_of_masses_are_tighter_by_what_the_solver_rounds() -> None:
@@ -240,12 +274,14 @@ def test_relaxations_are_looked_for_where_no_regime_has_an_answer(
     monkeypatch: pytest.MonkeyPatch, feasible: Any, relax: bool, canceled: bool, asked: bool
 ) -> None:
     called: list[Any] = []
+    searched: list[Regime] = []
 
     class Run:
         def __init__(self, *_: Any, **__: Any) -> None:
             pass
 
         def search(self, state: RegimeState, note: Any) -> RegimeState:
+            searched.append(state.regime)
             if canceled:
                 raise Canceled
             note(state)
@@ -265,6 +301,7 @@ def test_relaxations_are_looked_for_where_no_regime_has_an_answer(
     assert given[4] == (("x",) if asked else ())
     assert given[5] is canceled
     assert len(given[1]) == (0 if canceled else 2)
+    assert searched == list(Regime)[: 1 if canceled else 2]
     if asked:
         assert called[0][1:3] == (tuple(Regime), here)
 

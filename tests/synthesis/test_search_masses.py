@@ -15,6 +15,8 @@ from paminsa_viz.synthesis import Density
 from paminsa_viz.synthesis.masses.case import InnerCase, MassFactor
 from paminsa_viz.synthesis.search.case import ObjectiveLimit, Regime, SynthesisCase
 from paminsa_viz.synthesis.search.evaluation import Evaluator
+from paminsa_viz.synthesis.search.trial import Poses, Robots
+from paminsa_viz.synthesis.search.trial_masses import UNLIMITED, trial_program
 from paminsa_viz.trajectory import analyze, check_path
 from paminsa_viz.trajectory.planners import arch, round_trip
 from tests.synthesis.search_cases import CYLINDER, arch_case
@@ -70,6 +72,53 @@ def test_bounds_at_rest_are_those_of_the_requirements_and_can_be_tightened():
     broken = evaluated(replace(case, requirements=tight))
     assert not broken.feasible
     assert 0.1 < broken.violation < 3.0
+
+
+def test_the_program_of_a_trial_has_its_bounds_and_limits_a_little_tighter():
+    """By what the solver rounds, at the heights and headings of each, the motion at its center."""
+    part = Requirement("max_torque", high=1.5, z=(-0.2, 0.0), theta=(0.0, 0.1))
+    bounds = (Requirement("condition", high=10.0), part, Requirement("f_4", high=400.0))
+    limits = (
+        ObjectiveLimit("moving_mass", 30.0), ObjectiveLimit("footprint", 0.9),
+        ObjectiveLimit("energy", UNLIMITED),
+    )  # fmt: skip
+    case = replace(
+        looser(), requirements=replace(looser().requirements, bounds=bounds), limits=limits
+    )
+    (trial,) = Robots.of(case, NUMBERS).trials(Poses(case), [0])
+    for tighter in ((), (0.0, 0.1, 5.0), (0.0, 0.1, 5.0, 0.5, 0.01, 0.2)):
+        program = trial_program(trial, tighter)
+        by = [*tighter, *[0.0] * 6]
+        expected = [1.5 - by[1], 400.0 - by[2], 340.0, 30.0 - by[3]]
+        found = np.array([item.bound for item in program.limits])
+        assert found == pytest.approx(expected, rel=1e-8)
+        spare = np.array(expected) - found
+        assert spare == pytest.approx([3e-9, 8e-7, 0.0, 6e-8], rel=1e-3, abs=1e-13)
+    assert [item.label for item in program.limits[2:]] == [
+        "force of M4 on the motions", "moving mass without payload"
+    ]  # fmt: skip
+    # the poses of the first are those within its part of the workspace, of the second all
+    before = program.space.before
+    first, second = (item.term.value(before) for item in program.limits[:2])
+    held = static_torques(
+        case.design(trial.geometry), trial.grid((0.0, 0.1), trial.heights((-0.2, 0.0)))
+    )
+    assert first == pytest.approx(np.abs(held[:, :3]).max())
+    held = static_torques(
+        case.design(trial.geometry), trial.grid(case.requirements.theta, trial.heights())
+    )
+    assert second == pytest.approx(held[:, 3].max())
+    ((solved, _, _),) = program.motions
+    shift = solved.trajectory.pose - case.inner.motions[0].pose
+    assert np.abs(shift - [0.0, 0.0, 0.0, NUMBERS[0, -1]]).max() < 1e-12
+    # what is relaxed is the goal, and no limit
+    for index, place in ((1, 0), (2, 1), (3, 3)):
+        relaxed = trial_program(trial, (), index)
+        kept = [item.bound for i, item in enumerate(trial_program(trial).limits) if i != place]
+        assert [item.bound for item in relaxed.limits] == kept
+        expected = program.limits[place].term.value(before)
+        assert relaxed.goal.value(before) == pytest.approx(expected)
+    assert trial_program(trial, (), 0).key == "peak_torque"
 
 
 def test_limits_on_other_goals_are_kept_by_the_masses():

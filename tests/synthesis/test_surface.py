@@ -102,6 +102,7 @@ def test_parts_by_cause_are_the_whole(surface: VolumeSurface) -> None:
     assert sum(len(faces) for _, faces in parts.values()) == len(surface.faces)
     assert {cause.kind for cause in parts} >= {CauseKind.REQUIREMENT, CauseKind.REACH}
     assert CauseKind.INSIDE not in {cause.kind for cause in parts}
+    assert [cause.code for cause in parts] == sorted(cause.code for cause in parts)
     colors = {cause_color(cause) for cause in parts if cause.requirement is not None}
     assert len(colors) == 3
 
@@ -132,6 +133,16 @@ def test_table_has_a_row_a_node_that_can_be_reached(volume: Volume) -> None:
     assert (table.columns["cause"] == "inside").sum() == volume.inside.sum()
     assert table.provenance["requirement 1"] == "condition <= 10"
     assert float(table.provenance["volume [m^3]"]) == volume.volume
+    # lengths to a nanometer, distances to a tenth of a micrometer
+    for axis in ("x", "y", "z"):
+        nodes = np.round(getattr(volume, axis), 9)
+        assert set(table.columns[f"{axis}_m"]) <= set(nodes)
+    depth = np.round(volume.depth[volume.inside], 7)
+    own = table.columns["depth_m"][table.columns["cause"] == "inside"]
+    np.testing.assert_array_equal(own, depth)
+    stated = {name: value for name, value in table.provenance.items() if name.startswith("design ")}
+    assert float(stated["design geometry.base_radius [m]"]) == 0.35
+    assert float(stated["design geometry.magnification"]) == 3.0
 
 
 @pytest.mark.parametrize("kind", VOLUME_FORMATS)
@@ -145,7 +156,8 @@ def test_equal_volumes_give_equal_files(kind: str) -> None:
 
 def test_empty_volume_has_no_surface_to_write() -> None:
     empty = solve_volume(APPENDIX_4, needs("condition <= 1"), resolution=COARSE)
-    assert len(volume_surface(empty).faces) == 0
+    none = volume_surface(empty)
+    assert (none.vertices.shape, none.faces.shape, none.cause.shape) == ((0, 3), (0, 3), (0,))
     with pytest.raises(InvalidInput, match="empty"):
         volume_bytes(empty, "stl")
     assert volume_bytes(empty, "csv")

@@ -18,11 +18,15 @@ from paminsa_viz.model import (
     measure_singularity,
     static_torques,
 )
+from paminsa_viz.model.grids import Grid, solve_field
 from paminsa_viz.model.lumped import lumped_coefficients, mass_vector
 from paminsa_viz.quantities.requirements import Requirement, Workspace, WorkspaceShape
 from paminsa_viz.synthesis import Evaluator, Guide, Regime, SynthesisCase
 from paminsa_viz.synthesis.search.evaluation import STAGES
-from tests.synthesis.search_cases import CELL, CYLINDER
+from paminsa_viz.synthesis.search.extremes import Extent
+from paminsa_viz.synthesis.search.region import SPARSE
+from paminsa_viz.synthesis.search.trial import Robots
+from tests.synthesis.search_cases import CELL, CONDITION, CYLINDER
 
 GOOD = {
     "cylinder": (CYLINDER, (0.295, 0.085, 4.8, 0.79, 0.28, -0.77)),
@@ -141,6 +145,28 @@ def test_symmetry_of_the_legs_changes_no_value() -> None:
         assert all_of_it.worst[:count] == pytest.approx(part.worst, rel=1e-9)
         assert all_of_it.objective == pytest.approx(part.objective, rel=1e-9)
         assert np.abs(all_of_it.worst[count:]).max() > 0
+
+
+@pytest.mark.parametrize(
+    "quantity", ["error_x", "selective_y", "pressure_2", "stiffness_x", "clearance_platform"]
+)
+def test_what_is_of_one_leg_or_one_direction_is_looked_for_in_the_whole_workspace(
+    quantity: str,
+) -> None:
+    """Though the legs are alike, and headings the same to both sides."""
+    case, numbers = GOOD["cylinder"]
+    bound = Requirement(quantity, low=-1e9, high=1e9)
+    case = replace(case, requirements=replace(case.requirements, bounds=(CONDITION, bound)))
+    one = Evaluator(case, Regime.SMALLER, density=SPARSE)
+    assert one._poses.alike
+    (trial,) = Robots.of(case, np.array([numbers])).trials(one._poses, [0])
+    ((_, found),) = one._others(trial)
+    pose = Extent(trial.workspace, case.requirements.theta).samples(SPARSE)
+    values = [
+        bound.entry.over(solve_field(trial.geometry, Grid.over(p, theta=p[2:3])), trial.design)
+        for p in pose
+    ]
+    assert found == pytest.approx((np.min(values), np.max(values)), rel=1e-6)
 
 
 def test_quantities_without_a_kernel_come_from_the_registry() -> None:

@@ -249,6 +249,16 @@ def test_own_headings_have_to_be_reachable() -> None:
     )
     assert volume.volume < few.volume
     assert volume.volume == pytest.approx(wide.volume, rel=0.05)
+    nodes = np.argwhere(volume.reachable)[::5]
+    at = [axis[nodes[:, i], None] for i, axis in enumerate((volume.x, volume.y, volume.z))]
+    turns = np.linspace(-math.radians(40), math.radians(40), 17)
+    poses = np.stack(np.broadcast_arrays(at[0], at[1], turns, at[2]), axis=-1)
+    own = check_reach(APPENDIX_4.geometry, poses).margins.min(axis=(1, 2, 3))
+    margin = volume.margins[0][volume.reachable][::5]
+    assert (own < -1e-4).sum() > 20
+    assert (margin[own < -1e-4] == -np.inf).all()
+    assert (margin[own > 1e-4] > 0.0).any()
+    assert (volume.cause[volume.reachable][::5][own < -1e-4] == FIRST_REQUIREMENT).all()
 
 
 @given(cases(), st.floats(-0.6, 0.2), st.floats(0.0, 0.6))
@@ -326,13 +336,22 @@ def test_volume_of_reach_alone_is_that_of_its_closed_form() -> None:
     assert volume.error < 0.02 * exact
 
 
-def test_a_cube_just_beyond_the_band_is_whole_and_no_point_is_drawn_in_it() -> None:
-    x, ones = np.arange(3.0), np.ones((3, 3, 3), bool)
-    for depth, cubes in ((1.25, 0), (1.2499, 27)):
+@pytest.mark.parametrize("step", [1.0, 0.25])
+def test_a_cube_just_beyond_the_band_is_whole_and_no_point_is_drawn_in_it(step: float) -> None:
+    x, ones = step * np.arange(3.0), np.ones((3, 3, 3), bool)
+    alone = np.zeros((3, 3, 3), bool)
+    alone[1, 1, 1] = True
+    for depth, cubes in ((1.25 * step, 0), (1.2499 * step, 27)):
         deep = np.full((3, 3, 3), depth)
         nodes = Nodes(x, x, ones, ~ones, deep, ones, deep)
         drawn = measure._Surface.of(nodes, ones, ~ones, deep, 100)
         assert (drawn.cubes, drawn.whole) == (cubes, 27 - cubes)
+        # nor in one as far outside
+        around = np.where(alone, 0.2 * step, -deep)
+        drawn = measure._Surface.of(nodes, alone, ~ones, around, 100)
+        assert (drawn.cubes, drawn.whole) == (cubes or 1, 0)
+        few = measure._Surface.of(nodes, alone, ~ones, around, 1)
+        assert len(few.points) == 1
 
 
 @pytest.mark.parametrize("count", [10_000, 60])

@@ -298,7 +298,7 @@ def build_yield(
     found: list[dict[str, float]] = []
     for part in workers.in_order(partial(_margins_of, margins), parts):
         found += part
-        if progress(len(found) / samples) and len(found) < samples:
+        if progress(len(found) / samples):
             break
     # a margin that is no number is not met
     bad = [[name for name, margin in robot.items() if not margin >= 0] for robot in found]

@@ -165,7 +165,7 @@ def first_box(group: BoundGroup, region: PoseRegion, same: Symmetry) -> tuple[Ar
         return None
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     half = np.where(half > 0.0, half * (1.0 + _ROUND) + _SPECK, 0.0)
-    if not group.family.axes[3]:
+    if not group.family.by_height:
         # the height nearest to the center's, for the gauge
         middle[3], half[3] = np.clip(region.center[2], low[3], high[3]), 0.0
     return middle[None], half[None]

@@ -189,7 +189,7 @@ def prove_reach(
         if value < 0.0 or (value == 0.0 and name == "singularity"):
             found[name] = Evidence(name, Method.CLOSED_FORM, Verdict.REFUTED, value, pose_of(pose))
     for requirement in requirements.bounds:
-        if requirement.quantity == "reach_margin" and method(requirement) is Method.CLOSED_FORM:
+        if method(requirement) is Method.CLOSED_FORM:
             found[requirement] = _reach_margin(design, requirements, requirement, region)
     return found
 
@@ -230,11 +230,7 @@ def reach_scale(
         grows: Which of its extents grow.
         digits: Binary digits of the scale.
     """
-    least = [
-        bound
-        for bound in requirements.bounds
-        if bound.quantity == "reach_margin" and method(bound) is Method.CLOSED_FORM
-    ]
+    least = [bound for bound in requirements.bounds if method(bound) is Method.CLOSED_FORM]
 
     def holds(scale: float) -> bool:
         whole = region.scaled(scale, grows)

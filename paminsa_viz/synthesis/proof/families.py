@@ -53,13 +53,13 @@ class Family:
         ranges: ``ranges(design, middle, half)`` returns least and largest values over boxes (n, 4)
             by key, each (n,); NaN or infinite for no bound.
         values: ``values(design, poses)`` returns the values at poses (n, 4) by key, each (n,).
-        axes: Which coordinates (x, y, theta, z) they depend on.
+        by_height: Whether they depend on z.
     """
 
     keys: dict[str, tuple[bool, bool]]
     ranges: Callable[[Design, Array, Array], Ranges]
     values: Callable[[Design, Array], dict[str, Array]]
-    axes: tuple[bool, bool, bool, bool]
+    by_height: bool
 
 
 def _condition_ranges(design: Design, middle: Array, half: Array) -> Ranges:
@@ -102,16 +102,16 @@ def _static_values(design: Design, poses: Array) -> dict[str, Array]:
 FAMILIES: tuple[Family, ...] = (
     Family(
         {"condition": (False, True), "conditioning": (True, False)},
-        _condition_ranges, _dexterity, (True, True, True, False),
+        _condition_ranges, _dexterity, by_height=False,
     ),
     Family(
         {"determinant": (True, True)},
-        _determinant_ranges, _dexterity, (True, True, True, False),
+        _determinant_ranges, _dexterity, by_height=False,
     ),
     Family(
         dict.fromkeys(_TORQUES, (True, True))
         | {"max_torque": (False, True), "rms_torque": (False, True)},
-        _static_ranges, _static_values, (True, True, True, True),
+        _static_ranges, _static_values, by_height=True,
     ),
 )  # fmt: skip
 """What can be proven by bisection; those of fewer coordinates come first, as they cost least."""

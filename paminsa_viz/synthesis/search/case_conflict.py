@@ -59,9 +59,13 @@ def case_conflict(
     run = _Searches(case, effort, workers, progress)
     items = (*case.requirements.bounds, *case.limits)
     places = tuple(range(len(items)))
-    if run.feasible(places):
+    possible = run.feasible(places)
+    if possible and not run.canceled:
         return None
-    found = () if not run.feasible(()) else irreducible_set(places, run.feasible)
+    if possible:
+        found = places  # nothing is known of any
+    else:
+        found = irreducible_set(places, run.feasible) if run.feasible(()) else ()
     return CaseConflict(
         tuple(items[i] for i in found), run.refused(found), run.searches, run.canceled
     )
@@ -80,7 +84,7 @@ class _Searches:
     canceled: bool = False
 
     def feasible(self, chosen: tuple[int, ...]) -> bool:
-        """Whether a robot is found; false once the search was canceled."""
+        """Whether a robot is found; taken for granted once the search was canceled."""
         if chosen not in self.known:
             self.known[chosen] = not self.refused(chosen) and self._found(self._with(chosen))
         return self.known[chosen]
@@ -103,7 +107,7 @@ class _Searches:
 
     def _found(self, case: SynthesisCase) -> bool:
         if self.canceled:
-            return False
+            return True
         found = False
 
         def stop(done: float, /, *, state: RegimeState, **_: Any) -> bool:
@@ -115,4 +119,4 @@ class _Searches:
 
         result = synthesize(case, workers=self.workers, progress=stop, relax=False)
         self.searches += 1
-        return found or result.feasible
+        return found or result.feasible or self.canceled

@@ -28,7 +28,7 @@ from paminsa_viz.synthesis.search.outer import RegimeState
 FORMAT = 1
 
 LARGEST_FILE = 50_000_000
-"""Largest checkpoint [bytes]; one of the default effort has some 20 kB."""
+"""Of a larger checkpoint no more is read [bytes]; one of the default effort has some 20 kB."""
 
 LEAST_POPULATION = 5
 """Least number of trials that differential evolution goes on from."""
@@ -62,7 +62,7 @@ class Checkpoint:
                 case, or is used by another process.
         """
         self._path, self._case = path, case
-        self._lock = -1
+        self._lock: int | None = None
         check_writable(path)
         with indivisible():  # a stop leaves no empty file
             try:
@@ -88,9 +88,9 @@ class Checkpoint:
 
     def close(self) -> None:
         """Let other processes use the file."""
-        if self._lock >= 0:
+        if self._lock is not None:
             os.close(self._lock)
-            self._lock = -1
+            self._lock = None
 
     def save(self, states: tuple[RegimeState, ...]) -> None:
         """Write where the search is, completely or not at all.
@@ -103,7 +103,7 @@ class Checkpoint:
             "case": fingerprint(self._case),
             "states": [asdict(state) | {"regime": state.regime.name} for state in states],
         }
-        lock = -1
+        lock = None
         try:
             with open_atomically(self._path) as file:
                 json.dump(data, file, allow_nan=False)
@@ -111,7 +111,7 @@ class Checkpoint:
                 lock = os.dup(file.fileno())
                 keep_others_off(lock, self._path)
         except BaseException:
-            if lock >= 0:
+            if lock is not None:
                 os.close(lock)
             raise
         self.close()
@@ -133,7 +133,7 @@ def _locked(path: str | os.PathLike[str]) -> tuple[int, bytes]:
             keep_others_off(number, path)
             if os.path.samestat(os.fstat(number), os.stat(path)):
                 with open(number, "rb", closefd=False) as file:
-                    return number, file.read(LARGEST_FILE + 1)
+                    return number, file.read(LARGEST_FILE)
         except FileNotFoundError:
             pass
         except BaseException:
@@ -149,7 +149,7 @@ def _read(content: bytes, name: str, case: SynthesisCase) -> tuple[RegimeState, 
         FileError: If it is none, is damaged, or one of another case.
     """
     try:
-        data = parse_json(content[:LARGEST_FILE])
+        data = parse_json(content)
     except ValueError as error:
         raise FileError(name, "is no checkpoint of a search") from error
     if not isinstance(data, dict) or data.get("format") != FORMAT:
@@ -175,8 +175,7 @@ def _state(item: dict[str, Any], case: SynthesisCase) -> RegimeState:
     slack = ROUNDING * (high - low)
     rows, best = np.array(state.population), np.array(state.best)
     possible = (
-        state.generation > 0
-        and state.trials > 0
+        state.trials > 0
         and rows.shape == (max(len(rows), LEAST_POPULATION), len(low))
         and np.all((rows >= 0) & (rows <= 1))
         and best.shape == low.shape

@@ -333,7 +333,7 @@ class Evaluator:
             if bound.quantity in OVER_POSES and bound.high is None:
                 yield index, (self._least(trial, bound), np.inf)
                 continue
-            samples = self._poses.over(self.case.requirements.headings(bound))
+            samples = self._poses.whole(self.case.requirements.headings(bound), self.density)
             heights = trial.heights(bound.z)
             if not len(heights):
                 continue

@@ -73,7 +73,7 @@ class Poses:
         return {}
 
     @cached_property
-    def _few(self) -> dict[Range, TrialSamples]:
+    def _whole(self) -> dict[tuple[Range, Density], TrialSamples]:
         return {}
 
     def over(self, theta: Range) -> TrialSamples:
@@ -84,11 +84,11 @@ class Poses:
             self._kept[theta] = replace(found, wrench=np.ascontiguousarray(force))
         return self._kept[theta]
 
-    def sparse(self, theta: Range) -> TrialSamples:
-        """Return few samples, of all legs: what is drawn has no symmetry to either side."""
-        if theta not in self._few:
-            self._few[theta] = sample(self.case.workspace, theta, SPARSE)
-        return self._few[theta]
+    def whole(self, theta: Range, density: Density) -> TrialSamples:
+        """Return samples of all legs, for what is of one of them, of x or y, or of drawn bodies."""
+        if (theta, density) not in self._whole:
+            self._whole[theta, density] = sample(self.case.workspace, theta, density)
+        return self._whole[theta, density]
 
     def __reduce__(self) -> tuple[type[Poses], tuple[SynthesisCase, Density]]:
         """Send what the rest follows from."""
@@ -206,7 +206,7 @@ class TrialRobot:
         both = np.abs(rotary).max(axis=1), np.sqrt((rotary**2).mean(axis=1))
         columns = np.column_stack([held, *both])
         if not np.isfinite(columns).all():
-            return np.array([[-np.inf], [np.inf]]) * np.ones(columns.shape[1])
+            return np.repeat([[-np.inf], [np.inf]], columns.shape[1], axis=1)
         return np.array([columns.min(axis=0), columns.max(axis=0)])
 
     def plate_distance(self, theta: Range, enough: float) -> float:
@@ -214,7 +214,7 @@ class TrialRobot:
 
         Negative where they overlap, ``enough`` where it is more than that; on sparse samples.
         """
-        found = self.poses.sparse(theta)
+        found = self.poses.whole(theta, SPARSE)
         xy = found.place(found.within, self.workspace)
         middle, height = float(self.workspace.center[2] or 0.0), self.workspace.size[2]
         corners = plate_corners(self.geometry.platform_radius)
@@ -232,7 +232,7 @@ class TrialRobot:
         Those of the knees may be largest inside the workspace.
         """
         found = self.poses.over(self.case.requirements.theta)
-        out = np.zeros(4)
+        out = np.empty(4)
         guide = self.geometry.guide_link_length
         xy = found.place(found.within, self.workspace)
         kernels.load()[2](self.mechanism, guide, xy, found.turns, self.heights(), out)

@@ -140,9 +140,7 @@ def cause_slice(
         field = solve_field(design.geometry, grid)
     columns, rows = grid.axes[1][1], grid.axes[0][1]
     regular = reach_bounds(design.geometry, columns[None, :], rows[:, None], (theta, theta)).regular
-    which = np.zeros(field.status.shape, np.uint8)
     reachable = (field.status == Limit.OK) | (field.status == Limit.SINGULAR)
-    which[~reachable] = _tag(field)[~reachable]
     shape = (len(requirements.bounds), *field.status.shape)
     broken, worst = np.zeros(shape, np.bool_), np.full(shape, np.inf)
     for index, bound in enumerate(requirements.bounds):
@@ -157,7 +155,7 @@ def cause_slice(
     if len(worst):
         cause = np.where(broken.any(axis=0), FIRST_REQUIREMENT + worst.argmin(axis=0), cause)
     cause = np.where(regular & (field.status != Limit.SINGULAR), cause, SINGULAR)
-    cause = np.where(reachable, cause, FIRST_REACH + which).astype(np.uint8)
+    cause = np.where(reachable, cause, FIRST_REACH + _tag(field)).astype(np.uint8)
     return Slice(cause, broken, causes_of(requirements))
 
 

@@ -129,11 +129,9 @@ def _candidates(volume: Volume, workspace: Workspace | None) -> tuple[Array, NDA
 
 def _conflict_of(met: NDArray[np.bool_]) -> tuple[int, ...]:
     """Return the fewest rows of which no column has all, empty if there is such a column."""
-    bytes_ = np.packbits(met, axis=0)
-    code = np.zeros(met.shape[1], object if len(bytes_) > 7 else np.int64)
-    for byte in bytes_:
-        code = code * 256 + byte
-    patterns = met[:, np.unique(code, return_index=True)[1]]
+    # Each combination once: there are few, of columns by the hundred thousand.
+    packed = np.unique(np.packbits(met, axis=0), axis=1)
+    patterns = np.unpackbits(packed, axis=0, count=len(met)).astype(np.bool_)
 
     def feasible(chosen: tuple[int, ...]) -> bool:
         return bool(patterns[list(chosen)].all(axis=0).any())

@@ -106,7 +106,7 @@ def joined_to_home(
     # Late: it takes a third of a second to load.
     from scipy import ndimage
 
-    labels = np.zeros(nodes.shape, np.int32)
+    labels = np.empty(nodes.shape, np.int32)
     count = int(np.asarray(ndimage.label(nodes, output=labels)))
     if count == 0:
         return np.zeros(nodes.shape, np.bool_), False

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,8 +28,8 @@ class Columns(Grid):
         lift: (n,) what is added to the heights at each position [m]; None for nothing.
     """
 
-    positions: Array = field(default_factory=lambda: np.empty((0, 2)))
-    lift: Array | None = None
+    positions: Array
+    lift: Array | None
 
     @classmethod
     def at(cls, positions: Array, theta: Array, z: Array, lift: Array | None = None) -> Columns:
@@ -69,7 +69,7 @@ def solve_columns(geometry: Geometry, columns: Columns, *, status: bool = True) 
         geometry: Lengths of the mechanism.
         columns: The poses.
         status: Whether to work out which poses can be taken. Without it all count as if they can;
-            for formulas that are NaN where they cannot.
+            where no one reads what comes out of the others.
     """
     if not status:
         ok = np.full(columns.shape, Limit.OK, np.uint8)
@@ -99,8 +99,8 @@ BLOCK = 2**15
 """Poses worked on at a time, so that what a formula returns stays in the cache."""
 
 CHEAP = 1e-6
-"""Cost of a quantity [s a pose] up to which its formula is NaN itself where a pose cannot be taken;
-those of the others skip such poses."""
+"""Cost of a quantity [s a pose] up to which poses that cannot be taken are evaluated as well: most
+of them are NaN there, and no one reads the others. What costs more skips such poses."""
 
 _LONG_BARS = 100.0
 """Length of bars that reach wherever others do [m]; no longer ones are possible."""

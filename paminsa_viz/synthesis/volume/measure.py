@@ -188,10 +188,10 @@ def _uncertain(nodes: Nodes) -> float:
     if not nodes.apart.any():
         return 0.0
     cube = np.ones((3, 3, 3), np.bool_)
-    parts = np.zeros(nodes.apart.shape, np.int32)
+    parts = np.empty(nodes.apart.shape, np.int32)
     ndimage.label(nodes.apart, cube, output=parts)
     close = np.asarray(ndimage.binary_dilation(nodes.inside, cube, _NECK), np.bool_)
-    near = np.unique(parts[close])
+    near = parts[close]
     return float(np.isin(parts, near[near > 0]).sum())
 
 

@@ -164,17 +164,14 @@ def solve_volume(
     nearest = np.where(side < body, np.uint8(OTHER_SIDE), nearest)
     body = np.minimum(body, side)
     body = np.where(reachable, np.maximum(body, 0.0), -np.abs(body))
-    depth, worst = body, np.zeros(1, np.uint8)
-    if len(margins):
-        least, worst = _distances(requirements, margins, z, step)
-        nearest = np.where(least < body, FIRST_REQUIREMENT + worst, nearest).astype(np.uint8)
-        depth = np.fmin(body, least)
+    least, worst = _distances(requirements, margins, z, step)
+    nearest = np.where(least < body, FIRST_REQUIREMENT + worst, nearest).astype(np.uint8)
+    depth = np.fmin(body, least)
     depth = np.where(inside, np.maximum(depth, 0.0), -np.abs(depth))
 
     cause = np.full(takes.shape, INSIDE, np.uint8)
     cause[~inside] = DISCONNECTED
-    if len(margins):
-        cause = np.where(reachable & ~met, FIRST_REQUIREMENT + worst, cause).astype(np.uint8)
+    cause = np.where(reachable & ~met, FIRST_REQUIREMENT + worst, cause).astype(np.uint8)
     cause[np.broadcast_to(~bounds.regular, cause.shape)] = SINGULAR
     cause = np.where(reached, cause, FIRST_REACH + which).astype(np.uint8)
     cause[..., side < 0.0] = OTHER_SIDE

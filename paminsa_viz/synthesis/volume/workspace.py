@@ -229,9 +229,8 @@ def reach_items(
     distance = float(position[n])
     turned, regular = bounds.turn > 0.0, bool(bounds.regular.all())
     value = distance if turned else min(distance, bounds.turn)
-    cosine, height = np.cos(theta), 0 if inside is None else k
-    sign = np.sign(design.geometry.base_radius - design.geometry.platform_radius)
-    worst_index = int((sign * cosine).argmin() if not turned else cosine.argmax())
+    cosine, height = np.cos(theta), 0 if inside is None else int(inside[n].argmax())
+    worst_index = int(cosine.argmin() if bounds.turn < 0.0 else cosine.argmax())
     where = (float(x[n]), float(y[n]), float(theta[worst_index]), float(samples.z[height]))
     reason = "" if regular else "the headings reach the singular rotation"
     if not regular and turned:
