@@ -261,3 +261,5 @@ def test_reasons_say_which_bodies_and_by_how_much() -> None:
     text = clearance_reason(0.004, names, 0.005)
     assert text == "B4 of leg 1 and the mast are 4 mm apart; 5 mm is required"
     assert clearance_reason(np.nan, names, 0.005) == ""
+    # what touches does not overlap, and what is required is enough
+    assert clearance_reason(0.0, names) == clearance_reason(0.005, names, 0.005) == ""

@@ -19,9 +19,11 @@ from paminsa_viz.model import (
     check_reach,
     inverse_kinematics,
     require_reachable,
+    robot,
 )
 from paminsa_viz.model.kinematics import AXIS_ANGLES, LEG_AXES
-from paminsa_viz.model.leg import Mechanism, mechanism_of_lengths
+from paminsa_viz.model.leg import Mechanism, mechanism, mechanism_of_lengths
+from paminsa_viz.model.lumped import term_factors
 from paminsa_viz.model.reach import (
     MARGINS,
     decode,
@@ -320,3 +322,16 @@ def test_an_explanation_names_the_leg_and_by_how_much_or_neither() -> None:
         assert text.endswith(f" (leg {leg + 1}, by {1e3 * found.excess[leg]:.2f} mm)")
     assert found.explanation((3,)) == Limit.OK.explanation
     assert found.explanation((4,)) == Limit.NOT_FINITE.explanation
+
+
+def test_torques_have_no_number_where_any_one_leg_is_out_of_reach() -> None:
+    """Of the formulas themselves, whose status somebody else may not look at."""
+    g = replace(APPENDIX_4.geometry, guide_stroke=0.25)  # bars alone would reach farther
+    m, e = mechanism(g), term_factors(APPENDIX_4)
+    for angle in AXIS_ANGLES:
+        place = (-0.3 * np.cos(angle), -0.3 * np.sin(angle), 1.0, 0.0, -0.5)
+        margins = check_reach(g, [*place[:2], 0.0, -0.5]).margins
+        assert (margins < 0).any(axis=1).sum() == 1
+        with np.errstate(all="ignore"):
+            assert np.isnan(robot.unit_torques(m, *place)).all()
+            assert np.isnan(robot.inverse_dynamics_kernel(m, e, 9.81, *place, *[0.1] * 8)).all()

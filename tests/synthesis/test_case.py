@@ -13,7 +13,7 @@ import pytest
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
-from paminsa_viz.synthesis import Effort, ObjectiveLimit, SearchRange, SynthesisCase
+from paminsa_viz.synthesis import Effort, ObjectiveLimit, Regime, SearchRange, SynthesisCase
 from paminsa_viz.synthesis.search.case import Guide
 
 BOX = Workspace(WorkspaceShape.BOX, (0.3, 0.2, 0.4), (0.0, 0.02, None))
@@ -36,6 +36,30 @@ def test_the_height_is_searched_as_far_as_the_longest_bars_reach() -> None:
     assert given.bounds[-1] == pytest.approx([-0.9, -0.4])
     fixed = replace(CASE.requirements, workspace=replace(BOX, center=(0.0, 0.0, -0.6)))
     assert replace(CASE, requirements=fixed, ranges=(CRANK,)).paths == ("geometry.crank_length",)
+
+
+def test_a_place_that_is_left_free_is_on_the_axis() -> None:
+    """As the robot is alike about it; a place that is given stays."""
+    for place, kept in (
+        ((None, None), (0.0, 0.0)), ((None, 0.1), (0.0, 0.1)), ((0.2, None), (0.2, 0.0)),
+        ((0.2, 0.1), (0.2, 0.1)),
+    ):  # fmt: skip
+        space = replace(BOX, center=(*place, -0.5))
+        case = SynthesisCase(Requirements((), (0.0, 0.0), space), (CRANK,))
+        assert case.workspace == replace(space, center=(*kept, -0.5))
+    # a workspace that is taller than all bars has a height all the same, hardly any
+    tall = replace(BOX, size=(0.3, 0.2, 9.0), center=(0.0, 0.0, None))
+    case = SynthesisCase(Requirements((), (0.0, 0.0), tall), (CRANK, COUPLER))
+    offset = APPENDIX_4.geometry.platform_joint_height
+    low, high = case.bounds[-1] + offset
+    assert low == pytest.approx(-1.7)
+    assert -1.7 < high < -1.69
+
+
+def test_signs_of_regimes_and_what_tells_cases_apart() -> None:
+    assert [regime.sign for regime in Regime] == [1.0, -1.0]
+    assert replace(CASE, name="other") == CASE
+    assert replace(CASE, seed=1) != CASE
 
 
 def test_what_is_not_searched_is_held() -> None:
@@ -64,6 +88,9 @@ def test_numbers_of_a_trial_are_its_lengths_and_its_workspace() -> None:
     space = case.workspace_of(numbers)
     assert space.size == pytest.approx((0.15, 0.1, 0.2))  # as deep for its width as the case's
     assert space.center == (0.0, 0.02, -0.6)
+    deep = replace(CASE, ranges=(CRANK, SearchRange("workspace.height", 0.1, 0.5)))
+    space = deep.workspace_of(np.array([0.4, 0.25, -0.7]))
+    assert (space.size, space.center) == ((0.3, 0.2, 0.25), (0.0, 0.02, -0.7))
     own = APPENDIX_4.geometry
     grown = case.geometry(numbers)
     assert grown.base_radius == 0.5
@@ -95,6 +122,10 @@ def test_bodies_are_apart_unless_the_case_says_otherwise() -> None:
         case = SynthesisCase(required, (CRANK,), allow_overlap=allowed)
         assert case.requirements.bounds == (own,)
         assert case.clear
+    touching = Requirement("clearance", low=0.0)
+    case = SynthesisCase(Requirements((touching,), (0.0, 0.0), BOX), (CRANK,))
+    assert case.clear
+    assert case.requirements.bounds == (touching,)
     near = Requirement("clearance", low=-0.002)
     case = SynthesisCase(Requirements((near,), (0.0, 0.0), BOX), (CRANK,), clearance=0.0)
     assert case.requirements.bounds == (near, replace(apart, low=0.0))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from itertools import count
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -104,6 +106,25 @@ footprint_m = 0.7
     found = read_case(text, "mine.toml")
     assert found == expected
     assert found.name == "mine"
+
+
+def test_what_a_file_leaves_out_is_what_the_documentation_says() -> None:
+    """Each default of its table, written into the file, makes the case that is there without it."""
+    plain = read_case(f"{HEAD}[synthesis]\n{RANGES}", "mine.toml")
+    page = Path(__file__).parents[2] / "docs" / "synthesis.md"
+    rows = re.findall(r"^\| (`[a-z_`, ]+`) \| ([^|]+) \|", page.read_text("utf-8"), re.MULTILINE)
+    given = {
+        key: value
+        for names, values in rows
+        for key, value in zip(re.findall(r"[a-z_]+", names), values.split(","), strict=True)
+        if value.strip() not in ("", "both")
+    }
+    assert len(given) == 14
+    for key, value in given.items():
+        text = value.strip().strip("`")
+        text = text if re.fullmatch(r"true|false|[\d.]+", text) else f'"{text}"'
+        assert read_case(f"{HEAD}[synthesis]\n{key} = {text}\n{RANGES}", "mine.toml") == plain
+    assert plain.regimes == tuple(Regime)
 
 
 RANGES = "[synthesis.ranges]\nbase_radius_m = [0.1, 0.6]\n"

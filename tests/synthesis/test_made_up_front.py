@@ -151,6 +151,37 @@ def test_what_fails_is_dominated_or_canceled_is_no_point(searches: Any) -> None:
     assert kept.dominated == 2
 
 
+def test_equal_points_are_so_in_parts_of_their_extent_and_are_in_the_order_of_the_first(
+    searches: Any,
+) -> None:
+    """Whatever their units; with three objectives another one has an order of its own."""
+    values = np.array([
+        (1.0, 3.0, 2.0), (2.0, 1.0, 3.0), (3.0, 2.0, 1.0), (3.0004, 2.0004, 1.0004), (2.9, 3.0, 3.0)
+    ])  # fmt: skip
+    for factor in (1.0, 1e-3, 1e4):
+        names = ("a", "b", "c")
+        run = front._Front(CYLINDER, names, np.ones(3), 5, None, None, None)  # type: ignore
+        rows = factor * values[[2, 4, 1, 3, 0]]
+        run.points = [front.FrontPoint(tuple(row), None) for row in rows.tolist()]  # type: ignore
+        found = run.front()
+        assert np.array([point.values for point in found.points]) == pytest.approx(
+            factor * values[:3]
+        )
+        assert found.dominated == 2
+
+
+def test_limits_go_from_the_best_to_the_worst_of_each_objective(searches: Any) -> None:
+    made = searches()
+    names = ("moving_mass", "volume", "static_torque")
+    found = design_front(CYLINDER, names, points=3)
+    assert found.searches == 3 + 3**2
+    asked = [{limit.objective: limit.most for limit in case.limits} for case in made.cases[3:]]
+    slack = SLACK * (LARGEST - LEAST)
+    levels = np.linspace(LARGEST, LEAST, 3) - slack
+    assert [one["volume"] for one in asked] == pytest.approx(np.repeat(levels, 3))
+    assert [one["static_torque"] for one in asked] == pytest.approx(np.full(9, 3.0))
+
+
 def test_how_many_searches_are_possible(searches: Any) -> None:
     searches(parts=0)
     three = ("moving_mass", "volume", "static_torque")

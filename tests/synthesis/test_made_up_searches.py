@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.progress import go_on
+from paminsa_viz.progress import Canceled, go_on
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.studies.executors import here
 from paminsa_viz.synthesis import Effort, ObjectiveLimit, Regime, SynthesisCase
@@ -19,7 +19,7 @@ from paminsa_viz.synthesis.search import case_conflict as conflicts
 from paminsa_viz.synthesis.search import solve
 from paminsa_viz.synthesis.search.case_conflict import CaseConflict, case_conflict
 from paminsa_viz.synthesis.search.evaluation import REFUSED, Evaluator
-from paminsa_viz.synthesis.search.outer import RegimeState, search_round
+from paminsa_viz.synthesis.search.outer import EXPLORE, RegimeState, search_round
 from paminsa_viz.synthesis.search.result import outcomes_of
 from paminsa_viz.synthesis.search.solve import SLACK, _Answer, _Run
 from tests.synthesis.search_cases import CYLINDER
@@ -298,15 +298,15 @@ class Costs:
 
     regime = Regime.LARGER
 
-    def __init__(self, case: SynthesisCase, *, cut: bool = False) -> None:
-        self.case, self.cut = case, cut
+    def __init__(self, case: SynthesisCase, *, cut: bool = False, at: float = 0.3) -> None:
+        self.case, self.cut, self.at = case, cut, at
         self.best: list[float] = []
         self.found: list[float] = []
 
     def costs(self, rows: Any, most: Any, best: float) -> list[float]:
         low, high = self.case.bounds.T
         share = (np.array(rows) - low) / (high - low)
-        found = 1.0 + ((share - 0.3) ** 2).sum(axis=1)
+        found = 1.0 + ((share - self.at) ** 2).sum(axis=1)
         self.best.append(best)
         self.found.append(found.min())
         if self.cut:  # as much more as it likes
@@ -343,7 +343,7 @@ def test_what_a_trial_may_cost_is_told_such_that_nothing_is_lost(seed: int) -> N
         # the least cost before each generation, or somewhat more in the first
         history, best = after.history[-10:], cut.best[22 * turn :]
         assert best[:2] == [start] * 2
-        assert min(best[2:4]) >= min(cut.found[22 * turn :][:2])
+        assert min(cut.found[22 * turn :][:2]) <= min(best[2:4]) < np.inf
         assert best[4:] == np.repeat(history[:-1], 2).tolist()
         numbers = [state.generation for state in seen.states]
         assert numbers == [*range(after.generation - 9, after.generation + 1)] * 2
@@ -359,6 +359,39 @@ def test_what_a_trial_may_cost_is_told_such_that_nothing_is_lost(seed: int) -> N
 
 def energies(state: RegimeState) -> np.ndarray:
     return ((np.array(state.population) - 0.3) ** 2).sum(axis=1)
+
+
+@pytest.mark.parametrize(("at", "end"), [(1.4, 1), (-0.4, 0)])
+def test_no_trial_is_beyond_the_ranges(at: float, end: int) -> None:
+    """Though it would cost less."""
+    case = replace(CYLINDER, effort=Effort(30, 4))
+    evaluator: Any = Costs(case, at=at)
+    state = search_round(evaluator, RegimeState(Regime.LARGER), generations=20)
+    rows, best = np.array(state.population), np.array(state.best)
+    assert ((rows >= 0.0) & (rows <= 1.0)).all()
+    low, high = case.bounds.T
+    assert ((best >= low) & (best <= high)).all()
+    share = (best - low) / (high - low)
+    assert np.abs(share - end).max() < 0.35
+
+
+def test_trials_are_made_from_the_best_in_the_last_part_of_a_search(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    given: list[str] = []
+
+    def evolution(*_: Any, strategy: str, **more: Any) -> None:
+        given.append(strategy)
+        raise Canceled
+
+    monkeypatch.setattr("scipy.optimize.differential_evolution", evolution)
+    case = replace(CYLINDER, effort=Effort(50, 4))
+    evaluator: Any = Costs(case)
+    turn = round(EXPLORE * 50)
+    for generation in (0, turn - 1, turn, 49):
+        with pytest.raises(Canceled):
+            search_round(evaluator, RegimeState(Regime.LARGER, generation))
+    assert ["best" in one for one in given] == [False, False, True, True]
 
 
 def test_a_search_that_goes_on_beyond_its_end_is_done() -> None:

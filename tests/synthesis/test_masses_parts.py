@@ -12,14 +12,20 @@ import pytest
 
 from paminsa_viz.balancing import MassRange, SpringPlace, at_joint, on_slider
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model import APPENDIX_4, check_reach
+from paminsa_viz.model import APPENDIX_4, LoadCase, check_reach
 from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis.masses.case import InnerCase, MassFactor, check_inner, linear_bounds
 from paminsa_viz.synthesis.masses.program import inner_contradiction, inner_program, solve_inner
-from paminsa_viz.synthesis.masses.space import sampled_solution
+from paminsa_viz.synthesis.masses.space import (
+    InnerInfeasible,
+    inner_space,
+    limits_at_rest,
+    sampled_solution,
+    static_rows,
+)
 from paminsa_viz.trajectory import Trajectory
 from paminsa_viz.trajectory.planners import point_to_point
 from tests.synthesis.inner_cases import MASSES, SPRING, WEIGHTS, case, motion, poses
@@ -105,8 +111,8 @@ def test_motions_about_a_center_go_where_it_is() -> None:
 # ---------------------------------------------------------------- motions at their samples
 
 
-def line(start: Any, goal: Any) -> Trajectory:
-    return point_to_point(start, goal, 1.0).sample(21)
+def line(start: Any, goal: Any, rate: float = 21) -> Trajectory:
+    return point_to_point(start, goal, 1.0).sample(rate)
 
 
 G = replace(APPENDIX_4.geometry, crank_length=0.9, coupler_length=0.9, guide_link_length=2.0)
@@ -120,6 +126,9 @@ TURN = float(singular_rotation(G))
         (G, line((0.0, 0.0, 0.0, -0.8), (0.0, 0.0, 0.0, -1.9)), Limit.STRETCHED),
         (G, line((0.0, 0.0, 0.0, -0.8), (0.5, 0.1, 0.1, -0.8)), Limit.SINGULAR),
         (G, line((0.5, 0.1, 0.1, -0.8), (0.0, 0.0, 0.0, -0.8)), Limit.SINGULAR),
+        # at the second of three samples already
+        (G, line((0.0, 0.0, 0.0, -0.5), (0.7, 0.0, 0.0, -0.5), 2), Limit.SINGULAR),
+        (G, line((0.0, 0.0, 0.0, -0.5), (0.0, 0.0, 2.2 * TURN, -0.5), 2), Limit.SINGULAR),
         (G, line((0.0, 0.0, 0.0, -0.8), (0.0, 0.0, TURN + 0.2, -0.8)), Limit.SINGULAR),
         (G, line((0.0, 0.0, 0.0, -0.8), (0.0, 0.0, -TURN - 0.2, -0.8)), Limit.SINGULAR),
         (
@@ -164,6 +173,53 @@ def test_a_motion_is_judged_at_its_samples(
     assert np.isfinite(found.speed).all(axis=1).tolist() == good.tolist()
     assert np.isfinite(found.y).reshape(len(path.t), -1).all(axis=1).tolist() == good.tolist()
     assert found.gravity == 9.0
+
+
+# ---------------------------------------------------------------- bounds at rest
+
+
+@pytest.mark.parametrize("springs", [(), (SPRING,)])
+@pytest.mark.parametrize("load", [LoadCase(), LoadCase(force_x=30.0, moment_z=-4.0)])
+def test_a_bound_at_rest_is_the_extreme_of_all_its_poses(load: LoadCase, springs: Any) -> None:
+    """Of any masses, out of balance to either side; where only that counts two poses are enough."""
+    design = replace(APPENDIX_4, load=load)
+    space = inner_space(design, still(counterweights=WEIGHTS).changes(design), springs)
+    pose = poses()[::5]
+    matrix, offset = static_rows(space, pose)
+    assert (matrix.shape, offset.shape) == ((len(pose), 4, len(space.start)), (len(pose), 4))
+    rng = np.random.default_rng(3)
+    spread = np.where(np.arange(len(space.before)) < space.first_spring, 3.0, 3000.0)
+    for _ in range(6):
+        state = space.before + spread * rng.normal(size=len(spread))
+        held = matrix @ state + offset
+        for column, name in enumerate(("tau_1", "tau_2", "tau_3", "f_4")):
+            high, low = limits_at_rest(space, Requirement(name, low=-1.0, high=2.0), pose)
+            assert high.term.value(state) == pytest.approx(held[:, column].max())
+            assert low.term.value(state) == pytest.approx(-held[:, column].min())
+            (both,) = limits_at_rest(space, Requirement(name, low=-2.0, high=2.0), pose)
+            assert both.term.value(state) == pytest.approx(np.abs(held[:, column]).max())
+        (most,) = limits_at_rest(space, Requirement("max_torque", low=0.0, high=2.0), pose)
+        assert most.term.value(state) == pytest.approx(np.abs(held[:, :3]).max())
+    beyond = np.vstack([pose, [[0.0, 0.0, 0.0, -2.0]]])
+    with pytest.raises(InnerInfeasible, match="out of reach"):
+        limits_at_rest(space, Requirement("tau_1", high=1.0), beyond)
+
+
+def test_the_largest_torque_on_motions_is_that_of_any_of_three_actuators() -> None:
+    asked = still(motions=(motion(),), motion_torque=3.0, motion_force=200.0)
+    program = inner_program(APPENDIX_4, asked, poses())
+    torque, force = program.limits
+    matrix, offset = program.motions[0][1:]
+    rng, before = np.random.default_rng(5), program.space.before
+    for actuator in range(4):  # its own part of the state's effect, and an offset of its own
+        term = force.term if actuator == 3 else torque.term
+        held = {tuple(row) for row in term.matrix.tolist()}
+        assert held >= {tuple(row) for row in matrix[:, actuator].tolist()}
+    for _ in range(4):
+        state = before + 3.0 * rng.normal(size=len(before))
+        size = np.abs(matrix @ state + offset).max(axis=0)
+        assert torque.term.value(state) == pytest.approx(size[:3].max())
+        assert force.term.value(state) == pytest.approx(size[3])
 
 
 # ---------------------------------------------------------------- what an answer says

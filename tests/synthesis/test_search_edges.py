@@ -9,19 +9,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.dimensions.needs import needed_guide, needed_shaft
-from paminsa_viz.model import APPENDIX_4, KneeBranch, LoadCase, inverse_kinematics
+from paminsa_viz.dimensions.needs import missing_room, needed_guide, needed_shaft
+from paminsa_viz.model import APPENDIX_4, Counterweight, KneeBranch, LoadCase, inverse_kinematics
 from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.progress import Canceled
 from paminsa_viz.quantities.requirements import Requirement, Workspace, WorkspaceShape
 from paminsa_viz.studies.executors import here
-from paminsa_viz.synthesis import Evaluator, Guide, ObjectiveLimit, Regime, SearchRange
+from paminsa_viz.synthesis import Effort, Evaluator, Guide, ObjectiveLimit, Regime, SearchRange
 from paminsa_viz.synthesis.search import outer, refusals, solve
 from paminsa_viz.synthesis.search.case import SHAFT
 from paminsa_viz.synthesis.search.evaluation import REFUSED
 from paminsa_viz.synthesis.search.extremes import Extent
 from paminsa_viz.synthesis.search.kernels import TORQUE_COLUMNS
-from paminsa_viz.synthesis.search.outer import PROGRESS, RegimeState, refined
+from paminsa_viz.synthesis.search.outer import EXPLORE, PROGRESS, RegimeState, refined
 from paminsa_viz.synthesis.search.refusals import least_footprint
 from paminsa_viz.synthesis.search.region import SPARSE, ray, reach_margins
 from paminsa_viz.synthesis.search.trial import ABOVE_QUILL, Poses, Robots, TrialRobot, _following
@@ -204,6 +204,38 @@ def test_guides_that_would_be_too_long_for_any_robot_are_as_long_as_one_may_be()
     assert (Robots.of(CYLINDER, numbers).margins[:, 2] < 0.0).all()
 
 
+def test_what_drawn_bodies_lack_is_that_of_the_poses_of_each_workspace() -> None:
+    numbers = np.array([[0.3, 0.1, 3.0, 0.5, 0.6, -0.6], [0.295, 0.085, 4.8, 0.79, 0.28, -0.77]])
+    robots = Robots.of(CYLINDER, numbers)
+    found = robots.missing_room(0.05)
+    for row, (geometry, space) in enumerate(zip(robots.geometries, robots.workspaces, strict=True)):
+        pose = Extent(space, CYLINDER.requirements.theta).samples(SPARSE.finer(4))
+        points = inverse_kinematics(geometry, pose).points
+        rho = np.linalg.norm((points[5] - points[3])[..., :2], axis=-1)
+        deep = np.abs(points[5][..., 2])
+        apart = np.linalg.norm(points[8] - points[5], axis=-1)
+        expected = missing_room(
+            [geometry], rho.min(axis=(0, 1), keepdims=True)[0] / (geometry.magnification - 1.0),
+            np.array([[deep.min(), deep.max()]]), np.array([[apart.min(), apart.max()]]), 0.05,
+        )  # fmt: skip
+        assert found[row] == pytest.approx(expected[0], abs=1e-3)
+    assert (found.max(axis=1) > 0.01).all()
+
+
+def test_a_trial_is_drawn_with_its_counterweights_and_bars_that_keep_their_masses() -> None:
+    weights = (Counterweight("b8", 8, 0.1, 1.5),)
+    (trial,) = Robots.of(CYLINDER, NUMBERS).trials(Poses(CYLINDER), [0])
+    assert trial.drawn == replace(APPENDIX_4, geometry=trial.geometry)
+    inner: Any = SimpleNamespace(design=replace(APPENDIX_4, counterweights=weights))
+    own = replace(trial, inner=inner)
+    assert own.drawn == replace(inner.design, geometry=trial.geometry)
+    assert own.design is inner.design
+    assert len(trial.radii) == 4
+    assert trial.torques((0.0, 0.1), (3.0, 4.0)).shape == (2, len(TORQUE_COLUMNS))
+    most = TORQUE_COLUMNS.index("max_torque")
+    assert trial.static_torque == trial.torques(CYLINDER.requirements.theta)[1, most]
+
+
 def test_plates_and_bars_are_looked_at_where_the_workspace_is() -> None:
     """At the height of the origin as well."""
     space = replace(SPACE, center=(0.0, 0.0, 0.0))
@@ -247,14 +279,16 @@ def test_a_refinement_ends_where_a_round_gains_less_than_its_share(
 
         monkeypatch.setattr(outer, "search_round", one)
         monkeypatch.setattr(Evaluator, "evaluate", lambda self, numbers: ["done"])
-        assert refined(CYLINDER, Regime.SMALLER, NUMBERS[0].tolist()) == "done"
+        assert refined(case, Regime.SMALLER, NUMBERS[0].tolist()) == "done"
         assert {generations for _, generations in asked} == {15}
-        assert asked[0][0].generation == np.ceil(0.6 * CYLINDER.effort.generations)
+        assert 0 <= asked[0][0].generation - EXPLORE * case.effort.generations < 1
         return len(asked)
 
+    case = replace(CYLINDER, effort=Effort(201))
     gain = 0.1 * PROGRESS
+    assert play([0.0, 0.0, 0.0, 0.0]) == 2
     assert play([5.0, 4.0, 3.0, 2.0, 1.0]) == 4
-    assert play([4.0 * (1 + 2 * gain), 4.0, 4.0, 4.0]) == 3
+    assert play([4.0 * (1 + 1.05 * gain), 4.0, 4.0, 4.0]) == 3
     assert play([4.0 * (1 + 0.9 * gain), 4.0, 1.0, 1.0]) == 2
     assert play([-4.0 * (1 - 2 * gain), -4.0, -4.0, -4.0]) == 3
     assert play([-4.0 * (1 - 0.9 * gain), -4.0, -9.0, -9.0]) == 2

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from paminsa_viz.progress import Canceled
-from paminsa_viz.quantities.requirements import Requirement
+from paminsa_viz.quantities.requirements import Requirement, Workspace, WorkspaceShape
 from paminsa_viz.studies.executors import here
-from paminsa_viz.synthesis import Effort, ObjectiveLimit, Regime, SynthesisCase
+from paminsa_viz.synthesis import Effort, ObjectiveLimit, Regime, SearchRange, SynthesisCase
 from paminsa_viz.synthesis.masses.program import InnerSolution
 from paminsa_viz.synthesis.search import solve
 from paminsa_viz.synthesis.search.evaluation import REFUSED
@@ -136,7 +136,10 @@ def test_a_search_ends_where_it_stands_still(sense: float) -> None:
         start = cost + share * PROGRESS * abs(cost)
         assert ended(late, [start, *still[1:]]) is done
         assert ended(late, [0.0, start, *still[1:]]) is done  # only the last rounds count
+    assert not ended(late, [*still[1:], cost - 1.1 * PROGRESS * abs(cost)])
+    assert ended(late, [0.0] * (back + 1))  # no cost at all, as a torque may have
     assert not ended(late, [REFUSED, *still[1:]])
+    assert not ended(late, [REFUSED, *[REFUSED * (1 - 0.1 * PROGRESS)] * back])
     assert not ended(late, [2 * REFUSED] * (back + 1))
 
 
@@ -166,6 +169,7 @@ def test_trials_about_an_answer() -> None:
     # the same for the same seed and turn, others for others
     turns = [cloud(case, answers, turn=turn) for turn in (0, 2, 3)]
     assert turns[0] == turns[1] != turns[2]
+    assert cloud(case, answers) == turns[0]
     assert cloud(replace(case, seed=1), answers) != turns[0]
 
 
@@ -178,6 +182,18 @@ def test_a_robot_as_numbers_of_the_search() -> None:
     design = CYLINDER.design(CYLINDER.geometry(numbers))
     place = CYLINDER.workspace_of(numbers)
     assert numbers_of(CYLINDER, design, place) == pytest.approx(numbers)
+    box = Workspace(WorkspaceShape.BOX, (0.3, 0.2, 0.4))
+    case = replace(
+        CYLINDER, requirements=replace(CYLINDER.requirements, workspace=box),
+        ranges=(
+            SearchRange("workspace.height", 0.1, 0.9), SearchRange("workspace.width", 0.1, 0.9),
+            *CYLINDER.ranges[:1],
+        ),
+    )  # fmt: skip
+    numbers = np.array([0.5, 0.6, 0.3, -0.7])
+    place = case.workspace_of(numbers)
+    assert place.size == pytest.approx((0.6, 0.4, 0.5))
+    assert numbers_of(case, case.design(case.geometry(numbers)), place) == pytest.approx(numbers)
 
 
 def test_the_part_that_is_done_goes_through_the_regimes() -> None:
