@@ -38,8 +38,9 @@ SWITCH_INTERVAL = 0.001
 next frame is computed. Python's own 5 ms would be felt."""
 
 
-FIRST_TAB_TIMEOUT = 2.0
-"""How long the program waits for a first tab before it prepares what that needs [s]."""
+FIRST_TAB_TIMEOUT = 8.0
+"""How long the program waits for a first tab before it prepares what that needs [s]: longer than a
+browser takes to start on a slow machine, which it would slow down."""
 
 
 COLLECTION_DELAY = 3.0

@@ -118,6 +118,18 @@ def test_pose_takes_the_number_that_is_typed_and_shows_it(
     assert tab.state.document.pose[index] == pytest.approx(10 * factor, abs=1e-12)
 
 
+def test_the_next_box_takes_a_click_through_a_hint_and_ends_it(tab: Tab) -> None:
+    typed(tab, tab.number_box(X), "1.2.3")
+    hint, y = tab.page.locator(".pv-field-hint"), tab.number_box("y  [mm]")
+    shown, box = hint.bounding_box(), y.bounding_box()
+    assert shown is not None
+    assert box is not None
+    assert shown["y"] < box["y"] + box["height"] / 2 < shown["y"] + shown["height"]
+    y.click(timeout=3000)  # before it goes by itself
+    assert hint.count() == 0
+    assert y.evaluate("box => box === document.activeElement")
+
+
 def test_every_kind_of_box_takes_decimals_and_pasted_text(tab: Tab) -> None:
     tab.open_tab("Masses")
     mass = tab.number_box("m₇ B3, B7 [kg]")

@@ -170,6 +170,14 @@ def test_what_is_no_requirement_is_refused(text: str, problem: str) -> None:
         parse_requirement(text)
 
 
+@pytest.mark.parametrize("heights", ["-500..-900", "-900..1e999", "-9..-5 cm"])
+def test_a_range_is_refused_by_its_text(heights: str) -> None:
+    text = f"condition <= 10 for z {heights}"
+    with pytest.raises(InvalidInput, match=r"least and largest|is in mm") as refused:
+        parse_requirement(text)
+    assert refused.value.argument == f"requirement {text!r}"
+
+
 def test_labels_have_symbols_and_units() -> None:
     assert requirement_label(CASES["|tau_1| <= 15"]) == "|τ₁| ≤ 15 N·m"
     assert requirement_label(CASES["condition <= 10"]) == "κ ≤ 10"

@@ -308,6 +308,27 @@ def test_a_sample_that_fails_by_rounding_alone_is_the_failure() -> None:
     assert until == 2
 
 
+def test_a_sample_on_a_locus_is_the_failure_at_any_speed_and_number_of_samples() -> None:
+    """At even speed the margin of the sample before is what one step takes, no less."""
+    plan = point_to_point(HOME, [0.1, 0.0, 0.1, -0.5], 4.0)
+    for count in (3, 513):
+        t = np.linspace(0.0, 4.0, count)
+
+        def margins_at(t: Any, pose: Any = None) -> Any:
+            margins = np.ones((np.size(t), 14))
+            margins[:, 12] = 4.0 - np.asarray(t)  # exact, as is each step of it
+            return margins
+
+        margins = margins_at(t)
+        exceeded = np.where(check.beyond(margins), margins, np.inf)
+        event, until = check._first_failure(
+            Trajectory(t, *plan.at(t)), margins, exceeded, margins_at
+        )
+        assert event is not None
+        assert (event.t, event.limit, event.margin) == (4.0, Limit.SINGULAR, 0.0)
+        assert until == count - 1
+
+
 def test_of_many_samples_only_those_near_a_limit_are_looked_beside(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -369,6 +369,7 @@
       KEYS[event.key]();
     },
     pointerdown: (event) => {
+      hideHint();
       if (orphan) leaveOrphan();
       const control = event.target.closest?.(CONTROL);
       if (!edit || !control?.closest(ROOT)?.contains(edit.field)) return;
