@@ -130,8 +130,9 @@ def _candidates(volume: Volume, workspace: Workspace | None) -> tuple[Array, NDA
 def _conflict_of(met: NDArray[np.bool_]) -> tuple[int, ...]:
     """Return the fewest rows of which no column has all, empty if there is such a column."""
     # Each combination once: there are few, of columns by the hundred thousand.
-    packed = np.unique(np.packbits(met, axis=0), axis=1)
-    patterns = np.unpackbits(packed, axis=0, count=len(met)).astype(np.bool_)
+    packed = np.ascontiguousarray(np.packbits(met, axis=0).T)
+    combinations = packed.view(np.dtype((np.void, packed.shape[1]))).ravel()
+    patterns = met[:, np.unique(combinations, return_index=True)[1]]
 
     def feasible(chosen: tuple[int, ...]) -> bool:
         return bool(patterns[list(chosen)].all(axis=0).any())
