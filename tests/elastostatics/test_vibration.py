@@ -111,8 +111,10 @@ def test_stiff_bars_vibrate_as_the_drives_alone(knee: KneeBranch) -> None:
         robot = reduced_robot(leg_matrices(stiffer(design, 1e6)), poses)
         count = int(rigid.ok.sum())
         assert count > 0
-        found = iterated_modes(robot, 3).frequencies[rigid.ok]
-        assert found == pytest.approx(rigid.frequencies[rigid.ok, :3], rel=2e-5)
+        found, expected = iterated_modes(robot, 4).frequencies, rigid.frequencies
+        assert found[rigid.ok, :3] == pytest.approx(expected[rigid.ok, :3], rel=2e-5)
+        # The fourth moves the shafts, of whose ends only the bars' own stiffness tells.
+        assert found[rigid.ok, 3] == pytest.approx(expected[rigid.ok, 3], rel=2e-4)
 
 
 def test_more_elements_converge() -> None:

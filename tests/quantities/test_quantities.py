@@ -132,6 +132,15 @@ def test_a_workspace_is_about_the_robot_s_axis_unless_it_says_otherwise() -> Non
     assert Workspace(WorkspaceShape.BOX, (0.1, 0.2, 0.3)).center == (0.0, 0.0, None)
 
 
+def test_pressure_angle_is_zero_where_rounding_makes_the_index_more_than_one() -> None:
+    line = np.linspace(-0.3, 0.3, 301)
+    field = solve_field(APPENDIX_4.geometry, Grid.over((0.0, 0.0, 0.0, -0.5), x=[0.0], y=line))
+    index = QUANTITIES["transmission_3"].over(field, APPENDIX_4)
+    above = index > 1.0
+    assert above.any()
+    assert (QUANTITIES["pressure_3"].over(field, APPENDIX_4)[above] == 0.0).all()
+
+
 def test_force_and_motion_of_joint_5_include_the_pressure_angle() -> None:
     field = solved(-0.5)
     poses = field.grid.poses()

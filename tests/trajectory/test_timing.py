@@ -171,6 +171,14 @@ def test_actuator_too_weak_for_gravity_is_reported() -> None:
         shortest_stretch(point_to_point(A, B), MotionLimits(force=260.0), sticky)
 
 
+def test_what_gravity_takes_is_in_the_unit_of_the_actuator() -> None:
+    for actuator in range(4):
+        told = str(InfeasibleMotion(actuator, 0.25, (0.0, 0.0, 0.0, -0.5), -3.0, 2.0))
+        unit, word = ("N", "force") if actuator == 3 else ("N m", "torque")
+        assert "at 25 % of the motion" in told
+        assert f"takes 3 {unit}, and the {word} of M{actuator + 1} is limited to 2 {unit}" in told
+
+
 def test_impossible_limits_are_rejected() -> None:
     with pytest.raises(InvalidInput, match="design"):
         shortest_stretch(point_to_point(A, B), MotionLimits(torque=5.0))
