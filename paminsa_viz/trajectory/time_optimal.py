@@ -55,6 +55,10 @@ TIGHTENED = 4
 STANDSTILL = 1e-9
 """Share of the largest s'^2 below which a motion counts as standing still on its way."""
 
+LEAST_SHARE = 1e-3
+"""Least share of the largest s'^2 in a motion of a given duration; that of the least s'^2 alone may
+take for ever."""
+
 
 @dataclass(frozen=True)
 class PlannedCrossing:
@@ -151,7 +155,7 @@ def time_optimal(
     def blend(share: float) -> TimedPath:
         return TimedPath(path, program.spline(share * fast + (1.0 - share) * slow))
 
-    longest = blend(1e-3).duration
+    longest = blend(LEAST_SHARE).duration
     curve = blend(1.0)
     shortest = curve.duration
     if duration is not None:
@@ -161,7 +165,9 @@ def time_optimal(
             )
         from scipy.optimize import brentq
 
-        share: Any = brentq(lambda at: np.log(blend(at).duration / duration), 1e-3, 1.0, xtol=1e-12)
+        share: Any = brentq(
+            lambda at: np.log(blend(at).duration / duration), LEAST_SHARE, 1.0, xtol=1e-12
+        )
         curve = blend(share)
     planned = tuple(_planned(program, curve, *item) for item in enumerate(found))
     passages = tuple(Passage(p.t / curve.duration, p.crossing.locus) for p in planned)

@@ -220,8 +220,10 @@ def test_a_given_duration_is_kept(design: Design) -> None:
     found = time_optimal(design, TURN, TEN, wanted)
     assert found.plan.duration == pytest.approx(wanted, rel=1e-6)
     assert np.abs(_torque(design, found, np.array([found.crossings[0].t + 1e-6]))).max() < 400
-    with pytest.raises(InvalidInput, match="duration"):
-        time_optimal(design, TURN, TEN, 0.5 * low)
+    assert time_optimal(design, TURN, TEN, high).plan.duration == pytest.approx(high, rel=1e-6)
+    for wrong in (0.999 * low, 1.001 * high):
+        with pytest.raises(InvalidInput, match="duration"):
+            time_optimal(design, TURN, TEN, wrong)
 
 
 def test_the_time_law_is_the_derivative_of_itself() -> None:
