@@ -67,7 +67,7 @@ def test_both_views_hold_the_robot_and_its_circles_with_a_margin(
     # from the side: the platform's posts, and the lift's arms from the axis
     posts = [line for line in side.lines if line.get_color() == INK]
     arms = [line for line in side.lines if line.get_color() == LIFT_COLOR][:3]
-    assert [line.get_linewidth() for line in (*posts, *arms)] == [1.2] * 3 + [2.2] * 3
+    assert [line.get_linewidth() for line in (*posts, *arms)] == [1.3] * 3 + [2.2] * 3
     for line, place, joint in zip(posts, plate, configuration.points[5], strict=True):
         np.testing.assert_allclose(line.get_xydata(), [place[[0, 2]], joint[[0, 2]]])
     for line, joint in zip(arms, configuration.points[2], strict=True):
