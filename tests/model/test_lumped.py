@@ -24,10 +24,12 @@ from paminsa_viz.model import (
     mass_vector,
     potential_energy,
 )
+from paminsa_viz.model.leg_points import PointWeights
 from paminsa_viz.model.lumped import (
     MASS_PATHS,
     EnergyTerms,
     energy_terms,
+    point_mass_column,
     potential_constant,
     term_matrix,
 )
@@ -193,3 +195,17 @@ def test_energies_scale_with_the_unit_of_length(knee: KneeBranch) -> None:
     meters = kinetic_energy(with_knee(APPENDIX_4, knee), pose, velocity)
     np.testing.assert_allclose(power[2], 1e4 * meters, rtol=1e-12)
     assert np.abs(power[-2] / (1e4 * meters) - 1).min() > 1e-3
+
+
+def test_a_mass_at_a_point_has_half_the_square_of_its_speed_and_the_height_of_its_weight() -> None:
+    """For any speeds of the joints 5 and 9, along the leg and upward, and any weights of them."""
+    rng = np.random.default_rng(8)
+    r5, r9, z5, *speeds = rng.normal(size=(7, 20))
+    along5, along9, up5, up9 = speeds
+    column = point_mass_column(PointWeights(r5, r9, z5), 9.81)
+    np.testing.assert_allclose(column[:2], 9.81 * np.array([z5, r9]), rtol=1e-14)
+    squares = column[3] * along5**2 + column[6] * along5 * along9 + column[5] * along9**2
+    np.testing.assert_allclose(squares, 0.5 * (r5 * along5 + r9 * along9) ** 2, atol=1e-14)
+    squares = column[4] * up5**2 + column[7] * up5 * up9 + column[5] * up9**2
+    np.testing.assert_allclose(squares, 0.5 * (z5 * up5 + r9 * up9) ** 2, atol=1e-14)
+    assert not np.delete(column, [0, 1, 3, 4, 5, 6, 7], axis=0).any()
