@@ -250,6 +250,16 @@ def test_lost_server_is_said_in_words(browser: Any) -> None:
         context.close()
 
 
+@pytest.mark.parametrize("last", ["Motion", "Strength"])
+def test_of_tabs_asked_for_at_once_the_last_one_stays_open(tab: Tab, last: str) -> None:
+    first = {"Motion": "Strength", "Strength": "Motion"}[last]
+    tab.page.evaluate("names => names.forEach(window.paminsa.openTab)", [first, last])
+    until(lambda: tab.state.workspace == last, f"workspace {last}")
+    tab.wait_frames(1000)
+    assert tab.is_open(last)
+    assert tab.state.workspace == last
+
+
 def test_workspaces_open_by_key_and_are_found_again_as_they_were_left(tab: Tab) -> None:
     tab.page.set_viewport_size({"width": 1400, "height": 900})
     tab.open_workspace("Robot")

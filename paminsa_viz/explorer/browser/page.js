@@ -152,16 +152,20 @@
     }
   };
   every(200, followTabs);
-  // Opens a tab by its path, and those around it before.
-  // Whoever opens a tab by hand wants no other one of its row, which may have been asked for a
-  // moment before.
+  // Of tabs that were asked for in a row, only the last one is wanted.
+  const dropOthers = (tab, paths = []) => {
+    const row = [...tab.closest('[role="tablist"]').querySelectorAll('[role="tab"]')].map(pathOf);
+    wanted = wanted.filter((path) => paths.includes(path) || !row.includes(path));
+  };
   for (const kind of ["pointerdown", "keydown"])
     document.addEventListener(kind, ({ target, isTrusted }) => {
       const tab = isTrusted && target.closest?.('[role="tab"]');
-      if (tab) wanted = wanted.filter((path) => rowOf(path) !== rowOf(pathOf(tab)));
+      if (tab) dropOthers(tab);
     }, { capture: true, signal: stopped.signal });
+  // Opens a tab by its path, and those around it before.
   const openTab = (path) => {
     const all = withOuter(path);
+    for (const tab of tabs()) if (all.includes(pathOf(tab))) dropOthers(tab, all);
     wanted = [...wanted.filter((each) => !all.includes(each)), ...all];
     followTabs();
   };
