@@ -37,6 +37,7 @@ from paminsa_viz.identification.excitation_search import (
     HOP,
     HOP_SIZE,
     HOPS,
+    LEAST_GAIN,
     LEAST_REACH,
     MOST_OUTSIDE,
     REACH,
@@ -195,6 +196,7 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         f"A stage changes each by at most {REACH:g}, and by a quarter of that where {MOST_OUTSIDE} "
         f"steps in a row leave the workspace, down to {LEAST_REACH:g}; on the way a limit may be "
         f"exceeded by {TOLERANCE:g} of it",
+        f"ends where log det changes by {LEAST_GAIN:g} only",
         f"{search.samples} times a period in the search and {FINE * search.samples} times at the",
     ]
     assert missing("identification", sentences) == []
