@@ -85,6 +85,37 @@ def test_a_stage_brings_back_the_best_allowed_motion_and_its_worth() -> None:
     assert info.evaluate(best, 20.0).worst >= -TOLERANCE
 
 
+def test_a_stage_that_leaves_the_workspace_is_tried_again_within_a_quarter(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Down to 0.02 at least; each stage begins as if no step had been outside."""
+    info = information(samples=64)
+    start, seen = some_motion(info), []
+    search = Search(info, ExcitationSettings(period=PERIOD, random=1), time.monotonic(), go_on)
+
+    def minimize(function, x, bounds, **others) -> None:
+        seen.append((search._last, search._outside, search._value))
+        assert x is start
+        np.testing.assert_allclose(bounds.T, [start - reach, start + reach])
+        search._outside, search._value = 7, 3.0
+        raise _Outside
+
+    monkeypatch.setattr("scipy.optimize.minimize", minimize)
+    reaches = iter((3.0, 0.75, 0.1875, 0.046875))
+    stage = search._stage
+
+    def counted(*given: float) -> None:
+        nonlocal reach
+        reach = next(reaches)
+        stage(*given)  # type: ignore[arg-type]
+
+    reach = 0.0
+    monkeypatch.setattr(search, "_stage", counted)
+    assert search._improve(start, 20.0, 3) == (-np.inf, start)
+    assert next(reaches, None) is None
+    assert seen == [(None, 0, 0.0)] * 4
+
+
 def test_a_motion_that_is_too_large_is_shrunk_to_where_a_limit_is_reached() -> None:
     info = information(samples=64)
     small = 0.2 * some_motion(info)

@@ -22,7 +22,7 @@ from paminsa_viz.identification import (
     make_log,
 )
 from paminsa_viz.identification.base_parameters import LEG_PARAMETERS
-from paminsa_viz.identification.columns import LARGE_SHARE, FitParameter, base_scale
+from paminsa_viz.identification.columns import LARGE_SHARE, FitParameter, base_scale, fit_model
 from paminsa_viz.identification.estimate import RESOLUTION
 from paminsa_viz.identification.filtering import Signals
 from paminsa_viz.identification.identify import (
@@ -419,6 +419,29 @@ def test_sizes_of_base_parameters_are_those_of_what_they_are_made_of() -> None:
         assert scale[10] == pytest.approx(6 * b[5] * design.geometry.platform_radius**2)
         own = [0, 2, 5, 6, 7, 8, 9]
         np.testing.assert_allclose(scale[own], b[own])
+
+
+def test_columns_are_nothing_below_a_share_of_the_largest_torque(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Each place by itself, over the parameter's size; of speeds that share of 1 rad/s or m/s."""
+    rng, scale = np.random.default_rng(0), base_scale(APPENDIX_4)
+    share = 1e-10 * np.array([0.95, 1.05])[rng.integers(0, 2, (4, 11))]
+    wave = np.array([0.5, -1.0, 0.3])[:, None]
+    rows = 4.0 * wave[..., None] * share / scale
+    speed = wave * 1e-10 * np.array([0.95, 1.05, 1.0, 1.1])
+    torque = np.tile(-4.0 * np.abs(wave), (1, 4))
+    samples = SimpleNamespace(
+        pose=None, velocity=None, acceleration=None, speed=speed, sign=speed, growth=speed
+    )
+    signals: Any = SimpleNamespace(samples=samples, torque=torque, smooth=np.asarray)
+    monkeypatch.setattr(columns, "base_regressor", lambda *_: rows)
+    settings = replace(QUICK, coulomb=False, offsets=False)
+    found = fit_model(APPENDIX_4, signals, settings).columns
+    np.testing.assert_array_equal(found[..., :11], np.where(share > 1e-10, rows, 0.0))
+    kept = [False, True, False, True]
+    expected = np.where(kept, speed, 0.0)[..., None] * np.eye(4)
+    np.testing.assert_array_equal(found[..., 11:], expected)
 
 
 @pytest.mark.parametrize("place", [2, 3, 4])
