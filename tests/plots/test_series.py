@@ -22,6 +22,7 @@ from paminsa_viz.plots.series import (
     SeriesPanel,
     SeriesSources,
     Trace,
+    runs,
     thinned,
 )
 from paminsa_viz.plots.series_builders import build_series
@@ -36,9 +37,6 @@ from paminsa_viz.trajectory import (
     round_trip,
     simulate,
 )
-
-pytestmark = pytest.mark.slow
-
 
 RUBBING = replace(APPENDIX_4, friction=Friction(viscous_rotary=0.2, coulomb_linear=2.0))
 ACROSS = (0.45, 0.05, 0.3, 0.02)
@@ -141,7 +139,8 @@ def test_a_stopped_simulation_ends_where_it_stopped() -> None:
     run = simulate(APPENDIX_4, circle, controller=blind, offset=(0.01, 0.0, 0.02, 0.0))
     assert run.stopped is not None
     data = _series("tracking", analyze(APPENDIX_4, circle), simulation=run)
-    assert data.time[-1] == circle.t[-1]
+    after = circle.t[circle.t > run.t[-1]]
+    np.testing.assert_array_equal(data.time, [*run.t, *after])
     simulated, wanted = data.panels[0].traces
     assert np.isfinite(simulated.values).sum() == run.t.size
     assert np.isfinite(wanted.values).all()
@@ -172,6 +171,7 @@ def test_a_failure_between_two_samples_is_an_instant() -> None:
     assert failure.start == failure.end == analysis.check.first.t
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", FIGURES)
 def test_every_kind_is_a_picture_of_its_size(kind, analysis, everything) -> None:
     content = figure_bytes(kind, analysis, **everything, width_mm=85.0, dpi=60)
@@ -193,6 +193,7 @@ def _texts(figure) -> list[tuple[str, Bbox]]:
     return [(text.get_text(), text.get_window_extent()) for text in texts if text.get_text()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", FIGURES)
 @pytest.mark.parametrize("width", [60.0, 170.0])
 def test_texts_are_inside_the_figure_and_do_not_overlap(
@@ -217,6 +218,7 @@ def test_texts_are_inside_the_figure_and_do_not_overlap(
             assert apart or box.y1 <= beside.y0 + 1.5 or beside.y1 <= box.y0 + 1.5, (words, other)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [k for k in FIGURES if k not in ("tracking", "comparison")])
 def test_a_motion_that_fails_at_once_is_still_drawn(kind) -> None:
     start = np.add(preset_center(APPENDIX_4.geometry), (0.9, 0.0, 0.0, 0.0))
@@ -227,6 +229,7 @@ def test_a_motion_that_fails_at_once_is_still_drawn(kind) -> None:
     assert figure_bytes(kind, analysis, dpi=40).startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_vector_files_repeat_to_the_byte(analysis) -> None:
     svg = figure_bytes("torques", analysis, format="svg")
     assert svg == figure_bytes("torques", analysis, format="svg")
@@ -263,20 +266,31 @@ def test_an_impossible_figure_names_its_argument(field, kind, more, analysis) ->
 
 def test_another_motion_is_refused(analysis, failing, everything) -> None:
     run = everything["simulation"]
-    simulations = [replace(run, t=t) for t in (run.t + 0.01, run.t - 0.01, 1.01 * run.t)]
+    late = np.append(run.t[:-1], run.t[-1] + 0.01)
+    simulations = [replace(run, t=t) for t in (run.t + 0.01, run.t - 0.01, late)]
     others = [("torques", {"reference": failing})]
     for kind, other in [*others, *(("tracking", {"simulation": each}) for each in simulations)]:
         with pytest.raises(InvalidInput, match="same trajectory"):
             _series(kind, analysis, **other)
 
 
-@given(st.lists(st.one_of(st.floats(-1e6, 1e6), st.just(np.nan)), min_size=1, max_size=300),
-       st.integers(2, 40))  # fmt: skip
-@example([0.0, 0.0, 0.0, np.nan, 0.0], 2)
-def test_a_thinned_curve_keeps_ends_extremes_and_gaps(numbers, most) -> None:
-    values = np.array(numbers)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 300), st.integers(2, 40), st.integers(0, 4))
+@example(0, 5, 2, 1)
+@example(1, 200, 20, 2)
+@example(2, 40, 40, 0)
+def test_a_thinned_curve_keeps_ends_extremes_and_gaps(seed, count, most, gaps_drawn) -> None:
+    drawn = np.random.default_rng(seed)
+    values = drawn.standard_cauchy(count)
+    for start, size in drawn.integers(0, (count, 9), (gaps_drawn, 2)):
+        values[start : start + size] = np.nan
+    if gaps_drawn % 2:
+        values[:3] = values[-3:] = np.nan
     kept = thinned([values, values[::-1]], most)
-    assert (np.diff(kept) > 0).all()
+    steps = np.diff(kept)
+    assert (steps > 0).all()
+    assert steps.max(initial=0) <= np.ceil((values.size - 1) / (most - 1))
+    pieces = sum(len(runs(each)) for each in (values, values[::-1]))
+    assert kept.size <= most + 5 * pieces
     assert {0, values.size - 1} <= set(kept.tolist())
     if np.isfinite(values).any():
         assert np.nanmax(values[kept]) == np.nanmax(values)
