@@ -352,6 +352,12 @@ def test_a_failure_before_those_at_samples_is_one_more(analysis, motion) -> None
     assert str(found[0]).startswith("at ")
     assert " to " in str(found[1])
     assert failures(build_series("torques", SeriesSources(analysis))) == ()
+    at_once = failing(analysis, [(0, 5, Limit.GUIDE, 0)], float(t[0]))
+    data = build_series("loads", SeriesSources(at_once))
+    assert [(each.start, each.end) for each in failures(data)] == [(t[0], t[5])]
+    for panel in data.panels:
+        assert not panel.notes
+        assert all(np.isnan(trace.values).all() for trace in panel.traces)
 
 
 def test_captions_say_what_is_compared_and_what_is_summed(analysis, light, motion) -> None:
@@ -368,8 +374,10 @@ def test_captions_say_what_is_compared_and_what_is_summed(analysis, light, motio
         for word in ("Reference: design “Light”.", "As published: all five misprints."):
             assert (word in text) == (kind in ("torques", "power"))
     assert f"{motion.size} samples." in text_of("pose", analysis)
-    step = 1e3 * max(after - before for before, after in pairwise(motion.t))
-    assert f"in steps of {step:.3g} ms." in text_of("energy", analysis)
+    uneven = replace(motion, t=motion.t**2)
+    step = 1e3 * max(after - before for before, after in pairwise(uneven.t))
+    solved = replace(analysis.solved, trajectory=uneven)
+    assert f"in steps of {step:.3g} ms." in text_of("energy", replace(analysis, solved=solved))
     assert "do not balance" not in text_of("energy", analysis)
     assert "Formulas as published do not balance." in text_of("energy", published)
     for kind in ("torques", "pose"):
