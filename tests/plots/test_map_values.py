@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -11,10 +12,19 @@ import pytest
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, solve_field, static_torques, xy_grid
 from paminsa_viz.model.grids import Grid
-from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.reach import Limit, check_reach, workspace_radius
 from paminsa_viz.palette import LEG_COLORS
-from paminsa_viz.plots.map_values import difference, map_data
-from paminsa_viz.quantities import QUANTITIES
+from paminsa_viz.plots.map_values import (
+    FRAMES,
+    PROBES,
+    cell_centers,
+    difference,
+    frame_half,
+    half_width,
+    map_data,
+    workspace_field,
+)
+from paminsa_viz.quantities import QUANTITIES, Missing
 from tests.plots.samples import made_up, real
 
 POSE = (0.05, -0.03, np.pi / 3, -0.5)
@@ -84,6 +94,45 @@ def test_difference_is_masked_where_either_is() -> None:
     assert result.reference is reference.design
 
 
+def test_difference_has_the_nearer_limit_and_the_reasons_of_both() -> None:
+    texts, words = ("", "no bound: at a singularity", "no value: none"), ("", "a", "b")
+    code = np.zeros((27, 31), np.uint8)
+    code[13:, :10], code[:, 12] = 1, 2
+    other = np.zeros((27, 31), np.uint8)
+    other[10:16, 5:25] = 2
+    margin = np.linspace(-0.1, 0.2, 27 * 31).reshape(27, 31)
+    first = made_up(missing=Missing(code, texts, words))
+    second = made_up(
+        missing=Missing(other, texts, words), margin=margin, status=np.zeros_like(code)
+    )
+    found = difference(first, second)
+    assert found.missing is not None
+    np.testing.assert_array_equal(found.missing.code, np.where(code != 0, code, other))
+    np.testing.assert_array_equal(found.margin, np.minimum(first.margin, margin))
+    np.testing.assert_array_equal(found.status, first.status)
+    np.testing.assert_array_equal(found.leg, np.where(first.status != 0, 1, second.leg))
+    assert found.title == "Made-up torques, difference"
+    assert difference(made_up(title=""), second).title == "Difference"
+    for name in ("margin", "leg"):
+        bare = replace(first, **{name: None})
+        assert getattr(difference(bare, second), name) is None
+    assert difference(replace(first, leg=None), second).leg is None
+    kept = difference(first, replace(second, margin=None)).margin
+    np.testing.assert_array_equal(kept, first.margin)
+    alone = difference(first, replace(second, missing=None)).missing
+    assert alone is not None
+    np.testing.assert_array_equal(alone.code, code)
+
+
+def test_what_is_missing_is_named_where_poses_can_be_taken() -> None:
+    texts, words = ("", "no bound: at a singularity", "no value: none"), ("", "a", "b")
+    out = made_up().status != 0
+    for where, code, word in ((~out, 1, "no bound"), (~out, 2, "no value"), (out, 1, "")):
+        missing = Missing(np.where(where, code, 0).astype(np.uint8), texts, words)
+        assert made_up(missing=missing).missing_word == word
+    assert made_up().missing_word == ""
+
+
 @pytest.mark.parametrize("value", [1.5, np.inf], ids=["finite", "infinite"])
 def test_difference_of_equal_maps_is_zero_or_not_a_number(value: float) -> None:
     data = made_up(values=np.full((3, 27, 31), value))
@@ -116,6 +165,53 @@ def test_values_are_the_model_s_at_every_cell() -> None:
     assert data.colors == LEG_COLORS
     assert data.names == ("τ₁", "τ₂", "τ₃")
     assert data.singular_radius == pytest.approx(np.sqrt(0.35**2 + 0.1**2 - 0.035))
+
+
+ROBOTS = (
+    APPENDIX_4.geometry,
+    APPENDIX_4.vary({"geometry.base_radius": 0.36, "geometry.platform_radius": 0.3}).geometry,
+)
+
+
+@pytest.mark.parametrize("geometry", ROBOTS)
+def test_a_map_covers_all_that_is_within_reach_rounded_up_to_a_centimeter(geometry) -> None:
+    half, radius = half_width(geometry), 1.005 * workspace_radius(geometry)
+    assert radius <= half + 1e-8 < radius + 0.01
+    assert 100 * half == pytest.approx(round(100 * half), abs=1e-9)
+    centers = workspace_field(geometry, 0.3, -0.5, 9).grid.axes[0][1]
+    np.testing.assert_allclose(centers, cell_centers(half, 9))
+    narrower = workspace_field(geometry, 0.3, -0.5, 9, 0.2).grid.axes[1][1]
+    np.testing.assert_allclose(narrower, cell_centers(0.2, 9))
+    steps = np.diff(cell_centers(half, 7))
+    np.testing.assert_allclose(steps, 2 * half / 7)
+    np.testing.assert_allclose(cell_centers(half, 7)[[0, -1]], [half / 7 - half, half - half / 7])
+
+
+@pytest.mark.parametrize("geometry", ROBOTS)
+@pytest.mark.parametrize("theta", [0.0, 1.0, 2.5])
+@pytest.mark.parametrize("z", [-0.3, -0.6, -0.9])
+def test_a_frame_is_the_least_of_its_sizes_that_holds_what_is_within_reach(
+    geometry, theta, z
+) -> None:
+    half, most = frame_half(geometry, theta, z), half_width(geometry)
+    size = FRAMES * half / most
+    assert size == pytest.approx(round(size), abs=1e-9)
+
+    def far(cells: int) -> float:
+        """Return the largest size of x or y within reach, of so many cells along each side."""
+        centers = cell_centers(most, cells)
+        grid = xy_grid(centers, centers, theta, z).poses()
+        ok = check_reach(geometry, grid).ok
+        return max((abs(grid[ok][:, :2])).max(initial=0.0), 0.0)
+
+    if not far(PROBES):
+        assert half == most
+        return
+    assert far(301) <= half
+    needed = far(PROBES) + 2 * most / PROBES
+    assert half == pytest.approx(
+        min(math.ceil(FRAMES * needed / most - 1e-9), FRAMES) * most / FRAMES
+    )
 
 
 WITHOUT_BODIES = ("clearance_payload", "clearance_counterweights")

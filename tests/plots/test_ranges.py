@@ -8,8 +8,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.plots import colors
-from paminsa_viz.plots.ranges import NEGLIGIBLE, ScaleChoice, choose_scales, per_panel, robust_range
+from paminsa_viz.plots import colors, ticks
+from paminsa_viz.plots.ranges import (
+    LARGEST_END,
+    NEGLIGIBLE,
+    ScaleChoice,
+    choose_scales,
+    full_range,
+    per_panel,
+    robust_range,
+    usable_range,
+)
 from paminsa_viz.plots.scale import InvalidScale, Scale
 from tests.plots.samples import made_up, real
 
@@ -35,6 +44,72 @@ def test_exploding_values_run_over_the_scale(seed: int, share: float, factor: fl
     values[rng.random(5000) < share] *= factor
     assert robust_range(values, signed=True)[1] < 30
     assert robust_range(np.abs(values), signed=False)[1] < 30
+
+
+@given(seeds, st.floats(1e-2, 1e3), st.floats(-50.0, 50.0))
+def test_a_range_with_a_tail_is_four_times_its_ordinary_part(seed, size, start) -> None:
+    drawn = np.random.default_rng(seed)
+    ordinary = size * np.linspace(1.0, 2.0, 701)
+    values = np.concatenate([ordinary, size * np.geomspace(20.0, 1e5, 300)])
+    lower = np.sort(values)[400]  # 40 % of 1000 steps
+    limit = ticks.nice_limit(4 * lower, nearest=True)
+    signs = drawn.choice([-1.0, 1.0], values.size)
+    shuffled = drawn.permutation(values * signs)
+    assert robust_range(shuffled, signed=True) == (-limit, limit)
+    assert robust_range([*shuffled, np.nan, np.inf, -np.inf], signed=True) == (-limit, limit)
+    # A magnitude, and its mirror image: as far from the end as the ordinary part is, four times.
+    moved = values + start * size
+    low, high = robust_range(moved, signed=False)
+    first = moved.min()
+    step = ticks.nice_step(high - low, 10)
+    wanted = first + 4 * (lower + start * size - first)
+    assert low <= first + 1e-9 * size
+    assert wanted - 1e-6 * step <= high <= wanted + step
+    np.testing.assert_allclose(robust_range(-moved, signed=False), (-high, -low), atol=1e-9 * size)
+
+
+def test_a_few_values_that_stick_out_are_left_to_run_over() -> None:
+    ramp = np.linspace(0.0, 10.0, 1000)
+    assert robust_range(ramp, signed=False) == (0.0, 10.0)
+    # Held, if it is not farther from the middle than a quarter more than the last 2 % begin.
+    middle, most = np.percentile(ramp, [50.0, 98.0])
+    farthest = middle + 1.25 * (most - middle)
+    assert robust_range([*ramp, farthest - 0.1], signed=False)[1] > farthest - 0.1
+    assert robust_range([*ramp, farthest + 0.1], signed=False) == (0.0, 10.0)
+    assert robust_range([-farthest - 0.1, *-ramp], signed=False) == (-10.0, 0.0)
+    assert robust_range(np.linspace(39.0, 41.0, 300), signed=False) == (39.0, 41.0)
+    assert robust_range(np.linspace(9.0, 41.0, 3000), signed=False)[0] == 0.0
+    assert robust_range(np.linspace(-41.0, -9.0, 3000), signed=False)[1] == 0.0
+    assert robust_range([8.0] * 5, signed=False) == (7.2, 8.8)
+    assert robust_range([-8.0] * 5, signed=False) == (-8.8, -7.2)
+
+
+@given(seeds, st.floats(1e-6, 1e6), st.floats(-3.0, 3.0))
+def test_a_full_range_holds_all_values_between_round_ends(seed, size, middle) -> None:
+    values = size * (middle + np.random.default_rng(seed).uniform(-1.0, 1.0, 200))
+    low, high = full_range([*values, np.nan], signed=False) or (0.0, 0.0)
+    step = ticks.nice_step(np.ptp(values), 20)
+    slack = 1e-9 * step
+    assert values.min() - step - slack <= low <= values.min() + slack
+    assert values.max() - slack <= high <= values.max() + step + slack
+    ends = np.divide([low, high], step)
+    np.testing.assert_allclose(ends, np.round(ends), atol=1e-6)
+    low, high = full_range(values, signed=True) or (0.0, 0.0)
+    assert low == -high == -ticks.nice_limit(np.abs(values).max())
+
+
+def test_a_range_that_no_scale_takes_is_none() -> None:
+    assert full_range([], signed=True) is None
+    assert full_range([np.nan, np.inf], signed=False) is None
+    assert full_range([3.0, 3.0], signed=False) is None
+    assert usable_range(2.0, -1.0) == (-1.0, 2.0)
+    assert usable_range(0.0, LARGEST_END) == (0.0, LARGEST_END)
+    assert usable_range(-LARGEST_END, 0.0) == (-LARGEST_END, 0.0)
+    assert usable_range(0.0, np.nextafter(LARGEST_END, np.inf)) is None
+    assert usable_range(1000.0, 1000.0 + 0.9e-6) is None
+    assert usable_range(1000.0, 1000.0 + 1.1e-6) is not None
+    flat = made_up(values=np.full((3, 27, 31), 3.0))  # then the robust one
+    assert choose_scales(flat, ScaleChoice(full=True)) == choose_scales(flat)
 
 
 @given(seeds, st.floats(1e-2, 1e3))
@@ -91,6 +166,54 @@ def test_one_range_for_all_or_one_for_each() -> None:
     for shared in (True, False):  # a manual range is kept as it is
         scales = choose_scales(data, ScaleChoice(-1.234, 5.678, shared=shared))
         assert {(scale.low, scale.high) for scale in scales} == {(-1.234, 5.678)}
+
+
+def test_a_coarser_sample_gives_the_ordinary_range_and_all_values_the_full_one() -> None:
+    data, sample = made_up(), made_up(values=100.0 * made_up().values)
+    assert choose_scales(data, sample=sample) == choose_scales(sample)
+    everything = ScaleChoice(full=True)
+    assert choose_scales(data, everything, sample) == choose_scales(data, everything)
+    magnitude = made_up(values=np.abs(data.values), signed=False, bounded=True)
+    assert choose_scales(magnitude, sample=sample) == choose_scales(magnitude, everything)
+    signed = made_up(bounded=True)
+    assert choose_scales(signed) == choose_scales(data) != choose_scales(data, everything)
+
+
+def test_a_range_by_hand_has_no_colors_for_values_that_cannot_be() -> None:
+    magnitude = made_up(values=np.abs(made_up().values), signed=False)
+    both = ScaleChoice(-2.0, 5.0)
+    assert choose_scales(magnitude, both)[0].low == 0.0
+    for data in (made_up(), made_up(signed=False)):  # there are negative values
+        assert choose_scales(data, both)[0].low == -2.0
+    for low, high in ((0.0, 5.0), (1.0, 5.0), (-5.0, 0.0), (-5.0, -1.0)):
+        (scale, *_) = choose_scales(magnitude, ScaleChoice(low, high))
+        assert (scale.low, scale.high) == (low, high)
+
+
+@pytest.mark.parametrize("size", [0.04, 1.0, 3.0, 99.0, 1234.0])
+def test_symlog_is_linear_up_to_a_hundredth_of_the_ends_power_of_ten(size: float) -> None:
+    (scale, *_) = choose_scales(made_up(), ScaleChoice(-size / 2, size, kind="symlog"))
+    assert scale.threshold <= size / 100 < 10 * scale.threshold
+    np.testing.assert_allclose(np.log10(scale.threshold) % 1.0 % 1.0, 0.0, atol=1e-9)
+
+
+def test_symlog_range_is_the_power_of_ten_that_holds_95_percent() -> None:
+    log = ScaleChoice(kind="symlog")
+    tail = np.concatenate([np.linspace(1.0, 2.0, 500), np.geomspace(2.0, 5e4, 337)])
+    for factor in (1.0, -1.0):
+        values = np.resize(factor * tail, (3, 27, 31))
+        good = values[:, made_up().status == 0]
+        (scale, *_) = choose_scales(made_up(values=values), log)
+        limit = 10.0 ** np.ceil(np.log10(np.percentile(np.abs(good), 95.0)))
+        assert (scale.low, scale.high) == (-limit, limit)
+        (scale, *_) = choose_scales(made_up(values=values, signed=False), log)
+        assert (scale.high == limit and scale.low >= 0) if factor > 0 else (
+            scale.low == -limit and scale.high <= 0
+        )  # fmt: skip
+    calm = made_up(values=np.resize(np.linspace(-1.0, 1.0, 837), (3, 27, 31)))
+    assert choose_scales(calm, log)[0].high == choose_scales(calm)[0].high
+    nothing = made_up(values=np.full((3, 27, 31), np.nan))
+    assert (choose_scales(nothing, log)[0].low, choose_scales(nothing, log)[0].high) == (-1.0, 1.0)
 
 
 def test_symlog_range_is_wider() -> None:
