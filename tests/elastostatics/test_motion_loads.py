@@ -45,9 +45,8 @@ def test_peak_and_rms_are_those_of_the_samples(moved: MotionLoads) -> None:
 def test_joints_turn_as_their_bodies_do(moved: MotionLoads) -> None:
     """Against angular velocities from first principles."""
     motion = moved.trajectory
-    every = oracle.bodies(
-        APPENDIX_4, oracle.jets(motion.pose, motion.velocity, motion.acceleration)
-    )
+    jets = oracle.jets(motion.pose, motion.velocity, motion.acceleration)
+    every = oracle.bodies(APPENDIX_4, jets)
     for leg in range(3):
         turn = {
             body.name.rpartition(" ")[2]: np.stack(np.broadcast_arrays(*oracle.turning(body)), -1)
@@ -63,6 +62,11 @@ def test_joints_turn_as_their_bodies_do(moved: MotionLoads) -> None:
             relative = turn[on] - (turn[by] if by else 0.0)
             found = moved.speed[:, leg, JOINT_INDEX[key]]
             np.testing.assert_allclose(found, np.linalg.norm(relative, axis=-1), atol=1e-12)
+        solved = oracle.leg(APPENDIX_4, jets, leg)
+        along = oracle.dot(oracle.rate(solved.points[8]), oracle.value(solved.heading))
+        np.testing.assert_allclose(
+            moved.speed[:, leg, JOINT_INDEX["guide"]], np.abs(along), atol=1e-12
+        )
 
 
 def test_equivalent_load_is_the_force_where_it_is_constant(moved: MotionLoads) -> None:
@@ -71,6 +75,12 @@ def test_equivalent_load_is_the_force_where_it_is_constant(moved: MotionLoads) -
     constant.__dict__["magnitude"] = np.full_like(moved.magnitude, 7.0)
     constant.__dict__["speed"] = moved.speed
     np.testing.assert_allclose(constant.equivalent, 7.0, rtol=1e-12)
+    # rounding is no motion: of 1e-12 rad/s on nothing is known, a little more is as good as any
+    for speed, known in ((0.95e-12, False), (1.05e-12, True)):
+        constant = replace(moved)
+        constant.__dict__["magnitude"] = np.full_like(moved.magnitude, 7.0)
+        constant.__dict__["speed"] = np.full_like(moved.speed, speed)
+        np.testing.assert_allclose(constant.equivalent, 7.0 if known else np.nan, rtol=1e-12)
     # a force only while the joint does not turn wears nothing
     still = moved.speed < 1e-3 * moved.speed.max(axis=0)
     resting = replace(moved)
