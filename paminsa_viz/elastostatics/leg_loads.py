@@ -186,12 +186,12 @@ def _add_arm(rows: _Rows, frame: LegFrame, section: BeamSection, material: _Mate
     length, k = frame.geometry.arm_length, frame.geometry.magnification
     au, aw = np.moveaxis(frame.arm, -1, 0)
     half = 0.5 * length
-    rows.put("B1", material.twist(section, length), m=-au)
+    rows.put("B1", material.twist(section, length), m=au)  # alone in a row a sign does not count
     rows.put("B1", material.bend(section.inertia_in, length), m=aw, z=-k * half)
     rows.put("B1", material.across(section, section.inertia_in, length), z=k)
-    rows.put("B1", material.bend(section.inertia_out, length), s=-half * au)
-    rows.put("B1", material.across(section, section.inertia_out, length), s=-au)
-    rows.put("B1", material.axial(section, length), s=-aw)
+    rows.put("B1", material.bend(section.inertia_out, length), s=half * au)
+    rows.put("B1", material.across(section, section.inertia_out, length), s=au)
+    rows.put("B1", material.axial(section, length), s=aw)
 
 
 def _two_force_bars(frame: LegFrame) -> tuple[Array, Array]:
