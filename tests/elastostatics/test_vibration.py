@@ -42,7 +42,7 @@ LOADED = replace(
     payload=Payload(mass=4.0, inertia=0.02, height=0.07),
     load=LoadCase(12.0, -7.0, -30.0, moment_z=1.5, point_x=0.04),
     counterweights=(
-        Counterweight("b8", 8, 0.1, 0.7), Counterweight("b4", 9, 0.15, 0.4),
+        Counterweight("b8", 8, 0.1, 0.7), Counterweight("b4", 5, 0.15, 0.4),
         Counterweight("b3", 7, 0.05, 0.3), Counterweight("b7", 7, 0.02, 0.2),
     ),
 )  # fmt: skip
@@ -80,13 +80,12 @@ def test_rigid_body_is_its_point_masses() -> None:
     expected = sum(point_mass(m, x) for m, x in zip(masses, places, strict=True))
     found = body_mass(masses.sum(), masses @ places, masses @ places**2)
     assert found == pytest.approx(expected, abs=1e-15)
-    # four quarters of each around the axis, at a radius: an inertia about it, and half across
-    radius, axial = 0.07, masses.sum() * 0.07**2
-    found = body_mass(masses.sum(), masses @ places, masses @ places**2, axial, axial / 2)
+    rotary = 0.03
+    found = body_mass(masses.sum(), masses @ places, masses @ places**2, rotary)
     v, w = np.random.default_rng(2).normal(size=(2, 3))
-    around = radius * np.array([[0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
-    arms = places[:, None, None] * [1.0, 0.0, 0.0] + around
-    energy = 0.5 * masses @ ((v + np.cross(w, arms)) ** 2).sum(axis=(1, 2)) / 4
+    arms = places[:, None] * [1.0, 0.0, 0.0]
+    energy = 0.5 * masses @ ((v + np.cross(w, arms)) ** 2).sum(axis=1)
+    energy += 0.5 * rotary * (w[1:] ** 2).sum()
     assert 0.5 * np.r_[v, w] @ found @ np.r_[v, w] == pytest.approx(energy, rel=1e-12)
 
 
