@@ -152,6 +152,23 @@ def test_extremes_are_those_of_dense_samples(design: Design) -> None:
         assert (dense.max(axis=-2) <= np.abs(value) + 1e-12 * size).all()
         assert (np.abs(value) <= dense.max(axis=-2) + 2e-3 * size).all()
         assert ((place >= 0) & (place <= loads.length)).all()
+        for index in range(3):
+            s, each = place[..., index].ravel(), np.arange(30)
+            sides = [loads.at(s - gap).reshape(30, 30, 3)[each, each, index] for gap in (0, 1e-9)]
+            reached = np.abs(sides).max(axis=0)  # where it jumps, on one of both sides
+            wanted = np.abs(value[..., index]).ravel()
+            np.testing.assert_allclose(reached, wanted, rtol=0, atol=1e-6 * size[index])
+
+
+def test_at_a_joint_the_load_is_the_one_beyond_it() -> None:
+    forces = joint_forces(loaded(APPENDIX_4), *states(APPENDIX_4, 4))
+    for bar in PANTOGRAPH:
+        loads = bar_loads(forces, bar)
+        for place in loads.places[0, 0, 1:-1]:
+            before, at, beyond = np.moveaxis(loads.at(place + np.array([-1e-9, 0.0, 1e-9])), 2, 0)
+            size = np.abs(at).max()
+            np.testing.assert_allclose(at, beyond, atol=1e-6 * size)
+            assert np.abs(at[..., :2] - before[..., :2]).max() > 1e-3 * size
 
 
 def test_a_vertical_force_at_home_by_hand() -> None:
