@@ -106,8 +106,8 @@ def drive_of(built: Structure) -> int:
     return next(spring.second for spring in springs if spring.stiffness == "drive_rotary")
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("young", [1e9, 7e10, 1e13])
+@pytest.mark.parametrize("seed", SEEDS[:4])
+@pytest.mark.parametrize("young", [1e9, 1e13])
 def test_drive_torques_are_those_of_statics_at_any_young_modulus(seed: int, young: float) -> None:
     """The drives of the assembled structure carry J^T w, and M4 its force."""
     design = elastic_design(seed).vary({"elastic.young_modulus": young})
