@@ -64,6 +64,7 @@ def test_joints_turn_as_their_bodies_do(moved: MotionLoads) -> None:
             "4": ("B4", "B3"), "7": ("B3", "B7"), "3": ("B3", "B2"), "2": ("B2", None),
             "5": ("platform", "B4"),
         }  # fmt: skip
+        assert {joint.key for joint in JOINTS if joint.turning} == set(pairs)
         for key, (on, by) in pairs.items():
             relative = turn[on] - (turn[by] if by else 0.0)
             found = moved.speed[:, leg, JOINT_INDEX[key]]

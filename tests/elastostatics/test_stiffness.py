@@ -12,6 +12,7 @@ from paminsa_viz.elastostatics.drive_stiffness import drive_stiffness
 from paminsa_viz.elastostatics.leg_frame import leg_frame
 from paminsa_viz.elastostatics.leg_matrices import Structure, structure
 from paminsa_viz.elastostatics.leg_model import CARRIAGE, RETAINED
+from paminsa_viz.elastostatics.sideways import sideways_forces
 from paminsa_viz.elastostatics.stiffness import (
     SHARES,
     _inverse,
@@ -78,6 +79,22 @@ def test_turning_the_pose_by_120_degrees_turns_the_stiffness(seed: int) -> None:
     both = np.kron(np.eye(2), turn)
     expected = both @ platform_stiffness(design, poses).matrix @ both.T
     assert relative(platform_stiffness(design, turned).matrix, expected) < 1e-9
+
+
+def test_bars_deform_by_shear_only_if_it_is_said() -> None:
+    design = APPENDIX_4.vary({"payload.mass": 5.0, "load.force_y": 30.0})
+    frame = leg_frame(design.geometry, POSE)
+    for found in (
+        lambda **how: platform_stiffness(design, POSE, **how).matrix,
+        lambda **how: structure(design, POSE, **how).stiffness,
+        lambda **how: leg_compliance(frame, design.elastic, **how).matrix,
+        lambda **how: strain_shares(design, POSE, **how).energy,
+        lambda **how: compensate(design, POSE, **how).deflection,
+        lambda **how: sideways_forces(design, POSE, **how).force,
+    ):
+        usual = found()
+        np.testing.assert_array_equal(found(shear=False), usual)
+        assert np.abs(found(shear=True) - usual).max() > 1e-4 * np.abs(usual).max()
 
 
 def test_centered_robot_is_isotropic() -> None:
