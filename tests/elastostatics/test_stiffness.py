@@ -14,6 +14,7 @@ from paminsa_viz.elastostatics.leg_matrices import Structure, structure
 from paminsa_viz.elastostatics.leg_model import CARRIAGE, RETAINED
 from paminsa_viz.elastostatics.sideways import sideways_forces
 from paminsa_viz.elastostatics.stiffness import (
+    SHARE_LABELS,
     SHARES,
     _inverse,
     compensate,
@@ -193,6 +194,8 @@ def test_energy_of_the_parts_is_half_the_work(seed: int) -> None:
 
 def test_share_of_a_part_is_what_stiffening_it_gains() -> None:
     """Energy is a sum of terms 1/E_i: its derivative by a part's stiffness is minus its share."""
+    renamed = [name for name, label in zip(SHARES, SHARE_LABELS, strict=True) if name != label]
+    assert renamed == ["drive"]  # after its motors
     design = elastic_design(3)
     wrench = np.array([3.0, -2.0, 5.0, 0.1, 0.2, -0.3])
     pose = poses_of(design, 1, 3)[0]
