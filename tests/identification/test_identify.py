@@ -323,6 +323,7 @@ def test_opt_in_numbers_are_found() -> None:
     found = identify(APPENDIX_4, late, replace(QUICK, delay=True))
     assert found.estimate("delay").value == pytest.approx(5e-3, abs=1e-3)
     assert found.estimate("delay").half_width < 1e-3
+    assert found.estimate("delay").parameter.design == 0.0
     held = identify(APPENDIX_4, log, replace(QUICK, constrain=True))
     assert np.isnan([held.identity.z, held.identity.value]).all()
     assert held.identity.half_width == np.inf
@@ -337,6 +338,8 @@ def test_opt_in_numbers_are_found() -> None:
     assert np.isnan(legs.identity.value)  # with the legs' columns, too, the identity is held
     sizes = LARGE_SHARE * base_scale(APPENDIX_4)[list(LEG_PARAMETERS)]
     assert [item.parameter.most for item in contrasts] == pytest.approx([*sizes] * 3)
+    rotors = [item.parameter.most for item in legs.estimates if item.parameter.kind == "rotor"]
+    assert rotors == pytest.approx([sizes[5]] * 2)  # as the spin inertia of a leg, b_8
     of_legs = np.reshape([item.value for item in contrasts], (3, 8))
     np.testing.assert_allclose(of_legs.sum(axis=0), 0.0, atol=1e-12)
     assert sum(abs(item.value) > 1.5 * item.half_width for item in contrasts) == 0
