@@ -276,6 +276,11 @@ def test_rotations_become_theta_and_tilt() -> None:
     matrices = (Rotation.from_euler("z", theta[:, None]) * turned).as_matrix()
     found = rotation_coordinates(matrices)
     assert np.allclose(found, np.concatenate([theta[:, None], tilt], axis=-1), atol=1e-12)
-    for wrong in (np.eye(2), 2 * np.eye(3), np.diag([1.0, 1.0, -1.0])):
+    sheared = np.eye(3) + np.array([[0.0, 1e-6, 0.0], [0.0] * 3, [0.0] * 3])
+    np.testing.assert_allclose(
+        rotation_coordinates(0.05 * np.eye(3) + 0.95 * sheared), 0, atol=1e-6
+    )
+    more = 1.05 * sheared - 0.05 * np.eye(3)  # axes off by more than a millionth
+    for wrong in (np.eye(2), 2 * np.eye(3), np.diag([1.0, 1.0, -1.0]), more):
         with pytest.raises(InvalidInput, match="rotation matrices"):
             rotation_coordinates(wrong)
