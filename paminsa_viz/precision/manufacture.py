@@ -53,9 +53,7 @@ ROUNDING = 1e-12
 
 def tolerance_widths(tolerances: Tolerances) -> Array:
     """Return the tolerance of each length, to either side, (3, 14) [m, rad]."""
-    widths = np.zeros(len(LENGTHS))
-    for name, place in INDEX.items():
-        widths[place] = tolerances.bar if name in BARS else getattr(tolerances, name)
+    widths = [tolerances.bar if name in BARS else getattr(tolerances, name) for name in INDEX]
     return np.tile(widths, (3, 1))
 
 

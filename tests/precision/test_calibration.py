@@ -20,7 +20,11 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.precision.calibration import KNOWN, calibrate, describe
-from paminsa_viz.precision.calibration_problem import CalibrationProblem, measuring_poses
+from paminsa_viz.precision.calibration_problem import (
+    CalibrationProblem,
+    _candidates,
+    measuring_poses,
+)
 from paminsa_viz.precision.leg_lengths import INDEX, deviation_array, with_deviations
 from paminsa_viz.precision.measurements import (
     InvalidMeasurement,
@@ -226,9 +230,11 @@ def test_poses_are_drawn_in_twenty_rounds_before_it_is_given_up(
 
     monkeypatch.setattr(f"{place}._DRAWN", 10)
     monkeypatch.setattr(f"{place}.measure_singularity", one_more)
-    with pytest.raises(InvalidInput, match="of 800 poses found"):
+    with pytest.raises(InvalidInput, match="of 800 poses found") as caught:
         measuring_poses(APPENDIX_4, 5)
     assert [count for count in drawn if count == 10] == [10] * 20
+    found = int(str(caught.value).partition("only ")[2].split()[0])
+    assert len(_candidates(APPENDIX_4, found, 0)) == found  # just enough
 
 
 @pytest.mark.slow
