@@ -170,11 +170,11 @@ def _errors(design: Design, pose: Array) -> tuple[Array, ...]:
     tolerance = tolerance_widths(design.tolerances)
     clearance = clearance_widths(design.tolerances)
     sizes = np.abs(slopes)
-    largest = sizes.max(axis=(-1, -2), keepdims=True)
+    largest = sizes.max(axis=(2, 3), keepdims=True)
     slopes = np.where(sizes < ROUNDING * largest, 0.0, slopes)
     sizes = np.abs(slopes).reshape(n, 6, tolerance.size)
     variance = slopes**2 * ((tolerance**2 + clearance**2) / 3)
-    total = variance.sum(axis=(-1, -2))
+    total = variance.sum(axis=(2, 3))
     generators = (slopes * (tolerance + clearance)).reshape(n, 6, tolerance.size)
     scale = np.where(total > 0, total, 1.0)
     return (
@@ -185,7 +185,7 @@ def _errors(design: Design, pose: Array) -> tuple[Array, ...]:
         longest_sum(generators[:, 4], generators[:, 5]),
         np.sqrt(total[:, 0] + total[:, 1]),
         np.sqrt(total[:, 4] + total[:, 5]),
-        variance.sum(axis=-2) / scale[..., None],
+        variance.sum(axis=2) / scale[..., None],
     )
 
 

@@ -27,7 +27,12 @@ from paminsa_viz.precision.manufacture import (
     tolerance_errors,
     tolerance_widths,
 )
-from paminsa_viz.precision.unequal_legs import Closure, solve_actuators, solve_pose
+from paminsa_viz.precision.unequal_legs import (
+    Closure,
+    Sensitivities,
+    solve_actuators,
+    solve_pose,
+)
 from paminsa_viz.quantities import QUANTITIES
 from tests.support.cases import BY_HAND, Case, cases
 from tests.support.measured import pointwise
@@ -277,6 +282,24 @@ def test_errors_are_sums_and_roots_of_slopes_times_widths() -> None:
         assert np.isfinite(getattr(found, name)[1, 0]).all()
     assert np.isnan(found.horizontal).tolist() == [[False, False], [False, True]]
     assert np.isnan(found.tilt).tolist() == [[False, False], [False, True]]
+
+
+def test_what_is_a_millionth_of_a_millionth_of_the_largest_counts_for_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of the same coordinate's, whatever its unit makes of it; on both sides of it."""
+    rng = np.random.default_rng(0)
+    slopes = 1e-12 * np.array([0.95, -0.95, 1.05, -1.05])[rng.integers(0, 4, (2, 6, 3, 14))]
+    slopes[..., 1, 3] = -1.0
+    slopes *= 10.0 ** rng.uniform(-3, 3, (2, 6, 1, 1))
+    monkeypatch.setattr(
+        manufacture, "design_sensitivities", lambda *_: Sensitivities(slopes, slopes[..., 0])
+    )
+    found = tolerance_errors(replace(APPENDIX_4, tolerances=UNEVEN), BY_HAND[:2])
+    largest = np.abs(slopes[..., 1, 3])
+    counts = (np.abs(slopes) > 1e-12 * largest[..., None, None]).any(axis=-2)
+    assert 0 < counts.mean() < 1
+    np.testing.assert_array_equal(found.shares > 0, counts)
 
 
 def test_lengths_are_drawn_uniform_within_tolerances_and_clearances(
