@@ -212,7 +212,7 @@ def test_beside_a_stop_a_motor_starts_and_elsewhere_it_drives_or_is_driven() -> 
     near = made.points[np.abs(made.points[:, None] - stops).min(axis=1) < 1e-7]
     assert len(near) == 2 * len(stops) - 2
     differs = 0
-    for s, start in ((near, True), (np.array([1e-4, 1.0 - 1e-4]), False)):
+    for s, start in ((near, True), (np.array([3e-5, 1.0 - 3e-5]), False)):
         found = summed(made._terms(s, *law(s)), s).max(axis=1)
         expected, other = (
             np.max(
