@@ -171,8 +171,8 @@ def _add_across(
     for bar, first, second, loads in _SPANS:
         (r1, z1), (r2, z2) = points[first], points[second]
         length = np.hypot(r2 - r1, z2 - z1)
-        inverse = np.where(length > 0, 1 / np.where(length > 0, length, 1.0), 0.0)
-        c, s = (r2 - r1) * inverse, (z2 - z1) * inverse
+        divisor = np.where(length > 0, length, 1.0)  # a bar without length has no direction
+        c, s = (r2 - r1) / divisor, (z2 - z1) / divisor
         force, mu, mz = carried(points, 0.5 * (r1 + r2), 0.5 * (z1 + z2), loads)
         section, part = sections[bar], bar.upper()
         rows.append(StrainRow(part, material.twist(section, length), _mixed(mu, c, mz, s)))
@@ -186,12 +186,12 @@ def _add_arm(rows: _Rows, frame: LegFrame, section: BeamSection, material: _Mate
     length, k = frame.geometry.arm_length, frame.geometry.magnification
     au, aw = np.moveaxis(frame.arm, -1, 0)
     half = 0.5 * length
-    rows.put("B1", material.twist(section, length), m=-au)
+    rows.put("B1", material.twist(section, length), m=au)  # alone in a row a sign does not count
     rows.put("B1", material.bend(section.inertia_in, length), m=aw, z=-k * half)
     rows.put("B1", material.across(section, section.inertia_in, length), z=k)
-    rows.put("B1", material.bend(section.inertia_out, length), s=-half * au)
-    rows.put("B1", material.across(section, section.inertia_out, length), s=-au)
-    rows.put("B1", material.axial(section, length), s=-aw)
+    rows.put("B1", material.bend(section.inertia_out, length), s=half * au)
+    rows.put("B1", material.across(section, section.inertia_out, length), s=au)
+    rows.put("B1", material.axial(section, length), s=aw)
 
 
 def _two_force_bars(frame: LegFrame) -> tuple[Array, Array]:

@@ -75,7 +75,7 @@ _PLACE = {name: place for place, name in enumerate(COEFFICIENTS)}
 
 
 @of_geometry
-def base_matrix(geometry: Geometry, gravity: float = 9.81) -> Array:
+def base_matrix(geometry: Geometry, gravity: float) -> Array:
     """Return B, (11, 18): b = B c with c in the order of `lumped.COEFFICIENTS`."""
     k, per_b4, per_b8 = (
         geometry.magnification,

@@ -27,7 +27,7 @@ from paminsa_viz.identification.base_parameters import (
 )
 from paminsa_viz.identification.columns import base_scale
 from paminsa_viz.identification.estimate import NormalBlocks, directions, jackknife, normal_blocks
-from paminsa_viz.identification.filtering import Signals
+from paminsa_viz.identification.filtering import Signals, pieces_of
 from paminsa_viz.identification.results import Identification
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
@@ -139,8 +139,7 @@ def _actuators(identification: Identification) -> list[PossibleCause]:
     found = []
     if not identification.settings.delay:
         rate = np.empty_like(predicted)
-        for number in np.unique(signals.segment):
-            part = signals.segment == number
+        for part in pieces_of(signals.segment):
             rate[part] = np.gradient(predicted[part], signals.step, axis=0)
         found.append(PossibleCause("delay of the torques", "s", 0, 5e-3, -rate))
     for place in range(4):

@@ -57,6 +57,9 @@ REACH = 3.0
 
 LEAST_REACH = 0.02
 
+LEAST_GAIN = 1e-4
+"""Change of log det by which a stage ends."""
+
 CHUNK = 32
 """Motions looked at in one batch."""
 
@@ -218,7 +221,7 @@ class Search:
                 "fun": lambda x: self._evaluated(x, sharpness)[2],
                 "jac": lambda x: self._evaluated(x, sharpness)[3],
             }],
-            options={"maxiter": iterations, "ftol": 1e-4},
+            options={"maxiter": iterations, "ftol": LEAST_GAIN},
         )  # fmt: skip
 
     def _evaluated(self, x: Array, sharpness: float) -> tuple[Any, Array, Array, Array]:

@@ -114,11 +114,10 @@ def smoothed(values: Array, samples: MotionSamples, sections: Array) -> Array:
     from scipy.signal import sosfiltfilt  # takes a while to load
 
     flat = values.reshape(len(values), -1)
-    used = np.flatnonzero(np.any(flat != 0.0, axis=0))
+    used = np.any(flat != 0.0, axis=0)
     whole = np.zeros((int(samples.kept.sum()), flat.shape[1]))
     parts = []
-    for number in range(int(samples.segment[-1]) + 1):
-        place = samples.segment == number
+    for place in pieces_of(samples.segment):
         part = np.ascontiguousarray(flat[place][:, used])
         found = sosfiltfilt(sections, part, axis=0, padlen=len(part) - 1)
         parts.append(found[samples.kept[place]])
@@ -176,7 +175,7 @@ def filter_log(
         sign = np.tanh(_difference(q, _FIRST) * (log.rate / transition_speed))
         torque = log.torque[piece]
         if every > 1:
-            sign = sosfiltfilt(first, sign, axis=0, padlen=padding - 2 * _REACH)
+            sign = sosfiltfilt(first, sign, axis=0, padlen=padding)
             torque = sosfiltfilt(first, torque, axis=0, padlen=padding)
         thin = slice(_REACH, len(q) - _REACH, every)
         q, sign, torque = q[thin], sign[::every], torque[thin]
@@ -216,11 +215,15 @@ def thinning_for(rate: float, cut_off: float) -> int:
     return max(1, int(rate / (OVERSAMPLING * cut_off)))
 
 
+def pieces_of(segment: NDArray[np.int64]) -> list[NDArray[np.intp]]:
+    """Return the places of the samples of each piece, for their numbers (n,)."""
+    return np.split(np.arange(len(segment)), np.flatnonzero(np.diff(segment)) + 1)
+
+
 def _rates(values: Array, segment: NDArray[np.int64]) -> Array:
     """Return sixth-order differences of rows in steps of 1, piece by piece; zero at the ends."""
     found = np.zeros_like(values)
-    for number in range(int(segment[-1]) + 1):
-        place = np.flatnonzero(segment == number)
+    for place in pieces_of(segment):
         found[place[_REACH:-_REACH]] = _difference(values[place], _FIRST)
     return found
 

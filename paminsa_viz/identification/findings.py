@@ -48,7 +48,7 @@ class Findings:
     def motion(self) -> Trajectory:
         """The platform's motion in the first log, its first piece without gaps."""
         signals = self.identification.signals
-        kept = signals.segment == signals.segment[0]
+        kept = signals.segment == 0
         t = signals.t[kept]
         return Trajectory(
             t - t[0], signals.pose[kept], signals.velocity[kept], signals.acceleration[kept],

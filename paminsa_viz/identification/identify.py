@@ -22,7 +22,12 @@ from paminsa_viz.identification.estimate import (
     normal_blocks,
     solve,
 )
-from paminsa_viz.identification.filtering import Signals, filter_log, thinning_for
+from paminsa_viz.identification.filtering import (
+    Signals,
+    filter_log,
+    pieces_of,
+    thinning_for,
+)
 from paminsa_viz.identification.log import InvalidLog, Log
 from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.identification.results import Estimate, Identification, Identity
@@ -150,8 +155,7 @@ def _fitted(
 def shifted(signals: Signals, lag: float) -> Signals:
     """Return the signals with torques from a time later, as a second-order series."""
     curve = np.empty_like(signals.torque)
-    for number in np.unique(signals.segment):
-        part = signals.segment == number
+    for part in pieces_of(signals.segment):
         curve[part] = np.gradient(signals.torque_rate[part], signals.step, axis=0)
     return replace(
         signals,
@@ -188,8 +192,8 @@ def _moves(
             return [f"the log does not allow {factor * settings.cut_off:.3g} Hz for comparison"]
         other = model.report @ solution.x
         other[[item.kind == "delay" for item in model.parameters]] += lag
-        move = np.where(np.abs(other - values) > seen, np.abs(other - values), 0.0)
-        worst = np.maximum(worst, move / np.maximum(error, 1e-300))
+        move = np.abs(other - values)
+        worst = np.maximum(worst, np.where(move > seen, move, 0.0) / np.maximum(error, 1e-300))
     moved = [
         f"{item.symbol} ({size:.2g})"
         for item, size in zip(estimates, worst, strict=True)

@@ -27,14 +27,14 @@ class MultiSine:
         sine: (harmonics, 4) coefficients s_k.
         cosine: (harmonics, 4) coefficients c_k.
         periods: P, how often it is run.
-        bounded_jerk: Whether the acceleration never jumps, as that of sines does not.
+        bounded_jerk: Whether the acceleration never jumps: that of sines does not.
     """
 
     center: Array
     sine: Array
     cosine: Array
-    periods: int = 1
-    bounded_jerk: bool = True
+    periods: int
+    bounded_jerk = True
 
     @property
     def breaks(self) -> Array:
@@ -48,11 +48,11 @@ class MultiSine:
         return value + self.center if order == 0 else value
 
 
-def fourier(harmonics: int, u: Array, order: int = 0) -> Array:
+def fourier(harmonics: int, u: Array, order: int) -> Array:
     """Return a derivative of all sines and cosines of a period in unit time, (n, 2 harmonics)."""
     rate = 2.0 * np.pi * np.arange(1, harmonics + 1)
     phase = u[..., None] * rate + 0.5 * np.pi * order
-    waves: Array = np.concatenate([np.sin(phase), np.cos(phase)], axis=-1)
+    waves = np.hstack([np.sin(phase), np.cos(phase)])
     return np.asarray(waves * np.tile(rate, 2) ** order, np.float64)
 
 

@@ -265,8 +265,8 @@ def _sensitivities(geometry: Geometry, lengths: Array, state: Array) -> Sensitiv
     _, regular = _signs(matrix)
     inverse = np.full(matrix.shape, np.nan)
     inverse[regular] = np.linalg.inv(matrix[regular])
-    size = np.abs(matrix).sum(axis=-1).max(axis=-1) * np.abs(inverse).sum(axis=-1).max(axis=-1)
-    inverse[~(size < _MOST_CONDITION)] = np.nan
+    condition = np.prod([np.linalg.norm(a, np.inf, axis=(1, 2)) for a in (matrix, inverse)], axis=0)
+    inverse[~(condition < _MOST_CONDITION)] = np.nan
     rows = -inverse[:, :6]
     by_leg = np.einsum("nikj,nkjl->nikl", rows.reshape(-1, 6, 3, 3), found.by_length)
     by_actuator = rows @ found.by_state[:, :, ACTUATORS]

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from paminsa_viz.elastostatics.drive_stiffness import drive_stiffness
 from paminsa_viz.elastostatics.leg_frame import leg_frame
@@ -20,6 +23,7 @@ from paminsa_viz.elastostatics.stiffness import (
 )
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.jacobians import jacobian
+from paminsa_viz.model.load import LoadCase, LoadFrame
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from tests.elastostatics.robots import POSE, elastic_design, poses_of
@@ -45,6 +49,7 @@ def test_force_method_agrees_with_the_assembled_structure(seed: int, shear: bool
     leg = leg_compliance(frame, design.elastic, shear=shear)
     inverse = np.linalg.inv(built.condensed()[..., 1:3, 1:3])
     assert relative(leg.matrix, inverse) < 1e-9
+    assert leg.redundant.shape == (4, 3, 5, 2)
     found = platform_stiffness(design, poses, shear=shear)
     assert relative(found.matrix, built.platform_stiffness()) < 1e-9
 
@@ -202,6 +207,11 @@ def test_deflection_of_a_payload_and_its_compensation() -> None:
     design = APPENDIX_4.vary({"payload.mass": 10.0})
     pose = np.array(POSE)
     np.testing.assert_allclose(load_wrench(design, pose), [0, 0, -98.1, 0, 0, 0])
+    load = LoadCase(4.0, -7.0, 11.0, 2.0, 3.0, -5.0, 0.1, 0.2, -0.3, LoadFrame.PLATFORM)
+    turn = Rotation.from_rotvec([0.0, 0.0, pose[2]])
+    moment = load.wrench[3:] + np.cross(load.point, load.wrench[:3])
+    expected = [*turn.apply(load.wrench[:3]) - [0.0, 0.0, 98.1], *turn.apply(moment)]
+    np.testing.assert_allclose(load_wrench(replace(design, load=load), pose), expected)
     found = compensate(design, pose)
     assert -0.7e-3 < found.deflection[2] < -0.3e-3
     moved = jacobian(design.geometry, pose) @ found.actuators
@@ -273,6 +283,19 @@ def test_displacement_under_a_force_is_force_over_stiffness() -> None:
         twist = np.linalg.solve(found.matrix, wrench)
         np.testing.assert_allclose(found.deflection(wrench), twist, rtol=1e-7, atol=1e-15)
         assert twist[axis] == pytest.approx(3.0 / float(found.along(axis)), rel=1e-7)
+
+
+@pytest.mark.parametrize("axis", range(6))
+def test_a_stiffness_is_singular_from_a_share_of_the_largest_on(axis: int) -> None:
+    """1e-12 of it, whatever the axis; a turn counts as the way of a point half a meter away."""
+    units = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
+    shares = np.full((4, 6), 1.0)
+    shares[:, (axis + 1) % 6] = 100.0  # the largest
+    shares[:, axis] = np.array([0.98, 1.0, 1.02, 50.0]) * 1e-10
+    matrices = shares[:, :, None] * np.eye(6) * units**2
+    inverse, singular = _inverse(matrices, 0.5)
+    assert singular.tolist() == [True, True, False, False]
+    np.testing.assert_allclose(inverse[2:] @ matrices[2:], np.tile(np.eye(6), (2, 1, 1)), atol=1e-9)
 
 
 def test_a_matrix_that_has_no_inverse_is_told_by_its_largest_part() -> None:

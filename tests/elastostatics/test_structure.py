@@ -85,6 +85,7 @@ def test_freedoms_of_a_leg() -> None:
     """Without drive and M4 a leg of rigid bars has 2 freedoms and 5 redundant constraints."""
     rigid = leg_model(ELASTIC)
     assert (rigid.size, len(rigid.springs)) == (52, 1)
+    assert all(node.first == node.second for node in rigid.nodes if not node.share)
     every = dict.fromkeys(
         ("bearing_radial", "bearing_axial", "bearing_tilt", "ball", "guide", "guide_tilt"), 1e6
     )

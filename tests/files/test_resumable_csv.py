@@ -131,6 +131,16 @@ def test_a_second_writer_is_refused(tmp_path) -> None:
     assert grow(path) == 0
 
 
+def test_a_head_has_fewer_than_ten_thousand_lines(tmp_path) -> None:
+    """A file of nothing but such lines must not fill the memory."""
+    head = HEAD | {f"n{i}": "" for i in range(9_995)}  # and the names of the columns
+    assert [grow(tmp_path / "a.csv", head=head) for _ in range(2)] == [0, len(ROWS)]
+    longer = head | {"more": ""}
+    assert grow(tmp_path / "b.csv", head=longer) == 0
+    with pytest.raises(TableFileError, match="holds something else"):
+        grow(tmp_path / "b.csv", head=longer)
+
+
 def test_appending_a_row_out_of_order_raises(tmp_path) -> None:
     with ResumableCsv(tmp_path / "a.csv", HEAD, COLUMNS, identity="study") as table:
         list(table.read())

@@ -18,7 +18,7 @@ from paminsa_viz.identification import (
     identity_row,
     leg_base_regressor,
 )
-from paminsa_viz.identification.base_parameters import mass_columns
+from paminsa_viz.identification.base_parameters import SELECTION, mass_columns
 from paminsa_viz.model import (
     APPENDIX_4,
     Counterweight,
@@ -54,6 +54,7 @@ def test_eleven_base_parameters_carry_the_whole_regressor(case: Case) -> None:
     b = base_matrix(case.geometry, design.gravity)
     np.testing.assert_allclose(y, x @ b, rtol=0, atol=1e-12 * np.abs(y).max())
     assert_close(x @ base_parameters(design), case.driving_torques(STATES), 1e-8)
+    assert not SELECTION.flags.writeable  # all share it
 
 
 @given(cases())

@@ -77,6 +77,10 @@ def test_multi_sine_begins_and_ends_at_rest_with_exact_derivatives() -> None:
         slope = (curve(u + 1e-6, order) - curve(u - 1e-6, order)) / 2e-6
         np.testing.assert_allclose(curve(u, order + 1), slope, rtol=1e-5, atol=1e-3)
     np.testing.assert_allclose(curve(u), curve((u + 1 / 3) % 1.0), atol=1e-12)
+    np.testing.assert_allclose(curve.breaks, [0, 1 / 3, 2 / 3, 1])
+    before, behind = curve(curve.breaks[1:-1] - 1e-9, 2), curve(curve.breaks[1:-1] + 1e-9, 2)
+    np.testing.assert_allclose(before, behind, atol=1e-3)
+    assert curve.bounded_jerk  # no acceleration jumps, where periods meet either
 
 
 def test_a_robot_twice_as_large_is_searched_over_motions_twice_as_large() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,17 +15,25 @@ from paminsa_viz.identification import (
     IdentificationSettings,
     InvalidLog,
     base_parameters,
+    base_regressor,
     columns,
     identify,
     identity_row,
     make_log,
 )
 from paminsa_viz.identification.base_parameters import LEG_PARAMETERS
-from paminsa_viz.identification.columns import LARGE_SHARE, base_scale
+from paminsa_viz.identification.columns import LARGE_SHARE, FitParameter, base_scale, fit_model
 from paminsa_viz.identification.estimate import RESOLUTION
 from paminsa_viz.identification.filtering import Signals
-from paminsa_viz.identification.identify import filtered, require_motion, shifted
+from paminsa_viz.identification.identify import (
+    _identity,
+    _moves,
+    filtered,
+    require_motion,
+    shifted,
+)
 from paminsa_viz.identification.log_poses import log_poses
+from paminsa_viz.identification.results import Estimate, Identity
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
@@ -232,6 +241,67 @@ def test_numbers_that_move_with_the_cut_off_are_named() -> None:
     assert slow.notes[1] == "the log does not allow 45 Hz for comparison"
 
 
+def test_numbers_move_that_are_known_and_leave_their_interval_either_way(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By scripted fits at the other cut-offs; a move counts from a twentieth of `most` on."""
+    script = {  # moves at the lower and the higher cut-off, standard error, known, named as
+        "up": (0.75, 0.25, 0.25, True, "3"), "down": (0.0, -1.0, 0.25, True, "4"),
+        "both": (-0.75, 1.0, 0.25, True, "4"), "delay": (1.0, 1.0, 0.25, True, "4"),
+        "exact": (0.75, 0.0, 0.0, True, "e+"), "still": (0.0, 0.0, 0.0, True, ""),
+        "near": (0.5, -0.5, 0.25, True, ""), "small": (0.125, -0.125, 1e-3, True, ""),
+        "unknown": (9.0, 9.0, 0.25, False, ""),
+    }  # fmt: skip
+    kinds = ["delay" if name == "delay" else "base" for name in script]
+    parameters = [FitParameter(name, "", "", kind, 0.0, 2.5, "")
+                  for name, kind in zip(script, kinds, strict=True)]  # fmt: skip
+    values, size = np.arange(10.0, 19.0), len(script)
+    moves, left = np.array([one[:2] for one in script.values()]).T, []
+
+    def fit(*given: Any) -> Any:
+        model = SimpleNamespace(report=np.eye(size), parameters=parameters)
+        lag = 0.5 * (np.array(kinds) == "delay")
+        return model, None, SimpleNamespace(x=values + left.pop(0) - lag), None, 0.5
+
+    monkeypatch.setitem(_moves.__globals__, "filtered", lambda *_: None)
+    monkeypatch.setitem(_moves.__globals__, "_fit", fit)
+    left[:] = moves
+    estimates = tuple(
+        Estimate(parameter, value, 1.0, one[3])
+        for parameter, value, one in zip(parameters, values, script.values(), strict=True)
+    )
+    error = np.array([one[2] for one in script.values()])
+    nothing: Any = None
+    (note,) = _moves(nothing, nothing, nothing, QUICK, estimates, values, error)
+    assert note.startswith("between 6.67 Hz and 15 Hz results move by more than 2 standard errors")
+    for name, (*_, named) in script.items():
+        assert (f" {name} (" in note) == bool(named)
+        assert f" {name} ({named}" in note or "e+" in named or not named
+
+
+def test_the_identity_is_told_by_known_parameters_with_an_interval() -> None:
+    """Half of its interval is that of its error."""
+    x = base_parameters(APPENDIX_4) + 0.5 * np.eye(11)[1]  # half a newton of M_p2 more
+
+    def told(
+        error: float = 0.1, known: bool = True, unknown: int | None = None, constrain: bool = False
+    ) -> Identity:
+        solution = SimpleNamespace(
+            x=x, quantile=2.0, known=lambda rows: np.array([known]),
+            deviation=lambda rows: np.array([error]),
+        )  # fmt: skip
+        estimates = tuple(SimpleNamespace(known=place != unknown) for place in range(11))
+        model, settings = SimpleNamespace(report=np.eye(11)), replace(QUICK, constrain=constrain)
+        return _identity(APPENDIX_4, model, solution, settings, estimates)  # type: ignore[arg-type]
+
+    for found in (told(), told(unknown=0), told(unknown=5)):  # those that are no part of it
+        assert (found.value, found.half_width, found.z) == pytest.approx((0.5, 0.2, 5.0))
+    lost = [told(error=0.0), told(known=False), told(constrain=True)]
+    for found in [*lost, *(told(unknown=place) for place in (1, 2, 3, 4))]:
+        assert np.isnan([found.value, found.z]).all()
+        assert found.half_width == np.inf
+
+
 def test_a_gap_changes_little() -> None:
     log = simulated(1, RUBBING)
     kept = np.r_[0:9000, 9010 : len(log.t)]
@@ -279,8 +349,16 @@ def test_logs_with_wrong_torques_are_refused_or_noted() -> None:
     stuck[:, 1] = 3.0
     with pytest.raises(InvalidLog, match="torque of M2 never changes"):
         identify(APPENDIX_4, make_log(log.t, log.position, stuck))
-    found = identify(APPENDIX_4, make_log(log.t, log.position, -log.torque), QUICK)
-    assert any("sign of force4" in note for note in found.notes)
+    # a light robot, whose joints 9 are pulled up by more than M_p2, has a weight all the same
+    pulled = log.torque - 2.0 * base_parameters(RUBBING)[1] * base_regressor(
+        RUBBING.geometry, *multi_sine(1, RUBBING)(log.t)
+    )[..., 1]  # fmt: skip
+    for torque, wrong in ((-log.torque, True), (1e-3 * pulled, False)):
+        found = identify(APPENDIX_4, make_log(log.t, log.position, torque), QUICK)
+        assert any("sign of force4" in note for note in found.notes) == wrong
+        assert (found.estimates[0].high < 0) == wrong
+        assert found.estimates[0].high < 1
+        assert found.estimates[1].high < 0
 
 
 def test_a_torque_that_changes_less_than_sensors_resolve_never_changes() -> None:
@@ -341,6 +419,29 @@ def test_sizes_of_base_parameters_are_those_of_what_they_are_made_of() -> None:
         assert scale[10] == pytest.approx(6 * b[5] * design.geometry.platform_radius**2)
         own = [0, 2, 5, 6, 7, 8, 9]
         np.testing.assert_allclose(scale[own], b[own])
+
+
+def test_columns_are_nothing_below_a_share_of_the_largest_torque(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Each place by itself, over the parameter's size; of speeds that share of 1 rad/s or m/s."""
+    rng, scale = np.random.default_rng(0), base_scale(APPENDIX_4)
+    share = 1e-10 * np.array([0.95, 1.05])[rng.integers(0, 2, (4, 11))]
+    wave = np.array([0.5, -1.0, 0.3])[:, None]
+    rows = 4.0 * wave[..., None] * share / scale
+    speed = wave * 1e-10 * np.array([0.95, 1.05, 1.0, 1.1])
+    torque = np.tile(-4.0 * np.abs(wave), (1, 4))
+    samples = SimpleNamespace(
+        pose=None, velocity=None, acceleration=None, speed=speed, sign=speed, growth=speed
+    )
+    signals: Any = SimpleNamespace(samples=samples, torque=torque, smooth=np.asarray)
+    monkeypatch.setattr(columns, "base_regressor", lambda *_: rows)
+    settings = replace(QUICK, coulomb=False, offsets=False)
+    found = fit_model(APPENDIX_4, signals, settings).columns
+    np.testing.assert_array_equal(found[..., :11], np.where(share > 1e-10, rows, 0.0))
+    kept = [False, True, False, True]
+    expected = np.where(kept, speed, 0.0)[..., None] * np.eye(4)
+    np.testing.assert_array_equal(found[..., 11:], expected)
 
 
 @pytest.mark.parametrize("place", [2, 3, 4])

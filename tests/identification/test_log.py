@@ -213,9 +213,12 @@ def test_one_row_too_late_or_too_early_is_uneven_by_as_much(
     assert make_log(t, position, torque).notes == ()
 
 
-@pytest.mark.parametrize("longer", [0.0, 1e-9, -1e-9])
+@pytest.mark.parametrize("longer", [0.0, 0.95e-6 / 39, -1e-9])
 def test_rows_of_a_resampled_piece_end_with_its_last_whatever_is_rounded(longer: float) -> None:
-    """Of steps that add up to a little more or less than the time between first and last row."""
+    """Of steps that add up to a little more or less than the time between first and last row.
+
+    To be the last, a row may be early by a millionth of a step.
+    """
     rng = np.random.default_rng(1)
     t = np.cumsum(rng.uniform(0.9, 1.1, 40))
     step = (t[-1] - t[0]) / 39 * (1 + longer)
@@ -227,6 +230,8 @@ def test_rows_of_a_resampled_piece_end_with_its_last_whatever_is_rounded(longer:
     expected = np.stack([even, even**2, 0 * even, -even], axis=1)
     np.testing.assert_allclose(position, expected, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(torque, 2.0 * expected, rtol=1e-9, atol=1e-9)
+    earlier = (t[-1] - t[0]) / 39 * (1 + 1.05e-6 / 39)
+    assert len(limits._resampled(t, values, values, np.arange(40), earlier)[0]) == 39
 
 
 def test_a_piece_of_four_rows_is_the_shortest_that_is_resampled() -> None:
@@ -332,3 +337,5 @@ def test_torques_that_are_not_thinned_out_are_filtered_as_columns_are() -> None:
     ends = 2 * 3  # of the differences, twice
     torque = np.concatenate([log.torque[piece][ends:-ends] for piece in pieces])
     np.testing.assert_allclose(signals.smooth(torque), signals.torque, rtol=1e-9, atol=1e-12)
+    steady = np.repeat([[0.0, 1.0, -3.0]], len(torque), axis=0)  # has no frequency to filter
+    np.testing.assert_allclose(signals.smooth(steady), steady[: len(signals.t)], atol=1e-12)

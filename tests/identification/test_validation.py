@@ -16,9 +16,11 @@ from paminsa_viz.identification import (
     identify,
     make_log,
     validate,
+    validation,
     weigh_payload,
 )
 from paminsa_viz.identification.estimate import normal_blocks, solve
+from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.identification.validation import Validation, _step
 from paminsa_viz.model import APPENDIX_4, Drive, Friction, LoadCase, Payload
 from tests.identification.test_estimate import random_columns
@@ -98,7 +100,36 @@ def test_a_known_payload_may_be_light(identified: Any) -> None:
     gains = [weigh_payload(identified, log, known=known).gain for known in (2.0, 0.5)]
     assert gains[0] is not None
     assert gains[1] is not None
-    assert gains[1][0] == pytest.approx(4.0 * gains[0][0], rel=1e-9)
+    assert gains[1] == pytest.approx([4.0 * part for part in gains[0]], rel=1e-9)
+
+
+def test_exact_logs_weigh_a_payload_and_its_inertia_exactly() -> None:
+    first, loaded = (
+        simulated(i, item, rate=250.0, noise_seed=None)
+        for i, item in ((1, DESIGN), (2, replace(DESIGN, payload=Payload(5.0, 0.1))))
+    )
+    drifted = make_log(loaded.t, loaded.position, loaded.torque + np.array([0, 0, 0, 15.0]))
+    found = weigh_payload(identify(APPENDIX_4, first, QUICK), drifted)
+    assert found.free_mass == pytest.approx(5.0, rel=1e-5)
+    assert found.drift == pytest.approx(15.0, rel=1e-5)
+    assert found.inertia == pytest.approx(0.1, rel=1e-5)
+
+
+def test_other_logs_start_where_the_first_did_unless_said(
+    identified: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first, own, seen = (0.01, 0.0, 0.1, -0.5), (0.0, 0.02, -0.1, -0.4), []
+
+    def solved(geometry: Any, log: Any, start: Any) -> Any:
+        seen.append(start)
+        return log_poses(geometry, log, start)
+
+    monkeypatch.setattr(validation, "log_poses", solved)
+    of = replace(identified, start=first)
+    validate(of, identified.log)
+    validate(of, identified.log, start=own)
+    weigh_payload(of, identified.log, start=own)
+    assert seen == [first, own, own]
 
 
 def test_an_impossible_payload_is_refused(identified: Any) -> None:
@@ -125,12 +156,19 @@ def test_a_validation_holds_if_each_actuator_is_predicted_within_a_tenth() -> No
         assert found.holds == holds
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_a_payload_is_what_explains_best_what_a_first_log_leaves(seed: int) -> None:
-    """Least squares; with variances by leaving out blocks of either log, and Student's t."""
-    rng = np.random.default_rng(seed + 20)
-    columns, x, numbers = random_columns(seed)
-    other, _, others = random_columns(seed + 1)
+@pytest.mark.parametrize("first_is_short", [False, True])
+def test_a_payload_is_what_explains_best_what_a_first_log_leaves(first_is_short: bool) -> None:
+    """Least squares; with variances by leaving out blocks of either log, and Student's t.
+
+    One of the logs has 12 blocks and the other 6, which decide how wide intervals are.
+    """
+    rng = np.random.default_rng(20 + first_is_short)
+    columns, x, numbers = random_columns(0)
+    other, _, others = random_columns(1)
+    if first_is_short:
+        others = others // 2
+    else:
+        numbers = numbers // 2
     scale = np.array([0.1, 2.0, 0.5, 10.0])
     first = solve(normal_blocks(other, other @ x + scale * rng.standard_normal((240, 4)), others))
     extra = rng.standard_normal((240, 4, 2))
@@ -146,12 +184,15 @@ def test_a_payload_is_what_explains_best_what_a_first_log_leaves(seed: int) -> N
 
     every = np.arange(240)
     np.testing.assert_allclose(value, fit(every, first.x), rtol=1e-9)
-    here = [fit(np.flatnonzero(numbers != number), first.x) for number in range(12)]
+    here = [fit(np.flatnonzero(numbers != number), first.x) for number in np.unique(numbers)]
     there = [fit(every, without) for without in first.without]
+    assert sorted([len(here), len(there)]) == [6, 12]
     squares = [
-        11 / 12 * ((part - np.mean(part, axis=0)) ** 2).sum(axis=0) for part in (here, there)
+        (len(part) - 1) * np.mean((part - np.mean(part, axis=0)) ** 2, axis=0)
+        for part in (here, there)
     ]
-    np.testing.assert_allclose(half, 2.200985 * np.sqrt(np.sum(squares, axis=0)), rtol=1e-6)
+    # 95 % to both sides, of Student's t with 5 degrees of freedom
+    np.testing.assert_allclose(half, 2.570582 * np.sqrt(np.sum(squares, axis=0)), rtol=1e-6)
 
 
 def test_shipped_logs_validate_and_weigh_two_kilograms() -> None:

@@ -37,14 +37,22 @@ from paminsa_viz.identification.excitation_search import (
     HOP,
     HOP_SIZE,
     HOPS,
+    LEAST_GAIN,
     LEAST_REACH,
     MOST_OUTSIDE,
     REACH,
     STAGES,
     TOLERANCE,
 )
-from paminsa_viz.identification.filtering import LOWEST_RATE, ORDER, OVERSAMPLING, SETTLING
+from paminsa_viz.identification.filtering import (
+    ANTI_ALIAS,
+    LOWEST_RATE,
+    ORDER,
+    OVERSAMPLING,
+    SETTLING,
+)
 from paminsa_viz.identification.identify import (
+    DELAY_STEPS,
     FEW_SECONDS,
     LEAST_MOVE,
     MOST_MOVE,
@@ -107,6 +115,30 @@ def test_a_cause_has_the_size_and_share_of_a_fit_with_its_column(seed: int) -> N
     for unseen in found[2:]:
         assert (unseen.value, unseen.explains, unseen.p_value) == (0.0, 0.0, 1.0)
         assert (unseen.half_width, unseen.detectable) == (np.inf, np.inf)
+
+
+@pytest.mark.parametrize(("share", "seen"), [(1.05e-8, True), (0.95e-8, False)])
+def test_a_cause_is_seen_of_which_a_hundred_millionth_is_left_without_the_model(
+    share: float, seen: bool
+) -> None:
+    """Of its square: the rest is a column of the model, what is left is at right angles to it."""
+    base, x, numbers = random_columns(6)
+    noise = np.random.default_rng(7).standard_normal((240, 4))
+    extra = np.random.default_rng(8).standard_normal((240, 4))
+    torque = base @ x + noise
+    solution = solve(normal_blocks(base, torque, numbers))
+    rows = (base / solution.noise[:, None]).reshape(-1, 5)
+    away = (extra / solution.noise).ravel()
+    away -= rows @ np.linalg.lstsq(rows, away)[0]
+    whole = rows[:, 0] / np.linalg.norm(rows[:, 0])
+    whole = np.sqrt(1 - share) * whole + np.sqrt(share) * away / np.linalg.norm(away)
+    column = whole.reshape(240, 4) * solution.noise
+    (found,) = _tried(
+        SimpleNamespace(solution=solution, settings=IdentificationSettings()),  # type: ignore[arg-type]
+        normal_blocks(np.concatenate([base, column[..., None]], axis=-1), torque, numbers),
+        list(range(5)), {"c": 5}, [PossibleCause("c", "", 0, 1.0, column)],
+    )  # fmt: skip
+    assert np.isfinite(found.detectable) == seen
 
 
 def test_a_cause_says_what_it_may_as_well_be() -> None:
@@ -172,6 +204,10 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         f"Butterworth of order {ORDER}, forward and backward",
         f"at least {LOWEST_RATE:g} rows and then {OVERSAMPLING:g} samples in a period of it",
         f"Each pass settles within {SETTLING:g} periods",
+        "halves at {:g} times that, and at most at {:g} of the rate that is left".format(
+            *ANTI_ALIAS
+        ),
+        f"(`--delay`; they are shifted by it and fitted again {DELAY_STEPS} times)",
         f"the noise of each actuator that of its residuals, in {ITERATIONS} rounds",
         f"taken to be off by {100 * SPREAD:g} %, and a mass that it has none of by as much of "
         f"{SMALL:g} of those like it",
@@ -195,6 +231,7 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         f"A stage changes each by at most {REACH:g}, and by a quarter of that where {MOST_OUTSIDE} "
         f"steps in a row leave the workspace, down to {LEAST_REACH:g}; on the way a limit may be "
         f"exceeded by {TOLERANCE:g} of it",
+        f"ends where log det changes by {LEAST_GAIN:g} only",
         f"{search.samples} times a period in the search and {FINE * search.samples} times at the",
     ]
     assert missing("identification", sentences) == []
