@@ -178,7 +178,7 @@ _CLOSE = 1e-6
 
 
 @np.errstate(all="ignore")
-def beyond_corners(geometry: Geometry, pose: Array, moved: Array, half: Array) -> Array:
+def beyond_corners(geometry: Geometry, pose: Array, moved: Array) -> Array:
     """Return by how much errors between the corners exceed those in them, (n, 4).
 
     x, y and theta have no extreme value inside the box, nor on a face: with leg m's heading kept
@@ -198,7 +198,6 @@ def beyond_corners(geometry: Geometry, pose: Array, moved: Array, half: Array) -
         geometry: Lengths of the mechanism.
         pose: (n, 4) [m, m, rad, m], each with a box that is free of singularities.
         moved: (n, 8, 3) errors of x, y and theta in the corners [m, m, rad].
-        half: (3,) half widths of the box [rad].
 
     Returns:
         Of the sizes of the errors of x, y and theta, and of the distance in the plane

@@ -7,6 +7,7 @@ against all sixteen corners.
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -179,8 +180,21 @@ def test_modes_are_apart_by_a_taylor_expansion_with_differences_for_slopes(geome
     np.testing.assert_array_equal(proven, room > 0.0)
 
 
-def test_limits_within_a_box_are_those_of_its_sixteen_corners() -> None:
-    """And the leg is that of the first of them; the lower eight are looked at first."""
+def test_limits_within_a_box_are_those_of_its_sixteen_corners(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """And the leg is that of the first of them; the lower eight are looked at first.
+
+    Corners are looked at of those that are within the joints' way of a limit, and of no others.
+    """
+    looked_at = []
+
+    def looking(geometry: Any, pose: Any, moved: Any, lift: float) -> Any:
+        looked_at.append(pose)
+        return beyond_reach(geometry, pose, moved, lift)
+
+    module = import_module("paminsa_viz.precision.drive_errors")
+    monkeypatch.setattr(module, "beyond_reach", looking)
     rng = np.random.default_rng(12)
     accuracy = DriveAccuracy(resolution_rotary=np.radians(3.0), resolution_linear=6e-3)
     half = np.array(accuracy.half_widths)
@@ -196,6 +210,13 @@ def test_limits_within_a_box_are_those_of_its_sixteen_corners() -> None:
     known = np.isin(found.status, [Bound.OK, Bound.LIMIT])
     poses, status, leg = poses[known], found.status[known], found.leg[known]
     moved = corner_errors(geometry, poses, half[:3])[0]
+    sideways = np.hypot(moved[..., 0], moved[..., 1]).max(axis=1)
+    turn = np.maximum(moved[..., 2].max(axis=1), -moved[..., 2].min(axis=1))
+    k = geometry.magnification
+    way = k / (k - 1) * (sideways + geometry.platform_radius * turn) + lift
+    near = check_reach(geometry, poses).margins.min(axis=(-1, -2)) <= way
+    assert 100 < near.sum() < len(near) - 100
+    np.testing.assert_array_equal(np.concatenate(looked_at), poses[near])
     corners = np.repeat(poses[:, None], 16, axis=1)
     corners[:, :8, :3] += moved
     corners[:, 8:, :3] += moved

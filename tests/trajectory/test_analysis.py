@@ -102,6 +102,8 @@ def test_kept_solution_serves_other_masses(change: str, misprints: Misprint) -> 
     kept = analyze(design, samples, misprints=misprints, keep=before.solved)
     fresh = analyze(design, samples, misprints=misprints)
     assert kept.solved is before.solved
+    with pytest.raises(ValueError, match="read-only"):  # it is kept for the next design
+        kept.solved.friction(design)[0, 0] = 1.0
     assert_close(kept.torque, fresh.torque, 1e-13)
     assert not np.allclose(kept.torque, before.torque, rtol=1e-3)
     most = 1e-13 * np.abs(fresh.torque).max(axis=0)
@@ -144,6 +146,7 @@ def test_a_sample_within_rounding_of_a_limit_is_the_first_failure_there() -> Non
         -1,
     )
     assert found.first.pose == tuple(samples.pose[30])
+    assert found.first.margin == 0.0
     assert found.until == 30
     np.testing.assert_array_equal(found.status == Limit.SINGULAR, unsolved)
     later = np.zeros(samples.size, bool)
@@ -303,6 +306,10 @@ def test_comparison_with_a_reference() -> None:
     doubled = {p.path: 2 * APPENDIX_4.value(p.path) for p in PARAMETERS if "kg" in p.unit}
     for change in compare(analyze(APPENDIX_4.vary(doubled), samples), reference):
         assert list(vars(change).values()) == pytest.approx([2] * 4)
+    pulled = replace(reference, torque=-reference.torque)
+    for change in compare(pulled, reference):  # of sizes, whatever their signs
+        assert (change.peak, change.rms, change.top_power) == pytest.approx((1.0, 1.0, 1.0))
+        assert change.driven >= 0.0
     failing = analyze(APPENDIX_4, point_to_point([1, 0, 0, -0.5], HOME).sample(50))
     assert failing.summary == compare(failing, failing) == ()
     assert np.isnan(failing.energy_residual).all()

@@ -21,11 +21,11 @@ from paminsa_viz.model import (
     inverse_dynamics,
 )
 from paminsa_viz.model.drive import NO_DRIVES, Drive
-from paminsa_viz.trajectory import MotionLimits, via_points
+from paminsa_viz.trajectory import MotionLimits, chain, point_to_point, via_points
 from paminsa_viz.trajectory.law_program import LawProgram, Terms
 from paminsa_viz.trajectory.paths import TracedPath
 from paminsa_viz.trajectory.shortest import law_knots
-from tests.trajectory.plans import FRICTION, A, B
+from tests.trajectory.plans import FRICTION, A, B, C
 from tests.trajectory.test_timing import BENT, HEAVY, SERVO, VISCOUS, driven
 
 UNIT = 0.7
@@ -50,11 +50,11 @@ def program(design: Design, limits: MotionLimits = LIMITS, **options: bool) -> L
     return LawProgram(PATH, *KNOTS, limits, design, UNIT, **options)
 
 
-def states(s: Any) -> tuple[Any, Any, Any]:
+def states(s: Any, path: TracedPath = PATH) -> tuple[Any, Any, Any]:
     """Pose, velocity and acceleration of the law at places, (n, 4) each."""
     z, dz = (part[:, None] for part in law(s))
-    along, bend = PATH(s, 1), PATH(s, 2)
-    return PATH(s), along * np.sqrt(z) / UNIT, (bend * z + 0.5 * along * dz) / UNIT**2
+    along, bend = path(s, 1), path(s, 2)
+    return path(s), along * np.sqrt(z) / UNIT, (bend * z + 0.5 * along * dz) / UNIT**2
 
 
 def summed(terms: Terms, s: Any) -> Any:
@@ -62,12 +62,14 @@ def summed(terms: Terms, s: Any) -> Any:
     return terms.growth * dz + terms.square * z + terms.rate * np.sqrt(z) + terms.constant
 
 
-def motor_share(design: Design, j: int, drive: Drive, s: Any, start: bool = False) -> Any:
+def motor_share(
+    design: Design, j: int, drive: Drive, s: Any, start: bool = False, path: TracedPath = PATH
+) -> Any:
     """Largest share of a drive's speed, envelope and gear that the law uses, (n,).
 
     A motor that starts has to make the larger torque, whether it drives or is driven.
     """
-    pose, velocity, acceleration = states(s)
+    pose, velocity, acceleration = states(s, path)
     speed = actuator_velocity(design, pose, velocity)[:, j]
     growth = actuator_acceleration(design.geometry, pose, velocity, acceleration)[:, j]
     bare = replace(design, drives=NO_DRIVES)
@@ -204,19 +206,28 @@ def test_splines_of_the_program_rest_at_the_ends_and_have_their_own_slopes() -> 
     np.testing.assert_allclose(made._rows(np.array([0.3, 0.5]))[0] @ ones, 1.0)
 
 
-def test_beside_a_stop_a_motor_starts_and_elsewhere_it_drives_or_is_driven() -> None:
+CORNER = 0.8 * B + 0.2 * A
+STOPPING = TracedPath(chain(point_to_point(B, CORNER), point_to_point(CORNER, C)).curve)
+"""A motion with a stop at about a fourth of its way, before which the pieces are longer."""
+
+
+@pytest.mark.parametrize("path", [PATH, STOPPING], ids=["one piece", "stops"])
+def test_beside_a_stop_a_motor_starts_and_elsewhere_it_drives_or_is_driven(
+    path: TracedPath,
+) -> None:
     design = driven(SERVO)
-    made = program(design, MotionLimits(speed=1e9))
+    made = LawProgram(path, *law_knots(path), MotionLimits(speed=1e9), design, UNIT)
     drives: Any = design.drives
-    stops = PATH.place(PATH.rests)
+    stops = path.place(path.rests)
     near = made.points[np.abs(made.points[:, None] - stops).min(axis=1) < 1e-7]
     assert len(near) == 2 * len(stops) - 2
     differs = 0
-    for s, start in ((near, True), (np.array([1e-4, 1.0 - 1e-4]), False)):
+    for s, start in ((near, True), (np.array([3e-5, 1.0 - 3e-5]), False)):
         found = summed(made._terms(s, *law(s)), s).max(axis=1)
         expected, other = (
             np.max(
-                [motor_share(design, j, drive, s, how) for j, drive in enumerate(drives)], axis=0
+                [motor_share(design, j, drive, s, how, path) for j, drive in enumerate(drives)],
+                axis=0,
             )
             for how in (start, not start)
         )
