@@ -141,6 +141,8 @@ def test_times_start_at_zero_and_turns_are_unwrapped(rate: float) -> None:
     np.testing.assert_allclose(made.pose[:, 2], turning[:, 2], atol=1e-12)
     assert "shifted by -3.5 s" in made.notes[0]
     assert "full turn" in made.notes[1]
+    high = EXACT.pose + np.array([0.0, 0.0, 0.0, 5.0])
+    assert not any("full turn" in note for note in from_samples(EXACT.t, high).notes)
 
 
 def test_coarse_digits_are_noted() -> None:

@@ -99,8 +99,9 @@ def test_limits_of_jerk(plan: Plan) -> None:
 
 
 @PLANS
-@pytest.mark.parametrize("robot", DESIGNS)
-@pytest.mark.parametrize("knee", KneeBranch)
+@pytest.mark.parametrize(
+    ("robot", "knee"), zip(DESIGNS, [*KneeBranch, KneeBranch.LOWER], strict=True), ids=DESIGNS
+)
 def test_limits_of_torque(plan: Plan, robot: str, knee: KneeBranch) -> None:
     design = DESIGNS[robot]
     still = inverse_dynamics(
