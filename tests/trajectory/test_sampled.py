@@ -79,6 +79,7 @@ def test_arrays_are_read_only_copies() -> None:
         ("pose", {"pose": ROWS[:2]}),
         ("velocity", {"velocity": ROWS[:, :3]}),
         ("acceleration", {"acceleration": np.full((3, 4), np.inf)}),
+        ("velocity", {"velocity": np.where(np.arange(12) == 7, np.nan, 0.0).reshape(3, 4)}),
         ("load", {"load": np.zeros((3, 4))}),
         ("load", {"load": np.where(np.arange(18) == 7, np.nan, 0.0).reshape(3, 6)}),
         ("pose", {"pose": np.where(np.arange(12) == 7, -1.01e12, 0.0).reshape(3, 4)}),
