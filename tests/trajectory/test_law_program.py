@@ -38,6 +38,11 @@ PATH = TracedPath(via_points([A, B, A + np.array([0.03, 0.05, -0.2, 0.04]), B]).
 KNOTS = law_knots(PATH)
 
 
+CORNER = 0.8 * B + 0.2 * A
+STOPPING = TracedPath(chain(point_to_point(B, CORNER), point_to_point(CORNER, C)).curve)
+"""A motion with a stop at about a fourth of its way, before which the pieces are longer."""
+
+
 def law(s: Any) -> tuple[Any, Any]:
     """A law with zero speed at both ends, and its derivative by s, in units of `UNIT`."""
     bend = 1.0 + 0.8 * np.sin(9.0 * s)
@@ -204,11 +209,12 @@ def test_splines_of_the_program_rest_at_the_ends_and_have_their_own_slopes() -> 
     ones = np.ones(rows.shape[1])
     np.testing.assert_allclose(made._rows(np.array([0.0, 1.0]))[0] @ ones, 0.0)
     np.testing.assert_allclose(made._rows(np.array([0.3, 0.5]))[0] @ ones, 1.0)
-
-
-CORNER = 0.8 * B + 0.2 * A
-STOPPING = TracedPath(chain(point_to_point(B, CORNER), point_to_point(CORNER, C)).curve)
-"""A motion with a stop at about a fourth of its way, before which the pieces are longer."""
+    stopping = LawProgram(STOPPING, *law_knots(STOPPING), LIMITS, APPENDIX_4, UNIT)
+    stops, moving = (
+        stopping._rows(s)[0] for s in (STOPPING.place(STOPPING.rests), np.array([0.1, 0.6]))
+    )
+    np.testing.assert_allclose(stops @ np.ones(stops.shape[1]), 0.0, atol=1e-12)
+    np.testing.assert_allclose(moving @ np.ones(stops.shape[1]), 1.0)
 
 
 @pytest.mark.parametrize("path", [PATH, STOPPING], ids=["one piece", "stops"])
