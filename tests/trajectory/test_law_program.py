@@ -21,7 +21,7 @@ from paminsa_viz.model import (
     inverse_dynamics,
 )
 from paminsa_viz.model.drive import NO_DRIVES, Drive
-from paminsa_viz.trajectory import MotionLimits, chain, point_to_point, via_points
+from paminsa_viz.trajectory import MotionLimits, chain, circle, point_to_point, via_points
 from paminsa_viz.trajectory.law_program import LawProgram, Terms
 from paminsa_viz.trajectory.paths import TracedPath
 from paminsa_viz.trajectory.shortest import law_knots
@@ -121,13 +121,16 @@ def test_a_limit_that_is_not_given_has_no_terms(alone: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "drive",
-    [SERVO, HEAVY, BENT, replace(SERVO, efficiency=1.0, gear_peak_torque=3.0)],
-    ids=["servo", "heavy", "bent", "gear"],
-)
-def test_terms_of_drives_are_shares_of_their_envelopes(drive: Drive) -> None:
+    ("drive", "viscous"),
+    [
+        (SERVO, 0.0), (HEAVY, 0.0), (BENT, 0.0), (SERVO, 20.0),
+        (replace(SERVO, efficiency=1.0, gear_peak_torque=3.0), 0.0),
+    ],
+    ids=["servo", "heavy", "bent", "friction", "gear"],
+)  # fmt: skip
+def test_terms_of_drives_are_shares_of_their_envelopes(drive: Drive, viscous: float) -> None:
     """At each place the largest of them is what the drive that needs most of its limits uses."""
-    design = driven(drive)
+    design = driven(drive).vary({"friction.viscous_rotary": viscous})
     none = MotionLimits(speed=1e9)
     found = summed(program(design, none)._terms(S, *law(S)), S).max(axis=1)
     expected = [motor_share(design, j, one, S) for j, one in enumerate(design.drives) if one]
@@ -139,6 +142,9 @@ def test_terms_of_drives_are_shares_of_their_envelopes(drive: Drive) -> None:
         mine = summed(program(alone, none)._terms(S, *law(S)), S).max(axis=1)
         np.testing.assert_allclose(mine, motor_share(alone, j, one, S), rtol=1e-9)
     assert program(design, none, drives=False)._terms(S, *law(S)).rate.shape[1] == 1
+    level = TracedPath(circle(C, 0.05).curve)  # where M4 stands still
+    made = LawProgram(level, *law_knots(level), none, design, UNIT)
+    assert all(np.isfinite(part).all() for part in made._terms(S, *law(S)))
 
 
 @pytest.mark.parametrize("design", [APPENDIX_4, driven(SERVO)], ids=["", "driven"])
