@@ -105,7 +105,10 @@ def test_states_of_the_search_are_those_of_the_plan() -> None:
 
 
 def test_sizes_are_the_largest_values_of_a_first_harmonic() -> None:
-    """Of pose, velocity and acceleration; base columns have a mean square of 1 over such states."""
+    """Of pose, velocity and acceleration.
+
+    Base columns have a mean square of 1 over 400 states within half of them, of a seed of 0.
+    """
     info = information()
     u = np.linspace(0.0, PERIOD, 4001)
     w = 2 * np.pi / PERIOD
@@ -113,11 +116,11 @@ def test_sizes_are_the_largest_values_of_a_first_harmonic() -> None:
     scale = info.family.scale
     sizes = [np.abs(wave).max() * scale for wave in waves]
     np.testing.assert_allclose(info._sizes, np.concatenate(sizes), rtol=1e-6)
-    drawn = np.random.default_rng(5).uniform(-0.5, 0.5, (2000, 12)) * info._sizes
+    drawn = np.random.default_rng(0).uniform(-0.5, 0.5, (400, 12)) * info._sizes
     drawn[:, :4] += info.family.center
     regressor = info.at(drawn).regressor
     columns = (regressor[np.isfinite(regressor).all(axis=(1, 2))] @ info._base).reshape(-1, 11)
-    np.testing.assert_allclose(np.sqrt((columns**2).mean(axis=0)), 1.0, rtol=0.15)
+    np.testing.assert_allclose(np.sqrt((columns**2).mean(axis=0)), 1.0, rtol=1e-9)
 
 
 def test_slopes_are_those_of_differences() -> None:
