@@ -130,7 +130,9 @@ def test_slopes_are_those_of_differences() -> None:
     found = info.evaluate(x, 50.0)
     assert found.value == pytest.approx(float(info.log_det(x)), abs=1e-9)
     assert found.worst == pytest.approx(float(info.worst_room(x)))
-    assert np.all(found.room <= info.at(info.states(x)).room.min() + 1.0)
+    np.testing.assert_allclose(
+        found.room, _soft_least(info.at(info.states(x)).room, 50.0)[0], rtol=0, atol=1e-12
+    )
     for index in (0, 3, 4, 13, 22, 35):
         step = 1e-5 * np.eye(info.family.size)[index]
         above, below = info.evaluate(x + step, 50.0), info.evaluate(x - step, 50.0)
@@ -188,6 +190,12 @@ def test_torques_of_a_search_have_rotors_and_a_step_that_is_soft_enough(
 
 def test_a_motion_out_of_reach_tells_nothing_and_keeps_no_limit() -> None:
     info = information(samples=64)
+    part = 6.0 * some_motion(info)  # some of its samples only
+    lost = np.isnan(info.at(info.states(part)).room).any(axis=-1)
+    assert 0 < lost.sum() < 64
+    still = np.zeros(info.family.size)  # shows no friction
+    for motion in (part, still):
+        assert info.evaluate(motion, 50.0).value == info.log_det(motion) == -np.inf
     far = 60.0 * some_motion(info)
     found = info.evaluate(far, 50.0)
     assert (found.value, found.worst) == (-np.inf, -np.inf)
@@ -202,7 +210,7 @@ def test_a_motion_out_of_reach_tells_nothing_and_keeps_no_limit() -> None:
 
 def test_the_least_room_is_softened_limit_by_limit() -> None:
     """-log(sum e^(-s r))/s over the samples of each limit, reach over all of its twelve."""
-    room = np.random.default_rng(2).uniform(-1.0, 1.0, (30, 22))
+    room = np.random.default_rng(2).uniform(-4.0, 4.0, (30, 22))
     for sharpness in (5.0, 300.0):
         soft, shares = _soft_least(room, sharpness)
         parts = [room[:, [i]] for i in range(10)] + [room[:, 10:]]
@@ -357,6 +365,7 @@ def test_a_limit_that_is_just_reached_is_kept() -> None:
     for least in (False, True):
         for value, kept in ((1.0, True), (1.0 + 1e-12, least), (1.0 - 1e-12, not least)):
             assert KeptLimit("name", value, 1.0, "", 0.0, least).kept == kept
+    assert KeptLimit("name", 0.5, 1.0, "", 0.0).kept  # one from above, unless it is said
 
 
 def test_gain_is_of_log_det_and_narrows_intervals_by_its_root_for_each_parameter() -> None:
