@@ -42,14 +42,15 @@ _SPANS: tuple[tuple[str, int, int, tuple[float, float, float]], ...] = (
     ("b3", 3, 4, (0.0, 1.0, 1.0)),
     ("b3", 3, 7, _AT_7),
     ("b2", 3, 2, _AT_2),
-    ("b7", 8, 7, (0.0, 0.0, -1.0)),
+    ("b7", 8, 7, _AT_7),
     ("b10", 0, 8, (1.0, 1.0, 0.0)),
 )
-"""Bars between joints, and which of the loads at 5, 2 and 7 each carries across the plane."""
+"""Bars between joints, and which of the loads at 5, 2 and 7 each carries across the plane;
+a sign of all of them does not count."""
 
 _REVOLUTES: tuple[tuple[int, tuple[float, float, float]], ...] = (
     (8, _ALL),
-    (8, (0.0, 0.0, -1.0)),
+    (8, _AT_7),
     (9, _ALL),
     (4, (0.0, 1.0, 1.0)),
     (7, _AT_7),
@@ -89,7 +90,7 @@ class _Rows(list[StrainRow]):
 _COLUMN = {"w": FORCE_W, "z": FORCE_Z, "s": S2, "m": M2}
 
 
-def leg_rows(frame: LegFrame, elastic: Elastic, *, shear: bool = False) -> tuple[StrainRow, ...]:
+def leg_rows(frame: LegFrame, elastic: Elastic, *, shear: bool) -> tuple[StrainRow, ...]:
     """Return the internal forces of the legs for unit loads; arguments as in `leg_compliance`."""
     rows = _Rows()
     sections = {bar: elastic.section(bar) for bar in BARS}

@@ -153,7 +153,7 @@ def test_largest_value_of_any_polynomials_is_that_of_dense_samples(degree: int) 
 def test_extremes_are_those_of_dense_samples(design: Design) -> None:
     forces = joint_forces(loaded(design), *states(design, 10))
     for loads in all_bar_loads(forces).values():
-        s = np.linspace(0, loads.length, 4001)
+        s = np.linspace(0, loads.length, 2001)
         dense = np.abs(loads.at(s))
         value, place = loads.largest()
         size = np.abs(value).max(axis=(0, 1))

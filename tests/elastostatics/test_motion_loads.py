@@ -64,6 +64,7 @@ def test_joints_turn_as_their_bodies_do(moved: MotionLoads) -> None:
             "4": ("B4", "B3"), "7": ("B3", "B7"), "3": ("B3", "B2"), "2": ("B2", None),
             "5": ("platform", "B4"),
         }  # fmt: skip
+        assert {joint.key for joint in JOINTS if joint.turning} == set(pairs)
         for key, (on, by) in pairs.items():
             relative = turn[on] - (turn[by] if by else 0.0)
             found = moved.speed[:, leg, JOINT_INDEX[key]]
@@ -81,6 +82,12 @@ def test_equivalent_load_is_the_force_where_it_is_constant(moved: MotionLoads) -
     constant.__dict__["magnitude"] = np.full_like(moved.magnitude, 7.0)
     constant.__dict__["speed"] = moved.speed
     np.testing.assert_allclose(constant.equivalent, 7.0, rtol=1e-12)
+    # and of one that grows evenly while a joint turns evenly it is the third root of a fourth
+    growing = replace(moved)
+    t = moved.trajectory.t
+    growing.__dict__["magnitude"] = np.ones_like(moved.magnitude) * (t / t[-1])[:, None, None]
+    growing.__dict__["speed"] = np.ones_like(moved.speed)
+    np.testing.assert_allclose(growing.equivalent, 0.25 ** (1 / 3), rtol=1e-4)
     # rounding is no motion: of 1e-12 rad/s on nothing is known, a little more is as good as any
     for speed, known in ((0.95e-12, False), (1.05e-12, True)):
         constant = replace(moved)

@@ -12,7 +12,9 @@ from paminsa_viz.elastostatics.drive_stiffness import drive_stiffness
 from paminsa_viz.elastostatics.leg_frame import leg_frame
 from paminsa_viz.elastostatics.leg_matrices import Structure, structure
 from paminsa_viz.elastostatics.leg_model import CARRIAGE, RETAINED
+from paminsa_viz.elastostatics.sideways import sideways_forces
 from paminsa_viz.elastostatics.stiffness import (
+    SHARE_LABELS,
     SHARES,
     _inverse,
     compensate,
@@ -80,6 +82,22 @@ def test_turning_the_pose_by_120_degrees_turns_the_stiffness(seed: int) -> None:
     assert relative(platform_stiffness(design, turned).matrix, expected) < 1e-9
 
 
+def test_bars_deform_by_shear_only_if_it_is_said() -> None:
+    design = APPENDIX_4.vary({"payload.mass": 5.0, "load.force_y": 30.0})
+    frame = leg_frame(design.geometry, POSE)
+    for found in (
+        lambda **how: platform_stiffness(design, POSE, **how).matrix,
+        lambda **how: structure(design, POSE, **how).stiffness,
+        lambda **how: leg_compliance(frame, design.elastic, **how).matrix,
+        lambda **how: strain_shares(design, POSE, **how).energy,
+        lambda **how: compensate(design, POSE, **how).deflection,
+        lambda **how: sideways_forces(design, POSE, **how).force,
+    ):
+        usual = found()
+        np.testing.assert_array_equal(found(shear=False), usual)
+        assert np.abs(found(shear=True) - usual).max() > 1e-4 * np.abs(usual).max()
+
+
 def test_centered_robot_is_isotropic() -> None:
     k = platform_stiffness(APPENDIX_4, (0.0, 0.0, 0.4, -0.6)).matrix
     assert k[0, 0] == pytest.approx(k[1, 1], rel=1e-10)
@@ -106,8 +124,8 @@ def drive_of(built: Structure) -> int:
     return next(spring.second for spring in springs if spring.stiffness == "drive_rotary")
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("young", [1e9, 7e10, 1e13])
+@pytest.mark.parametrize("seed", SEEDS[:4])
+@pytest.mark.parametrize("young", [1e9, 1e13])
 def test_drive_torques_are_those_of_statics_at_any_young_modulus(seed: int, young: float) -> None:
     """The drives of the assembled structure carry J^T w, and M4 its force."""
     design = elastic_design(seed).vary({"elastic.young_modulus": young})
@@ -176,6 +194,8 @@ def test_energy_of_the_parts_is_half_the_work(seed: int) -> None:
 
 def test_share_of_a_part_is_what_stiffening_it_gains() -> None:
     """Energy is a sum of terms 1/E_i: its derivative by a part's stiffness is minus its share."""
+    renamed = [name for name, label in zip(SHARES, SHARE_LABELS, strict=True) if name != label]
+    assert renamed == ["drive"]  # after its motors
     design = elastic_design(3)
     wrench = np.array([3.0, -2.0, 5.0, 0.1, 0.2, -0.3])
     pose = poses_of(design, 1, 3)[0]

@@ -234,6 +234,20 @@ def test_all_modes_are_of_one_pose_that_weight_does_not_push_away() -> None:
         assert pushed.shapes.shape[1] == len(pushed.frequencies) == count
 
 
+def test_usually_bars_are_single_elements_without_shear_and_six_modes_are_found() -> None:
+    pose = POSES[1]
+    found = robot_modes(LOADED, pose).frequencies
+    for divisions, shear, count in ((1, False, 6), (2, False, 6), (1, True, 6), (1, False, 7)):
+        given = robot_modes(LOADED, pose, count, divisions=divisions, shear=shear).frequencies
+        whole = whole_modes(leg_matrices(LOADED, divisions, shear), pose, count).frequencies
+        assert given.tolist() == whole.tolist()
+        assert (given.tolist() == found.tolist()) is ((divisions, shear, count) == (1, False, 6))
+    assert whole_modes(leg_matrices(LOADED), pose).frequencies.tolist() == found.tolist()
+    robot = reduced_robot(leg_matrices(LOADED), POSES)
+    assert guyan_modes(robot).frequencies.shape == (3, 7)
+    assert iterated_modes(robot).frequencies.shape == (3, 1)
+
+
 def test_batches_give_what_single_poses_give() -> None:
     whole = first_frequencies(APPENDIX_4, POSES.reshape(3, 1, 4))
     single = [float(first_frequencies(APPENDIX_4, pose)) for pose in POSES]
