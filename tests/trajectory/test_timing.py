@@ -293,6 +293,9 @@ def test_one_drive_alone_is_kept_and_a_motion_the_other_way_is_as_long() -> None
         needed = needed_durations(plan.curve, none, design, True)(np.array([0.3, 0.6]))
         assert needed.shape == (2, len(LIMITED))
         assert not np.delete(needed, [10 + one, 14 + one], axis=1).any()
+        for robot, kept in ((APPENDIX_4, True), (design, False), (None, True)):
+            bare = needed_durations(plan.curve, none, robot, kept)(np.array([0.3, 0.6]))
+            assert bare.shape == (2, 6)  # those of rates alone
 
 
 @pytest.mark.parametrize("law", LAWS)
