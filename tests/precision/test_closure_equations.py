@@ -216,7 +216,7 @@ def test_a_step_that_leads_nowhere_is_halved_until_nothing_is_left_of_it(
 
     monkeypatch.setattr(unequal_legs, "closure_equations", noted)
     halved = 0
-    for place in lost[:8]:
+    for place in lost[:5]:
         seen.clear()
         solve_pose(geometry, lengths[place], actuators[place], poses[place])
         way = np.linalg.norm(np.diff(seen[-4:], axis=0), axis=1)
