@@ -206,11 +206,11 @@ def beyond_corners(geometry: Geometry, pose: Array, moved: Array) -> Array:
     corners = np.repeat(pose[:, None], 8, axis=1)
     corners[..., :3] += moved
     rows = backend.over_list(WRENCH_TORQUES, mechanism(geometry), corners.reshape(-1, 4))
-    slope = rows[:, :9].reshape(-1, 8, 3, 3)
+    slope = rows.reshape(-1, 8, 3, 3)
     # Edges in the order of their actuator, the other two alike: (n, 12, ...)
     first, last = (
-        np.concatenate([np.flatnonzero(sign * CORNERS[:, j] > 0) for j in range(3)])
-        for sign in (-1.0, 1.0)
+        np.concatenate([np.flatnonzero(CORNERS[:, j] == side) for j in range(3)])
+        for side in (-1.0, 1.0)
     )
     edge = np.repeat(np.arange(3), 4)
     turn = moved[:, last, 2:] - moved[:, first, 2:]

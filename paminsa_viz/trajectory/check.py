@@ -249,9 +249,9 @@ def _first_failure(
     step = np.abs(np.diff(margins[: until + 1], axis=0))
     change = np.maximum(step[:-1], step[1:])
     near = np.zeros(len(step), dtype=bool)
-    low = np.any(margins[1 : len(change) + 1] < change, axis=1)
-    near[: len(low)] |= low
-    near[1:] |= low[: len(near) - 1]
+    low = np.any(margins[1 : len(step)] < change, axis=1)
+    near[:-1] |= low
+    near[1:] |= low
     if t.size <= _FEW:
         near[:] = True
     if until < t.size:

@@ -146,7 +146,7 @@ class TimedPath:
         """Return when a point of the path is passed [s]."""
         q, t = self._table
         at = float(self._angle(np.array([s]))[0])
-        i = min(int(np.searchsorted(q, at, "right")) - 1, len(q) - 2)
+        i = int(np.searchsorted(q, at, "right")) - 1
         return float(t[i] + self._spans(q[[i]], np.array([at]))[0])
 
     def place_at(self, t: Array) -> Array:

@@ -38,6 +38,7 @@ from paminsa_viz.identification.causes import (
 from paminsa_viz.identification.columns import base_scale
 from paminsa_viz.identification.identify import filtered
 from paminsa_viz.identification.log_poses import log_poses
+from paminsa_viz.identification.results import Identity
 from paminsa_viz.model import APPENDIX_4, Friction
 from paminsa_viz.model.lumped import MASS_PATHS
 from tests.support.documentation import missing
@@ -60,7 +61,6 @@ def identified(noise_seed: int | None = 0) -> Any:
     return identify(APPENDIX_4, log, QUICK)
 
 
-@cache
 def tried() -> Any:
     """All causes, by the log without noise."""
     return possible_causes(identified(None))
@@ -208,7 +208,15 @@ def test_a_spring_explains_what_holding_the_identity_costs() -> None:
         for one in (free, held)
     ]
     ranked = {cause.label: cause for cause in find_causes(free).ranked}
-    assert ranked[SPRING].explains == pytest.approx((left[1] - left[0]) / left[0], rel=1e-6)
+    spring = ranked[SPRING]
+    assert spring.explains == pytest.approx((left[1] - left[0]) / left[0], rel=1e-6)
+    # and is what is left of the identity, downward there, with its interval
+    assert (-spring.value, spring.half_width) == pytest.approx(
+        (free.identity.value, free.identity.half_width), rel=1e-3
+    )
+    untold = replace(free, identity=Identity(np.nan, np.inf, np.nan))
+    lost = {cause.label: cause for cause in find_causes(untold).ranked}[SPRING]
+    assert (lost.value, lost.half_width, lost.p_value) == (0.0, np.inf, 1.0)
 
 
 def test_two_causes_are_named_one_after_the_other() -> None:

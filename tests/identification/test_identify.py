@@ -377,6 +377,8 @@ def test_a_torque_that_changes_less_than_sensors_resolve_never_changes() -> None
             else:
                 with pytest.raises(InvalidLog, match="torque of M2 never changes"):
                     require_motion(changed)
+    with pytest.raises(InvalidLog, match="torque of M1 never changes"):
+        require_motion(replace(signals, torque=0.0 * signals.torque))
 
 
 def test_a_log_needs_a_turn_of_a_hundredth_or_a_lift_of_a_millimeter() -> None:

@@ -17,6 +17,7 @@ from paminsa_viz.model import APPENDIX_4, solve_field, static_torques, xy_grid
 from paminsa_viz.model.load import LoadCase
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirement_text import (
+    ascii_unit,
     parse_requirement,
     requirement_label,
     requirement_text,
@@ -144,6 +145,9 @@ def test_every_quantity_is_written_and_read(key: str, a: float, b: float, form: 
 def test_unit_of_every_quantity_is_understood(key: str) -> None:
     text = requirement_text(Requirement(key, None, 1.0))
     assert parse_requirement(text).quantity == key
+    unit = ascii_unit(QUANTITIES[key].display)  # told, so that a person reads what the number is
+    assert text.partition(" <= ")[2].partition(" ")[2] == unit
+    assert text == text.strip()
 
 
 @pytest.mark.parametrize(

@@ -222,21 +222,25 @@ def test_energy_over_a_closed_path(plan, knee) -> None:
 
 
 def test_summary() -> None:
-    samples = chain(point_to_point(A, B, 0.6), point_to_point(B, C, 0.5)).sample(500)
-    found = analyze(ROUGH, samples)
-    assert len(found.summary) == 4
-    for j, summary in enumerate(found.summary):
-        torque, power = found.torque[:, j], found.power[:, j]
-        where = np.argmax(np.abs(torque))
-        assert (summary.peak, summary.peak_t) == (torque[where], samples.t[where])
-        top = np.argmax(np.abs(power))
-        assert (summary.top_power, summary.top_power_t) == (power[top], samples.t[top])
-        mean = np.sqrt(np.trapezoid(torque**2, samples.t) / samples.duration)
-        assert summary.rms == pytest.approx(mean, rel=1e-4)
-        assert summary.top_speed == np.abs(found.solved.speed[:, j]).max()
-        assert summary.driven >= 0 >= summary.braked
-        assert summary.driven == pytest.approx(np.trapezoid(power.clip(0), samples.t), rel=1e-3)
-        assert found.work[-1, j] == pytest.approx(summary.work, abs=1e-3 * summary.driven)
+    """Also of samples that begin and end in the middle of a motion."""
+    whole = chain(point_to_point(A, B, 0.6), point_to_point(B, C, 0.5)).sample(500)
+    for samples in (whole, whole.take(np.arange(120, 400))):
+        found = analyze(ROUGH, samples)
+        assert len(found.summary) == 4
+        for j, summary in enumerate(found.summary):
+            torque, power = found.torque[:, j], found.power[:, j]
+            where = np.argmax(np.abs(torque))
+            assert (summary.peak, summary.peak_t) == (torque[where], samples.t[where])
+            top = np.argmax(np.abs(power))
+            assert (summary.top_power, summary.top_power_t) == (power[top], samples.t[top])
+            mean = np.sqrt(np.trapezoid(torque**2, samples.t) / samples.duration)
+            assert summary.rms == pytest.approx(mean, rel=1e-4)
+            assert summary.top_speed == np.abs(found.solved.speed[:, j]).max()
+            for own, part in ((summary.driven, power.clip(0)), (summary.braked, power.clip(max=0))):
+                assert own == pytest.approx(np.trapezoid(part, samples.t), rel=1e-3, abs=1e-12)
+            assert found.work[-1, j] == pytest.approx(summary.work, abs=1e-3 * summary.driven)
+        assert found.energy_residual[0] == 0.0
+        assert np.abs(found.energy_residual).max() <= 1e-5 * sum(s.driven for s in found.summary)
 
 
 def test_peaks_count_crossings_with_a_bound_before_the_first_failure(

@@ -224,6 +224,7 @@ def test_a_given_duration_is_kept(design: Design) -> None:
     wanted = min(2.0 * low, 0.5 * (low + high))
     found = time_optimal(design, TURN, TEN, wanted)
     assert found.plan.duration == pytest.approx(wanted, rel=1e-6)
+    assert abs(found.crossings[0].residual) < 1e-9  # which both of what it is between satisfy
     assert np.abs(_torque(design, found, np.array([found.crossings[0].t + 1e-6]))).max() < 400
     assert time_optimal(design, TURN, TEN, high).plan.duration == pytest.approx(high, rel=1e-6)
     for wrong in (0.999 * low, 1.001 * high):
@@ -280,6 +281,11 @@ def test_refusals_name_their_cause() -> None:
         with pytest.raises(CrossingRefused) as refusal:
             time_optimal(APPENDIX_4, path, MotionLimits(torque=5.0))
         assert refusal.value.cause == cause
+        if cause == "reach":  # of 800 parts of the path the first that begins out of reach
+            parts = 800 * refusal.value.s
+            assert parts == pytest.approx(round(parts), abs=1e-9)
+            at = np.array([refusal.value.s - 1.0 / 800, refusal.value.s])
+            assert check_reach(geometry, path(at)).ok.tolist() == [True, False]
     far = brentq(lambda x: check_reach(geometry, [x, 0.0, 0.3, -0.5]).margins.min(), 0.3, 2.0)
     with pytest.raises(CrossingRefused, match=r"^at s = 1: ") as refusal:  # the goal alone
         time_optimal(

@@ -51,6 +51,16 @@ def test_a_path_along_a_locus_is_refused() -> None:
     with pytest.raises(PathOnLocus):
         crossings(APPENDIX_4.geometry, path)
 
+    def late(s: Any, order: int = 0) -> Any:
+        """Comes to the locus after 0.3 of the way, and stays."""
+        found = np.zeros((len(s), 4))
+        found[:, 0], found[:, 2], found[:, 3] = 0.1 * s, turn - np.maximum(0.3 - s, 0.0), -0.5
+        return found
+
+    with pytest.raises(PathOnLocus, match=r"from s = 0\.3 on .* singular rotation") as refused:
+        crossings(APPENDIX_4.geometry, late)
+    assert (refused.value.s, refused.value.locus) == (pytest.approx(0.3), Locus.ROTATION)
+
 
 @pytest.mark.parametrize("share", [0.1234, 0.5, 0.9771])
 def test_a_path_touches_the_circle_or_crosses_it_twice_or_misses_it(share: float) -> None:
@@ -75,14 +85,16 @@ def test_a_path_touches_the_circle_or_crosses_it_twice_or_misses_it(share: float
     assert [item.s for item in both] == pytest.approx([share - half, share + half], rel=1e-4)
 
 
-@pytest.mark.parametrize("share", [0.0, 0.25, 1.0 / 3.0, 1.0])
+@pytest.mark.parametrize("share", [0.0, 1.0 / 4000, 0.25, 1.0 / 3.0, 1.0 - 1.0 / 4000, 1.0])
 def test_a_path_across_the_circle_is_simple_at_its_ends_and_at_nodes_too(share: float) -> None:
     geometry = APPENDIX_4.geometry
     radius, length = float(singular_radius(geometry, 0.3)), 0.2
     ends = [[radius + (at - share) * length, 0.0, 0.3, -0.5] for at in (0.0, 1.0)]
-    (found,) = crossings(geometry, straight_path(*ends))
-    assert (found.kind, found.locus) == (CrossingKind.SIMPLE, Locus.CIRCLE)
-    assert found.s == pytest.approx(share, abs=1e-8)
+    for beside in (0.0, 3e-10, -3e-10):  # within what counts as on it
+        shift = np.array([beside, 0.0, 0.0, 0.0])
+        (found,) = crossings(geometry, straight_path(*(np.array(ends) + shift)))
+        assert (found.kind, found.locus) == (CrossingKind.SIMPLE, Locus.CIRCLE)
+        assert found.s == pytest.approx(share, abs=1e-8)
     for aside in (-0.05 - share, 1.05 - share):  # that it would only come to before or after
         shift = np.array([aside * length, 0.0, 0.0, 0.0])
         assert crossings(geometry, straight_path(*(np.array(ends) - shift))) == ()

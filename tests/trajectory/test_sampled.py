@@ -79,6 +79,7 @@ def test_arrays_are_read_only_copies() -> None:
         ("pose", {"pose": ROWS[:2]}),
         ("velocity", {"velocity": ROWS[:, :3]}),
         ("acceleration", {"acceleration": np.full((3, 4), np.inf)}),
+        ("velocity", {"velocity": np.where(np.arange(12) == 7, np.nan, 0.0).reshape(3, 4)}),
         ("load", {"load": np.zeros((3, 4))}),
         ("load", {"load": np.where(np.arange(18) == 7, np.nan, 0.0).reshape(3, 6)}),
         ("pose", {"pose": np.where(np.arange(12) == 7, -1.01e12, 0.0).reshape(3, 4)}),
@@ -141,6 +142,8 @@ def test_times_start_at_zero_and_turns_are_unwrapped(rate: float) -> None:
     np.testing.assert_allclose(made.pose[:, 2], turning[:, 2], atol=1e-12)
     assert "shifted by -3.5 s" in made.notes[0]
     assert "full turn" in made.notes[1]
+    high = EXACT.pose + np.array([0.0, 0.0, 0.0, 5.0])
+    assert not any("full turn" in note for note in from_samples(EXACT.t, high).notes)
 
 
 def test_coarse_digits_are_noted() -> None:

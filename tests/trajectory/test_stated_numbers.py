@@ -208,4 +208,5 @@ def test_a_crossing_is_unbounded_from_a_share_of_the_largest_torque_on(
     load = CrossingLoad(0.5, Locus.CIRCLE, 1.0, 0.0, (0.0,) * 4)
     both = tuple(replace(load, excess=share * EXCESS * largest) for share in (1.0, 1.001))
     monkeypatch.setattr(TrajectoryAnalysis, "crossings", property(lambda _: both))
-    assert analysis.unbounded == both[1:]
+    for sign in (1.0, -1.0):
+        assert replace(analysis, torque=sign * analysis.torque).unbounded == both[1:]

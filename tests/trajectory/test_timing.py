@@ -99,8 +99,13 @@ def test_limits_of_jerk(plan: Plan) -> None:
 
 
 @PLANS
-@pytest.mark.parametrize("robot", DESIGNS)
-@pytest.mark.parametrize("knee", KneeBranch)
+@pytest.mark.parametrize(
+    ("robot", "knee"),
+    [
+        ("frictionless", KneeBranch.LOWER), ("viscous", KneeBranch.UPPER),
+        ("payload", KneeBranch.LOWER),
+    ],
+)  # fmt: skip
 def test_limits_of_torque(plan: Plan, robot: str, knee: KneeBranch) -> None:
     design = DESIGNS[robot]
     still = inverse_dynamics(
@@ -313,12 +318,13 @@ def test_a_move_and_the_way_back_take_as_long_and_use_limits_of_turning_as_well(
 
 def test_a_gear_takes_its_share_of_the_load_only_where_it_turns() -> None:
     speed = np.array([-0.3, 0.0, 1.0])
-    for limit, _, shares, counted in drive_lines(replace(SERVO, gear_peak_torque=7.0), speed):
+    for limit, fall, shares, counted in drive_lines(replace(SERVO, gear_peak_torque=7.0), speed):
         for share, power in zip(shares, (-1.0, 1.0), strict=False):
             eta = SERVO.total_efficiency**power if counted else 1.0
             np.testing.assert_allclose(share, [eta, 1.0, eta])
         assert len(shares) == (2 if counted else 1)
         assert (limit == 7.0) == (not counted)
+        assert counted or fall == 0.0  # a gear's peak is the same at any speed
 
 
 def test_a_drive_too_weak_for_gravity_is_named() -> None:
@@ -375,7 +381,7 @@ def test_pieces_of_four_rounding_gaps_have_no_instants_of_their_own(
 def test_a_largest_value_is_exact_also_of_steep_hills_and_at_the_ends() -> None:
     """Cosines of any phase and column, infinite ones, and what is nowhere above zero."""
     breaks = np.array([0.0, 0.3, 1.0])
-    for top in (0.0, 0.123456, 0.3, 0.77, 1.0):
+    for top in (0.0, 0.3, 1.0, *np.random.default_rng(0).uniform(0.0, 1.0, 30)):
         for column, size in ((0, 1.0), (2, 1.0), (1, 1e-3)):
 
             def hill(

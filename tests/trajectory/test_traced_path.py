@@ -18,6 +18,7 @@ from paminsa_viz.trajectory.paths import (
     spline_path,
     straight_path,
 )
+from paminsa_viz.trajectory.plan import UnitCurve
 from paminsa_viz.trajectory.planners import shared_time
 from paminsa_viz.trajectory.sampled import STEPS, Trajectory
 from tests.trajectory.plans import A, B, C
@@ -226,12 +227,16 @@ def test_ends_of_a_law_that_are_off_by_rounding_are_ends() -> None:
     assert off.time_at(1.0) == pytest.approx(off.duration, rel=1e-14)
 
 
-def test_derivatives_of_a_law_by_unit_time_are_those_of_the_poses() -> None:
+@pytest.mark.parametrize(
+    "curve", [point_to_point(A, B).curve, PLANS["circle"].curve], ids=["straight", "bent"]
+)
+def test_derivatives_of_a_law_by_unit_time_are_those_of_the_poses(curve: UnitCurve) -> None:
+    timed = TimedPath(TracedPath(curve), Z)
     u, h = np.linspace(0.003, 0.997, 37), 1e-6
     for order in (1, 2, 3):
-        slope = (LAW(u + h, order - 1) - LAW(u - h, order - 1)) / (2 * h)
-        exact = LAW(u, order)
-        near = np.abs(u[:, None] - LAW.breaks).min(axis=1) > 1e-5
+        slope = (timed(u + h, order - 1) - timed(u - h, order - 1)) / (2 * h)
+        exact = timed(u, order)
+        near = np.abs(u[:, None] - timed.breaks).min(axis=1) > 1e-5
         size = np.abs(exact).max()
         np.testing.assert_allclose(slope[near], exact[near], atol=1e-5 * size)
     assert LAW(np.array([[0.2, 0.4]]), 3).shape == (1, 2, 4)
