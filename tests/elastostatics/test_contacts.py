@@ -20,7 +20,7 @@ from tests.elastostatics.robots import POSE, elastic_design, poses_of
 ENDS = {"b2": (3, 2), "b3": (7, 4), "b4": (9, 5), "b7": (8, 7), "b8": (8, 9)}
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(3))
 def test_gaps_are_those_of_sampled_center_lines(seed: int) -> None:
     design = elastic_design(seed)
     pose = poses_of(design, 1, seed)[0]
@@ -59,14 +59,14 @@ def test_segments_are_as_near_as_their_nearest_points() -> None:
     """Of random ones, a third of which cross, against all pairs of points of both."""
     a, b, c, d = np.random.default_rng(3).uniform(-1, 1, (4, 60, 2))
     distance, place = _nearest(a, b, c, d)
-    share = np.linspace(0, 1, 201)[:, None, None]
+    share = np.linspace(0, 1, 101)[:, None, None]
     one, other = (p + share * (q - p) for p, q in ((a, b), (c, d)))
     apart = np.linalg.norm(one[:, None] - other[None], axis=-1).reshape(-1, 60)
-    np.testing.assert_allclose(distance, apart.min(axis=0), atol=0.01)
+    np.testing.assert_allclose(distance, apart.min(axis=0), atol=0.02)
     assert 10 < (distance == 0).sum() < 50
     for line in (one, other):
         np.testing.assert_allclose(
-            np.linalg.norm(line - place, axis=-1).min(axis=0), distance / 2, atol=0.01
+            np.linalg.norm(line - place, axis=-1).min(axis=0), distance / 2, atol=0.02
         )
 
 

@@ -40,7 +40,7 @@ def test_lengths_that_show_by_themselves_have_a_deviation_and_it_is_met() -> Non
     assert 0 < plan.determined.sum() < 42
     known = plan.determined
     misses = []
-    for seed in range(6):
+    for seed in range(5):
         data = simulated_measurements(
             APPENDIX_4, plan.measurements, size=1e-6, noise=NOISE, seed=seed
         )

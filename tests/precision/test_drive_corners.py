@@ -22,6 +22,7 @@ from paminsa_viz.precision.drive_corners import (
     _Ends,
     _largest,
     _largest_square,
+    beyond_corners,
     beyond_reach,
     corner_errors,
 )
@@ -178,6 +179,19 @@ def test_a_straight_edge_is_off_its_chord_by_an_eighth_of_its_length_times_its_t
     np.testing.assert_allclose(found.between[:, 0], most, rtol=1e-3)
     np.testing.assert_allclose(found.between[60:63, 3], most[60:63], rtol=1e-3)  # in the middle
     assert (found.between[:, 3] > most * (1 - 1e-9)).all()
+
+
+def test_between_corners_that_differ_by_next_to_no_turn_edges_are_their_chords() -> None:
+    """All twelve edges of made-up corners: what they exceed them by is a chord's arc alone."""
+    moved = np.zeros((5, 8, 3))
+    moved[..., :2] = 1e-4 * np.random.default_rng(1).normal(size=(5, 8, 2))
+    moved[..., 2] = 3e-8 * CORNERS.sum(axis=1)  # 6e-8 along each edge
+    found = beyond_corners(GEOMETRY, np.tile([0.02, -0.01, 0.1, -0.5], (5, 1)), moved)
+    apart = np.linalg.norm(moved[:, :, None, :2] - moved[:, None, :, :2], axis=-1)
+    edges = np.abs(CORNERS[:, None] - CORNERS).sum(axis=-1) == 2.0
+    off = np.where(edges, apart, 0.0).max(axis=(1, 2)) * 6e-8 / 8.0
+    for column in (0, 1, 3):
+        np.testing.assert_allclose(found[:, column], off, rtol=1e-3)
 
 
 def test_boxes_whose_bound_is_not_their_corners_are_bounded_in_four_pieces(
