@@ -216,7 +216,9 @@ def test_times_and_places_of_a_law_are_inverse() -> None:
 def test_breaks_of_a_quadratic_law_are_those_of_its_knots() -> None:
     times = [LAW.time_at(float(at)) for at in KNOTS]
     np.testing.assert_allclose(LAW.breaks * LAW.duration, times, rtol=1e-12)
-    cubic = TimedPath(LAW.path, BSpline([0.0] * 4 + [1.0] * 4, [0.0, 1.0, 1.0, 0.0], 3))
+    cubic = TimedPath(
+        LAW.path, BSpline([0.0] * 4 + [0.5] + [1.0] * 4, [0.0, 1.0, 1.0, 1.0, 0.0], 3)
+    )
     assert cubic.breaks.tolist() == [0.0, 1.0]
 
 
