@@ -123,7 +123,6 @@ def body_mass(
     mass: Array | float,
     first: Array | float,
     second: Array | float,
-    axial: Array | float = 0.0,
     rotary: Array | float = 0.0,
 ) -> Array:
     """Return the matrix of a slender rigid body along e, fixed to a node, (..., 6, 6).
@@ -131,14 +130,12 @@ def body_mass(
     Args:
         mass: [kg].
         first, second: First and second moments of the mass along e, from the node [kg m, kg m^2].
-        axial: Inertia about e [kg m^2].
         rotary: What it has across e on top of the second moment [kg m^2].
     """
-    m, a, b, j, r = np.broadcast_arrays(mass, first, second, axial, rotary)
+    m, a, b, r = np.broadcast_arrays(mass, first, second, rotary)
     out = np.zeros((*m.shape, 6, 6))
     for i in range(3):
         out[..., i, i] = m
-    out[..., 3, 3] = j
     out[..., 4, 4] = out[..., 5, 5] = b + r
     out[..., 2, 4] = out[..., 4, 2] = -a
     out[..., 1, 5] = out[..., 5, 1] = a

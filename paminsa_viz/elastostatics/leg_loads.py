@@ -42,14 +42,15 @@ _SPANS: tuple[tuple[str, int, int, tuple[float, float, float]], ...] = (
     ("b3", 3, 4, (0.0, 1.0, 1.0)),
     ("b3", 3, 7, _AT_7),
     ("b2", 3, 2, _AT_2),
-    ("b7", 8, 7, (0.0, 0.0, -1.0)),
+    ("b7", 8, 7, _AT_7),
     ("b10", 0, 8, (1.0, 1.0, 0.0)),
 )
-"""Bars between joints, and which of the loads at 5, 2 and 7 each carries across the plane."""
+"""Bars between joints, and which of the loads at 5, 2 and 7 each carries across the plane;
+a sign of all of them does not count."""
 
 _REVOLUTES: tuple[tuple[int, tuple[float, float, float]], ...] = (
     (8, _ALL),
-    (8, (0.0, 0.0, -1.0)),
+    (8, _AT_7),
     (9, _ALL),
     (4, (0.0, 1.0, 1.0)),
     (7, _AT_7),
@@ -89,7 +90,7 @@ class _Rows(list[StrainRow]):
 _COLUMN = {"w": FORCE_W, "z": FORCE_Z, "s": S2, "m": M2}
 
 
-def leg_rows(frame: LegFrame, elastic: Elastic, *, shear: bool = False) -> tuple[StrainRow, ...]:
+def leg_rows(frame: LegFrame, elastic: Elastic, *, shear: bool) -> tuple[StrainRow, ...]:
     """Return the internal forces of the legs for unit loads; arguments as in `leg_compliance`."""
     rows = _Rows()
     sections = {bar: elastic.section(bar) for bar in BARS}
@@ -171,8 +172,8 @@ def _add_across(
     for bar, first, second, loads in _SPANS:
         (r1, z1), (r2, z2) = points[first], points[second]
         length = np.hypot(r2 - r1, z2 - z1)
-        inverse = np.where(length > 0, 1 / np.where(length > 0, length, 1.0), 0.0)
-        c, s = (r2 - r1) * inverse, (z2 - z1) * inverse
+        divisor = np.where(length > 0, length, 1.0)  # a bar without length has no direction
+        c, s = (r2 - r1) / divisor, (z2 - z1) / divisor
         force, mu, mz = carried(points, 0.5 * (r1 + r2), 0.5 * (z1 + z2), loads)
         section, part = sections[bar], bar.upper()
         rows.append(StrainRow(part, material.twist(section, length), _mixed(mu, c, mz, s)))
@@ -186,12 +187,12 @@ def _add_arm(rows: _Rows, frame: LegFrame, section: BeamSection, material: _Mate
     length, k = frame.geometry.arm_length, frame.geometry.magnification
     au, aw = np.moveaxis(frame.arm, -1, 0)
     half = 0.5 * length
-    rows.put("B1", material.twist(section, length), m=-au)
+    rows.put("B1", material.twist(section, length), m=au)  # alone in a row a sign does not count
     rows.put("B1", material.bend(section.inertia_in, length), m=aw, z=-k * half)
     rows.put("B1", material.across(section, section.inertia_in, length), z=k)
-    rows.put("B1", material.bend(section.inertia_out, length), s=-half * au)
-    rows.put("B1", material.across(section, section.inertia_out, length), s=-au)
-    rows.put("B1", material.axial(section, length), s=-aw)
+    rows.put("B1", material.bend(section.inertia_out, length), s=half * au)
+    rows.put("B1", material.across(section, section.inertia_out, length), s=au)
+    rows.put("B1", material.axial(section, length), s=aw)
 
 
 def _two_force_bars(frame: LegFrame) -> tuple[Array, Array]:

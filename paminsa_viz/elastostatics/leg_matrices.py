@@ -140,9 +140,8 @@ class LegMatrices:
                 add_matrix(m, element.freedoms, heavy)
         rest = whole - length
         beyond = body_mass(
-            own.mass * rest, own.mass * rest**2 / 2, own.mass * rest**3 / 3, own.axial * rest,
-            own.rotary * rest,
-        )  # fmt: skip
+            own.mass * rest, own.mass * rest**2 / 2, own.mass * rest**3 / 3, own.rotary * rest
+        )
         add_matrix(m, self.model.node("b10", 8).freedoms, turn[:6, :6] @ beyond @ turn[:6, :6].T)
 
 

@@ -27,6 +27,7 @@ from paminsa_viz.elastostatics.leg_loads import (
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.reach import Limit
 
 _ALL = (1.0, 1.0, 1.0)
 
@@ -100,7 +101,7 @@ def sideways_forces(
         index = JOINT_INDEX[key]
         force[..., index] = sign * values[0]
         moment[..., index, 0], moment[..., index, 1] = sign * values[1], sign * values[2]
-    bad = ~np.all(np.isfinite(plane.force[..., 0]), axis=(-1, -2))
+    bad = plane.status != Limit.OK
     force[bad], moment[bad] = np.nan, np.nan
     return SidewaysForces(plane, force, moment)
 

@@ -123,7 +123,7 @@ def guyan_modes(robot: ReducedRobot, count: int = SHARED) -> Modes:
 def iterated_modes(robot: ReducedRobot, count: int = 1) -> Modes:
     """Return the lowest modes after a step of subspace iteration; shapes (n, 7, count)."""
     start = guyan_modes(robot)
-    x = start.shapes * (2 * np.pi * start.frequencies[:, None, :])  # x^T K x = 1
+    x = start.shapes / (2 * np.pi * start.frequencies[:, None, :])  # x^T K x = 1
     real = np.all(np.isfinite(x), axis=1)  # not those without mass
     x = np.where(real[:, None, :], x, 0.0)
     stable = np.asarray(start.ok)[:, None, None]
@@ -237,18 +237,14 @@ def whole_modes(matrices: LegMatrices, pose: ArrayLike, count: int = 6) -> Modes
     size = len(stiffness)
     count = min(count, size)
     lost = Modes(np.full(count, np.nan), np.full((size, count), np.nan), np.array(False))
-    diagonal = np.diagonal(stiffness)
-    if not (np.isfinite(stiffness).all() and (diagonal > 0).all()):
+    if not np.isfinite(stiffness).all():
         return lost
-    scale = 1 / np.sqrt(diagonal)
-    unit, heavy = (part * scale[:, None] * scale for part in (stiffness, mass))
     try:
-        lower = np.linalg.cholesky(unit)
-        half = np.linalg.solve(lower, heavy)
+        lower = np.linalg.cholesky(stiffness)
+        half = np.linalg.solve(lower, mass)
         inertia, turned = np.linalg.eigh(np.linalg.solve(lower, half.T))
     except np.linalg.LinAlgError:  # not positive definite
         return lost
     inertia, turned = np.maximum(inertia[: -count - 1 : -1], 0.0), turned[:, : -count - 1 : -1]
-    vectors = np.linalg.solve(lower.T, turned)
-    shapes = scale[:, None] * vectors / np.sqrt(inertia)
+    shapes = np.linalg.solve(lower.T, turned) / np.sqrt(inertia)
     return Modes(1 / (2 * np.pi * np.sqrt(inertia)), shapes, np.array(True))

@@ -24,7 +24,7 @@ STATUS = "status"
 
 def part_columns(part: str) -> tuple[str, ...]:
     """Return the columns of one part of the torques: ``tau1_gravity_Nm`` and so on."""
-    return tuple(f"_{part}_".join(name.rsplit("_", 1)) for name in TORQUES)
+    return tuple(f"_{part}_".join(name.split("_")) for name in TORQUES)
 
 
 RESULTS = frozenset(

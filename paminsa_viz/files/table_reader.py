@@ -143,8 +143,8 @@ class TableReader:
     def _lines(self, lines: TextIO, timeout: float | None) -> Iterator[str]:
         """Yield the lines; raises at one that is too long before it is read to its end."""
         end = None if timeout is None else time.monotonic() + timeout
-        while line := lines.readline(LONGEST_ROW):
-            if len(line) == LONGEST_ROW:
+        while line := lines.readline(LONGEST_ROW + 1):
+            if len(line) > LONGEST_ROW:
                 raise csv.Error(f"the row is longer than {LONGEST_ROW} characters")
             if end is not None and time.monotonic() > end:
                 raise self._refused(f"takes longer than {timeout:g} s to read; thin it out")

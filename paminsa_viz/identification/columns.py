@@ -167,9 +167,8 @@ def fit_model(design: Design, signals: Signals, settings: IdentificationSettings
     growth = signals.smooth(samples.growth)
     if settings.rotors:
         _add_rotors(builder, growth, inertia, float(LARGE_SHARE * scale[7]))
-    elif any(inertia[:3] != inertia[0]):
-        mean = inertia[:3].mean()
-        known[:, :3] += (inertia[:3] - mean) * growth[:, :3]
+    else:
+        known[:, :3] += (inertia[:3] - inertia[:3].mean()) * growth[:, :3]
     if design.load.acts:
         known += signals.smooth(load_torques(geometry, design.load, samples.pose, None))
     if settings.delay:

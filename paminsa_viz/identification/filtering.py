@@ -10,7 +10,7 @@ left, so that a tenth of the samples of a 1 kHz log carry all of it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -87,7 +87,7 @@ class Signals:
     samples: MotionSamples
     step: float
     cut_off: float
-    _sections: Array = field(repr=False)
+    _sections: Array
 
     @property
     def pose(self) -> Array:

@@ -64,11 +64,11 @@ class Log:
     position: Array
     torque: Array
     rate: float
-    starts: tuple[int, ...] = (0,)
-    rows: NDArray[np.int64] | None = None
-    split: bool = False
-    name: str = "log"
-    notes: tuple[str, ...] = ()
+    starts: tuple[int, ...]
+    rows: NDArray[np.int64] | None
+    split: bool
+    name: str
+    notes: tuple[str, ...]
 
     @property
     def duration(self) -> float:

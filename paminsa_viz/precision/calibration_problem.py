@@ -101,7 +101,7 @@ class CalibrationProblem:
             index = int(np.argmin(found.ok))
             reason = found.reason(index)
             raise InvalidMeasurement(index, f"the design has no such pose: {reason}; {_ADVICE}")
-        miss = np.abs(differences(found, measured) * self._row).max(axis=-1)
+        miss = np.abs(differences(found, measured) * self._row).max(axis=1)
         if miss.max() > FARTHEST * self.design.geometry.base_radius:
             index = int(np.argmax(miss))
             problem = f"is {miss[index]:.3g} m away from what the design predicts; {_ADVICE}"

@@ -178,7 +178,7 @@ _CLOSE = 1e-6
 
 
 @np.errstate(all="ignore")
-def beyond_corners(geometry: Geometry, pose: Array, moved: Array, half: Array) -> Array:
+def beyond_corners(geometry: Geometry, pose: Array, moved: Array) -> Array:
     """Return by how much errors between the corners exceed those in them, (n, 4).
 
     x, y and theta have no extreme value inside the box, nor on a face: with leg m's heading kept
@@ -198,7 +198,6 @@ def beyond_corners(geometry: Geometry, pose: Array, moved: Array, half: Array) -
         geometry: Lengths of the mechanism.
         pose: (n, 4) [m, m, rad, m], each with a box that is free of singularities.
         moved: (n, 8, 3) errors of x, y and theta in the corners [m, m, rad].
-        half: (3,) half widths of the box [rad].
 
     Returns:
         Of the sizes of the errors of x, y and theta, and of the distance in the plane
@@ -207,11 +206,11 @@ def beyond_corners(geometry: Geometry, pose: Array, moved: Array, half: Array) -
     corners = np.repeat(pose[:, None], 8, axis=1)
     corners[..., :3] += moved
     rows = backend.over_list(WRENCH_TORQUES, mechanism(geometry), corners.reshape(-1, 4))
-    slope = rows[:, :9].reshape(-1, 8, 3, 3)
+    slope = rows.reshape(-1, 8, 3, 3)
     # Edges in the order of their actuator, the other two alike: (n, 12, ...)
     first, last = (
-        np.concatenate([np.flatnonzero(sign * CORNERS[:, j] > 0) for j in range(3)])
-        for sign in (-1.0, 1.0)
+        np.concatenate([np.flatnonzero(CORNERS[:, j] == side) for j in range(3)])
+        for side in (-1.0, 1.0)
     )
     edge = np.repeat(np.arange(3), 4)
     turn = moved[:, last, 2:] - moved[:, first, 2:]

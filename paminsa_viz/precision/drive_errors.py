@@ -150,9 +150,10 @@ def _errors(
     singular = (status == Limit.OK) & ~np.isfinite(j).all(axis=(0, 1))
     j = np.where(singular, np.nan, j)
     shown = np.where(np.isnan(j[0, 0]), np.nan, 1.0)
-    linear = np.stack([*np.einsum("ijn,j->in", np.abs(j), half[:3]), shown * lift * half[3]], -1)
+    linear = np.einsum("ijn,j->in", np.abs(j), half[:3])
+    linear = np.column_stack([*linear, shown * lift * half[3]])
     rms = np.sqrt(np.einsum("ijn,j->in", j**2, deviation[:3] ** 2))
-    rms = np.stack([*rms, shown * lift * deviation[3]], -1)
+    rms = np.column_stack([*rms, shown * lift * deviation[3]])
     sideways = np.einsum("ijn,cj->inc", j[:2], CORNERS[4:] * half[:3])  # the others are opposite
 
     bound = np.full(len(pose), Bound.UNREACHABLE, np.uint8)
@@ -163,8 +164,8 @@ def _errors(
     moved[here], assembled, regular = corner_errors(geometry, pose[here], half[:3])
     bound[here] = np.where(regular, Bound.OK, Bound.SINGULARITY)
     bound[here[~assembled]] = Bound.NOT_ASSEMBLED
-    distance = np.hypot(moved[..., 0], moved[..., 1]).max(axis=-1)
-    turn = geometry.platform_radius * np.abs(moved[..., 2]).max(axis=-1)
+    distance = np.hypot(moved[..., 0], moved[..., 1]).max(axis=1)
+    turn = geometry.platform_radius * np.abs(moved[..., 2]).max(axis=1)
     # No margin shrinks by more than this: that of |85|, by k/(k-1) times joint 5's way.
     way = geometry.span_ratio * (distance + turn) + lift * half[3]
     near = (bound == Bound.OK) & ~(margin > way)
@@ -172,17 +173,17 @@ def _errors(
         outside, which = beyond_reach(geometry, pose[near], moved[near], lift * half[3])
         bound[near] = np.where(outside, Bound.LIMIT, Bound.OK)
         why[near] = np.where(outside, which, -1)
-    kept = np.where(bound == Bound.OK, 1.0, np.nan)
+    bounded = bound == Bound.OK
+    kept = np.where(bounded, 1.0, np.nan)
     moved = kept[:, None, None] * moved
     between = np.full((len(pose), 4), np.nan)
-    bounded = np.flatnonzero(bound == Bound.OK)
-    between[bounded] = beyond_corners(geometry, pose[bounded], moved[bounded], half[:3])
+    between[bounded] = beyond_corners(geometry, pose[bounded], moved[bounded])
     turned = np.abs(moved).max(axis=-2) + between[:, :3]
     return (
         linear,
-        np.concatenate([turned, (kept * lift * half[3])[:, None]], axis=-1),
+        np.column_stack([turned, kept * lift * half[3]]),
         rms,
-        np.hypot(sideways[0], sideways[1]).max(axis=-1),
+        np.hypot(sideways[0], sideways[1]).max(axis=1),
         kept * distance + between[:, 3],
         np.hypot(rms[:, 0], rms[:, 1]),
         moved,

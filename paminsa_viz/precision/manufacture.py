@@ -53,9 +53,7 @@ ROUNDING = 1e-12
 
 def tolerance_widths(tolerances: Tolerances) -> Array:
     """Return the tolerance of each length, to either side, (3, 14) [m, rad]."""
-    widths = np.zeros(len(LENGTHS))
-    for name, place in INDEX.items():
-        widths[place] = tolerances.bar if name in BARS else getattr(tolerances, name)
+    widths = [tolerances.bar if name in BARS else getattr(tolerances, name) for name in INDEX]
     return np.tile(widths, (3, 1))
 
 
@@ -172,11 +170,11 @@ def _errors(design: Design, pose: Array) -> tuple[Array, ...]:
     tolerance = tolerance_widths(design.tolerances)
     clearance = clearance_widths(design.tolerances)
     sizes = np.abs(slopes)
-    largest = sizes.max(axis=(-1, -2), keepdims=True)
+    largest = sizes.max(axis=(2, 3), keepdims=True)
     slopes = np.where(sizes < ROUNDING * largest, 0.0, slopes)
     sizes = np.abs(slopes).reshape(n, 6, tolerance.size)
     variance = slopes**2 * ((tolerance**2 + clearance**2) / 3)
-    total = variance.sum(axis=(-1, -2))
+    total = variance.sum(axis=(2, 3))
     generators = (slopes * (tolerance + clearance)).reshape(n, 6, tolerance.size)
     scale = np.where(total > 0, total, 1.0)
     return (
@@ -187,7 +185,7 @@ def _errors(design: Design, pose: Array) -> tuple[Array, ...]:
         longest_sum(generators[:, 4], generators[:, 5]),
         np.sqrt(total[:, 0] + total[:, 1]),
         np.sqrt(total[:, 4] + total[:, 5]),
-        variance.sum(axis=-2) / scale[..., None],
+        variance.sum(axis=2) / scale[..., None],
     )
 
 

@@ -156,7 +156,7 @@ def rotation_coordinates(rotation: ArrayLike) -> Array:
     x, y, z = np.moveaxis(matrix[..., 2, :], -1, 0)
     sine = np.hypot(x, y)
     size = np.arctan2(sine, z)
-    factor = np.where(sine > 0, size / np.where(sine > 0, sine, 1.0), 1.0)
+    factor = size / np.where(sine > 0, sine, 1.0)
     # exp(tilt) is symmetric in x and y, so that these two hold theta alone
     theta = np.arctan2(matrix[..., 1, 0] - matrix[..., 0, 1], matrix[..., 0, 0] + matrix[..., 1, 1])
     return np.stack([theta, factor * y, -factor * x], axis=-1)

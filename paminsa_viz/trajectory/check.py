@@ -247,11 +247,11 @@ def _first_failure(
         return worst_event(t[0], pose[0], exceeded[0]), 0
     # A margin may dip below zero within a step only if it is small against its change there.
     step = np.abs(np.diff(margins[: until + 1], axis=0))
-    change = np.maximum(step[:-1], step[1:]) if len(step) > 1 else step
+    change = np.maximum(step[:-1], step[1:])
     near = np.zeros(len(step), dtype=bool)
-    low = np.any(margins[1 : len(change) + 1] < change, axis=1)
-    near[: len(low)] |= low
-    near[1:] |= low[: len(near) - 1]
+    low = np.any(margins[1 : len(step)] < change, axis=1)
+    near[:-1] |= low
+    near[1:] |= low
     if t.size <= _FEW:
         near[:] = True
     if until < t.size:

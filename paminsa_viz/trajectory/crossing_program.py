@@ -99,8 +99,8 @@ class CrossingProgram:
         path: Path,
         found: tuple[Crossing, ...],
         limits: MotionLimits,
-        refinement: int = 0,
-        intervals: int = INTERVALS,
+        refinement: int,
+        intervals: int,
     ) -> None:
         self._design, self._path, self._found, self._limits = design, path, found, limits
         self._pieces = _pieces(found, refinement, intervals)
@@ -120,7 +120,7 @@ class CrossingProgram:
         """Return z from its coefficients but the first and the last, which are zero."""
         from scipy.interpolate import BSpline
 
-        return BSpline(self._knots, np.concatenate([[0.0], np.maximum(inner, 0.0), [0.0]]), 3)
+        return BSpline(self._knots, np.concatenate([[0.0], inner, [0.0]]), 3)
 
     def _basis(self, s: Array, order: int = 0) -> Array:
         """Return z or a derivative by s at points (n,) as rows on the coefficients."""
@@ -187,7 +187,7 @@ class CrossingProgram:
     def _speed_rows(self, s: Array) -> Iterator[Rows]:
         along, z = self._path(s, 1), self._basis(s)
         for size, limit in zip(
-            (np.linalg.norm(along[:, PLACE], axis=1), np.abs(along[:, 2])),
+            (np.linalg.norm(along[:, PLACE], axis=1), along[:, 2]),
             self._limits.rates[0],
             strict=True,
         ):
@@ -232,7 +232,7 @@ class CrossingProgram:
         """Return the smallest and largest s' that the limits allow at a crossing [1/s]."""
         row = self._at(self._found[index].s)[0]
         low, high = (row @ self._optimum(cost) for cost in (row, -row))
-        return float(np.sqrt(max(low, 0.0))), float(np.sqrt(max(high, 0.0)))
+        return float(np.sqrt(low)), float(np.sqrt(high))
 
     def _optimum(self, cost: Array) -> Array:
         from scipy.optimize import linprog
@@ -244,7 +244,7 @@ class CrossingProgram:
         )  # fmt: skip
         if result.x is None:
             self._refuse()
-        return result.x
+        return np.maximum(result.x, 0.0)  # which the solver keeps to its tolerance
 
     def _refuse(self) -> NoReturn:
         """Raise with the least factor of the torque limits that would be enough."""

@@ -19,6 +19,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.leg import Mechanism, mechanism
 from paminsa_viz.model.lumped import EnergyTerms, term_factors
+from paminsa_viz.model.reach import home_pose
 from paminsa_viz.trajectory import plant
 from paminsa_viz.trajectory.sampled import Trajectory
 
@@ -67,10 +68,11 @@ def _compiled() -> tuple[Callable[..., Array], Callable[..., Array]]:
         return plant.commanded(t, state, _unpack(model), gains, times, states)
 
     robot = _packed(robot_numbers(Design()))
-    gains = plant.Gains(0.0, 0.0, 0.0, np.zeros(4), np.zeros(4))
-    states = np.tile([0.0, 0.0, 0.0, -0.5] + [0.0] * 14, (2, 1))
-    derivative(0.0, states[0, :10], robot, robot, gains, np.arange(2.0), states)
-    commanded(0.0, states[0, :10], robot, gains, np.arange(2.0), states)
+    gains = plant.Gains(0.0, 0.0, 0.0, np.empty(4), np.empty(4))
+    times, states = np.arange(2.0), np.zeros((2, 18))
+    states[:, :4] = home_pose(Design().geometry)
+    derivative(0.0, states[0, :10], robot, robot, gains, times, states)
+    commanded(0.0, states[0, :10], robot, gains, times, states)
     return derivative, commanded
 
 

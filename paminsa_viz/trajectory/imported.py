@@ -63,11 +63,10 @@ def from_samples(
         notes.append(f"The times are shifted by {-times[0]:.6g} s, to start at zero.")
         times -= times[0]
     straight = np.unwrap(poses[:, 2])
-    if not np.array_equal(straight, poses[:, 2]):
-        turned = np.abs(straight - poses[:, 2]) > 1.0
-        if turned.any():
-            notes.append("Jumps of theta by a full turn between samples are removed.")
-            poses[turned, 2] = straight[turned]
+    turned = np.abs(straight - poses[:, 2]) > 1.0
+    if turned.any():
+        notes.append("Jumps of theta by a full turn between samples are removed.")
+        poses[turned, 2] = straight[turned]
     if velocity is None:
         spline = _spline(times, poses, rest)
         speeds, growth = spline(times, 1), spline(times, 2)

@@ -54,7 +54,7 @@ def time_weights(t: Array) -> Array:
     weights[1:] += 0.5 * step
     if len(t) > 2:
         # a step's parabolas reach four samples, so samples six apart can share a run
-        fine = np.zeros(len(t))
+        fine = np.empty(len(t))
         for first in range(6):
             comb = np.zeros(len(t))
             comb[first::6] = 1.0

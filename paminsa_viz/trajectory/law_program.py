@@ -269,7 +269,7 @@ class LawProgram:
         design, unit = self._design, self._unit
         pose, along, bent = (self._path(s, order) for order in range(3))
         speed = actuator_velocity(design, pose, along)
-        pushed = actuator_acceleration(design.geometry, pose, 0.0 * along, along)
+        pushed = actuator_acceleration(design.geometry, pose, np.zeros_like(along), along)
         turned = actuator_acceleration(design.geometry, pose, along, bent)
         load = self._torque_parts(s, replace(design, drives=NO_DRIVES))
         none = np.zeros_like(s)

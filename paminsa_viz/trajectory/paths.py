@@ -146,7 +146,7 @@ class TimedPath:
         """Return when a point of the path is passed [s]."""
         q, t = self._table
         at = float(self._angle(np.array([s]))[0])
-        i = min(int(np.searchsorted(q, at, "right")) - 1, len(q) - 2)
+        i = int(np.searchsorted(q, at, "right")) - 1
         return float(t[i] + self._spans(q[[i]], np.array([at]))[0])
 
     def place_at(self, t: Array) -> Array:
@@ -174,7 +174,7 @@ class TimedPath:
 
     def __call__(self, u: Array, order: int = 0) -> Array:
         u = np.asarray(u, dtype=np.float64)
-        s = self.place_at(np.clip(u.ravel(), 0.0, 1.0) * self.duration)
+        s = self.place_at(u.ravel() * self.duration)
         parts = [self.path(s, n) for n in range(order + 1)]
         z = np.maximum(self.z(s), 0.0)
         first, second = np.sqrt(z)[:, None], 0.5 * self.z(s, 1)[:, None]

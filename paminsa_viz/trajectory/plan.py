@@ -175,7 +175,7 @@ class Chain:
         value = np.empty((*u.shape, 4))
         for index, (curve, begin, end) in enumerate(self._spans()):
             mine = which == index
-            local = np.clip((u[mine] - begin) / (end - begin), 0.0, 1.0)
+            local = (u[mine] - begin) / (end - begin)
             value[mine] = curve(local, order) / (end - begin) ** order
         return value
 
@@ -233,8 +233,8 @@ class Plan:
     def sample(self, rate: float = RATE) -> Trajectory:
         """Return samples in equal steps, both ends among them.
 
-        One at a crossing of a singularity, where there is no torque but in the limit, is moved by
-        `OFF_CROSSING`.
+        One at a crossing of a singularity, where there is no torque but in the limit, is moved to
+        `OFF_CROSSING` after it.
 
         Args:
             rate: Samples a second; the step is made to fit the duration [1/s].
@@ -246,7 +246,7 @@ class Plan:
         t = sample_times(0.0, self.duration, rate)
         passages = tuple(Passage(u * self.duration, locus) for u, locus in self.passages)
         for at, _ in passages:
-            least = min(OFF_CROSSING, 0.25 * (t[1] - t[0]))
+            least = min(OFF_CROSSING, 0.25 * t[1])
             near = np.abs(t - at) < least
             t[near] = at + least
         return Trajectory(t, *self.at(t), self.name, self.kind, self.notes, passages=passages)

@@ -151,4 +151,4 @@ def _fit_s_curve(speed: float, acceleration: float, jerk: float) -> tuple[TimeLa
         top = min(speed, alone)
         ramp = top / acceleration + rise
     duration = max(1.0 / top + ramp, 2.0 * ramp)
-    return TimeLaw(Profile.S_CURVE, min(ramp / duration, 0.5), min(rise / ramp, 0.5)), duration
+    return TimeLaw(Profile.S_CURVE, ramp / duration, min(rise / ramp, 0.5)), duration

@@ -247,7 +247,7 @@ def needed_durations(
     curve: UnitCurve,
     limits: MotionLimits,
     design: Design | None,
-    drives: bool = True,
+    drives: bool,
     misprints: Misprint = Misprint.NONE,
 ) -> Callable[[Array], Array]:
     """Return what gives the durations that limits require at instants (n,), (n, columns) [s].

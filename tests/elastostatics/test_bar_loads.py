@@ -11,10 +11,12 @@ from hypothesis import given, settings
 
 from paminsa_viz.elastostatics.bar_loads import (
     BAR_NAMES,
+    PointLoad,
     all_bar_loads,
     arm_tip,
     bar_loads,
     largest_value,
+    make_diagram,
     utilization,
 )
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
@@ -29,6 +31,7 @@ from tests import oracle
 from tests.elastostatics.test_joint_forces import EACH, loaded, states
 from tests.support import samples
 
+POSES = np.array([[0.05, -0.03, 0.2, -0.5], [0.0, 0.1, -0.1, -0.6]])
 PANTOGRAPH = ("b3", "b4", "b7", "b8")
 ON_BAR = {
     "b3": {"4": -1, "3": 1, "7": 1},
@@ -52,6 +55,11 @@ def test_a_shaft_without_length_hangs_at_its_joint_with_its_mass() -> None:
     forces = joint_forces(point, home_pose(point.geometry), np.zeros(4), np.zeros(4))
     loads = bar_loads(forces, "b2")
     assert np.abs(loads.residual).max() < 1e-12 * forces.magnitude.max()
+    assert np.abs(loads.extremes()).max() < 1e-12 * forces.magnitude.max()  # nothing within it
+    whole = joint_forces(loaded(APPENDIX_4), home_pose(APPENDIX_4.geometry))
+    for bar, other in all_bar_loads(whole).items():
+        assert (np.diff(other.places) > 0).all(), bar  # no place is there twice
+        np.testing.assert_allclose(other.places[..., [0, -1]], np.tile([0.0, other.length], (3, 1)))
 
 
 @pytest.mark.parametrize("bar", PANTOGRAPH)
@@ -145,13 +153,30 @@ def test_largest_value_of_any_polynomials_is_that_of_dense_samples(degree: int) 
 def test_extremes_are_those_of_dense_samples(design: Design) -> None:
     forces = joint_forces(loaded(design), *states(design, 10))
     for loads in all_bar_loads(forces).values():
-        s = np.linspace(0, loads.length, 4001)
+        s = np.linspace(0, loads.length, 2001)
         dense = np.abs(loads.at(s))
         value, place = loads.largest()
         size = np.abs(value).max(axis=(0, 1))
         assert (dense.max(axis=-2) <= np.abs(value) + 1e-12 * size).all()
         assert (np.abs(value) <= dense.max(axis=-2) + 2e-3 * size).all()
         assert ((place >= 0) & (place <= loads.length)).all()
+        for index in range(3):
+            s, each = place[..., index].ravel(), np.arange(30)
+            sides = [loads.at(s - gap).reshape(30, 30, 3)[each, each, index] for gap in (0, 1e-9)]
+            reached = np.abs(sides).max(axis=0)  # where it jumps, on one of both sides
+            wanted = np.abs(value[..., index]).ravel()
+            np.testing.assert_allclose(reached, wanted, rtol=0, atol=1e-6 * size[index])
+
+
+def test_at_a_joint_the_load_is_the_one_beyond_it() -> None:
+    forces = joint_forces(loaded(APPENDIX_4), *states(APPENDIX_4, 4))
+    for bar in PANTOGRAPH:
+        loads = bar_loads(forces, bar)
+        for place in loads.places[0, 0, 1:-1]:
+            before, at, beyond = np.moveaxis(loads.at(place + np.array([-1e-9, 0.0, 1e-9])), 2, 0)
+            size = np.abs(at).max()
+            np.testing.assert_allclose(at, beyond, atol=1e-6 * size)
+            assert np.abs(at[..., :2] - before[..., :2]).max() > 1e-3 * size
 
 
 def test_a_vertical_force_at_home_by_hand() -> None:
@@ -170,6 +195,44 @@ def test_a_vertical_force_at_home_by_hand() -> None:
     root = bar_loads(forces, "b10").at(np.array([g.guide_link_length * (1 - 1e-12)]))[0, 0]
     weight = links.b10 * APPENDIX_4.gravity
     assert root[2] == pytest.approx(-guide * reach - weight * g.guide_link_length / 2)
+
+
+@pytest.mark.parametrize("length", [0.3635, 0.1])
+def test_guide_links_carry_the_slider_wherever_it_is(length: float) -> None:
+    """A short one on an extension beyond its free end; their own weight and turning besides."""
+    design = APPENDIX_4.vary(
+        {"geometry.guide_link_length": length, "geometry.guide_stroke": 0.3635}
+    )
+    forces = joint_forces(design, *states(APPENDIX_4, 6))
+    guide, bodies = forces.of("guide")[..., 2], forces.bodies
+    slider = length - bodies.position.rho / (design.geometry.magnification - 1)
+    assert (slider < 0).any() == (length < 0.3)
+    mass, rate = design.links.b10 / length, bodies.motion.beta_rate
+    s = np.linspace(0.0, length, 50)[1:-1]
+    past = np.maximum(s - slider[..., None], 0.0)
+    expected = [
+        mass * rate[..., None] ** 2 * (length * s - s**2 / 2),
+        -mass * design.gravity * s - guide[..., None] * (past > 0),
+        -mass * design.gravity * s**2 / 2 - guide[..., None] * past,
+    ]
+    found = bar_loads(forces, "b10").at(s)
+    np.testing.assert_allclose(found, np.stack(expected, -1), rtol=0, atol=1e-9)
+
+
+def test_an_arm_without_length_hangs_at_the_carriage_with_its_mass() -> None:
+    design = APPENDIX_4.vary({"geometry.arm_length": 0.0})
+    forces = joint_forces(design, POSES)
+    shear = bar_loads(forces, "b1").extremes()[..., 1]
+    weight = design.links.b1 * design.gravity
+    np.testing.assert_allclose(shear, arm_tip(forces).up - weight, rtol=1e-12)
+
+
+def test_what_nothing_holds_is_left_behind_the_end() -> None:
+    along, across, couple = np.random.default_rng(0).normal(size=(3, 2, 3))
+    points = [PointLoad(0.25, along, across, couple)]
+    loads = make_diagram((2, 3), "b4", 1.0, points, (0.0, 0.0, 0.0, 0.0), 0.0)
+    expected = np.stack([-along, across, 0.75 * across - couple], -1)
+    np.testing.assert_allclose(loads.residual, expected, rtol=1e-12)
 
 
 def test_arms_carry_the_shafts_force_and_moment_at_home() -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from paminsa_viz.elastostatics.beams import tube_fits
 from paminsa_viz.elastostatics.leg_frame import leg_frame
+from paminsa_viz.elastostatics.leg_loads import _two_force_bars
 from paminsa_viz.elastostatics.stiffness import leg_compliance, platform_stiffness
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -68,8 +69,8 @@ def test_vertical_compliance_of_a_leg_in_the_plane_of_its_arm(seed: int, height:
     young = e.young_modulus
     compliance = 0.0
 
-    def bar(name: str, first: int, second: int, pull: np.ndarray) -> None:
-        """Add a bar's energy for a force on its second end, its moment zero there."""
+    def bar(name: str, first: int, second: int, pull: np.ndarray) -> float:
+        """Add a bar's energy for a force on its second end, its moment zero there; its tension."""
         nonlocal compliance
         along = at[second] - at[first]
         length = float(np.hypot(*along))
@@ -77,14 +78,16 @@ def test_vertical_compliance_of_a_leg_in_the_plane_of_its_arm(seed: int, height:
         axial, shear = pull @ along / length, cross(along, pull) / length
         compliance += axial**2 * length / (young * section.area)
         compliance += integral(lambda s: shear * s, length) / (young * section.inertia_in)
+        return float(axial)
 
     up5 = np.array([0.0, 1.0])
     bar("b4", 4, 5, up5)
     bar("b4", 4, 9, pin[9])
     bar("b3", 3, 4, -pin[4])
     bar("b3", 3, 7, pin[7])
-    bar("b8", 8, 9, -pin[9])
-    bar("b7", 8, 7, -pin[7])
+    pulled = bar("b8", 8, 9, -pin[9]), bar("b7", 8, 7, -pin[7])
+    pressed = _two_force_bars(leg_frame(g, pose))
+    assert [float(bars[2]) for bars in pressed] == pytest.approx([-pull for pull in pulled])
     k = g.magnification
     compliance += k**2 * g.shaft_length / (young * e.section("b2").area)
     compliance += k**2 * g.arm_length**3 / (3 * young * e.section("b1").inertia_in)

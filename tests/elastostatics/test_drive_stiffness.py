@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from paminsa_viz.elastostatics.drive_stiffness import (
     drive_stiffness,
+    geometric_stiffness,
     gravity_stiffness,
     load_tilt_stiffness,
 )
@@ -58,6 +59,20 @@ def test_loaded_drives_follow_from_the_wrench_that_keeps_a_displaced_pose(seed, 
     assert symmetric == (frame is LoadFrame.WORLD)
 
 
+@pytest.mark.parametrize("frame", LoadFrame)
+def test_what_loads_add_is_symmetric_and_the_same_alone_and_among_others(frame) -> None:
+    load = LoadCase(20.0, -5.0, -50.0, moment_z=2.0, point_x=0.05, point_y=-0.1, frame=frame)
+    design = replace(APPENDIX_4, load=load)
+    poses = poses_of(design, 4)
+    for found, each in (
+        (geometric_stiffness(design, poses), [geometric_stiffness(design, p) for p in poses]),
+        (load_tilt_stiffness(load, poses[:, 2]), [load_tilt_stiffness(load, p[2]) for p in poses]),
+    ):
+        np.testing.assert_array_equal(found, np.swapaxes(found, 1, 2))
+        np.testing.assert_allclose(found, each, rtol=1e-12, atol=1e-9)
+        assert np.abs(found).max() > 1.0
+
+
 def test_gravity_stiffness_is_the_second_derivative_of_the_energy() -> None:
     pose = np.array(POSE)
     steps = 1e-3 * np.eye(4)
@@ -76,6 +91,16 @@ def test_a_force_off_the_center_stiffens_the_tilt_as_a_weight_there_does() -> No
         reduced_robot(leg_matrices(d), np.array([POSE])).stiffness for d in (hung, pushed)
     )
     np.testing.assert_allclose(first, second, atol=1e-9 * np.abs(first).max())
+    turning = LoadCase(4.0, -7.0, -90.0, 2.0, 3.0, -5.0, 0.1, 0.2, -0.3, LoadFrame.PLATFORM)
+    for load in (turning, replace(turning, frame=LoadFrame.WORLD)):
+        loaded, plain = (
+            reduced_robot(leg_matrices(d), np.array([POSE])).stiffness[0]
+            for d in (replace(APPENDIX_4, load=load), APPENDIX_4)
+        )
+        tilts = np.ix_([3, 4], range(6))
+        expected = load_tilt_stiffness(load, POSE[2])[tilts]
+        np.testing.assert_allclose((loaded - plain)[tilts], expected, atol=1e-6)
+        assert np.abs(expected - load_tilt_stiffness(load, POSE[3])[tilts]).max() > 1.0
 
 
 @pytest.mark.parametrize("frame", LoadFrame)

@@ -21,7 +21,7 @@ from tests.support import samples
 def test_joint_forces_are_the_engines_constraint_forces(engine: str, design: Design) -> None:
     pytest.importorskip(engine, reason=f"{engine} comes with the extra 'verify'")
     design = replace(design, load=LOAD, counterweights=WEIGHTS)
-    motion = samples.random_states(np.random.default_rng(3), design, 8)
+    motion = samples.random_states(np.random.default_rng(3), design, 4)
     robot = (MujocoRobot if engine == "mujoco" else PinocchioRobot)(design)
     force, moment = reactions(robot, motion)
     found = joint_forces(design, *motion)

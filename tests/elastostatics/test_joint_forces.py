@@ -15,7 +15,7 @@ from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.load import LoadCase, LoadFrame, center_wrench
 from paminsa_viz.model.parameters import Counterweight, Friction
-from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.reach import Limit, home_pose
 from paminsa_viz.model.singularity import singular_radius
 from paminsa_viz.model.statics import static_torques
 from tests import oracle
@@ -169,6 +169,28 @@ def test_poses_without_forces_have_a_reason_and_no_numbers() -> None:
     five = JOINT_INDEX["5"]
     assert np.isnan(np.delete(forces.force[0, :, :, 1], five, axis=-1)).all()
     assert np.isfinite(forces.force[0, :, five]).all()
+
+
+def test_what_is_no_number_or_too_large_for_one_is_no_force() -> None:
+    pose, velocity, acceleration = states(APPENDIX_4, 3)
+    velocity[0, 1], acceleration[1, 3] = np.nan, np.nan
+    wrench = np.zeros((3, 6))
+    wrench[2, 4] = np.nan
+    found = joint_forces(APPENDIX_4, pose, velocity, acceleration, load=wrench)
+    assert (found.status == Limit.NOT_FINITE).all()
+    # a drive's inertia, and what turns the guide links alone, are beyond the largest number
+    drive = Drive(rotor_inertia=1.0, gear_ratio=1e4)
+    driven = replace(APPENDIX_4, drives=(drive, None, None, None))
+    home, zero = home_pose(APPENDIX_4.geometry), np.zeros(4)
+    for design, v, a in (
+        (driven, zero, [1e302, 0.0, 0.0, 0.0]),
+        (APPENDIX_4.vary({"links.b10": 100.0}), [0.0, 0.0, 1e154, 0.0], zero),
+    ):
+        lost = joint_forces(design, home, v, a)
+        known = joint_forces(APPENDIX_4, home, v, a)
+        assert (lost.status, known.status) == (Limit.SINGULAR, Limit.OK)
+        assert np.isnan(lost.torque).all()
+        assert np.isfinite(known.magnitude).all()
 
 
 def test_shapes_follow_the_batch_and_scalars_are_the_same() -> None:

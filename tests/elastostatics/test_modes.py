@@ -46,15 +46,33 @@ def test_modes_solve_the_generalized_eigenproblem(seed: int, size: int) -> None:
 
 def test_a_pose_without_stiffness_has_no_frequency() -> None:
     """Singular, soft in one direction, or unknown: NaN, and the other poses are not touched."""
-    k, m = matrices(1, 4, 5)
+    k, m = matrices(1, 4, 7)
     k[1] = k[1] - np.linalg.eigvalsh(k[1])[0] * np.eye(4)  # singular
     k[2, 0, 0] = -1.0
     k[3, 1, 2] = np.nan
+    m[4, 1, 2] = np.nan
+    k[5, 0] = k[5, :, 0] = 0.0
     found = natural_modes(k, m)
-    assert found.ok.tolist() == [True, False, False, False, True]
-    assert np.isnan(found.frequencies[1:4]).all()
-    assert np.isnan(found.shapes[1:4]).all()
-    assert np.isfinite(found.frequencies[[0, 4]]).all()
+    assert found.ok.tolist() == [True, False, False, False, False, False, True]
+    assert np.isnan(found.frequencies[1:6]).all()
+    assert np.isnan(found.shapes[1:6]).all()
+    assert np.isfinite(found.frequencies[[0, 6]]).all()
+
+
+def test_a_stiffness_has_to_be_more_than_rounding_in_every_unit() -> None:
+    """Of two coordinates in which alike springs of unit stiffness all but cancel: 1e-11 of it."""
+    for share, firm in ((0.99e-11, False), (1.01e-11, True)):
+        k = np.array([[1.0, share - 1.0], [share - 1.0, 1.0]])
+        units = 1e-4 ** np.arange(2)
+        for scale in (np.ones((2, 2)), np.outer(units, units)):
+            assert bool(natural_modes(k * scale, np.eye(2) * scale).ok) is firm
+
+
+def test_batches_of_any_shape_give_the_modes_of_each() -> None:
+    k, m = matrices(3, 4, 6)
+    flat, found = natural_modes(k, m), natural_modes(k.reshape(2, 3, 4, 4), m.reshape(2, 3, 4, 4))
+    np.testing.assert_array_equal(found.frequencies, flat.frequencies.reshape(2, 3, 4))
+    np.testing.assert_array_equal(found.shapes, flat.shapes.reshape(2, 3, 4, 4))
 
 
 def test_the_lowest_modes_alone_are_those_of_all() -> None:

@@ -7,9 +7,10 @@ import pytest
 
 from paminsa_viz.elastostatics.beams import beam_stiffness
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS
+from paminsa_viz.elastostatics.leg_frame import leg_frame
 from paminsa_viz.elastostatics.leg_matrices import Structure, axes_of, structure
 from paminsa_viz.elastostatics.leg_model import FIXED, RETAINED, LegElement
-from paminsa_viz.elastostatics.sideways import sideways_forces
+from paminsa_viz.elastostatics.sideways import _redundants, sideways_forces
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.load import center_wrench
 from tests.elastostatics.robots import POSE, elastic_design, poses_of
@@ -119,7 +120,9 @@ def test_forces_are_those_of_the_assembled_structure_under_its_weight(seed: int,
 
 
 def test_sideways_forces_balance_every_body() -> None:
-    found = sideways_forces(APPENDIX_4.vary({"load.force_y": 30.0}), POSE)
+    design = APPENDIX_4.vary({"load.force_y": 30.0})
+    given = design, leg_frame(design.geometry, POSE)
+    found = sideways_forces(design, POSE)
     f = {joint.key: found.force[..., JOINT_INDEX[joint.key]] for joint in JOINTS}
     for body in (
         f["9"] + f["4"] - f["5"],  # B4
@@ -132,6 +135,12 @@ def test_sideways_forces_balance_every_body() -> None:
     ):
         np.testing.assert_allclose(body, 0.0, atol=1e-12 * np.abs(found.force).max())
     np.testing.assert_array_equal(found.moment[..., JOINT_INDEX["5"], :], 0.0)
+    redundant = _redundants(*given, found.plane, -found.plane.of("5")[..., 1], shear=False)
+    at_7 = np.c_[f["7"], found.moment[:, JOINT_INDEX["7"]]]
+    np.testing.assert_allclose(redundant[:, 2:], at_7, rtol=1e-9)
+    np.testing.assert_allclose(
+        redundant[:, :2], np.c_[f["2"], found.moment[:, JOINT_INDEX["2"], 0]]
+    )
     # the drive of M_k holds t rho
     torque = found.moment[..., JOINT_INDEX["m"], 1]
     np.testing.assert_allclose(torque, found.plane.torque[:3], rtol=1e-9)

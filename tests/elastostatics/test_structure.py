@@ -92,6 +92,8 @@ def test_freedoms_of_a_leg() -> None:
     # eight revolutes with 5 springs each and a drive, guide 5, ball 3
     assert len(soft.springs) == 8 * 5 + 1 + 5 + 3
     assert soft.size == rigid.size + len(soft.springs) - 1
+    for model in (rigid, soft):
+        assert all(node.first == node.second for node in model.nodes if not node.share)
 
 
 def test_unreachable_pose_is_nan_and_spoils_no_other() -> None:

@@ -10,9 +10,11 @@ import pytest
 from paminsa_viz.elastostatics.beams import beam_mass, beam_stiffness, body_mass, point_mass
 from paminsa_viz.elastostatics.center_lines import POINTS, center_lines
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes
+from paminsa_viz.elastostatics.leg_frame import leg_frame
 from paminsa_viz.elastostatics.leg_matrices import leg_matrices, structure
 from paminsa_viz.elastostatics.modes import natural_modes
 from paminsa_viz.elastostatics.vibration import (
+    ReducedRobot,
     first_frequencies,
     guyan_modes,
     iterated_modes,
@@ -40,7 +42,7 @@ LOADED = replace(
     payload=Payload(mass=4.0, inertia=0.02, height=0.07),
     load=LoadCase(12.0, -7.0, -30.0, moment_z=1.5, point_x=0.04),
     counterweights=(
-        Counterweight("b8", 8, 0.1, 0.7), Counterweight("b4", 9, 0.15, 0.4),
+        Counterweight("b8", 8, 0.1, 0.7), Counterweight("b4", 5, 0.15, 0.4),
         Counterweight("b3", 7, 0.05, 0.3), Counterweight("b7", 7, 0.02, 0.2),
     ),
 )  # fmt: skip
@@ -78,6 +80,13 @@ def test_rigid_body_is_its_point_masses() -> None:
     expected = sum(point_mass(m, x) for m, x in zip(masses, places, strict=True))
     found = body_mass(masses.sum(), masses @ places, masses @ places**2)
     assert found == pytest.approx(expected, abs=1e-15)
+    rotary = 0.03
+    found = body_mass(masses.sum(), masses @ places, masses @ places**2, rotary)
+    v, w = np.random.default_rng(2).normal(size=(2, 3))
+    arms = places[:, None] * [1.0, 0.0, 0.0]
+    energy = 0.5 * masses @ ((v + np.cross(w, arms)) ** 2).sum(axis=1)
+    energy += 0.5 * rotary * (w[1:] ** 2).sum()
+    assert 0.5 * np.r_[v, w] @ found @ np.r_[v, w] == pytest.approx(energy, rel=1e-12)
 
 
 def test_cantilever_vibrates_as_in_closed_form() -> None:
@@ -144,6 +153,7 @@ def test_whole_modes_solve_the_matrices() -> None:
     matrices = leg_matrices(LOADED)
     k, m = whole_matrices(matrices, POSES[1])
     found = whole_modes(matrices, POSES[1], 4)
+    assert found.ok
     squared = (2 * np.pi * found.frequencies) ** 2
     residual = k @ found.shapes - m @ found.shapes * squared
     assert np.abs(residual).max() < 1e-8 * np.abs(k @ found.shapes).max()
@@ -159,6 +169,20 @@ def test_coordinates_without_inertia_have_infinite_frequencies() -> None:
     assert not np.isnan(found).any()
     assert np.isinf(found[-40:]).all()
     assert found[:6] == pytest.approx(whole_modes(matrices, POSES[1], 6).frequencies, rel=1e-9)
+
+
+def test_a_step_of_iteration_leaves_out_what_has_no_mass() -> None:
+    """Without inertia inside the legs the condensed matrices are exact, and the step adds none."""
+    rng = np.random.default_rng(5)
+    roots = rng.normal(size=(2, 2, 7, 7))
+    stiffness = 1e4 * roots[0] @ np.swapaxes(roots[0], 1, 2)
+    mass = roots[1] @ np.swapaxes(roots[1], 1, 2)
+    stiffness[1], mass[1] = np.diag(1e4 * np.arange(1.0, 8.0)), np.diag([2, 1, 0, 3, 0, 1, 4])
+    legs = np.zeros((2, 3, 4, 4))
+    robot = ReducedRobot(stiffness, mass, legs, legs, rng.normal(size=(2, 3, 4, 7)))
+    found = iterated_modes(robot, 7).frequencies
+    assert found == pytest.approx(natural_modes(stiffness, mass).frequencies, rel=1e-6)
+    assert np.isinf(found).tolist() == [[False] * 7, [False] * 5 + [True] * 2]
 
 
 def test_inertia_about_horizontal_axes_counts_where_it_is_given() -> None:
@@ -208,6 +232,20 @@ def test_all_modes_are_of_one_pose_that_weight_does_not_push_away() -> None:
         assert np.isnan(pushed.frequencies).all()
         assert np.isnan(pushed.shapes).all()
         assert pushed.shapes.shape[1] == len(pushed.frequencies) == count
+
+
+def test_usually_bars_are_single_elements_without_shear_and_six_modes_are_found() -> None:
+    pose = POSES[1]
+    found = robot_modes(LOADED, pose).frequencies
+    for divisions, shear, count in ((1, False, 6), (2, False, 6), (1, True, 6), (1, False, 7)):
+        given = robot_modes(LOADED, pose, count, divisions=divisions, shear=shear).frequencies
+        whole = whole_modes(leg_matrices(LOADED, divisions, shear), pose, count).frequencies
+        assert given.tolist() == whole.tolist()
+        assert (given.tolist() == found.tolist()) is ((divisions, shear, count) == (1, False, 6))
+    assert whole_modes(leg_matrices(LOADED), pose).frequencies.tolist() == found.tolist()
+    robot = reduced_robot(leg_matrices(LOADED), POSES)
+    assert guyan_modes(robot).frequencies.shape == (3, 7)
+    assert iterated_modes(robot).frequencies.shape == (3, 1)
 
 
 def test_batches_give_what_single_poses_give() -> None:
@@ -274,6 +312,33 @@ def test_center_lines_of_a_static_shape_are_the_structure_s() -> None:
     index = along * (POINTS - 1)
     near, far = lines.moves[b4, int(index), :, 0], lines.moves[b4, int(index) + 1, :, 0]
     assert near + (index % 1) * (far - near) == pytest.approx(expected, abs=2e-6)
+
+
+def test_center_lines_are_linear_have_a_middle_and_are_straight_beyond_the_last_node() -> None:
+    """For any coordinates, also those that move one thing alone."""
+    matrices, pose = leg_matrices(SOFT), POSES[1]
+    size = len(whole_matrices(matrices, pose)[0])
+    each = center_lines(matrices, pose, np.eye(size))
+    assert np.isfinite(each.moves).all()
+    every = center_lines(matrices, pose, np.ones((size, 1)))
+    np.testing.assert_allclose(each.moves.sum(axis=-1), every.moves[..., 0], atol=1e-12)
+    ways = np.linalg.norm(np.moveaxis(each.moves, 2, -1), axis=-1)
+    np.testing.assert_allclose(each.largest, ways.reshape(-1, size).max(axis=0), rtol=1e-12)
+    ends = each.points[:, [0, POINTS // 2, -1]]
+    np.testing.assert_allclose(ends[:, 1], 0.5 * (ends[:, 0] + ends[:, 2]), atol=1e-12)
+    platform = each.names.index("platform")
+    np.testing.assert_allclose(ends[platform, 0], pose[[0, 1, 3]], atol=1e-12)
+    # B10 is straight from the slider's node outward, as that moves and turns
+    line, frame = each.names.index("leg1/b10"), leg_frame(SOFT.geometry, pose)
+    node = matrices.model.node("b10", 8)
+    first = 7 + np.array(node.freedoms) - 4  # the shared coordinates, those of leg 1
+    way = each.points[line, -1] - inverse_kinematics(SOFT.geometry, pose).points[8][0]
+    assert np.linalg.norm(way) > 0.05
+    move = every_turn = np.zeros((3, size))
+    move, every_turn = move.copy(), every_turn.copy()
+    move[:, first[:3]], every_turn[:, first[3:]] = frame.axes[0].T, frame.axes[0].T
+    expected = move + np.cross(every_turn, way, axisa=0, axisc=0)
+    np.testing.assert_allclose(each.moves[line, -1], expected, atol=1e-12)
 
 
 def test_payload_above_the_center_has_the_energies_of_its_rigid_body() -> None:

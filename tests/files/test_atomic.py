@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from paminsa_viz.errors import FileError
+from paminsa_viz.files import atomic
 from paminsa_viz.files.atomic import (
     check_writable,
     make_folder,
@@ -165,6 +166,27 @@ def test_one_who_writes_the_same_file_meanwhile_is_left_alone(tmp_path) -> None:
         assert path.read_text() == "meanwhile"
     assert path.read_text() == "last"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_what_another_takes_for_abandoned_before_it_is_locked_is_not_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The other one holds the lock of the first file, and has removed the second."""
+    pytest.importorskip("fcntl")
+    real, seen = atomic._lock, []
+
+    def lock(number: int) -> bool | None:
+        new = set(tmp_path.iterdir()) - set(seen)
+        seen.extend(new)
+        if len(seen) == 2:
+            new.pop().unlink()
+        return len(seen) > 1 and real(number)
+
+    monkeypatch.setattr(atomic, "_lock", lock)
+    write_bytes(tmp_path / "a.bin", b"whole")
+    assert len(seen) == 3
+    assert set(tmp_path.iterdir()) == {seen[0], tmp_path / "a.bin"}
+    assert (tmp_path / "a.bin").read_bytes() == b"whole"
 
 
 def test_what_cannot_be_written_is_known_before(tmp_path: Path, monkeypatch) -> None:

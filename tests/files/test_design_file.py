@@ -19,6 +19,7 @@ from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, 
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadCase, LoadFrame
 from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
+from tests.support.documentation import missing
 from tests.support.samples import possible_designs, possible_values
 
 VERSION = "schema_version = 1\n"
@@ -151,6 +152,8 @@ def test_values_may_be_left_out_of_a_file_that_does_not_count_them() -> None:
     design = read_design(VERSION + 'name = "light"\n[links]\nb3_kg = 0.1', "a.toml")
     assert design == APPENDIX_4.vary({"links.b3": 0.1})
     assert design.name == "light"
+    assert read_design(f"{VERSION}value_count = 0", "a.toml") == APPENDIX_4
+    assert read_design(VERSION, f"{'n' * 200}.toml").name == "n" * 100  # not all of a long one
 
 
 def test_save_and_load(tmp_path) -> None:
@@ -169,6 +172,14 @@ def test_an_unprintable_or_long_name_is_refused_before_writing(tmp_path, name) -
     with pytest.raises(DesignFileError, match="a name is one line"):
         save_design(replace(APPENDIX_4, name=name), path)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_heading_says_of_its_table_what_the_documentation_does() -> None:
+    design = APPENDIX_4.vary({"elastic.b4_outer": 0.05, "tolerances.bar": 1e-5})
+    headings = [line.split("  # ") for line in write_design(design).splitlines() if line[:1] == "["]
+    assert {"[geometry]", "[elastic]", "[tolerances]"} <= {table for table, _ in headings}
+    stated = [f"## {table} {comment}".replace("``", "`") for table, comment in headings]
+    assert missing("design-file", stated) == []
 
 
 def test_inaccessible_files_are_one_line_errors(tmp_path) -> None:

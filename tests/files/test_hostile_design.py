@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from paminsa_viz.files.design_document import WrongDocument, checked_content
 from paminsa_viz.files.design_file import LARGEST_FILE, load_design, read_design
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.files.errors import DesignFileError
@@ -71,6 +72,7 @@ def refusal(content: str | bytes, source: str = "up.toml") -> DesignFileError:
         (VERSION + "[link]\nb3_kg = 1", 2, "link", "did you mean [links]?"),
         (VERSION + "[engine]", 2, "engine", "there are [geometry], [joints]"),
         (VERSION + "[links]\nb3_g = 1", 3, "links.b3_g", "did you mean b3_kg (m_B3"),
+        (VERSION + "[links]\nB8_kg = 1", 3, "links.B8_kg", "did you mean b8_kg (m_B8"),
         (VERSION + "[joints]\nb3_kg = 1", 3, "joints.b3_kg", "did you mean b3_kg in [links]"),
         (VERSION + "b3_kg = 1", 2, "b3_kg", "did you mean b3_kg in [links]"),
         (VERSION + "[geometry]\nR_b = 1", 3, "geometry.R_b", "did you mean base_radius_m"),
@@ -84,6 +86,7 @@ def refusal(content: str | bytes, source: str = "up.toml") -> DesignFileError:
         (VERSION + "zzz = 'x'", 2, "zzz", "there are gravity_m_per_s2"),
         (VERSION + 'name = "a\\u0007"', 2, "name", "a name is one line"),
         (VERSION + "value_count = 2\ngravity_m_per_s2 = 1", 2, "value_count", "cut short"),
+        (VERSION + "value_count = -1", 2, "value_count", "whole number"),
         (VERSION + "value_count = 1.5", 2, "value_count", "whole number"),
         (VERSION + "[links]\nb3_kg = 1\nb3_kg = 2", 4, "", "twice"),
         (VERSION + "[links]\nb3_kg = 0,5", 3, "", "decimals are written with a point"),
@@ -173,6 +176,17 @@ def test_a_name_has_two_hundred_characters_at_most() -> None:
         write_design(replace(named, name="n" * 201))
     problem = refusal(VERSION + "gravity_m_per_s2 = 1" + 30 * "0").problem
     assert problem == "a finite number of fewer digits is needed"
+
+
+def test_of_a_document_every_number_is_a_float_and_a_wrong_one_has_its_path() -> None:
+    document = {"schema_version": 1, "value_count": 0, "links": {"b3_kg": 1}}
+    entry = {"quantity": "condition", "max": 10}
+    content = checked_content(document | {"requirements": [entry]})
+    numbers = content["links"]["b3_kg"], content["requirements"][0]["max"]
+    assert (numbers, [type(number) for number in numbers]) == ((1.0, 10.0), [float, float])
+    with pytest.raises(WrongDocument) as caught:
+        checked_content(document | {"requirements": [entry, entry | {"max": "ten"}]})
+    assert (caught.value.path, caught.value.value) == ("requirements.1.max", "ten")
 
 
 def test_counterweights_are_tables_in_double_brackets() -> None:

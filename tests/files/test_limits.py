@@ -8,6 +8,7 @@ import json
 import pytest
 
 from paminsa_viz.errors import LONGEST_VALUE, PaminsaError, TableFileError
+from paminsa_viz.files import measurements, published_table
 from paminsa_viz.files.columns import POSES
 from paminsa_viz.files.design_file import LARGEST_FILE, LONGEST_LINE, parse_toml, read_design
 from paminsa_viz.files.errors import DesignFileError, shown
@@ -19,11 +20,23 @@ from paminsa_viz.files.plain_data import (
     parse_plain_toml,
 )
 from paminsa_viz.files.table_reader import LONGEST_ROW, MOST_BLANK_ROWS, TableReader
+from paminsa_viz.trajectory.sampled import MOST_SAMPLES
+from tests.support.documentation import missing
 
 
 def table_rows(text: str) -> int:
     reader = TableReader(io.StringIO(text, newline=""), POSES, "in.csv")
     return sum(len(block.cells) for block in reader.blocks())
+
+
+def test_the_documentation_states_the_limits() -> None:
+    stated = (
+        f"at most {LARGEST_FILE:,} bytes, lines of {LONGEST_LINE:,} characters, and {MOST_LEVELS} ",
+        f"lines of at most {LONGEST_ROW:,} characters, and at most {MOST_BLANK_ROWS:,} blank rows",
+        f"published torques at most {published_table.MOST_ROWS:,} rows are read, "
+        f"of measured poses {measurements.MOST_ROWS:,}, of a motion or a log {MOST_SAMPLES:,}.",
+    )
+    assert missing("scripts", stated) == []
 
 
 def test_lines_and_files_of_designs() -> None:
@@ -58,7 +71,7 @@ def test_levels_and_whole_numbers_of_plain_data() -> None:
         parse_plain_toml(f"a = {lists}")
     assert parse_json('"\\ud83d\\ude00"') == "\U0001f600"
     with pytest.raises(UnusableData, match="half a character") as caught:
-        parse_json('{"b": {"c": "\\ud83d"}}')
+        parse_json('{"b": {"c": "whole\\ud83d"}}')
     assert caught.value.path == "b.c"
 
 
@@ -68,8 +81,8 @@ def test_rows_of_tables() -> None:
     with pytest.raises(TableFileError, match="row 3: over 20000 blank rows end the table"):
         table_rows(f"{head}{row}" + "\n" * (MOST_BLANK_ROWS + 1))
     for more in (0, 1):
-        long = "0,0,0," + "0" * (LONGEST_ROW - 8 + more) + "\n"
-        assert len(long) == LONGEST_ROW - 1 + more
+        long = "0,0,0," + "0" * (LONGEST_ROW - 7 + more) + "\n"
+        assert len(long) == LONGEST_ROW + more
         if more:
             with pytest.raises(TableFileError, match=r"row 2: .* the row is longer than"):
                 table_rows(f"{head}{long}")

@@ -101,6 +101,8 @@ def test_a_short_file_by_hand() -> None:
     assert found.theta == (-0.5, 0.5)
     cylinder = Workspace(WorkspaceShape.CYLINDER, (0.3, 0.3, 0.4), (0.0, 0.0, None))
     assert found.workspace == cylinder
+    again = read_content(write_design(APPENDIX_4, requirements=found), "robot.toml")
+    assert again.requirements == found
 
 
 ENTRY = HEAD + '[[requirements]]\nquantity = "max_torque"\n'

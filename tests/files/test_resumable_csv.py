@@ -108,7 +108,7 @@ def test_any_changed_byte_is_refused_with_its_row(whole, tmp_path) -> None:
     path = tmp_path / "edited.csv"
     start = whole.index(b"0,0.0")
     for place in range(start, len(whole) - 1):
-        for byte in (b"7", b"x", b",", b"\n", b"\xff"):
+        for byte in (b"7", b",", b"\n", b"\xff"):
             if whole[place : place + 1] == byte:
                 continue
             path.write_bytes(whole[:place] + byte + whole[place + 1 :])
@@ -129,6 +129,16 @@ def test_a_second_writer_is_refused(tmp_path) -> None:
     ):
         ResumableCsv(path, HEAD, COLUMNS, identity="study", restart=True)
     assert grow(path) == 0
+
+
+def test_a_head_has_fewer_than_ten_thousand_lines(tmp_path) -> None:
+    """A file of nothing but such lines must not fill the memory."""
+    head = HEAD | {f"n{i}": "" for i in range(9_995)}  # and the names of the columns
+    assert [grow(tmp_path / "a.csv", head=head) for _ in range(2)] == [0, len(ROWS)]
+    longer = head | {"more": ""}
+    assert grow(tmp_path / "b.csv", head=longer) == 0
+    with pytest.raises(TableFileError, match="holds something else"):
+        grow(tmp_path / "b.csv", head=longer)
 
 
 def test_appending_a_row_out_of_order_raises(tmp_path) -> None:

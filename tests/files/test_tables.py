@@ -106,7 +106,7 @@ def test_every_cell_arrives_in_its_place(columns, rows, end, style, rows_at_once
         (f'{HEAD}\n0,0,0,"0', 2, "", "is not valid CSV"),
         (f'{HEAD}\n0,0,0,"0"1\n', 2, "", "is not valid CSV"),
         (f'{HEAD}\n0,0,"0\n",0\n0,0,0,x\n', 3, "z_m", "'x' is not a number"),
-        (f"{HEAD}\n0,0,0,0\n{'1' * LONGEST_ROW}", 3, "", "longer than"),
+        (f"{HEAD}\n0,0,0,0\n{'1' * (LONGEST_ROW + 1)}", 3, "", "longer than"),
         (f"{HEAD}\n0,0,0,{'v' * 5000}\n", 2, "z_m", "is not a number"),
     ],
 )
@@ -306,6 +306,8 @@ def test_a_hint_is_one_name_that_is_near() -> None:
     assert "did you mean vx_m_s?" in str(check_refused(parse, text))
     far = str(check_refused(parse, text.replace("vxx_m_s", "weight")))
     assert "there are t_s,x_m" in far
+    for name, hint in (("vx_mabc", "did you mean vx_m_s?"), ("vx_mabcd", "there are x_m")):
+        assert hint in str(check_refused(read, f"{HEAD},{name}\n"))
 
 
 def test_waypoints_are_at_rest_at_their_ends_only_if_it_is_said() -> None:

@@ -165,7 +165,8 @@ def test_a_table_of_joints_has_each_joint_of_each_leg_with_its_own_forces() -> N
 
 
 def test_columns_and_provenance_of_a_written_table() -> None:
-    found = analyze(APPENDIX_4, LEAVING, misprints=Misprint.APP3_MC4)
+    noted = replace(LEAVING, notes=("one", "other"))
+    found = analyze(APPENDIX_4, noted, misprints=Misprint.APP3_MC4)
     table = analysis_table(found)
     loads = {*LOAD, *part_columns("load")}  # only where there is one
     assert set(table.columns) == {*TRAJECTORY.columns, *RESULTS} - loads
@@ -175,6 +176,7 @@ def test_columns_and_provenance_of_a_written_table() -> None:
     assert len(rows) == LEAVING.size
     head_values = dict(line[2:].split(": ", 1) for line in comments)
     assert head_values["design"] == "Appendix 4"
+    assert (head_values["note 1"], head_values["note 2"]) == noted.notes
     assert head_values["formulae"] == "as printed: APP3_MC4"
     assert head_values["design links.b3 [kg]"] == "0.406"
     assert "singular pose" in head_values["first failure"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,10 +26,19 @@ from paminsa_viz.identification.base_parameters import (
     leg_base_regressor,
     mass_columns,
 )
-from paminsa_viz.identification.causes import LENGTHS, SPRING, possible_causes
+from paminsa_viz.identification.causes import (
+    LENGTHS,
+    NEVER_SEEN,
+    SPRING,
+    Cause,
+    PossibleCause,
+    _tried,
+    possible_causes,
+)
 from paminsa_viz.identification.columns import base_scale
 from paminsa_viz.identification.identify import filtered
 from paminsa_viz.identification.log_poses import log_poses
+from paminsa_viz.identification.results import Identity
 from paminsa_viz.model import APPENDIX_4, Friction
 from paminsa_viz.model.lumped import MASS_PATHS
 from tests.support.documentation import missing
@@ -51,7 +61,6 @@ def identified(noise_seed: int | None = 0) -> Any:
     return identify(APPENDIX_4, log, QUICK)
 
 
-@cache
 def tried() -> Any:
     """All causes, by the log without noise."""
     return possible_causes(identified(None))
@@ -199,7 +208,15 @@ def test_a_spring_explains_what_holding_the_identity_costs() -> None:
         for one in (free, held)
     ]
     ranked = {cause.label: cause for cause in find_causes(free).ranked}
-    assert ranked[SPRING].explains == pytest.approx((left[1] - left[0]) / left[0], rel=1e-6)
+    spring = ranked[SPRING]
+    assert spring.explains == pytest.approx((left[1] - left[0]) / left[0], rel=1e-6)
+    # and is what is left of the identity, downward there, with its interval
+    assert (-spring.value, spring.half_width) == pytest.approx(
+        (free.identity.value, free.identity.half_width), rel=1e-3
+    )
+    untold = replace(free, identity=Identity(np.nan, np.inf, np.nan))
+    lost = {cause.label: cause for cause in find_causes(untold).ranked}[SPRING]
+    assert (lost.value, lost.half_width, lost.p_value) == (0.0, np.inf, 1.0)
 
 
 def test_two_causes_are_named_one_after_the_other() -> None:
@@ -231,6 +248,96 @@ def test_columns_are_what_the_causes_do() -> None:
         seen.append(identify(APPENDIX_4, moved, QUICK).model.columns @ found.solution.x)
     expected = -2e-3 * columns["encoder zero of M2"]  # measured torques stay what they are
     np.testing.assert_allclose(seen[1] - seen[0], expected, atol=2e-3 * np.abs(expected).max())
+
+
+def test_columns_of_bars_springs_and_gains_by_their_definitions() -> None:
+    """A bar of one leg is its share of what the same bar of all three changes."""
+    found = identified(None)
+    columns, signals = {item.label: item.column for item in tried()}, found.signals
+    motion = signals.pose, signals.velocity, signals.acceleration
+    legs = leg_base_regressor(DESIGN.geometry, *motion)
+    for bar in ("b3", "b4", "b7", "b8"):
+        paths = (f"links.{bar}", f"inertias.{bar}_axial", f"inertias.{bar}_transverse")
+        heavier = APPENDIX_4.vary({path: 1.01 * APPENDIX_4.value(path) for path in paths})
+        change = (base_parameters(heavier) - base_parameters(APPENDIX_4)) / 0.01
+        for leg in range(3):
+            expected = legs[:, :, leg] @ change[list(LEG_PARAMETERS)]
+            column = columns[f"leg {leg + 1}: {bar.upper()} heavier"]
+            size = np.abs(expected).max()
+            np.testing.assert_allclose(column[50:-50], expected[50:-50], atol=0.02 * size)
+    none = replace(found, design=APPENDIX_4.vary({"links.b7": 0.0, "inertias.b7_axial": 0.0}))
+    assert not any("B7" in cause.label for cause in possible_causes(none))
+    travel = signals.samples.position[signals.samples.kept]
+    travel = travel - signals.samples.position.mean(axis=0)
+    pull = -base_regressor(DESIGN.geometry, *motion)[..., 1]
+    np.testing.assert_allclose(
+        columns[SPRING][50:-50], pull[50:-50], atol=0.02 * np.abs(pull).max()
+    )
+    for place in range(4):
+        own = np.eye(4)[place]
+        np.testing.assert_array_equal(columns[f"gain of M{place + 1}"], found.predicted * own)
+        np.testing.assert_allclose(
+            columns[f"spring at M{place + 1}"], travel * own, atol=0.02 * np.abs(travel).max()
+        )
+
+
+def test_a_delay_is_minus_the_rate_of_the_torques_in_each_segment() -> None:
+    found = identified(None)
+    segment = (np.arange(len(found.predicted)) >= 700).astype(np.int64)
+    t = found.signals.t - 9.0 * segment  # nothing goes from one segment to the next
+    curves = [np.polynomial.Polynomial([1.0, -2.0, a]) for a in (0.5, -3.0, 0.0, 40.0)]
+    torque, rate = (
+        np.stack([curve.deriv(order)(t) for curve in curves], axis=1) for order in (0, 1)
+    )
+    cut = replace(found, signals=replace(found.signals, segment=segment), predicted=torque)
+    columns = {item.label: item for item in possible_causes(cut)}
+    delay = columns["delay of the torques"].column
+    ends = [0, 699, 700, len(t) - 1]
+    np.testing.assert_allclose(
+        np.delete(delay + rate, ends, axis=0), 0.0, atol=1e-12 * np.abs(rate).max()
+    )
+    # there a difference to one side, which is off by half a step
+    np.testing.assert_allclose(delay[ends], -rate[ends], atol=1.01 * 40.0 * found.signals.step)
+    fitted = replace(found, settings=replace(QUICK, delay=True))
+    assert "delay of the torques" not in {item.label for item in possible_causes(fitted)}
+
+
+def test_causes_are_named_one_after_the_other_by_what_they_explain(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """At most three; each that is significant, with those alike; then the next ones with it."""
+    explains = {"d": 0.2, "a": 0.5, "z": 0.8, "b": 0.3, "e": 0.1, "c": 0.29}
+    p_values = {"z": 0.5, "e": 0.5}  # the others are significant
+    detectable = {"a": 2.0, "z": 2.0, "d": 2.0, "e": np.inf}  # of a plausible 1
+    candidates = [PossibleCause(label, "m", 0, 1.0, np.zeros((6, 4))) for label in explains]
+    given: list[Any] = []
+
+    def fits(_: Any, blocks: Any, base: Any, places: Any, left: Any) -> list[Cause]:
+        given.append((list(base), dict(places), [item.label for item in left]))
+        return [
+            Cause(item.label, "m", 0, 1.0, 0.1, p_values.get(item.label, 0.0),
+                  explains[item.label], detectable.get(item.label, 1.0), 1.0)
+            for item in left
+        ]  # fmt: skip
+
+    monkeypatch.setitem(_tried.__globals__, "_tried", fits)
+    monkeypatch.setitem(_tried.__globals__, "possible_causes", lambda _: candidates)
+    model = SimpleNamespace(columns=np.ones((6, 4, 2)), torque=np.ones((6, 4)))
+    found = find_causes.__wrapped__(SimpleNamespace(model=model, numbers=np.zeros(6, int)))  # type: ignore[attr-defined]
+    assert [(cause.label, cause.named) for cause in found.named] == [("a", 1), ("b", 2), ("c", 3)]
+    # at least 0.6 of what is named: 0.3 of 0.5 is enough, 0.29 is not
+    assert [cause.alike for cause in found.named] == [("z", "b"), ("z", "c", "d"), ("z", "d")]
+    assert [cause.label for cause in found.ranked] == ["z", "a", "b", "c", "d", "e"]
+    assert [cause.named for cause in found.ranked] == [0, 1, 2, 3, 0, 0]
+    labels, places = list(explains), dict(zip(explains, range(2, 8), strict=True))
+    base = [0, 1]
+    for taken, (own, own_places, left) in zip(("", "a", "b", "c"), given, strict=True):
+        if taken:
+            base = [*base, places.pop(taken)]
+            labels.remove(taken)
+        assert (own, own_places, left) == (base, places, labels)
+    said = ["d: below 2 m", "e: below any size", "z: below 2 m"]  # but those that are named
+    assert list(found.unseen) == [*NEVER_SEEN, *said]
 
 
 def test_sizes_are_the_least_squares_fit_with_rows_over_their_noise() -> None:

@@ -105,7 +105,10 @@ def test_states_of_the_search_are_those_of_the_plan() -> None:
 
 
 def test_sizes_are_the_largest_values_of_a_first_harmonic() -> None:
-    """Of pose, velocity and acceleration; base columns have a mean square of 1 over such states."""
+    """Of pose, velocity and acceleration.
+
+    Base columns have a mean square of 1 over 400 states within half of them, of a seed of 0.
+    """
     info = information()
     u = np.linspace(0.0, PERIOD, 4001)
     w = 2 * np.pi / PERIOD
@@ -113,11 +116,11 @@ def test_sizes_are_the_largest_values_of_a_first_harmonic() -> None:
     scale = info.family.scale
     sizes = [np.abs(wave).max() * scale for wave in waves]
     np.testing.assert_allclose(info._sizes, np.concatenate(sizes), rtol=1e-6)
-    drawn = np.random.default_rng(5).uniform(-0.5, 0.5, (2000, 12)) * info._sizes
+    drawn = np.random.default_rng(0).uniform(-0.5, 0.5, (400, 12)) * info._sizes
     drawn[:, :4] += info.family.center
     regressor = info.at(drawn).regressor
     columns = (regressor[np.isfinite(regressor).all(axis=(1, 2))] @ info._base).reshape(-1, 11)
-    np.testing.assert_allclose(np.sqrt((columns**2).mean(axis=0)), 1.0, rtol=0.15)
+    np.testing.assert_allclose(np.sqrt((columns**2).mean(axis=0)), 1.0, rtol=1e-9)
 
 
 def test_slopes_are_those_of_differences() -> None:
@@ -127,7 +130,9 @@ def test_slopes_are_those_of_differences() -> None:
     found = info.evaluate(x, 50.0)
     assert found.value == pytest.approx(float(info.log_det(x)), abs=1e-9)
     assert found.worst == pytest.approx(float(info.worst_room(x)))
-    assert np.all(found.room <= info.at(info.states(x)).room.min() + 1.0)
+    np.testing.assert_allclose(
+        found.room, _soft_least(info.at(info.states(x)).room, 50.0)[0], rtol=0, atol=1e-12
+    )
     for index in (0, 3, 4, 13, 22, 35):
         step = 1e-5 * np.eye(info.family.size)[index]
         above, below = info.evaluate(x + step, 50.0), info.evaluate(x - step, 50.0)
@@ -185,6 +190,12 @@ def test_torques_of_a_search_have_rotors_and_a_step_that_is_soft_enough(
 
 def test_a_motion_out_of_reach_tells_nothing_and_keeps_no_limit() -> None:
     info = information(samples=64)
+    part = 6.0 * some_motion(info)  # some of its samples only
+    lost = np.isnan(info.at(info.states(part)).room).any(axis=-1)
+    assert 0 < lost.sum() < 64
+    still = np.zeros(info.family.size)  # shows no friction
+    for motion in (part, still):
+        assert info.evaluate(motion, 50.0).value == info.log_det(motion) == -np.inf
     far = 60.0 * some_motion(info)
     found = info.evaluate(far, 50.0)
     assert (found.value, found.worst) == (-np.inf, -np.inf)
@@ -199,7 +210,7 @@ def test_a_motion_out_of_reach_tells_nothing_and_keeps_no_limit() -> None:
 
 def test_the_least_room_is_softened_limit_by_limit() -> None:
     """-log(sum e^(-s r))/s over the samples of each limit, reach over all of its twelve."""
-    room = np.random.default_rng(2).uniform(-1.0, 1.0, (30, 22))
+    room = np.random.default_rng(2).uniform(-4.0, 4.0, (30, 22))
     for sharpness in (5.0, 300.0):
         soft, shares = _soft_least(room, sharpness)
         parts = [room[:, [i]] for i in range(10)] + [room[:, 10:]]
@@ -354,6 +365,7 @@ def test_a_limit_that_is_just_reached_is_kept() -> None:
     for least in (False, True):
         for value, kept in ((1.0, True), (1.0 + 1e-12, least), (1.0 - 1e-12, not least)):
             assert KeptLimit("name", value, 1.0, "", 0.0, least).kept == kept
+    assert KeptLimit("name", 0.5, 1.0, "", 0.0).kept  # one from above, unless it is said
 
 
 def test_gain_is_of_log_det_and_narrows_intervals_by_its_root_for_each_parameter() -> None:

@@ -16,13 +16,11 @@ from paminsa_viz.identification import (
     InvalidLog,
     base_parameters,
     base_regressor,
-    columns,
     identify,
-    identity_row,
     make_log,
 )
 from paminsa_viz.identification.base_parameters import LEG_PARAMETERS
-from paminsa_viz.identification.columns import LARGE_SHARE, FitParameter, base_scale, fit_model
+from paminsa_viz.identification.columns import LARGE_SHARE, FitParameter, base_scale
 from paminsa_viz.identification.estimate import RESOLUTION
 from paminsa_viz.identification.filtering import Signals
 from paminsa_viz.identification.identify import (
@@ -323,6 +321,7 @@ def test_opt_in_numbers_are_found() -> None:
     found = identify(APPENDIX_4, late, replace(QUICK, delay=True))
     assert found.estimate("delay").value == pytest.approx(5e-3, abs=1e-3)
     assert found.estimate("delay").half_width < 1e-3
+    assert found.estimate("delay").parameter.design == 0.0
     held = identify(APPENDIX_4, log, replace(QUICK, constrain=True))
     assert np.isnan([held.identity.z, held.identity.value]).all()
     assert held.identity.half_width == np.inf
@@ -337,6 +336,8 @@ def test_opt_in_numbers_are_found() -> None:
     assert np.isnan(legs.identity.value)  # with the legs' columns, too, the identity is held
     sizes = LARGE_SHARE * base_scale(APPENDIX_4)[list(LEG_PARAMETERS)]
     assert [item.parameter.most for item in contrasts] == pytest.approx([*sizes] * 3)
+    rotors = [item.parameter.most for item in legs.estimates if item.parameter.kind == "rotor"]
+    assert rotors == pytest.approx([sizes[5]] * 2)  # as the spin inertia of a leg, b_8
     of_legs = np.reshape([item.value for item in contrasts], (3, 8))
     np.testing.assert_allclose(of_legs.sum(axis=0), 0.0, atol=1e-12)
     assert sum(abs(item.value) > 1.5 * item.half_width for item in contrasts) == 0
@@ -376,6 +377,8 @@ def test_a_torque_that_changes_less_than_sensors_resolve_never_changes() -> None
             else:
                 with pytest.raises(InvalidLog, match="torque of M2 never changes"):
                     require_motion(changed)
+    with pytest.raises(InvalidLog, match="torque of M1 never changes"):
+        require_motion(replace(signals, torque=0.0 * signals.torque))
 
 
 def test_a_log_needs_a_turn_of_a_hundredth_or_a_lift_of_a_millimeter() -> None:
@@ -406,53 +409,6 @@ def test_torques_of_a_time_later_are_exact_for_parabolas_in_each_segment() -> No
     moved = shifted(replace(signals, segment=segment, torque=torque, torque_rate=rate), 7e-3)
     np.testing.assert_allclose(moved.torque, later, rtol=1e-12)
     np.testing.assert_allclose(moved.torque_rate, grown, rtol=1e-9, atol=1e-9)
-
-
-def test_sizes_of_base_parameters_are_those_of_what_they_are_made_of() -> None:
-    """M_p2 by the terms of the identity, products by the masses they couple, others their own."""
-    for design in (APPENDIX_4, random_design(np.random.default_rng(3))):
-        b, scale = np.abs(base_parameters(design)), base_scale(design)
-        row = identity_row(design.geometry, design.gravity)
-        assert scale[1] == pytest.approx(np.abs(row * b)[2:5].max())
-        assert scale[[3, 4]] == pytest.approx([np.sqrt(b[2] * b[5]), np.sqrt(b[2] * b[6])])
-        # the sixth of the platform's mass is at each leg: all of it at the radius of joints 5
-        assert scale[10] == pytest.approx(6 * b[5] * design.geometry.platform_radius**2)
-        own = [0, 2, 5, 6, 7, 8, 9]
-        np.testing.assert_allclose(scale[own], b[own])
-
-
-def test_columns_are_nothing_below_a_share_of_the_largest_torque(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Each place by itself, over the parameter's size; of speeds that share of 1 rad/s or m/s."""
-    rng, scale = np.random.default_rng(0), base_scale(APPENDIX_4)
-    share = 1e-10 * np.array([0.95, 1.05])[rng.integers(0, 2, (4, 11))]
-    wave = np.array([0.5, -1.0, 0.3])[:, None]
-    rows = 4.0 * wave[..., None] * share / scale
-    speed = wave * 1e-10 * np.array([0.95, 1.05, 1.0, 1.1])
-    torque = np.tile(-4.0 * np.abs(wave), (1, 4))
-    samples = SimpleNamespace(
-        pose=None, velocity=None, acceleration=None, speed=speed, sign=speed, growth=speed
-    )
-    signals: Any = SimpleNamespace(samples=samples, torque=torque, smooth=np.asarray)
-    monkeypatch.setattr(columns, "base_regressor", lambda *_: rows)
-    settings = replace(QUICK, coulomb=False, offsets=False)
-    found = fit_model(APPENDIX_4, signals, settings).columns
-    np.testing.assert_array_equal(found[..., :11], np.where(share > 1e-10, rows, 0.0))
-    kept = [False, True, False, True]
-    expected = np.where(kept, speed, 0.0)[..., None] * np.eye(4)
-    np.testing.assert_array_equal(found[..., 11:], expected)
-
-
-@pytest.mark.parametrize("place", [2, 3, 4])
-def test_the_size_of_the_second_weight_is_that_of_the_largest_term_of_the_identity(
-    place: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    b = np.arange(1.0, 12.0)
-    b[place] = -1e3
-    monkeypatch.setattr(columns, "base_parameters", lambda _: b)
-    row = identity_row(APPENDIX_4.geometry, APPENDIX_4.gravity)
-    assert base_scale(APPENDIX_4)[1] == pytest.approx(abs(row[place] * b[place]))
 
 
 @pytest.mark.parametrize(

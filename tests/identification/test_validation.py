@@ -62,7 +62,7 @@ def test_a_delay_holds_for_the_second_log_too() -> None:
     assert not validate(found, simulated(2, DESIGN, noise_seed=5)).holds
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_payload_is_weighed(identified: Any, seed: int) -> None:
     found = weigh_payload(identified, simulated(2, LOADED, noise_seed=seed))
     assert found.mass == pytest.approx(2.0, abs=0.06)

@@ -139,6 +139,27 @@ def test_a_cause_is_seen_of_which_a_hundred_millionth_is_left_without_the_model(
         list(range(5)), {"c": 5}, [PossibleCause("c", "", 0, 1.0, column)],
     )  # fmt: skip
     assert np.isfinite(found.detectable) == seen
+    assert seen or found.p_value == 1.0
+
+
+def test_blocks_that_say_the_same_give_no_interval_and_a_log_without_noise_a_share() -> None:
+    """Of two blocks alike each is all of the other; what is left is a 1e-12th of all at least."""
+    base, x, _ = random_columns(6)
+    extra = np.random.default_rng(8).standard_normal((240, 4))
+    extra[120:], base[120:] = extra[:120], base[:120]
+    numbers = np.arange(240) // 120
+    solution = SimpleNamespace(noise=np.ones(4), quantile=2.0)
+    square = ((base @ x) ** 2).sum()
+    away = extra.ravel()
+    away = away - base.reshape(-1, 5) @ np.linalg.lstsq(base.reshape(-1, 5), away)[0]
+    torque = base @ x + extra * np.sqrt(1e-14 * square / (away**2).sum())
+    (found,) = _tried(
+        SimpleNamespace(solution=solution, settings=IdentificationSettings()),  # type: ignore[arg-type]
+        normal_blocks(np.concatenate([base, extra[..., None]], axis=-1), torque, numbers),
+        list(range(5)), {"c": 5}, [PossibleCause("c", "", 0, 1.0, extra)],
+    )  # fmt: skip
+    assert (found.half_width, found.p_value, found.detectable) == (np.inf, 1.0, np.inf)
+    assert found.explains == pytest.approx(1e-14 / 1e-12, rel=1e-3)
 
 
 def test_a_cause_says_what_it_may_as_well_be() -> None:

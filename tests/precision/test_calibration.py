@@ -20,7 +20,11 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.precision.calibration import KNOWN, calibrate, describe
-from paminsa_viz.precision.calibration_problem import CalibrationProblem, measuring_poses
+from paminsa_viz.precision.calibration_problem import (
+    CalibrationProblem,
+    _candidates,
+    measuring_poses,
+)
 from paminsa_viz.precision.leg_lengths import INDEX, deviation_array, with_deviations
 from paminsa_viz.precision.measurements import (
     InvalidMeasurement,
@@ -226,9 +230,11 @@ def test_poses_are_drawn_in_twenty_rounds_before_it_is_given_up(
 
     monkeypatch.setattr(f"{place}._DRAWN", 10)
     monkeypatch.setattr(f"{place}.measure_singularity", one_more)
-    with pytest.raises(InvalidInput, match="of 800 poses found"):
+    with pytest.raises(InvalidInput, match="of 800 poses found") as caught:
         measuring_poses(APPENDIX_4, 5)
     assert [count for count in drawn if count == 10] == [10] * 20
+    found = int(str(caught.value).partition("only ")[2].split()[0])
+    assert len(_candidates(APPENDIX_4, found, 0)) == found  # just enough
 
 
 @pytest.mark.slow
@@ -276,6 +282,11 @@ def test_rotations_become_theta_and_tilt() -> None:
     matrices = (Rotation.from_euler("z", theta[:, None]) * turned).as_matrix()
     found = rotation_coordinates(matrices)
     assert np.allclose(found, np.concatenate([theta[:, None], tilt], axis=-1), atol=1e-12)
-    for wrong in (np.eye(2), 2 * np.eye(3), np.diag([1.0, 1.0, -1.0])):
+    sheared = np.eye(3) + np.array([[0.0, 1e-6, 0.0], [0.0] * 3, [0.0] * 3])
+    np.testing.assert_allclose(
+        rotation_coordinates(0.05 * np.eye(3) + 0.95 * sheared), 0, atol=1e-6
+    )
+    more = 1.05 * sheared - 0.05 * np.eye(3)  # axes off by more than a millionth
+    for wrong in (np.eye(2), 2 * np.eye(3), np.diag([1.0, 1.0, -1.0]), more):
         with pytest.raises(InvalidInput, match="rotation matrices"):
             rotation_coordinates(wrong)

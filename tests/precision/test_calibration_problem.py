@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -45,7 +46,10 @@ POSES = random_poses(np.random.default_rng(0), APPENDIX_4, 15)
 
 @pytest.mark.parametrize("width", [4, 6])
 def test_residuals_and_their_slopes_are_those_of_predicted_poses_in_meters(width: int) -> None:
-    problem = CalibrationProblem(APPENDIX_4, level(POSES, width))
+    told: list[float] = []
+    problem = CalibrationProblem(
+        APPENDIX_4, level(POSES, width), lambda part: bool(told.append(part))
+    )
     deviations = random_deviations(1, 5e-4)
     values = problem.scaled(deviations)
     # angles of axes and actuators count with R_b, those in the platform with R_pl
@@ -60,6 +64,8 @@ def test_residuals_and_their_slopes_are_those_of_predicted_poses_in_meters(width
         return ((found[:, :width] - problem.measured.poses) * RADII[:width]).ravel()
 
     np.testing.assert_allclose(problem.residuals(values), missed(values), atol=1e-15)
+    problem.jacobian(values)
+    assert len(told) == 1  # the same values are solved once
     assert (problem.rows, problem.width) == (15 * width, width)
     step = np.random.default_rng(2).normal(size=42)
     slope = (missed(values + 1e-6 * step) - missed(values - 1e-6 * step)) / 2e-6
@@ -69,7 +75,9 @@ def test_residuals_and_their_slopes_are_those_of_predicted_poses_in_meters(width
     squares = (missed(values) ** 2).sum()
     assert problem.noise(values, 30) == pytest.approx(np.sqrt(squares / (15 * width - 30)))
     assert problem.noise(still, 30) < 1e-13
-    assert problem.noise(still, 30) > 0.0
+    own = predict(APPENDIX_4, deviations, problem.measured).coordinates[:, :width]
+    exact = CalibrationProblem(APPENDIX_4, replace(problem.measured, poses=own))
+    assert exact.noise(values, 30) == np.finfo(float).eps  # of a meter: never nothing
 
 
 @pytest.mark.parametrize("fitted", [0, 30, 42])
@@ -78,8 +86,10 @@ def test_intervals_are_those_of_student_with_what_is_left_of_the_rows(fitted: in
     assert problem.margin(fitted) == pytest.approx(student.ppf(0.975, 90 - fitted), rel=1e-9)
 
 
-def test_a_fit_within_a_basis_is_the_least_of_its_squares() -> None:
-    """About an origin of its own: no step within the basis makes the squares less."""
+def test_a_fit_within_a_basis_is_the_least_of_its_squares(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """About an origin of its own and from the guess: no step within the basis makes them less."""
     true = random_deviations(3, 3e-4)
     measured = replace(
         level(POSES), poses=predict(APPENDIX_4, true, level(POSES)).coordinates
@@ -88,7 +98,10 @@ def test_a_fit_within_a_basis_is_the_least_of_its_squares() -> None:
     problem = CalibrationProblem(APPENDIX_4, measured)
     basis = np.linalg.qr(np.random.default_rng(5).normal(size=(42, 12)))[0]
     origin = problem.scaled(random_deviations(6, 1e-4))
-    found = problem.fit(origin, basis, origin + basis @ np.full(12, 1e-5))
+    guess, tried, residuals = origin + basis @ np.full(12, 1e-5), [], problem.residuals
+    monkeypatch.setattr(problem, "residuals", lambda at: (tried.append(at), residuals(at))[1])
+    found = problem.fit(origin, basis, guess)
+    np.testing.assert_allclose(tried[0], guess, atol=1e-15)
     away = found - origin
     np.testing.assert_allclose(basis @ (basis.T @ away), away, atol=1e-14)
     slope = problem.jacobian(found).T @ problem.residuals(found)
@@ -106,7 +119,7 @@ def test_lengths_that_cannot_be_assembled_miss_by_ten_meters() -> None:
     assert not problem.jacobian(problem.scaled(open_bars)).any()
 
 
-@pytest.mark.parametrize(("share", "fits"), [(0.299, True), (0.301, False)])
+@pytest.mark.parametrize(("share", "fits"), [(0.299, True), (0.301, False), (-0.301, False)])
 @pytest.mark.parametrize("column", [0, 2, 3, 5])
 def test_measured_poses_are_within_three_tenths_of_the_base(
     share: float, fits: bool, column: int
@@ -159,6 +172,32 @@ def test_each_pose_is_the_one_that_adds_most_to_the_determinant(coordinates: int
         best = int(np.argmax(gain))
         np.testing.assert_array_equal(drawn[best], pose)
         known, free[best] = known + added[best], False
+
+
+@pytest.mark.parametrize("seed", [5, 114])
+def test_of_candidates_that_show_very_different_things_all_are_taken_the_best_first(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of rows five powers of ten apart the millionth to begin with decides as well."""
+    rng = np.random.default_rng(seed)
+    slopes = rng.normal(size=(14, 6, 3, 14)) * 10 ** rng.uniform(-5, 0, (14, 6, 1, 1))
+    candidates, nothing = np.arange(56.0).reshape(14, 4), lambda *_: None
+    monkeypatch.setattr(calibration_problem, "_candidates", lambda *_: candidates)
+    monkeypatch.setattr(calibration_problem, "nominal_pose", nothing)
+    monkeypatch.setattr(
+        calibration_problem, "sensitivities", lambda *_: SimpleNamespace(lengths=slopes)
+    )
+    chosen = measuring_poses(APPENDIX_4, 14, coordinates=4)[:, 0] / 4
+    scale = np.ones(14)
+    scale[[INDEX["axis_angle"], INDEX["actuator_zero"], INDEX["joint_angle"]]] = 0.35, 0.35, 0.1
+    rows = (slopes[:, :4] * RADII[:4, None, None] / scale).reshape(14, 4, 42)
+    size, ways = np.linalg.eigh(np.einsum("nic,nid->cd", rows, rows) / 14)
+    white = rows @ ways / np.sqrt(size)
+    known, left = 1e-6 * np.eye(42), list(range(14))
+    for place in chosen:
+        gains = [np.linalg.slogdet(known + white[i].T @ white[i])[1] for i in left]
+        assert place == left.pop(int(np.argmax(gains)))
+        known += white[int(place)].T @ white[int(place)]
 
 
 @pytest.mark.parametrize("knee", list(KneeBranch))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from paminsa_viz.model import APPENDIX_4, KneeBranch
+from paminsa_viz.model import APPENDIX_4, KneeBranch, check_reach, inverse_kinematics
 from paminsa_viz.precision import unequal_legs
 from paminsa_viz.precision.closure_equations import (
     ACTUATORS,
@@ -195,3 +195,32 @@ def test_a_pose_farther_than_a_singularity_is_not_found_beyond_it() -> None:
     np.testing.assert_allclose(there.pose, turned, atol=1e-12)
     before = solve_pose(geometry, lengths, actuators, [0.0, 0.0, 1.0, -0.5])
     assert not before.ok or abs(before.pose[2]) < 1.281
+
+
+def test_a_step_that_leads_nowhere_is_halved_until_nothing_is_left_of_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Trials go back to where the last good one was: each time half of what is left of the way."""
+    geometry, seen = APPENDIX_4.geometry, []
+    drawn = np.random.default_rng(0).uniform(
+        [-0.3, -0.3, -1.2, -0.96], [0.3, 0.3, 1.2, -0.1], (1000, 4)
+    )
+    poses = drawn[check_reach(geometry, drawn).ok]
+    lengths = nominal_lengths(geometry) + random_deviations(0, 1e-3, len(poses))
+    actuators = inverse_kinematics(geometry, poses).actuators
+    lost = np.flatnonzero(~solve_pose(geometry, lengths, actuators, poses).ok)
+
+    def noted(lengths: Any, state: Any, root: float) -> Any:
+        seen.append(state[0].copy())
+        return closure_equations(lengths, state, root)
+
+    monkeypatch.setattr(unequal_legs, "closure_equations", noted)
+    halved = 0
+    for place in lost[:5]:
+        seen.clear()
+        solve_pose(geometry, lengths[place], actuators[place], poses[place])
+        way = np.linalg.norm(np.diff(seen[-4:], axis=0), axis=1)
+        if len(seen) > 25:  # some end where they began
+            np.testing.assert_allclose(way[1:] / way[:-1], 0.5, rtol=1e-3)
+            halved += 1
+    assert halved > 2

@@ -7,6 +7,7 @@ against all sixteen corners.
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from paminsa_viz.precision.drive_corners import (
     _Ends,
     _largest,
     _largest_square,
+    beyond_corners,
     beyond_reach,
     corner_errors,
 )
@@ -29,17 +31,18 @@ from tests.precision.boxes import edge_points, random_boxes
 
 GEOMETRY = APPENDIX_4.geometry
 WIDER = replace(GEOMETRY, base_radius=0.2, platform_radius=0.3)
+NARROWER = replace(GEOMETRY, base_radius=0.21, platform_radius=0.2)
 
 
 class Arcs:
     """Edges (n, 12) along which a place is center + a cos t + b sin t, t from 0 to the turn."""
 
-    def __init__(self, seed: int, count: int, most: float) -> None:
-        rng = np.random.default_rng(seed)
-        self.turn = rng.uniform(1e-3, most, (count, 12, 1))
-        size = 10.0 ** rng.uniform(-1.0, 1.0, (count, 12, 1))
-        self.a, self.b = size * rng.normal(size=(2, count, 12, 2))
-        self.center = rng.normal(size=(count, 12, 2)) - self.a * rng.integers(0, 2, (count, 12, 1))
+    def __init__(self, seed: int, count: int, most: float, edges: int = 12) -> None:
+        rng, shape = np.random.default_rng(seed), (count, edges)
+        self.turn = rng.uniform(1e-3, most, (*shape, 1))
+        size = 10.0 ** rng.uniform(-1.0, 1.0, (*shape, 1))
+        self.a, self.b = size * rng.normal(size=(2, *shape, 2))
+        self.center = rng.normal(size=(*shape, 2)) - self.a * rng.integers(0, 2, (*shape, 1))
 
     def place(self, t: Any) -> Any:
         return self.center + self.a * np.cos(t) + self.b * np.sin(t)
@@ -112,6 +115,33 @@ def test_the_distance_along_an_arc_is_bounded_by_a_cubic_and_its_remainder(piece
     assert _largest_square(ends, ends, still, pieces)[0] == pytest.approx(square)
 
 
+@np.errstate(all="ignore")
+def test_of_each_arc_by_itself_the_distance_is_bounded_by_its_cubic() -> None:
+    """Sampled; an arc along which the slope may not vanish has its ends, another one a remainder.
+
+    Those are left out whose slope is within a five-hundredth of the limit.
+    """
+    arcs = Arcs(2, 20_000, 1.2, edges=1)
+    low, high = arcs.end(0.0), arcs.end(arcs.turn)
+    found = _largest_square(low, high, arcs.turn, 1)
+    around = np.array([(arcs.place(t) ** 2).sum(axis=-1) for t in np.arange(8) * np.pi / 4])
+    waves = np.abs(np.fft.rfft(around[..., 0], axis=0)) / 4.0
+    turn = arcs.turn[:, 0, 0]
+    fourth = (waves[1] + 16.0 * waves[2]) * turn**4
+    square = np.array([(end.place**2).sum(axis=-1)[:, 0] for end in (low, high)])
+    rate = [2.0 * turn * (end.place * end.slope).sum(axis=-1)[:, 0] for end in (low, high)]
+    cubic = CubicHermiteSpline([0.0, 1.0], square, np.array(rate))
+    share = np.linspace(0.0, 1.0, 301)
+    slope, limit = cubic.derivative()(share), fourth / (72.0 * np.sqrt(3.0))
+    one_way = np.abs(np.sign(slope).sum(axis=0)) == len(share)
+    least = np.abs(slope).min(axis=0)
+    steady = one_way & (least > limit)
+    expected = np.where(steady, square.max(axis=0), cubic(share).max(axis=0) + fourth / 384.0)
+    sure = ~one_way | (np.abs(least / limit - 1.0) > 2e-3)
+    assert sure.mean() > 0.99
+    np.testing.assert_allclose(found[sure], expected[sure], rtol=3e-5)
+
+
 def test_where_edges_exceed_corners_errors_are_exact_in_x_and_y_and_nearly_in_the_plane() -> None:
     """By forward kinematics at 401 points of each edge."""
     exceeded = 0
@@ -128,20 +158,65 @@ def test_where_edges_exceed_corners_errors_are_exact_in_x_and_y_and_nearly_in_th
 
 
 def test_a_straight_edge_is_off_its_chord_by_an_eighth_of_its_length_times_its_turn() -> None:
-    """Along an edge that lies on a line of symmetry the platform hardly turns."""
-    angle = np.radians(150.0)
-    poses = np.array([[0.125 * np.cos(angle), 0.125 * np.sin(angle), 0.0, -0.6]])
+    """Along an edge that lies on a line of symmetry the platform hardly turns, either way."""
+    angle, radius = np.meshgrid(
+        np.radians([30.0, 150.0, 270.0]), 0.125 + np.linspace(-4e-5, 4e-5, 41)
+    )
+    poses = np.zeros((123, 4))
+    poses[:, 0], poses[:, 1] = (radius * np.cos(angle)).ravel(), (radius * np.sin(angle)).ravel()
+    poses[:, 3] = -0.6
     found = drive_errors(GEOMETRY, DriveAccuracy(), poses)
     first, last = (
         np.concatenate([np.flatnonzero(sign * CORNERS[:, j] > 0) for j in range(3)])
         for sign in (-1.0, 1.0)
     )
     apart = found.corners[:, last] - found.corners[:, first]
-    turn, length = np.abs(apart[..., 2]), np.hypot(apart[..., 0], apart[..., 1])
-    off = np.where(turn < 1e-7, length * turn / 8.0, 0.0).max(axis=1)
-    assert (off > 1e-13).all()
-    for column in (0, 3):
-        np.testing.assert_allclose(found.between[:, column], off, rtol=1e-3)
+    turn, length = apart[..., 2], np.hypot(apart[..., 0], apart[..., 1])
+    off = np.where(np.abs(turn) < 1e-7, length * turn / 8.0, 0.0)
+    most = np.abs(off).max(axis=1)
+    assert most.min() > 1e-14
+    assert (off.max(axis=1) < 0.9 * most).any()  # it turns back
+    np.testing.assert_allclose(found.between[:, 0], most, rtol=1e-3)
+    np.testing.assert_allclose(found.between[60:63, 3], most[60:63], rtol=1e-3)  # in the middle
+    assert (found.between[:, 3] > most * (1 - 1e-9)).all()
+
+
+def test_between_corners_that_differ_by_next_to_no_turn_edges_are_their_chords() -> None:
+    """All twelve edges of made-up corners: what they exceed them by is a chord's arc alone."""
+    moved = np.zeros((5, 8, 3))
+    moved[..., :2] = 1e-4 * np.random.default_rng(1).normal(size=(5, 8, 2))
+    moved[..., 2] = 3e-8 * CORNERS.sum(axis=1)  # 6e-8 along each edge
+    found = beyond_corners(GEOMETRY, np.tile([0.02, -0.01, 0.1, -0.5], (5, 1)), moved)
+    apart = np.linalg.norm(moved[:, :, None, :2] - moved[:, None, :, :2], axis=-1)
+    edges = np.abs(CORNERS[:, None] - CORNERS).sum(axis=-1) == 2.0
+    off = np.where(edges, apart, 0.0).max(axis=(1, 2)) * 6e-8 / 8.0
+    for column in (0, 1, 3):
+        np.testing.assert_allclose(found[:, column], off, rtol=1e-3)
+
+
+def test_boxes_whose_bound_is_not_their_corners_are_bounded_in_four_pieces(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where the bound of whole edges is more than a millionth above the farthest corner."""
+    module, looked_at = import_module("paminsa_viz.precision.drive_corners"), []
+
+    def looking(low: _Ends, high: _Ends, turn: Any, pieces: int) -> Any:
+        square = _largest_square(low, high, turn, pieces)
+        looked_at.append((pieces, low.place, square.copy()))
+        return square
+
+    monkeypatch.setattr(module, "_largest_square", looking)
+    for box in random_boxes(np.random.default_rng(3), 6, 20):
+        looked_at.clear()
+        found = drive_errors(box.design.geometry, box.found.accuracy, box.found.pose)
+        (whole, places, square), (pieces, again, finer) = looked_at
+        farthest = (found.corners[..., :2] ** 2).sum(axis=-1).max(axis=1)
+        beyond = square / farthest - 1.0 > 1e-6
+        assert (whole, pieces) == (1, 4)
+        np.testing.assert_array_equal(again, places[beyond])
+        square[beyond] = finer
+        expected = np.maximum(np.sqrt(square) - np.sqrt(farthest), 0.0)
+        np.testing.assert_allclose(found.between[:, 3], expected, atol=1e-12)
 
 
 def modes(beta: Any) -> Any:
@@ -151,7 +226,9 @@ def modes(beta: Any) -> Any:
     return (turn * np.sin(beta - axes)).sum(axis=-1), (turn * np.cos(beta - axes)).sum(axis=-1)
 
 
-@pytest.mark.parametrize("geometry", [GEOMETRY, WIDER], ids=["appendix4", "R_pl>R_b"])
+@pytest.mark.parametrize(
+    "geometry", [GEOMETRY, WIDER, NARROWER], ids=["appendix4", "R_pl>R_b", "R_pl<R_b"]
+)
 def test_modes_are_apart_by_a_taylor_expansion_with_differences_for_slopes(geometry: Any) -> None:
     rng = np.random.default_rng(8)
     poses = rng.uniform([-0.25, -0.25, -1.3, -0.3], [0.25, 0.25, 1.3, -0.3], (3000, 4))
@@ -179,8 +256,21 @@ def test_modes_are_apart_by_a_taylor_expansion_with_differences_for_slopes(geome
     np.testing.assert_array_equal(proven, room > 0.0)
 
 
-def test_limits_within_a_box_are_those_of_its_sixteen_corners() -> None:
-    """And the leg is that of the first of them; the lower eight are looked at first."""
+def test_limits_within_a_box_are_those_of_its_sixteen_corners(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """And the leg is that of the first of them; the lower eight are looked at first.
+
+    Corners are looked at of those that are within the joints' way of a limit, and of no others.
+    """
+    looked_at = []
+
+    def looking(geometry: Any, pose: Any, moved: Any, lift: float) -> Any:
+        looked_at.append(pose)
+        return beyond_reach(geometry, pose, moved, lift)
+
+    module = import_module("paminsa_viz.precision.drive_errors")
+    monkeypatch.setattr(module, "beyond_reach", looking)
     rng = np.random.default_rng(12)
     accuracy = DriveAccuracy(resolution_rotary=np.radians(3.0), resolution_linear=6e-3)
     half = np.array(accuracy.half_widths)
@@ -196,6 +286,13 @@ def test_limits_within_a_box_are_those_of_its_sixteen_corners() -> None:
     known = np.isin(found.status, [Bound.OK, Bound.LIMIT])
     poses, status, leg = poses[known], found.status[known], found.leg[known]
     moved = corner_errors(geometry, poses, half[:3])[0]
+    sideways = np.hypot(moved[..., 0], moved[..., 1]).max(axis=1)
+    turn = np.maximum(moved[..., 2].max(axis=1), -moved[..., 2].min(axis=1))
+    k = geometry.magnification
+    way = k / (k - 1) * (sideways + geometry.platform_radius * turn) + lift
+    near = check_reach(geometry, poses).margins.min(axis=(-1, -2)) <= way
+    assert 100 < near.sum() < len(near) - 100
+    np.testing.assert_array_equal(np.concatenate(looked_at), poses[near])
     corners = np.repeat(poses[:, None], 16, axis=1)
     corners[:, :8, :3] += moved
     corners[:, 8:, :3] += moved

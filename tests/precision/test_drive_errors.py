@@ -225,6 +225,9 @@ def test_poses_out_of_reach_and_singular_ones_have_no_numbers() -> None:
     found = drive_errors(GEOMETRY, DEFAULT, poses)
     assert found.status[[0, 2, 3]].tolist() == [Bound.UNREACHABLE, Bound.OK, Bound.UNREACHABLE]
     assert found.status[1] in (Bound.SINGULAR, Bound.SINGULARITY, Bound.NOT_ASSEMBLED)
+    lost = check_reach(GEOMETRY, poses)
+    np.testing.assert_array_equal(found.leg, np.where(lost.ok | (lost.leg < 0), -1, lost.leg))
+    assert found.leg[0] >= 0
     assert np.isnan(found.linear[[0, 3]]).all()
     assert np.isnan(found.worst[[0, 1, 3]]).all()
     assert np.isfinite(found.horizontal).tolist() == [False, False, True, False]

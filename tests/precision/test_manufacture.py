@@ -27,7 +27,12 @@ from paminsa_viz.precision.manufacture import (
     tolerance_errors,
     tolerance_widths,
 )
-from paminsa_viz.precision.unequal_legs import Closure, solve_actuators, solve_pose
+from paminsa_viz.precision.unequal_legs import (
+    Closure,
+    Sensitivities,
+    solve_actuators,
+    solve_pose,
+)
 from paminsa_viz.quantities import QUANTITIES
 from tests.support.cases import BY_HAND, Case, cases
 from tests.support.measured import pointwise
@@ -35,9 +40,10 @@ from tests.support.measured import pointwise
 SMALL = Tolerances(**dict.fromkeys(vars(Tolerances()), 1e-07))
 
 
-@given(seed=st.integers(0, 999), n=st.integers(1, 7), batch=st.sampled_from([(), (3,), (2, 3)]))
+@given(seed=st.integers(0, 999), n=st.integers(1, 7), batch=st.sampled_from([(), (30,), (6, 5)]))
 def test_the_longest_sum_is_that_of_all_signs(seed: int, n: int, batch: tuple[int, ...]) -> None:
-    x, y = np.random.default_rng(seed).normal(size=(2, *batch, n)).round(1)
+    """Many of the vectors lie along an axis, with zeros of either sign."""
+    x, y = np.random.default_rng(seed).normal(size=(2, *batch, n)).round(seed % 2)
     signs = np.array(list(product((-1, 1), repeat=n)))
     wanted = np.hypot(x @ signs.T, y @ signs.T).max(axis=-1)
     assert np.allclose(longest_sum(x, y), wanted)
@@ -277,6 +283,24 @@ def test_errors_are_sums_and_roots_of_slopes_times_widths() -> None:
         assert np.isfinite(getattr(found, name)[1, 0]).all()
     assert np.isnan(found.horizontal).tolist() == [[False, False], [False, True]]
     assert np.isnan(found.tilt).tolist() == [[False, False], [False, True]]
+
+
+def test_what_is_a_millionth_of_a_millionth_of_the_largest_counts_for_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of the same coordinate's, whatever its unit makes of it; on both sides of it."""
+    rng = np.random.default_rng(0)
+    slopes = 1e-12 * np.array([0.95, -0.95, 1.05, -1.05])[rng.integers(0, 4, (2, 6, 3, 14))]
+    slopes[..., 1, 3] = -1.0
+    slopes *= 10.0 ** rng.uniform(-3, 3, (2, 6, 1, 1))
+    monkeypatch.setattr(
+        manufacture, "design_sensitivities", lambda *_: Sensitivities(slopes, slopes[..., 0])
+    )
+    found = tolerance_errors(replace(APPENDIX_4, tolerances=UNEVEN), BY_HAND[:2])
+    largest = np.abs(slopes[..., 1, 3])
+    counts = (np.abs(slopes) > 1e-12 * largest[..., None, None]).any(axis=-2)
+    assert 0 < counts.mean() < 1
+    np.testing.assert_array_equal(found.shares > 0, counts)
 
 
 def test_lengths_are_drawn_uniform_within_tolerances_and_clearances(

@@ -177,7 +177,7 @@ def test_defaults_are_those_of_the_documentation() -> None:
 
 
 def test_a_share_of_the_poses_is_held_back() -> None:
-    asked = plan_calibration(APPENDIX_4, 40).measurements
+    asked = plan_calibration(APPENDIX_4, 24).measurements
     measured = simulated_measurements(APPENDIX_4, asked)
     whole = calibrate(APPENDIX_4, measured)
     assert not whole.held.any()

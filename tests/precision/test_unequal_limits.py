@@ -157,14 +157,14 @@ def test_batches_of_lengths_and_poses_are_solved_one_by_one() -> None:
 def test_inputs_that_are_no_numbers_are_told_from_bars_that_cannot_close() -> None:
     g = APPENDIX_4.geometry
     lost = np.array([BY_HAND[0], [np.nan, 0.0, 0.0, -0.5], [np.inf, 0.0, 0.0, -0.5]])
-    far = np.array([[0.0, 0.0, 0.0, -3.0]])
+    far = np.array([[0.0, 0.0, 0.0, -3.0], [0.3, 0.0, 0.0, -0.85]])  # for all legs, and for one
     for found in (nominal_pose(g, np.concatenate([lost, far])),
                   solve_actuators(g, nominal_lengths(g), np.concatenate([lost, far]))):  # fmt: skip
         assert reasons(found) == [
-            Closure.OK, Closure.NOT_FINITE, Closure.NOT_FINITE, Closure.OPEN,
+            Closure.OK, Closure.NOT_FINITE, Closure.NOT_FINITE, Closure.OPEN, Closure.OPEN,
         ]  # fmt: skip
         for rows in (found.pose, found.tilt, found.slides, found.actuators):
-            np.testing.assert_array_equal(np.isnan(rows).any(axis=-1), [False, True, True, True])
+            np.testing.assert_array_equal(np.isnan(rows).any(axis=-1), [False, *[True] * 4])
     actuators = inverse_kinematics(g, BY_HAND[0]).actuators
     for column in range(4):
         wrong = actuators.copy()

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import (
     APPENDIX_4,
+    Counterweight,
     Payload,
     inverse_jacobian,
     singular_radius,
@@ -41,6 +42,9 @@ from paminsa_viz.quantities.requirements import (
 )
 
 LOADED = replace(APPENDIX_4, load=LoadCase(force_x=7.0, force_z=-30.0))
+OVERBALANCED = replace(APPENDIX_4, counterweights=(Counterweight("b3", 7, 30.0, 0.5),))
+"""Its arms are pulled up, with torques of the other sign."""
+
 X, Y = np.linspace(-0.1, 0.12, 3), np.linspace(-0.08, 0.1, 4)
 
 
@@ -48,7 +52,9 @@ def solved(z: float, geometry=APPENDIX_4.geometry) -> Field:  # type: ignore[no-
     return solve_field(geometry, Grid.over((0.0, 0.0, 0.2, z), x=X, y=Y))
 
 
-@pytest.mark.parametrize("design", [APPENDIX_4, LOADED], ids=["no load", "load"])
+@pytest.mark.parametrize(
+    "design", [APPENDIX_4, OVERBALANCED, LOADED], ids=["no load", "overbalanced", "load"]
+)
 def test_torques_of_a_grid_are_those_of_its_poses(design) -> None:  # type: ignore[no-untyped-def]
     field = solved(-0.5)
     torque = static_torques(design, field.grid.poses())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
+from itertools import count
 
 import numpy as np
 import pytest
@@ -16,9 +17,11 @@ from paminsa_viz.model import APPENDIX_4, solve_field, static_torques, xy_grid
 from paminsa_viz.model.load import LoadCase
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirement_text import (
+    ascii_unit,
     parse_requirement,
     requirement_label,
     requirement_text,
+    shape_text,
 )
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 
@@ -58,13 +61,19 @@ def test_headings_of_a_requirement_go_before_those_of_all():
         (lambda: Requirement("condition"), "a least or a largest value"),
         (lambda: Requirement("condition", low=2.0, high=1.0), "low has to be"),
         (lambda: Requirement("condition", high=math.nan), "low has to be a number"),
+        (lambda: Requirement("condition", low=1.0, high=math.nan), "low has to be a number"),
+        (lambda: Requirement("condition", low=math.nan, high=1.0), "low has to be a number"),
         (lambda: Requirement("condition", high=1.0, theta=(1.0, 0.0)), "theta"),
+        (lambda: Requirement("condition", high=1.0, theta=(1.0,)), "theta: two finite"),
         (lambda: Requirement("condition", high=1.0, z=(0.0, math.inf)), "z: two finite"),
         (lambda: Requirements(theta=(0.0, math.nan)), "theta: two finite"),
         (lambda: Workspace(WorkspaceShape.BOX, (1.0, 0.0, 1.0)), "workspace.size"),
+        (lambda: Workspace(WorkspaceShape.BOX, (1.0, 1.0)), "workspace.size: three positive"),
+        (lambda: Workspace(WorkspaceShape.BOX, (1.0, "1", 1.0)), "workspace.size: three positive"),
         (lambda: Workspace(WorkspaceShape.CYLINDER, (1.0, 2.0, 1.0)), "one diameter"),
         (lambda: Workspace(WorkspaceShape.BOX, (1.0, 1.0, 1.0), (math.nan, 0, 0)), "center"),
     ],
+    ids=count(),
 )
 def test_impossible_requirements_are_refused(make, match):
     with pytest.raises(InvalidInput, match=match):
@@ -77,6 +86,7 @@ CASES = {
     "condition<=1e1": Requirement("condition", None, 10.0),
     "10 >= condition": Requirement("condition", None, 10.0),
     "|tau_1| <= 15": Requirement("tau_1", -15.0, 15.0),
+    "|tau_1| <= 0": Requirement("tau_1", 0.0, 0.0),
     "| tau-1 | <= 15 N m": Requirement("tau_1", -15.0, 15.0),
     "max_torque <= 15 N m": Requirement("max_torque", None, 15.0),
     "max-torque <= 15 N·m": Requirement("max_torque", None, 15.0),
@@ -135,6 +145,9 @@ def test_every_quantity_is_written_and_read(key: str, a: float, b: float, form: 
 def test_unit_of_every_quantity_is_understood(key: str) -> None:
     text = requirement_text(Requirement(key, None, 1.0))
     assert parse_requirement(text).quantity == key
+    unit = ascii_unit(QUANTITIES[key].display)  # told, so that a person reads what the number is
+    assert text.partition(" <= ")[2].partition(" ")[2] == unit
+    assert text == text.strip()
 
 
 @pytest.mark.parametrize(
@@ -195,6 +208,12 @@ def test_label_shows_the_numbers_of_the_text() -> None:
     assert parse_requirement("condition <= 10 for theta 20..20").theta == pytest.approx(
         (np.radians(20.0), np.radians(20.0))
     )
+
+
+def test_the_size_of_a_workspace_is_told_in_millimeters() -> None:
+    size = (0.3, 0.3, 0.4)
+    assert shape_text(Workspace(WorkspaceShape.CYLINDER, size)) == "cylinder ⌀ 300 × 400 mm"
+    assert shape_text(Workspace(WorkspaceShape.BOX, size)) == "box 300 × 300 × 400 mm"
 
 
 def test_torques_that_are_required_are_those_with_the_load() -> None:

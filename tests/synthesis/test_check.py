@@ -20,7 +20,7 @@ from paminsa_viz.quantities.requirements import (
     WorkspaceShape,
 )
 from paminsa_viz.synthesis.volume import check
-from paminsa_viz.synthesis.volume.check import Over, _refined, check_requirements
+from paminsa_viz.synthesis.volume.check import Over, _refined, _relative, check_requirements
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE, Resolution
 from paminsa_viz.synthesis.volume.solve import solve_volume
 from paminsa_viz.synthesis.volume.workspace import (
@@ -57,6 +57,15 @@ def test_worst_values_are_those_of_the_poses_named(workspace: Workspace) -> None
     assert condition.margin == pytest.approx(10.0 - condition.value)
     x, y = singular.pose[:2] if singular.pose else (0.0, 0.0)
     assert singular.value == pytest.approx(0.25 - math.hypot(x, y))
+
+
+def test_margins_are_compared_by_the_size_of_their_bounds_and_of_the_robot() -> None:
+    """Lengths over that of the bars from 8 to 9 and from 9 to 5, all others over their bound."""
+    requirements = over(CYLINDER, "condition <= 10", "f_4 <= 450")
+    items = check_requirements(APPENDIX_4, requirements).items
+    sizes = [0.42 + 0.63, 0.42 + 0.63, 10.0, 450.0]
+    found = [_relative(APPENDIX_4, requirements, item) for item in items]
+    assert found == pytest.approx([i.margin / s for i, s in zip(items, sizes, strict=True)])
 
 
 @pytest.mark.parametrize("workspace", [CYLINDER, BOX])

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,12 +13,13 @@ from hypothesis import strategies as st
 
 from paminsa_viz.balancing import CounterweightRange
 from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.progress import go_on
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
-from paminsa_viz.synthesis import Effort, ObjectiveLimit, synthesize
+from paminsa_viz.synthesis import Effort, ObjectiveLimit, Regime, SynthesisCase, synthesize
 from paminsa_viz.synthesis.masses.case import InnerCase
 from paminsa_viz.synthesis.masses.program import inner_contradiction, inner_program, solve_inner
 from paminsa_viz.synthesis.masses.space import InnerInfeasible
-from paminsa_viz.synthesis.search.case_conflict import case_conflict
+from paminsa_viz.synthesis.search.case_conflict import CaseConflict, case_conflict
 from paminsa_viz.synthesis.volume.check import check_requirements
 from paminsa_viz.synthesis.volume.conflict import irreducible_set, smallest_conflict
 from paminsa_viz.synthesis.volume.grid import COARSE
@@ -240,3 +243,92 @@ def test_it_can_be_canceled():
     found = case_conflict(case, effort=QUICK, progress=lambda done, searches, state: searches >= 2)
     assert found is not None
     assert found.canceled
+
+
+BOUNDS = (Requirement("condition", high=30.0), Requirement("f_4", high=1e4))
+LIMITS = (
+    ObjectiveLimit("moving_mass", 1.0), ObjectiveLimit("footprint", 5.0),
+    ObjectiveLimit("static_torque", 9.0),
+)  # fmt: skip
+
+
+class Scripted:
+    """Searches and closed forms of a case that some of its items, by their places, contradict."""
+
+    def __init__(self, conflict: set[int] | None, refused: set[Any] = frozenset()) -> None:  # type: ignore[assignment]
+        plain = two_numbers()
+        requirements = replace(plain.requirements, bounds=BOUNDS)
+        self.case = replace(plain, requirements=requirements, limits=LIMITS, regimes=tuple(Regime))
+        self.conflict, self.refused_in, self.asked = conflict, refused, []  # type: ignore[var-annotated]
+        self.workers: Any = object()
+
+    def places(self, case: SynthesisCase) -> set[int]:
+        kept = (*case.requirements.bounds, *case.limits)
+        assert [item for item in (*BOUNDS, *LIMITS) if item in kept] == list(kept)
+        return {place for place, item in enumerate((*BOUNDS, *LIMITS)) if item in kept}
+
+    def contradicts(self, case: SynthesisCase) -> bool:
+        return self.conflict is not None and self.conflict <= self.places(case)
+
+    def refusal(self, case: SynthesisCase, regime: Regime) -> str:
+        return "none is left" if regime in self.refused_in and self.contradicts(case) else ""
+
+    def synthesize(self, case: SynthesisCase, *, workers: Any, progress: Any, relax: bool) -> Any:
+        assert (case.effort, case.allow_overlap, relax) == (QUICK, True, False)
+        assert workers is self.workers
+        self.asked.append(self.places(case))
+        state = SimpleNamespace(feasible=not self.contradicts(case))
+        for done in (0.25, 0.5):
+            if progress(done, state=state, others=1):
+                return SimpleNamespace(feasible=False)
+        return SimpleNamespace(feasible=False)
+
+    def run(self, monkeypatch: pytest.MonkeyPatch, progress: Any = go_on) -> CaseConflict | None:
+        for name in ("refusal", "synthesize"):
+            monkeypatch.setitem(case_conflict.__globals__, name, getattr(self, name))
+        return case_conflict(self.case, effort=QUICK, workers=self.workers, progress=progress)
+
+
+@pytest.mark.parametrize("conflict", [{0}, {1, 3}, {0, 2, 4}, {0, 1, 2, 3, 4}, {4}], ids=str)
+def test_bounds_and_limits_are_named_that_contradict_and_each_set_is_searched_once(
+    conflict: set[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for refused, proven in ((set(), False), ({Regime.SMALLER}, False), (set(Regime), True)):
+        script = Scripted(conflict, refused)
+        found = script.run(monkeypatch)
+        assert found is not None
+        assert found.items == tuple((*BOUNDS, *LIMITS)[place] for place in sorted(conflict))
+        assert (found.proven, found.canceled) == (proven, False)
+        assert found.searches == len(script.asked)
+        assert all(script.asked.count(chosen) == 1 for chosen in script.asked)
+        assert not proven or not any(conflict <= chosen for chosen in script.asked)
+
+
+def test_nothing_is_named_where_all_can_be_met_or_not_even_the_workspace(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert Scripted(None).run(monkeypatch) is None
+    found = Scripted(set()).run(monkeypatch)
+    assert found is not None
+    assert (found.items, found.searches) == ((), 2)
+
+
+@pytest.mark.parametrize("last", [0, 1, 3])
+def test_where_a_search_is_canceled_what_is_left_is_named(
+    last: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """None further is searched; of the first search nothing is known of any."""
+    script, told = Scripted({1, 3}), []
+
+    def progress(done: float, *, searches: int, state: Any) -> bool:
+        assert not state.feasible  # a search that has found one goes on to the next
+        told.append((done, searches))
+        return searches >= last and done == 0.5
+
+    found = script.run(monkeypatch, progress)
+    assert found is not None
+    assert found.canceled
+    assert found.searches == len(script.asked) == told[-1][1] + 1
+    assert {BOUNDS[1], LIMITS[1]} <= set(found.items)
+    if last == 0:
+        assert found.items == (*BOUNDS, *LIMITS)

@@ -201,6 +201,29 @@ def test_sizes_norms_and_bounds_are_widened_by_what_the_vectors_are_off(
     assert found == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.parametrize("signs", [(1, 1), (1, -1), (-1, -1)])
+def test_the_condition_number_of_a_block_beside_a_one_is_met(
+    monkeypatch: pytest.MonkeyPatch, signs: tuple[int, int]
+) -> None:
+    """Its inverse is that of the complement of its first entry, of which nothing is lost."""
+    monkeypatch.setattr(enclosures, "SKEW", 0.0)
+    right, left = 0.2 * signs[0], 0.15 * signs[1]
+    center = np.array([[1.0, 0.0, 0.0], [0.0, 0.5, right], [0.0, left, 0.3]])
+    bound = block_condition(*(Affine(c, 0.0, 0.0, 0.0, 0.0, 0.0) for c in center.ravel()))
+    # of the product of both the size alone counts
+    worst = center * [[1, 1, 1], [1, 1, 1], [1, signs[0] * signs[1], 1]]
+    assert bound == pytest.approx(np.linalg.cond(worst), rel=1e-12)
+    assert bound >= np.linalg.cond(center) * (1 - 1e-12)
+
+
+def test_a_leg_without_direction_leaves_no_bound_and_spoils_no_other() -> None:
+    """Joint 5 on its leg axis: 3/8 - 1/8 m from the center, exact in binary numbers."""
+    design = APPENDIX_4.vary({"geometry.base_radius": 0.375, "geometry.platform_radius": 0.125})
+    middle = np.array([[0.0, 0.25, 0.0, -0.6], [0.0, 0.0, 0.0, -0.6]])
+    bound = condition_bounds(design, middle, np.zeros((2, 4)))
+    assert np.isfinite(bound).tolist() == [False, True]
+
+
 SEEDS = st.integers(0, 2**16)
 
 

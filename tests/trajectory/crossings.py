@@ -23,6 +23,8 @@ TURN = straight_path([0.03, 0.02, 0.8, -0.5], [0.03, 0.02, 1.75, -0.5])
 LINE = straight_path([0.1, 0.0, 0.2, -0.5], [0.36, 0.02, 0.5, -0.5])
 """A line through the singular circle."""
 TEN = MotionLimits(torque=10.0)
+PLAIN = (0, crossing_program.INTERVALS)
+"""Pieces of a program that is not refined."""
 
 shortest = cache(time_optimal)
 """Plans that several tests look at, worked out once."""

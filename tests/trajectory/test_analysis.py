@@ -102,6 +102,8 @@ def test_kept_solution_serves_other_masses(change: str, misprints: Misprint) -> 
     kept = analyze(design, samples, misprints=misprints, keep=before.solved)
     fresh = analyze(design, samples, misprints=misprints)
     assert kept.solved is before.solved
+    with pytest.raises(ValueError, match="read-only"):  # it is kept for the next design
+        kept.solved.friction(design)[0, 0] = 1.0
     assert_close(kept.torque, fresh.torque, 1e-13)
     assert not np.allclose(kept.torque, before.torque, rtol=1e-3)
     most = 1e-13 * np.abs(fresh.torque).max(axis=0)
@@ -144,6 +146,7 @@ def test_a_sample_within_rounding_of_a_limit_is_the_first_failure_there() -> Non
         -1,
     )
     assert found.first.pose == tuple(samples.pose[30])
+    assert found.first.margin == 0.0
     assert found.until == 30
     np.testing.assert_array_equal(found.status == Limit.SINGULAR, unsolved)
     later = np.zeros(samples.size, bool)
@@ -219,21 +222,25 @@ def test_energy_over_a_closed_path(plan, knee) -> None:
 
 
 def test_summary() -> None:
-    samples = chain(point_to_point(A, B, 0.6), point_to_point(B, C, 0.5)).sample(500)
-    found = analyze(ROUGH, samples)
-    assert len(found.summary) == 4
-    for j, summary in enumerate(found.summary):
-        torque, power = found.torque[:, j], found.power[:, j]
-        where = np.argmax(np.abs(torque))
-        assert (summary.peak, summary.peak_t) == (torque[where], samples.t[where])
-        top = np.argmax(np.abs(power))
-        assert (summary.top_power, summary.top_power_t) == (power[top], samples.t[top])
-        mean = np.sqrt(np.trapezoid(torque**2, samples.t) / samples.duration)
-        assert summary.rms == pytest.approx(mean, rel=1e-4)
-        assert summary.top_speed == np.abs(found.solved.speed[:, j]).max()
-        assert summary.driven >= 0 >= summary.braked
-        assert summary.driven == pytest.approx(np.trapezoid(power.clip(0), samples.t), rel=1e-3)
-        assert found.work[-1, j] == pytest.approx(summary.work, abs=1e-3 * summary.driven)
+    """Also of samples that begin and end in the middle of a motion."""
+    whole = chain(point_to_point(A, B, 0.6), point_to_point(B, C, 0.5)).sample(500)
+    for samples in (whole, whole.take(np.arange(120, 400))):
+        found = analyze(ROUGH, samples)
+        assert len(found.summary) == 4
+        for j, summary in enumerate(found.summary):
+            torque, power = found.torque[:, j], found.power[:, j]
+            where = np.argmax(np.abs(torque))
+            assert (summary.peak, summary.peak_t) == (torque[where], samples.t[where])
+            top = np.argmax(np.abs(power))
+            assert (summary.top_power, summary.top_power_t) == (power[top], samples.t[top])
+            mean = np.sqrt(np.trapezoid(torque**2, samples.t) / samples.duration)
+            assert summary.rms == pytest.approx(mean, rel=1e-4)
+            assert summary.top_speed == np.abs(found.solved.speed[:, j]).max()
+            for own, part in ((summary.driven, power.clip(0)), (summary.braked, power.clip(max=0))):
+                assert own == pytest.approx(np.trapezoid(part, samples.t), rel=1e-3, abs=1e-12)
+            assert found.work[-1, j] == pytest.approx(summary.work, abs=1e-3 * summary.driven)
+        assert found.energy_residual[0] == 0.0
+        assert np.abs(found.energy_residual).max() <= 1e-5 * sum(s.driven for s in found.summary)
 
 
 def test_peaks_count_crossings_with_a_bound_before_the_first_failure(
@@ -303,6 +310,10 @@ def test_comparison_with_a_reference() -> None:
     doubled = {p.path: 2 * APPENDIX_4.value(p.path) for p in PARAMETERS if "kg" in p.unit}
     for change in compare(analyze(APPENDIX_4.vary(doubled), samples), reference):
         assert list(vars(change).values()) == pytest.approx([2] * 4)
+    pulled = replace(reference, torque=-reference.torque)
+    for change in compare(pulled, reference):  # of sizes, whatever their signs
+        assert (change.peak, change.rms, change.top_power) == pytest.approx((1.0, 1.0, 1.0))
+        assert change.driven >= 0.0
     failing = analyze(APPENDIX_4, point_to_point([1, 0, 0, -0.5], HOME).sample(50))
     assert failing.summary == compare(failing, failing) == ()
     assert np.isnan(failing.energy_residual).all()

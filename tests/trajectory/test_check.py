@@ -280,6 +280,13 @@ def test_the_side_is_that_of_the_first_sample() -> None:
         found = check_path(GEOMETRY, Trajectory([0.0, 1.0], poses, 0 * poses, 0 * poses))
         assert found.side == (side, 1.0)
         assert found.status.tolist() == [Limit.OK, Limit.SINGULAR]
+    poses[:, :3] = [
+        [0.0, 0.0, TURN],
+        [0.0, 0.0, TURN - 0.1],
+    ]  # on a locus itself it is the inner one
+    found = check_path(GEOMETRY, Trajectory([0.0, 1.0], poses, 0 * poses, 0 * poses))
+    assert found.side == (1.0, 1.0)
+    assert found.status.tolist() == [Limit.SINGULAR, Limit.OK]
 
 
 def test_a_motion_that_fails_at_once_has_its_first_failure_and_closest_limit_there() -> None:
@@ -349,3 +356,23 @@ def test_of_many_samples_only_those_near_a_limit_are_looked_beside(
         samples = Trajectory(np.arange(float(len(rows))), rows, 0 * rows, 0 * rows)
         assert check_path(GEOMETRY, samples).possible
         assert looked == [32 * steps] * (steps > 0)
+
+
+@pytest.mark.parametrize(("least", "looked"), [(2.0, []), (np.nextafter(2.0, 0.0), [64])])
+def test_steps_are_looked_into_beside_a_margin_that_is_less_than_they_take(
+    least: float, looked: list[int]
+) -> None:
+    """Not beside one that is just as much: it cannot dip below zero and back."""
+    margins = np.full((401, 14), 4.0)
+    margins[200, 12] = least
+    poses = np.tile(HOME, (401, 1))
+    found: list[int] = []
+
+    def margins_at(t: Any, pose: Any) -> Any:
+        found.append(len(t))
+        return np.ones((len(t), 14))
+
+    samples = Trajectory(np.arange(401.0), poses, 0 * poses, 0 * poses)
+    exceeded = np.full_like(margins, np.inf)
+    assert check._first_failure(samples, margins, exceeded, margins_at) == (None, 401)
+    assert found == looked

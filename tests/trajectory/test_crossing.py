@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
     InvalidInput,
     KneeBranch,
+    check_reach,
     escape_twist,
     inverse_dynamics,
     inverse_jacobian,
@@ -44,6 +46,7 @@ from tests.trajectory.crossings import (
     BALANCED,
     FINER,
     LINE,
+    PLAIN,
     TEN,
     TURN,
     any_path,
@@ -216,9 +219,12 @@ def test_a_balanced_motion_may_be_stretched() -> None:
 @pytest.mark.parametrize("design", [APPENDIX_4, BALANCED], ids=["Appendix 4", "balanced"])
 def test_a_given_duration_is_kept(design: Design) -> None:
     low, high = shortest(design, TURN, TEN).durations
+    if design is BALANCED:  # which might stand still: z is a thousandth of the largest one
+        assert high == pytest.approx(np.sqrt(1000.0) * low, rel=1e-6)
     wanted = min(2.0 * low, 0.5 * (low + high))
     found = time_optimal(design, TURN, TEN, wanted)
     assert found.plan.duration == pytest.approx(wanted, rel=1e-6)
+    assert abs(found.crossings[0].residual) < 1e-9  # which both of what it is between satisfy
     assert np.abs(_torque(design, found, np.array([found.crossings[0].t + 1e-6]))).max() < 400
     assert time_optimal(design, TURN, TEN, high).plan.duration == pytest.approx(high, rel=1e-6)
     for wrong in (0.999 * low, 1.001 * high):
@@ -266,10 +272,26 @@ def test_refusals_name_their_cause() -> None:
         "double": straight_path(meet - shift, meet + shift),
     }
     back = straight_path(cases["rest"].goal, cases["rest"].start)
-    for cause, path in (*cases.items(), ("rest", back)):
+    near = []  # a crossing a millionth of the path from either end is one of a rest
+    for cause, share in (("rest", 0.95e-6), ("hold", 1.05e-6)):
+        start = np.array([0.0, 0.01, turn + share * (turn - 0.3) / (1.0 - share), -0.5])
+        ends = start, np.array([0.0, 0.01, 0.3, -0.5])
+        near += [(cause, straight_path(*ends)), (cause, straight_path(*ends[::-1]))]
+    for cause, path in (*cases.items(), ("rest", back), *near):
         with pytest.raises(CrossingRefused) as refusal:
             time_optimal(APPENDIX_4, path, MotionLimits(torque=5.0))
         assert refusal.value.cause == cause
+        if cause == "reach":  # of 800 parts of the path the first that begins out of reach
+            parts = 800 * refusal.value.s
+            assert parts == pytest.approx(round(parts), abs=1e-9)
+            at = np.array([refusal.value.s - 1.0 / 800, refusal.value.s])
+            assert check_reach(geometry, path(at)).ok.tolist() == [True, False]
+    far = brentq(lambda x: check_reach(geometry, [x, 0.0, 0.3, -0.5]).margins.min(), 0.3, 2.0)
+    with pytest.raises(CrossingRefused, match=r"^at s = 1: ") as refusal:  # the goal alone
+        time_optimal(
+            APPENDIX_4, straight_path(cases["reach"].start, [far + 1e-6, 0.0, 0.3, -0.5]), TEN
+        )
+    assert (refusal.value.cause, refusal.value.s) == ("reach", 1.0)
     with pytest.raises(CrossingRefused, match=r"times as large") as refusal:
         time_optimal(APPENDIX_4, TURN, MotionLimits(torque=6.0))
     factor = float(str(refusal.value).split("at least ")[1].split(" times")[0])
@@ -296,6 +318,9 @@ def test_an_end_that_cannot_be_held_names_its_actuator_and_what_it_needs() -> No
     weak = MotionLimits(torque=100.0, force=0.5 * np.abs(held[:, 3]).min())
     with pytest.raises(CrossingRefused, match=r"M4 needs \S+ of \S+ N$"):
         time_optimal(APPENDIX_4, TURN, weak)
+    with pytest.raises(CrossingRefused) as refusal:  # what holds both ends exactly, holds them
+        time_optimal(APPENDIX_4, TURN, MotionLimits(torque=float(max(most))))
+    assert refusal.value.cause == "infeasible"
     crossing = shortest(APPENDIX_4, TURN, TEN).crossings[0]
     assert f"crosses the singular rotation at {crossing.t:.4g} s;" in crossing.explanation
 
@@ -304,7 +329,7 @@ def test_a_refusal_says_what_torques_are_enough_while_speeds_stay_limited() -> N
     def shortest_law(torque: float) -> np.ndarray:
         limits = MotionLimits(torque=torque, turn_speed=1.0)
         found = crossings(APPENDIX_4.geometry, TURN)
-        return CrossingProgram(APPENDIX_4, TURN, found, limits).fastest()
+        return CrossingProgram(APPENDIX_4, TURN, found, limits, *PLAIN).fastest()
 
     with pytest.raises(CrossingRefused, match=r"times as large") as refusal:
         shortest_law(6.0)
@@ -319,7 +344,7 @@ def test_limits_are_added_where_a_law_exceeds_them_most() -> None:
     poses = [[0.1631, -0.0825, -1.8922, -0.554], [-0.1871, 0.1465, -0.8063, -0.4259],
              [-0.0196, -0.0849, 1.7641, -0.458]]  # fmt: skip
     path = spline_path(poses)
-    made = CrossingProgram(BALANCED, path, crossings(BALANCED.geometry, path), TEN)
+    made = CrossingProgram(BALANCED, path, crossings(BALANCED.geometry, path), TEN, *PLAIN)
     law = made.fastest()
     z, count = made.spline(law), program.FINE * program.POINTS
     pieces = np.unique(z.t)

@@ -11,8 +11,12 @@ from paminsa_viz.model import (
     APPENDIX_4,
     Design,
     InvalidInput,
+    actuator_velocity,
     check_reach,
+    escape_twist,
+    friction_torque,
     inverse_dynamics,
+    inverse_jacobian,
     mass_matrix,
     platform_wrench,
     singular_radius,
@@ -35,6 +39,7 @@ from paminsa_viz.trajectory.crossing_measures import crossing_loads
 from paminsa_viz.trajectory.paths import Path, straight_path
 from paminsa_viz.trajectory.sampled import Locus, Passage, Trajectory
 from tests.trajectory.crossings import BALANCED, LINE, TEN, TURN, shortest
+from tests.trajectory.plans import FRICTION
 
 
 def test_a_sample_at_the_crossing_moves_off_it() -> None:
@@ -43,8 +48,11 @@ def test_a_sample_at_the_crossing_moves_off_it() -> None:
     at = passage.t * plan.duration
     middle = replace(plan, passages=(Passage(0.5, passage.locus),))
     count = 2 * round(50.0 * plan.duration)  # even, so that one would be in the middle
-    distance = np.abs(middle.sample(count / plan.duration).t - 0.5 * plan.duration).min()
-    assert distance == pytest.approx(1e-6, rel=1e-3)
+    off = middle.sample(count / plan.duration).t - 0.5 * plan.duration
+    assert off[np.abs(off).argmin()] == pytest.approx(1e-6, rel=1e-3)  # after it
+    quick = replace(middle, duration=1e-4).sample(5e5)  # in steps of 2 µs, a fourth of one
+    assert quick.t[25] - 0.5e-4 == pytest.approx(0.5e-6, rel=1e-6)
+    assert (np.diff(quick.t) > 1e-6).all()
     counts = np.arange(2_000, 20_000)
     shares = counts * passage.t
     fine = plan.sample(counts[np.abs(shares - np.rint(shares)).argmin()] / plan.duration)
@@ -172,3 +180,58 @@ def test_the_closest_limit_is_none_that_is_crossed_as_planned(path: Path, planne
     row = np.argmin(np.minimum(other, reach))
     assert closest.margin == pytest.approx(min(other[row], reach[row]), rel=1e-9)
     assert closest.t == samples.t[row]
+
+
+def test_friction_adds_to_the_torques_at_a_crossing_as_anywhere() -> None:
+    samples = shortest(BALANCED, LINE, TEN).plan.sample(1000.0)
+    rough = BALANCED.vary(FRICTION)
+    (plain,), (sticky,) = (analyze(one, samples).crossings for one in (BALANCED, rough))
+    velocity = samples.at(plain.t)
+    speed = actuator_velocity(BALANCED, velocity.pose, velocity.velocity)
+    expected = friction_torque(rough.friction, speed)
+    np.testing.assert_allclose(np.subtract(sticky.torque, plain.torque), expected, rtol=1e-3)
+    assert sticky.residual == plain.residual
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("push", [40.0, -40.0])
+def test_what_a_residual_needs_is_that_of_half_a_step_of_the_samples_around_it(
+    way: float, push: float
+) -> None:
+    """In either direction, with a residual of either sign; in the first step, and in the last."""
+    design = APPENDIX_4.vary({"load.force_y": push})
+    radius = float(singular_radius(design.geometry, 0.3))
+    t = np.array([0.0, 0.1, 0.4, 1.0])
+    rate = np.array([0.02 * way, 0.0, 0.0, 0.0])
+    sizes = []
+    for at, step in ((0.0, 0.1), (0.05, 0.1), (0.25, 0.3), (0.7, 0.6), (np.nextafter(1, 2), 0.6)):
+        poses = np.array([radius, 0.0, 0.3, -0.5]) + (t - min(at, 1.0))[:, None] * rate
+        speeds = np.tile(rate, (4, 1))
+        motion = Trajectory(t, poses, speeds, 0 * speeds, passages=(Passage(at, Locus.CIRCLE),))
+        (load,) = crossing_loads(design, motion)
+        # t_s^T dG^T n / dt by differences of the determinant's own matrix
+        pose, h = poses[0] + (min(at, 1.0) - t[0]) * rate, 1e-6
+        g, ahead, behind = (
+            inverse_jacobian(design.geometry, pose + k * h * rate) for k in (0, 1, -1)
+        )
+        null = np.linalg.svd(g.T)[2][-1]
+        twist = escape_twist(design.geometry, pose)
+        growth = np.abs(null).max() / abs(twist @ (ahead - behind).T @ null / (2.0 * h))
+        force = platform_wrench(design, pose, rate, 0 * rate)
+        assert load.residual == pytest.approx(float(twist @ force), rel=1e-9)
+        assert load.excess == pytest.approx(abs(load.residual) * growth / (0.5 * step), rel=1e-6)
+        sizes.append(load.residual)
+    assert np.ptp(sizes) < 1e-9
+    assert abs(sizes[0]) > 0.1
+
+
+def test_torques_without_the_condition_are_sizes() -> None:
+    found = shortest(APPENDIX_4, TURN, TEN)
+    (item,), duration = found.crossings, found.plan.duration
+    c = item.condition
+    size = unplanned_torque(item, duration)
+    for sign, other in ((1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)):
+        turned = replace(
+            c, a=sign * c.a, b=sign * c.b, c=sign * c.c, growth=tuple(other * g for g in c.growth)
+        )
+        assert unplanned_torque(replace(item, condition=turned), duration) == pytest.approx(size)

@@ -11,7 +11,6 @@ import pytest
 from paminsa_viz.model import APPENDIX_4, singular_radius, singular_rotation
 from paminsa_viz.trajectory.crossing import (
     NODES,
-    ON_LOCUS,
     Crossing,
     CrossingKind,
     Locus,
@@ -52,6 +51,16 @@ def test_a_path_along_a_locus_is_refused() -> None:
     with pytest.raises(PathOnLocus):
         crossings(APPENDIX_4.geometry, path)
 
+    def late(s: Any, order: int = 0) -> Any:
+        """Comes to the locus after 0.3 of the way, and stays."""
+        found = np.zeros((len(s), 4))
+        found[:, 0], found[:, 2], found[:, 3] = 0.1 * s, turn - np.maximum(0.3 - s, 0.0), -0.5
+        return found
+
+    with pytest.raises(PathOnLocus, match=r"from s = 0\.3 on .* singular rotation") as refused:
+        crossings(APPENDIX_4.geometry, late)
+    assert (refused.value.s, refused.value.locus) == (pytest.approx(0.3), Locus.ROTATION)
+
 
 @pytest.mark.parametrize("share", [0.1234, 0.5, 0.9771])
 def test_a_path_touches_the_circle_or_crosses_it_twice_or_misses_it(share: float) -> None:
@@ -76,14 +85,19 @@ def test_a_path_touches_the_circle_or_crosses_it_twice_or_misses_it(share: float
     assert [item.s for item in both] == pytest.approx([share - half, share + half], rel=1e-4)
 
 
-@pytest.mark.parametrize("share", [0.0, 0.25, 1.0 / 3.0, 1.0])
+@pytest.mark.parametrize("share", [0.0, 1.0 / 4000, 0.25, 1.0 / 3.0, 1.0 - 1.0 / 4000, 1.0])
 def test_a_path_across_the_circle_is_simple_at_its_ends_and_at_nodes_too(share: float) -> None:
     geometry = APPENDIX_4.geometry
     radius, length = float(singular_radius(geometry, 0.3)), 0.2
     ends = [[radius + (at - share) * length, 0.0, 0.3, -0.5] for at in (0.0, 1.0)]
-    (found,) = crossings(geometry, straight_path(*ends))
-    assert (found.kind, found.locus) == (CrossingKind.SIMPLE, Locus.CIRCLE)
-    assert found.s == pytest.approx(share, abs=1e-8)
+    for beside in (0.0, 3e-10, -3e-10):  # within what counts as on it
+        shift = np.array([beside, 0.0, 0.0, 0.0])
+        (found,) = crossings(geometry, straight_path(*(np.array(ends) + shift)))
+        assert (found.kind, found.locus) == (CrossingKind.SIMPLE, Locus.CIRCLE)
+        assert found.s == pytest.approx(share, abs=1e-8)
+    for aside in (-0.05 - share, 1.05 - share):  # that it would only come to before or after
+        shift = np.array([aside * length, 0.0, 0.0, 0.0])
+        assert crossings(geometry, straight_path(*(np.array(ends) - shift))) == ()
 
 
 @pytest.mark.parametrize(
@@ -118,24 +132,24 @@ def touching(share: float, length: float, beside: float) -> tuple[Crossing, ...]
     return crossings(GEOMETRY, straight_path(*ends))
 
 
-@pytest.mark.parametrize("share", [0.500125, 0.1234, 0.5, 0.37])
+@pytest.mark.parametrize("share", [0.500125, 0.1234, 0.5, 1.3 / 4000, 1.0 - 1.3 / 4000])
 def test_long_lines_touch_the_circle_between_places_looked_at_and_at_them(share: float) -> None:
     for length in (1.0, 2.0):
         (touched,) = touching(share, length, 0.0)
         assert touched.kind is CrossingKind.TANGENT
         assert touched.s == pytest.approx(share, abs=1e-7)
         assert touched.pose == pytest.approx((RADIUS, 0.0, 0.3, -0.5), abs=1e-6)
-        assert len(touching(share, length, 0.97 * ON_LOCUS)) == 1
-        assert touching(share, length, 1.03 * ON_LOCUS) == ()
+        assert len(touching(share, length, 0.97e-9)) == 1  # a nanometer counts as on it
+        assert touching(share, length, 1.03e-9) == ()
 
 
-@pytest.mark.parametrize("half", [0.6, 0.8, 0.95])
-@pytest.mark.parametrize("share", [0.5, 0.5 + 0.02 / (NODES - 1)])
+@pytest.mark.parametrize("half", [0.4, 0.8, 0.95])
+@pytest.mark.parametrize("share", [0.5, 0.5 + 0.02 / 4000])
 def test_two_crossings_with_one_place_looked_at_between_are_no_third(
     share: float, half: float
 ) -> None:
     """Half of the chord, in steps between the places that are looked at."""
-    chord = half / (NODES - 1)
+    chord = half / 4000
     both = touching(share, 2.0, -((2.0 * chord) ** 2) / (2.0 * RADIUS))
     assert [item.kind for item in both] == [CrossingKind.SIMPLE] * 2
     assert [item.s for item in both] == pytest.approx([share - chord, share + chord], abs=1e-6)

@@ -13,7 +13,7 @@ from paminsa_viz.trajectory import MotionLimits
 from paminsa_viz.trajectory.crossing import crossing_condition, crossings
 from paminsa_viz.trajectory.crossing_program import POINTS, CrossingProgram, _pieces, influence
 from paminsa_viz.trajectory.paths import Path, spline_path, straight_path
-from tests.trajectory.crossings import BALANCED, LINE, TURN, shortest
+from tests.trajectory.crossings import BALANCED, LINE, PLAIN, TURN, shortest
 
 LIMITS = MotionLimits(torque=9.0, force=400.0, speed=1.3, turn_speed=4.0)
 SPLINE = spline_path([[0.1, 0.0, 0.2, -0.5], [0.25, 0.05, 0.3, -0.52], [0.36, 0.02, 0.5, -0.5]])
@@ -23,7 +23,7 @@ PATHS = pytest.mark.parametrize("path", [TURN, LINE, SPLINE], ids=["turn", "line
 def made(path: Path, limits: MotionLimits = LIMITS) -> tuple[CrossingProgram, Any]:
     """A program, and coefficients of some law."""
     found = crossings(BALANCED.geometry, path)
-    program = CrossingProgram(BALANCED, path, found, limits)
+    program = CrossingProgram(BALANCED, path, found, limits, *PLAIN)
     size = program._rows.factors.shape[1]
     return program, np.random.default_rng(0).uniform(1.0, 4.0, size)
 
@@ -172,16 +172,25 @@ def test_points_are_left_out_within_a_fifty_thousandth_of_a_crossing() -> None:
 
 def test_limits_are_added_at_the_ends_too_and_nowhere_where_none_is_exceeded() -> None:
     """A robot that stands still all along: the torques are those that hold it."""
-    path = straight_path([0.1, 0.0, 0.2, -0.5], [0.14, 0.02, 0.3, -0.5])
+    ends = [0.1, 0.0, 0.2, -0.5], [0.14, 0.02, 0.3, -0.5]
+    for way in (ends, ends[::-1]):
+        assert_limits_are_added_at_the_harder_end(straight_path(*way))
+
+
+def assert_limits_are_added_at_the_harder_end(path: Path) -> None:
     held = np.abs(static_torques(APPENDIX_4, path(np.array([0.0, 1.0]))))[:, :3]
-    program = CrossingProgram(APPENDIX_4, path, (), MotionLimits(torque=float(held.max() / 1.01)))
+    program = CrossingProgram(
+        APPENDIX_4, path, (), MotionLimits(torque=float(held.max() / 1.01)), *PLAIN
+    )
     still = np.zeros(program._rows.factors.shape[1])
     before = len(program._rows.limit)
     assert program.tighten(still)
     _, constant, limit, _ = (part[before:] for part in program._rows)
     assert len(limit) == 2 * 3  # of one place, the end that is harder to hold
     assert np.abs(constant / limit).max() == pytest.approx(1.01)
-    loose = CrossingProgram(APPENDIX_4, path, (), MotionLimits(torque=float(held.max() * 1.01)))
+    loose = CrossingProgram(
+        APPENDIX_4, path, (), MotionLimits(torque=float(held.max() * 1.01)), *PLAIN
+    )
     before = len(loose._rows.limit)
     assert not loose.tighten(still)
     assert len(loose._rows.limit) == before
@@ -189,7 +198,7 @@ def test_limits_are_added_at_the_ends_too_and_nowhere_where_none_is_exceeded() -
 
 def test_the_slowest_law_is_below_the_optima_of_other_costs() -> None:
     found = crossings(APPENDIX_4.geometry, TURN)
-    program = CrossingProgram(APPENDIX_4, TURN, found, MotionLimits(torque=10.0))
+    program = CrossingProgram(APPENDIX_4, TURN, found, MotionLimits(torque=10.0), *PLAIN)
     slow, fast = program.slowest(), program.fastest()
     rng = np.random.default_rng(3)
     for _ in range(3):

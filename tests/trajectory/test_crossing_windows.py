@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -110,6 +110,7 @@ def test_the_first_of_a_rising_series_of_deviations_that_can_be_run_is_taken(
     first = np.array([size for _, size in tried[:4]])
     assert [shape for shape, _ in tried] == [_ODD, _ODD, _EVEN, _EVEN] * 6
     assert (np.sign(first) == [1, -1, 1, -1]).all()
+    np.testing.assert_array_equal(first[[0, 2]], -first[[1, 3]])
     for step in range(6):
         np.testing.assert_allclose([size for _, size in tried[4 * step :][:4]], first * 2.0**step)
     refusals["cause"] = "hold"
@@ -128,3 +129,98 @@ def test_windows_leave_the_pose_and_all_outside_and_add_to_one_factor_alone() ->
             assert ends == pytest.approx([0.0] * 4, abs=1e-12)
         x = np.linspace(-1.0, 1.0, 41)
         assert shape(-x) == pytest.approx((-1.0 if slope else 1.0) * shape(x), abs=1e-15)
+
+
+class Program:
+    """Stands for the program of a crossing: what is asked of it, and what it answers."""
+
+    made: ClassVar[list[tuple[int, int]]] = []
+    rounds: ClassVar[list[int]] = []
+    refused: ClassVar[int] = 0
+    enough: ClassVar[int] = 1
+    lowest: ClassVar[float] = 1.0
+
+    def __init__(self, *arguments: Any) -> None:
+        self.made.append(arguments[4:])
+        self.number = len(self.made)
+        self.rounds.append(0)
+
+    def fastest(self) -> str:
+        if self.number <= self.refused:
+            raise CrossingRefused("infeasible", f"number {self.number}")
+        return "fast"
+
+    def slowest(self) -> str:
+        return "slow"
+
+    def tighten(self, *laws: str) -> bool:
+        assert laws == ("fast", "slow")
+        self.rounds[-1] += 1
+        return self.rounds[-1] < self.enough
+
+    def spline(self, law: str) -> Any:
+        """A law of 8 that falls to a share of it at one place alone."""
+        assert law == "fast"
+        return lambda s: (
+            8.0
+            * np.where(
+                (s < 0) | (s > 1), 0.0, np.minimum(1.0, self.lowest + 1e4 * np.abs(s - 0.5) ** 2)
+            )
+        )
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> type[Program]:
+    fresh = type("Fresh", (Program,), {"made": [], "rounds": []})
+    monkeypatch.setattr(MODULE, "CrossingProgram", fresh)
+    monkeypatch.setattr(MODULE, "influence", lambda design, path, item, condition: item.s)
+    monkeypatch.setattr(MODULE, "crossing_condition", lambda design, path, s: None)
+    return fresh
+
+
+@pytest.mark.parametrize(
+    ("cosines", "expected"),
+    [
+        ([], [(0, 80)]), ([0.5], [(3, 80), (6, 80), (0, 80)]),
+        ([0.5, 0.09], [(6, 160), (3, 160), (0, 160)]), ([0.101, 0.3], [(3, 80), (6, 80), (0, 80)]),
+    ],
+    ids=["none", "one", "steep", "flat"],
+)  # fmt: skip
+def test_pieces_are_refined_in_turn_and_finer_if_one_crossing_is_steep(
+    asked: type[Program], cosines: list[float], expected: list[tuple[int, int]]
+) -> None:
+    """Until one has a law; the last one's refusal is told if none has."""
+    found = tuple(replace(CROSSED, s=s) for s in cosines)
+    asked.refused = 9
+    with pytest.raises(CrossingRefused, match=f"^number {len(expected)}$"):
+        MODULE._program(BALANCED, LINE, found, TEN)
+    assert asked.made == expected
+    if len(expected) > 1:
+        asked.made.clear()
+        asked.refused = 1
+        program, *laws = MODULE._program(BALANCED, LINE, found, TEN)
+        assert (program.number, laws, asked.made) == (2, ["fast", "slow"], expected[:2])
+
+
+@pytest.mark.parametrize(("needed", "done"), [(1, 1), (2, 2), (4, 4), (9, 4)])
+def test_points_are_added_until_limits_are_kept_or_four_times(
+    asked: type[Program], needed: int, done: int
+) -> None:
+    asked.enough = needed
+    MODULE._program(BALANCED, LINE, (), TEN)
+    assert asked.rounds == [done]
+
+
+@pytest.mark.parametrize(("lowest", "stands"), [(0.95e-9, True), (1.05e-9, False)])
+def test_a_law_that_falls_to_a_billionth_of_its_largest_stands_still(
+    asked: type[Program], lowest: float, stands: bool
+) -> None:
+    """And it is said where."""
+    asked.lowest = lowest
+    if not stands:
+        MODULE._program(BALANCED, LINE, (CROSSED,), TEN)
+        assert len(asked.made) == 1
+        return
+    with pytest.raises(CrossingRefused, match=r"a motion that stops at s = 0\.5;") as refused:
+        MODULE._program(BALANCED, LINE, (CROSSED,), TEN)
+    assert (refused.value.cause, refused.value.s, len(asked.made)) == ("weak", 0.5, 3)

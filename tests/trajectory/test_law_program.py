@@ -21,11 +21,11 @@ from paminsa_viz.model import (
     inverse_dynamics,
 )
 from paminsa_viz.model.drive import NO_DRIVES, Drive
-from paminsa_viz.trajectory import MotionLimits, via_points
+from paminsa_viz.trajectory import MotionLimits, chain, circle, point_to_point, via_points
 from paminsa_viz.trajectory.law_program import LawProgram, Terms
 from paminsa_viz.trajectory.paths import TracedPath
 from paminsa_viz.trajectory.shortest import law_knots
-from tests.trajectory.plans import FRICTION, A, B
+from tests.trajectory.plans import FRICTION, A, B, C
 from tests.trajectory.test_timing import BENT, HEAVY, SERVO, VISCOUS, driven
 
 UNIT = 0.7
@@ -38,36 +38,49 @@ PATH = TracedPath(via_points([A, B, A + np.array([0.03, 0.05, -0.2, 0.04]), B]).
 KNOTS = law_knots(PATH)
 
 
-def law(s: Any) -> tuple[Any, Any]:
+CORNER = 0.8 * B + 0.2 * A
+STOPPING = TracedPath(chain(point_to_point(B, CORNER), point_to_point(CORNER, C)).curve)
+"""A motion with a stop at about a fourth of its way, before which the pieces are longer."""
+
+
+def law(s: Any, quick: float = 1.0) -> tuple[Any, Any]:
     """A law with zero speed at both ends, and its derivative by s, in units of `UNIT`."""
     bend = 1.0 + 0.8 * np.sin(9.0 * s)
     shape = 4.0 * s * (1.0 - s)
     slope = 4.0 * (1.0 - 2.0 * s) * bend + shape * 7.2 * np.cos(9.0 * s)
-    return 2.0 * shape * bend, 2.0 * slope
+    return 2.0 * quick * shape * bend, 2.0 * quick * slope
 
 
 def program(design: Design, limits: MotionLimits = LIMITS, **options: bool) -> LawProgram:
     return LawProgram(PATH, *KNOTS, limits, design, UNIT, **options)
 
 
-def states(s: Any) -> tuple[Any, Any, Any]:
+def states(s: Any, path: TracedPath = PATH, quick: float = 1.0) -> tuple[Any, Any, Any]:
     """Pose, velocity and acceleration of the law at places, (n, 4) each."""
-    z, dz = (part[:, None] for part in law(s))
-    along, bend = PATH(s, 1), PATH(s, 2)
-    return PATH(s), along * np.sqrt(z) / UNIT, (bend * z + 0.5 * along * dz) / UNIT**2
+    z, dz = (part[:, None] for part in law(s, quick))
+    along, bend = path(s, 1), path(s, 2)
+    return path(s), along * np.sqrt(z) / UNIT, (bend * z + 0.5 * along * dz) / UNIT**2
 
 
-def summed(terms: Terms, s: Any) -> Any:
-    z, dz = (part[:, None] for part in law(s))
+def summed(terms: Terms, s: Any, quick: float = 1.0) -> Any:
+    z, dz = (part[:, None] for part in law(s, quick))
     return terms.growth * dz + terms.square * z + terms.rate * np.sqrt(z) + terms.constant
 
 
-def motor_share(design: Design, j: int, drive: Drive, s: Any, start: bool = False) -> Any:
+def motor_share(
+    design: Design,
+    j: int,
+    drive: Drive,
+    s: Any,
+    start: bool = False,
+    path: TracedPath = PATH,
+    quick: float = 1.0,
+) -> Any:
     """Largest share of a drive's speed, envelope and gear that the law uses, (n,).
 
     A motor that starts has to make the larger torque, whether it drives or is driven.
     """
-    pose, velocity, acceleration = states(s)
+    pose, velocity, acceleration = states(s, path, quick)
     speed = actuator_velocity(design, pose, velocity)[:, j]
     growth = actuator_acceleration(design.geometry, pose, velocity, acceleration)[:, j]
     bare = replace(design, drives=NO_DRIVES)
@@ -113,25 +126,37 @@ def test_a_limit_that_is_not_given_has_no_terms(alone: str) -> None:
         assert np.abs(every - column[:, None]).max(axis=0).min() < 1e-12
 
 
+@pytest.mark.parametrize("quick", [0.01, 1.0, 25.0])
+@pytest.mark.parametrize("viscous", [0.0, 5.0])
 @pytest.mark.parametrize(
     "drive",
     [SERVO, HEAVY, BENT, replace(SERVO, efficiency=1.0, gear_peak_torque=3.0)],
     ids=["servo", "heavy", "bent", "gear"],
 )
-def test_terms_of_drives_are_shares_of_their_envelopes(drive: Drive) -> None:
-    """At each place the largest of them is what the drive that needs most of its limits uses."""
-    design = driven(drive)
+def test_terms_of_drives_are_shares_of_their_envelopes(
+    drive: Drive, viscous: float, quick: float
+) -> None:
+    """At each place the largest of them is what the drive that needs most of its limits uses.
+
+    Of laws that are slow, so that friction counts more than inertia, and of quick ones.
+    """
+    design = driven(drive).vary({"friction.viscous_rotary": viscous})
     none = MotionLimits(speed=1e9)
-    found = summed(program(design, none)._terms(S, *law(S)), S).max(axis=1)
-    expected = [motor_share(design, j, one, S) for j, one in enumerate(design.drives) if one]
+    found = summed(program(design, none)._terms(S, *law(S, quick)), S, quick).max(axis=1)
+    expected = [
+        motor_share(design, j, one, S, quick=quick) for j, one in enumerate(design.drives) if one
+    ]
     np.testing.assert_allclose(found, np.max(expected, axis=0), rtol=1e-9)
     for j, one in enumerate(design.drives):
         assert one is not None
         places: Any = [one if i == j else None for i in range(4)]
         alone = replace(design, drives=tuple(places))
-        mine = summed(program(alone, none)._terms(S, *law(S)), S).max(axis=1)
-        np.testing.assert_allclose(mine, motor_share(alone, j, one, S), rtol=1e-9)
+        mine = summed(program(alone, none)._terms(S, *law(S, quick)), S, quick).max(axis=1)
+        np.testing.assert_allclose(mine, motor_share(alone, j, one, S, quick=quick), rtol=1e-9)
     assert program(design, none, drives=False)._terms(S, *law(S)).rate.shape[1] == 1
+    level = TracedPath(circle(C, 0.05).curve)  # where M4 stands still
+    made = LawProgram(level, *law_knots(level), none, design, UNIT)
+    assert all(np.isfinite(part).all() for part in made._terms(S, *law(S)))
 
 
 @pytest.mark.parametrize("design", [APPENDIX_4, driven(SERVO)], ids=["", "driven"])
@@ -202,21 +227,31 @@ def test_splines_of_the_program_rest_at_the_ends_and_have_their_own_slopes() -> 
     ones = np.ones(rows.shape[1])
     np.testing.assert_allclose(made._rows(np.array([0.0, 1.0]))[0] @ ones, 0.0)
     np.testing.assert_allclose(made._rows(np.array([0.3, 0.5]))[0] @ ones, 1.0)
+    stopping = LawProgram(STOPPING, *law_knots(STOPPING), LIMITS, APPENDIX_4, UNIT)
+    stops, moving = (
+        stopping._rows(s)[0] for s in (STOPPING.place(STOPPING.rests), np.array([0.1, 0.6]))
+    )
+    np.testing.assert_allclose(stops @ np.ones(stops.shape[1]), 0.0, atol=1e-12)
+    np.testing.assert_allclose(moving @ np.ones(stops.shape[1]), 1.0)
 
 
-def test_beside_a_stop_a_motor_starts_and_elsewhere_it_drives_or_is_driven() -> None:
+@pytest.mark.parametrize("path", [PATH, STOPPING], ids=["one piece", "stops"])
+def test_beside_a_stop_a_motor_starts_and_elsewhere_it_drives_or_is_driven(
+    path: TracedPath,
+) -> None:
     design = driven(SERVO)
-    made = program(design, MotionLimits(speed=1e9))
+    made = LawProgram(path, *law_knots(path), MotionLimits(speed=1e9), design, UNIT)
     drives: Any = design.drives
-    stops = PATH.place(PATH.rests)
+    stops = path.place(path.rests)
     near = made.points[np.abs(made.points[:, None] - stops).min(axis=1) < 1e-7]
     assert len(near) == 2 * len(stops) - 2
     differs = 0
-    for s, start in ((near, True), (np.array([1e-4, 1.0 - 1e-4]), False)):
+    for s, start in ((near, True), (np.array([3e-5, 1.0 - 3e-5]), False)):
         found = summed(made._terms(s, *law(s)), s).max(axis=1)
         expected, other = (
             np.max(
-                [motor_share(design, j, drive, s, how) for j, drive in enumerate(drives)], axis=0
+                [motor_share(design, j, drive, s, how, path) for j, drive in enumerate(drives)],
+                axis=0,
             )
             for how in (start, not start)
         )

@@ -52,6 +52,11 @@ def test_torques_and_their_parts(frame: LoadFrame) -> None:
     for name in ("gravity", "inertial", "velocity", "friction"):
         np.testing.assert_allclose(getattr(parts, name), getattr(bare, name), rtol=0, atol=1e-11)
     assert not bare.load.any()
+    for load, own in ((design.load, None), (NO_LOAD, path.load)):  # one of the two alone
+        one = replace(design, load=load)
+        found = analyze(one, replace(path, load=own)).torque
+        expected = inverse_dynamics(one, *states, load=own).torque
+        np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-9)
     again = analyze(loaded(frame).vary({"load.force_x": 1.0}), path, keep=analysis.solved)
     assert again.solved.jacobian is analysis.solved.jacobian  # a slider solves nothing again
 

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.trajectory import Trajectory, from_samples, point_to_point, via_points
+from paminsa_viz.trajectory.imported import _last_digit
 from tests.trajectory.plans import A, B, C
 
 T = np.array([0.0, 0.3, 1.0])
@@ -78,8 +79,13 @@ def test_arrays_are_read_only_copies() -> None:
         ("pose", {"pose": ROWS[:2]}),
         ("velocity", {"velocity": ROWS[:, :3]}),
         ("acceleration", {"acceleration": np.full((3, 4), np.inf)}),
+        ("velocity", {"velocity": np.where(np.arange(12) == 7, np.nan, 0.0).reshape(3, 4)}),
         ("load", {"load": np.zeros((3, 4))}),
         ("load", {"load": np.where(np.arange(18) == 7, np.nan, 0.0).reshape(3, 6)}),
+        ("pose", {"pose": np.where(np.arange(12) == 7, -1.01e12, 0.0).reshape(3, 4)}),
+        # a step of less than four units in the last place of the largest time, whatever its sign
+        ("t", {"t": [0.0, 2.0**20, 2.0**20 + 3 * 2.0**-32]}),
+        ("t", {"t": [-(2.0**20) - 3 * 2.0**-32, -(2.0**20), 0.0]}),
     ],
 )
 def test_errors_name_the_argument(argument: str, change: dict) -> None:
@@ -124,9 +130,10 @@ def test_any_number_of_samples(count: int) -> None:
     np.testing.assert_allclose(made.velocity, rate, atol=1e-9)
 
 
-def test_times_start_at_zero_and_turns_are_unwrapped() -> None:
+@pytest.mark.parametrize("rate", [6.0, -6.0])
+def test_times_start_at_zero_and_turns_are_unwrapped(rate: float) -> None:
     turning = EXACT.pose.copy()
-    turning[:, 2] = 6.0 * EXACT.t
+    turning[:, 2] = rate * EXACT.t
     wrapped = turning.copy()
     wrapped[:, 2] = np.mod(turning[:, 2] + np.pi, 2 * np.pi) - np.pi
     made = from_samples(EXACT.t + 3.5, wrapped)
@@ -135,6 +142,8 @@ def test_times_start_at_zero_and_turns_are_unwrapped() -> None:
     np.testing.assert_allclose(made.pose[:, 2], turning[:, 2], atol=1e-12)
     assert "shifted by -3.5 s" in made.notes[0]
     assert "full turn" in made.notes[1]
+    high = EXACT.pose + np.array([0.0, 0.0, 0.0, 5.0])
+    assert not any("full turn" in note for note in from_samples(EXACT.t, high).notes)
 
 
 def test_coarse_digits_are_noted() -> None:
@@ -144,7 +153,7 @@ def test_coarse_digits_are_noted() -> None:
 
 
 @pytest.mark.parametrize("column", range(4))
-@pytest.mark.parametrize(("digits", "step", "noted"), [(4, 0.04, True), (4, 0.05, False)])
+@pytest.mark.parametrize(("digits", "step", "noted"), [(4, 0.044, True), (4, 0.0455, False)])
 def test_digits_are_noted_with_what_second_differences_make_of_them(
     column: int, digits: int, step: float, noted: bool
 ) -> None:
@@ -204,7 +213,23 @@ def test_rates_in_another_unit_are_noted(velocity, acceleration, word) -> None:
 
 def test_constant_coordinate_gives_no_note_on_digits() -> None:
     level = EXACT.pose * [1.0, 0.0, 1.0, 1.0]
-    assert not any("steps of" in note for note in from_samples(EXACT.t, level).notes)
+    for pose in (level, level - [0.3, 0.0, 0.0, 0.0]):  # also where all of x are rounded up
+        assert not any("steps of" in note for note in from_samples(EXACT.t, pose).notes)
+
+
+def test_digits_are_those_that_are_met_to_a_1e_12th() -> None:
+    for off, step in ((0.95e-12, 0.1), (1.05e-12, 0.0)):
+        for side in (off, -off):
+            assert _last_digit(np.array([0.3, 0.1 + side, -0.4])) == step
+    assert [_last_digit(np.array([0.3, at])) for at in (0.123456789, 0.1234567891)] == [1e-9, 0.0]
+
+
+@pytest.mark.parametrize(("size", "noted"), [(0.95e-9, False), (1.05e-9, True)])
+def test_rates_below_a_1e_9th_are_not_compared(size: float, noted: bool) -> None:
+    t = np.linspace(0.0, 1.0, 30)
+    rate = np.tile([size, 0.0, 0.0, 0.0], (30, 1))
+    notes = from_samples(t, 0.5 * t[:, None] * rate, rate).notes
+    assert any("typically off by 50 % of" in note for note in notes) == noted
 
 
 def test_bad_samples_are_rejected() -> None:
@@ -267,3 +292,13 @@ def test_rates_that_are_too_large_at_one_place_alone_blame_units(given: int) -> 
     with pytest.raises(InvalidInput, match="check the units of t and pose") as caught:
         from_samples(t, pose, *[speeds] * (given - 1))
     assert caught.value.argument == "pose"
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_rates_of_a_spline_that_are_too_large_to_either_side_blame_units(sign: float) -> None:
+    """A speed without an acceleration, and an acceleration at small speeds."""
+    t = np.array([0.0, 0.1, 0.2])
+    for times, x in ((t[[0, 2]], [0.0, 3e11]), (t, 1e12 * t**2)):
+        pose = np.outer(sign * np.array(x), [1.0, 0.0, 0.0, 0.0])
+        with pytest.raises(InvalidInput, match="check the units of t and pose"):
+            from_samples(times, pose)

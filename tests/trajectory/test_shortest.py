@@ -98,7 +98,7 @@ def test_optimum_is_never_slower_and_keeps_all_limits(way, law, kind, design, wi
     assert found.stretched == stretched.plan.duration
     # between the points of the program, by the durations that the limits need there
     u = np.linspace(1e-6, 1.0 - 1e-6, 4003)
-    needed = needed_durations(found.plan.curve, limits, design)(u).max(axis=1)
+    needed = needed_durations(found.plan.curve, limits, design, True)(u).max(axis=1)
     assert needed.max() <= found.plan.duration * (1.0 + HELD)
     # every instant is at one of its limits, but for the pieces in which they change
     assert np.mean(needed >= 0.97 * found.plan.duration) > 0.75
@@ -157,13 +157,17 @@ def test_points_are_added_where_a_law_is_too_fast_and_nowhere_else(share: float)
     rate = own.duration / share
     curve = TimedPath(path, BSpline(z.t, z.c / rate**2, z.k), tuple(path.place(path.rests)))
     u, needed, _ = program.needed(curve)
+    most = np.argmax(needed, axis=1)
     ends = curve.breaks
     assert (u > ends[:-1, None]).all()  # at the knots themselves the law may bend
     assert (u < ends[1:, None]).all()
     np.testing.assert_allclose(u + u[:, ::-1], np.tile(ends[:-1] + ends[1:], (u.shape[1], 1)).T)
     before = len(program.points)
     assert program.tighten(curve, 0.01) == (needed.max() > 1.01) == (share > 1.01)
-    assert len(program.points) - before == np.count_nonzero(needed.max(axis=1) > 1.01)
+    at = u[np.arange(len(u)), most][needed.max(axis=1) > 1.01]  # in each piece where it is most
+    np.testing.assert_allclose(
+        program.points[before:], curve.place_at(at * curve.duration), atol=1e-12
+    )
 
 
 def test_derivatives_are_those_of_the_poses() -> None:
@@ -176,6 +180,9 @@ def test_derivatives_are_those_of_the_poses() -> None:
     assert np.allclose((after.velocity - before.velocity) / (2 * h), at.acceleration, atol=1e-3)
     jerk = (after.acceleration - before.acceleration) / (2 * h)
     assert np.allclose(jerk, found.jerk(t), atol=1e-2 * np.abs(jerk).max())
+    assert not found.curve.bounded_jerk  # the acceleration steps where the law begins
+    with pytest.raises(InvalidInput, match="jumps"):
+        shortest_stretch(found, MotionLimits(jerk=60.0))
 
 
 def test_places_and_instants_of_a_traced_path_are_inverse() -> None:
@@ -270,6 +277,9 @@ def test_the_duration_is_what_the_law_needs_where_it_needs_most(
 
     def solve(self: LawProgram, before, real=LawProgram.solve) -> BSpline:  # type: ignore[no-untyped-def]
         solved.append(1)
+        s, h = np.linspace(0.013, 0.987, 40), 1e-7
+        slope = (before(s + h)[0] - before(s - h)[0]) / (2.0 * h)
+        np.testing.assert_allclose(before(s)[1], slope, atol=1e-4 * np.abs(slope).max())
         return real(self, before)
 
     monkeypatch.setattr(LawProgram, "solve", solve)
@@ -279,10 +289,30 @@ def test_the_duration_is_what_the_law_needs_where_it_needs_most(
     breaks = found.plan.curve.breaks
     share = np.concatenate([[1e-6], (np.arange(62) + 0.5) / 62, [1.0 - 1e-6]])
     u = (breaks[:-1, None] + np.diff(breaks)[:, None] * share).ravel()
-    needed = needed_durations(found.plan.curve, LIMITS, APPENDIX_4)(u)
+    needed = needed_durations(found.plan.curve, LIMITS, APPENDIX_4, True)(u)
     assert needed.max() == pytest.approx(found.plan.duration, rel=1e-12)
     row, column = np.unravel_index(int(needed.argmax()), needed.shape)
     assert (found.quantity, found.unit) == (LIMITED[column], UNITS[column])
     assert found.t == pytest.approx(u[row] * found.plan.duration)
     assert found.limit == [*LIMITS.rates.ravel(), *LIMITS.actuators][column]
     assert (found.plan.name, found.plan.kind) == (plan.name, f"{plan.kind}, time-optimal")
+
+
+@pytest.mark.parametrize(("share", "kept"), [(0.048, False), (-0.048, False), (0.052, True)])
+def test_a_knot_within_a_twentieth_of_its_piece_of_a_break_is_the_break(
+    share: float, kept: bool
+) -> None:
+    """Also the first one, whose piece begins at the start."""
+    first = np.sin(0.005 * np.pi) ** 2  # of a hundred pieces
+
+    class Path:
+        breaks = np.array([0.0, (1.0 + share) * first, 1.0])
+        rests = np.array([0.0, 1.0])
+
+        def place(self, u: np.ndarray) -> np.ndarray:
+            return u.copy()
+
+    knots, bends = law_knots(Path())  # type: ignore[arg-type]
+    assert len(knots) == 101 + kept
+    np.testing.assert_array_equal(knots[bends], Path.breaks)
+    assert (np.abs(knots - first).min() < 1e-12) == kept

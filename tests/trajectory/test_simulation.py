@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import inspect
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.optimize import brentq
 
 from paminsa_viz.model import (
     APPENDIX_4,
+    Design,
     InvalidInput,
     KneeBranch,
     Limit,
@@ -24,15 +27,19 @@ from paminsa_viz.model import (
     inverse_kinematics,
     jacobian,
     mass_matrix,
+    singular_radius,
     static_torques,
 )
+from paminsa_viz.model.singularity import singular_rotation
 from paminsa_viz.trajectory import (
     PRESET,
+    SINGULAR_CLEARANCE,
     Controller,
     ControlMode,
     ImpossibleTrajectory,
     Simulation,
     SimulationFailed,
+    Trajectory,
     actuator_inertia,
     equations,
     point_to_point,
@@ -44,6 +51,7 @@ from paminsa_viz.trajectory.equations import robot_numbers
 from tests.support.cases import Case, assert_close, cases
 from tests.support.samples import with_knee
 from tests.trajectory.plans import FRICTION, A, B, preset_plan
+from tests.trajectory.test_plant import MODEL, ROBOT
 
 pytestmark = pytest.mark.slow
 
@@ -117,11 +125,11 @@ def test_with_an_exact_model_the_robot_tracks(control: ControlMode, knee: KneeBr
 @controls
 def test_compiled_and_python_equations_are_the_same(control: ControlMode) -> None:
     samples = point_to_point(A, B, 0.6).lasting(0.15).sample(100)
-    options = {"control": control, "offset": (1e-3, -2e-3, 5e-3, 1e-3), "model": LOADED}
+    options = {"control": control, "offset": (1e-3, -2e-3, 5e-3, 1e-3), "model": MODEL}
     backend.compile_now()
-    compiled = run(trajectory=samples, tolerance=1e-6, **options)
+    compiled = run(ROBOT, samples, tolerance=1e-6, **options)
     with backend.use_numpy():
-        plain = run(trajectory=samples, tolerance=1e-6, **options)
+        plain = run(ROBOT, samples, tolerance=1e-6, **options)
     np.testing.assert_allclose(compiled.pose, plain.pose, atol=1e-10)
     np.testing.assert_allclose(compiled.torque, plain.torque, atol=1e-6)
 
@@ -235,10 +243,10 @@ def test_excessive_gains_fail_early(monkeypatch) -> None:
 def test_as_many_evaluations_as_are_allowed_are_made_and_no_more(monkeypatch) -> None:
     place = "paminsa_viz.trajectory.simulation"
     needed = simulate(APPENDIX_4, SHORT).evaluations
-    monkeypatch.setattr(f"{place}._MOST_A_SECOND", 0)
-    monkeypatch.setattr(f"{place}._MOST_EVALUATIONS", needed)
+    monkeypatch.setattr(f"{place}._MOST_A_SECOND", 10)
+    monkeypatch.setattr(f"{place}._MOST_EVALUATIONS", needed - 6)  # in 0.6 s
     assert simulate(APPENDIX_4, SHORT).evaluations == needed
-    monkeypatch.setattr(f"{place}._MOST_EVALUATIONS", needed - 1)
+    monkeypatch.setattr(f"{place}._MOST_EVALUATIONS", needed - 7)
     with pytest.raises(SimulationFailed, match=f"more than {needed - 1:,} evaluations"):
         simulate(APPENDIX_4, SHORT)
 
@@ -248,10 +256,11 @@ def test_impossible_simulations_are_rejected() -> None:
         run(trajectory=point_to_point(HOME, [0.3, 0, 0, -0.5]).sample(50))
     with pytest.raises(InvalidInput, match="geometry"):
         run(model=APPENDIX_4.vary({"geometry.base_radius": 0.36}))
-    with pytest.raises(InvalidInput, match="offset"):
+    with pytest.raises(InvalidInput, match="offset: the robot cannot start there"):
         run(offset=(1.0, 0, 0, 0))
-    with pytest.raises(InvalidInput, match="offset"):
-        run(offset=(np.nan, 0, 0, 0))
+    for offset in ((np.nan, 0, 0, 0), np.zeros((2, 4))):
+        with pytest.raises(InvalidInput, match="offset: four finite numbers"):
+            run(offset=offset)
     for name, value in (("bandwidth", -1.0), ("damping", np.nan)):
         with pytest.raises(InvalidInput, match=name):
             Controller(**{name: value})
@@ -318,3 +327,52 @@ def test_a_motion_ends_at_its_event_once_also_where_a_sample_stands(end: float, 
             continue
         with pytest.raises(SimulationFailed, match="too stiff"):
             simulation._end(trajectory, solution, room(least))
+
+
+@pytest.mark.parametrize("given", [True, False], ids=["of the design", "of the motion"])
+def test_one_of_two_loads_alone_does_work(given: bool) -> None:
+    """Of both the balance is that of `test_loads`."""
+    swinging = replace(SHORT, load=np.tile(EXTRA, (SHORT.size, 1)))
+    found = run(APPENDIX_4.vary(LOAD), SHORT) if given else run(APPENDIX_4, swinging)
+    assert np.abs(found.push).max() > 0.1
+    assert np.abs(found.energy_drift).max() < 1e-6 * np.abs(found.work).max()
+    assert (found.work[0], found.loss[0], found.push[0]) == (0.0, 0.0, 0.0)
+    bare = run()
+    assert not bare.push.any()
+    assert bare.work[0] == bare.loss[0] == 0.0
+
+
+def test_gains_are_those_of_the_first_pose(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Seen(Exception):
+        pass
+
+    def gains(self: Controller, model: Design, pose: np.ndarray) -> None:
+        raise Seen(model, pose.tolist())
+
+    monkeypatch.setattr(Controller, "gains", gains)
+    with pytest.raises(Seen) as seen:
+        run(model=LOADED)
+    assert seen.value.args == (LOADED, A.tolist())
+
+
+@pytest.mark.parametrize(
+    ("where", "starts"), [("circle", True), ("turn", True), ("stretched", False)]
+)
+def test_a_robot_starts_up_to_the_clearance_and_a_tenth_of_a_millimeter_off_a_stretched_pantograph(
+    where: str, starts: bool
+) -> None:
+    """Half of a tenth before each of its limits."""
+    geometry = APPENDIX_4.geometry
+    near = SINGULAR_CLEARANCE + 5e-5
+    low = brentq(lambda z: check_reach(geometry, [0, 0, 0, z]).margins.min() - 5e-5, -1.1, -0.5)
+    pose = {
+        "circle": [float(singular_radius(geometry, 0.0)) - near, 0.0, 0.0, -0.5],
+        "turn": [0.0, 0.0, singular_rotation(geometry) - near / geometry.platform_radius, -0.5],
+        "stretched": [0.0, 0.0, 0.0, low],
+    }[where]
+    stay = Trajectory([0.0, 1e-3], [pose] * 2, np.zeros((2, 4)), np.zeros((2, 4)))
+    if starts:
+        assert run(trajectory=stay, control=ControlMode.COMPUTED_TORQUE).stopped is None
+        return
+    with pytest.raises(InvalidInput, match="cannot start there"):
+        run(trajectory=stay)

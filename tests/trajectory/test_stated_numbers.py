@@ -51,6 +51,7 @@ from paminsa_viz.trajectory.sampled import (
     sample_times,
 )
 from paminsa_viz.trajectory.shortest import EXCEEDED, FINE, LEAST, PIECES, ROUNDS, SETTLED
+from paminsa_viz.trajectory.solved import solve_trajectory
 from paminsa_viz.trajectory.time_optimal import TIGHTENED, WIDEST
 from tests.support.documentation import defaults_of, missing
 from tests.trajectory.plans import A, B
@@ -117,6 +118,8 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         (lambda v: arch(A, B, 0.1, overlap=v), [0.0, 1.0], [-1e-9, np.nextafter(1.0, 2.0)]),
         # with corners the crossing has what the lifts leave
         (lambda v: arch(A, B, 0.1, lift_share=v, overlap=0.0), [0.499], [0.5]),
+        # a crossing takes a millionth of the time at least
+        (lambda v: arch(A, B, 0.1, lift_share=0.5, overlap=v), [1.05e-6], [0.95e-6]),
         (lambda v: circle(HOME, v), [1e-6], [0.0, np.inf]),
         (lambda v: circle(HOME, 0.1, angle=v), [-1.0, 0.0], [np.inf, np.nan]),
         (lambda v: circle(HOME, 0.1, begin=v), [-1.0, 0.0], [np.inf, np.nan]),
@@ -141,7 +144,7 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
             [LARGEST, -LARGEST], [1.01 * LARGEST, np.inf],
         ),
     ],
-    ids=range(19),
+    ids=range(20),
 )  # fmt: skip
 def test_what_is_just_possible_is_done_and_what_is_just_not_is_refused(
     make: Callable[[float], Any], possible: Any, impossible: Any
@@ -169,7 +172,8 @@ def test_what_is_just_possible_is_done_and_what_is_just_not_is_refused(
         (unplanned_torque, {"rate": RATE}),
         (payload_drift, {"clearance": SINGULAR_CLEARANCE}),
         (circle, {"duration": 1.0, "plane": "xy", "begin": 0.0, "angle": 2 * np.pi}),
-        (plan_deformed, {"duration": None}),
+        (plan_deformed, {"duration": None, "most": 0.02}),
+        (solve_trajectory, {"gravity": APPENDIX_4.gravity, "clearance": SINGULAR_CLEARANCE}),
         (Plan.sample, {"rate": RATE}),
         (Trajectory.resampled, {"rate": RATE}),
     ],
@@ -204,4 +208,5 @@ def test_a_crossing_is_unbounded_from_a_share_of_the_largest_torque_on(
     load = CrossingLoad(0.5, Locus.CIRCLE, 1.0, 0.0, (0.0,) * 4)
     both = tuple(replace(load, excess=share * EXCESS * largest) for share in (1.0, 1.001))
     monkeypatch.setattr(TrajectoryAnalysis, "crossings", property(lambda _: both))
-    assert analysis.unbounded == both[1:]
+    for sign in (1.0, -1.0):
+        assert replace(analysis, torque=sign * analysis.torque).unbounded == both[1:]

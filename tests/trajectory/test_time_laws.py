@@ -129,6 +129,34 @@ def test_an_s_curve_without_a_jerk_limit_keeps_its_blend(speed, acceleration) ->
     assert np.abs(law(np.array([0.5]), 1))[0] / duration <= speed * (1 + 1e-9)
 
 
+def test_a_speed_that_is_hardly_reached_makes_ramps_of_half_the_time_each() -> None:
+    """With an acceleration of 1 it is reached after half of the way if its square is 1."""
+    for speed, ramp, wanted in (
+        (1.02, 1.0, 2.0), (1.0, 1.0, 2.0), (0.98, 0.98, 1.0 / 0.98 + 0.98),
+    ):  # fmt: skip
+        found = fit_law(TimeLaw(Profile.TRAPEZOID), speed, 1.0)
+        assert found is not None
+        law, duration = found
+        assert duration == pytest.approx(wanted)
+        assert law.ramp == pytest.approx(ramp / wanted)
+
+
+def test_ramps_that_reach_their_acceleration_at_their_middle_alone_blend_half_of_the_time() -> None:
+    """Whatever rounding makes of it; a share of more than a half would be refused."""
+    for acceleration, jerk in np.random.default_rng(1).uniform(0.1, 9.0, (200, 2)).tolist():
+        found = fit_law(TimeLaw(Profile.S_CURVE), acceleration**2 / jerk, acceleration, jerk)
+        assert found is not None
+        assert found[0].blend == pytest.approx(0.5)
+
+
+def test_coefficients_are_those_of_the_law_between_its_breaks() -> None:
+    for profile in Profile:
+        law = TimeLaw(profile)
+        for begin, end, c in zip(law.breaks, law.breaks[1:], law.coefficients.T, strict=False):
+            u = np.linspace(begin, end, 5)
+            np.testing.assert_allclose(np.polyval(c, u - begin), law(u), atol=1e-14)
+
+
 def test_limits_without_a_shape_give_none() -> None:
     assert fit_law(TimeLaw(), 1.0, 1.0, 1.0) is None
     assert fit_law(TimeLaw(Profile.TRAPEZOID), 1.0) is None

@@ -22,14 +22,22 @@ from paminsa_viz.trajectory import (
     Profile,
     ShortestStretch,
     TimeLaw,
+    check_path,
     point_to_point,
     shortest_stretch,
 )
 from paminsa_viz.trajectory.limits import LIMITED, UNITS
-from paminsa_viz.trajectory.timing import _longest, limit_of, nodes, supremum
+from paminsa_viz.trajectory.timing import (
+    _longest,
+    drive_lines,
+    limit_of,
+    needed_durations,
+    nodes,
+    supremum,
+)
 from tests.support.cases import Case, cases
 from tests.support.samples import with_knee
-from tests.trajectory.plans import FRICTION, LAWS, PLANS, A, B, all_plans, dense, place
+from tests.trajectory.plans import FRICTION, LAWS, PLANS, A, B, C, all_plans, dense, place
 
 VISCOUS = {name: value for name, value in FRICTION.items() if "viscous" in name}
 DESIGNS = {
@@ -91,8 +99,13 @@ def test_limits_of_jerk(plan: Plan) -> None:
 
 
 @PLANS
-@pytest.mark.parametrize("robot", DESIGNS)
-@pytest.mark.parametrize("knee", KneeBranch)
+@pytest.mark.parametrize(
+    ("robot", "knee"),
+    [
+        ("frictionless", KneeBranch.LOWER), ("viscous", KneeBranch.UPPER),
+        ("payload", KneeBranch.LOWER),
+    ],
+)  # fmt: skip
 def test_limits_of_torque(plan: Plan, robot: str, knee: KneeBranch) -> None:
     design = DESIGNS[robot]
     still = inverse_dynamics(
@@ -158,6 +171,12 @@ def test_actuator_too_weak_for_gravity_is_reported() -> None:
     assert error.limit == 200.0
     held = inverse_dynamics(APPENDIX_4, error.pose, [0] * 4, [0] * 4).torque[3]
     assert error.needed == pytest.approx(held, rel=1e-12)
+    for ends in ((A, B), (B, A), (C, A)):
+        with pytest.raises(InfeasibleMotion) as caught:
+            shortest_stretch(point_to_point(*ends), MotionLimits(torque=0.2), APPENDIX_4)
+        torque = inverse_dynamics(APPENDIX_4, caught.value.pose, [0] * 4, [0] * 4).torque[:3]
+        assert caught.value.actuator == np.abs(torque).argmax()
+        assert caught.value.needed == pytest.approx(torque[caught.value.actuator], rel=1e-12)
     assert "gravity" in str(error)
     assert "force of M4" in str(error)
     with pytest.raises(InfeasibleMotion) as caught:
@@ -186,8 +205,12 @@ def test_impossible_limits_are_rejected() -> None:
         shortest_stretch(point_to_point(A, B), MotionLimits())
     with pytest.raises(InvalidInput, match="nothing that moves"):
         shortest_stretch(point_to_point(A, [*A[:2], 1.0, A[3]]), MotionLimits(speed=1.0))
-    with pytest.raises(ImpossibleTrajectory):
-        shortest_stretch(point_to_point(A, [0.4, 0, 0, -0.5]), MotionLimits(speed=1.0), APPENDIX_4)
+    plan = point_to_point(A, [0.4, 0, 0, -0.5], 7.0)
+    with pytest.raises(ImpossibleTrajectory) as caught:
+        shortest_stretch(plan, MotionLimits(speed=1.0), APPENDIX_4)
+    event = check_path(APPENDIX_4.geometry, plan.sample()).first
+    assert event is not None
+    assert caught.value.event.t == pytest.approx(event.t / 7.0)  # as the motion has no duration yet
     for value in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(InvalidInput, match="speed"):
             MotionLimits(speed=value)
@@ -256,6 +279,57 @@ def test_drives_are_left_out_where_there_are_none_or_on_request() -> None:
     assert "is reached at" in alone.explanation or "rad/s" in alone.explanation
 
 
+def test_one_drive_alone_is_kept_and_a_motion_the_other_way_is_as_long() -> None:
+    """Of a robot whose other actuators have none; durations are in columns of their names."""
+    plan, none = point_to_point(A, B), MotionLimits()
+    for one in (0, 3):
+        drives: list[Drive | None] = [None] * 4
+        drives[one] = AXIS if one == 3 else SERVO
+        design = replace(APPENDIX_4, drives=tuple(drives))  # type: ignore[arg-type]
+        found = shortest_stretch(plan, none, design)
+        assert found.quantity.endswith(f"M{one + 1}")
+        back = shortest_stretch(point_to_point(B, A), none, design)
+        assert back.plan.duration > 0.3 * found.plan.duration
+        needed = needed_durations(plan.curve, none, design, True)(np.array([0.3, 0.6]))
+        assert needed.shape == (2, len(LIMITED))
+        assert not np.delete(needed, [10 + one, 14 + one], axis=1).any()
+        for robot, kept in ((APPENDIX_4, True), (design, False), (None, True)):
+            bare = needed_durations(plan.curve, none, robot, kept)(np.array([0.3, 0.6]))
+            assert bare.shape == (2, 6)  # those of rates alone
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_move_and_the_way_back_take_as_long_and_use_limits_of_turning_as_well(
+    law: TimeLaw,
+) -> None:
+    """By turns of either sign; what the limits require is not more than what is given."""
+    limits = MotionLimits(speed=9.0, turn_speed=1.0, turn_acceleration=4.0, turn_jerk=90.0)
+    if not law.bounded_jerk:
+        limits = replace(limits, turn_jerk=None)
+    there, back = (
+        shortest_stretch(point_to_point(*way, law=law), limits) for way in ((A, B), (B, A))
+    )
+    assert back.plan.duration == pytest.approx(there.plan.duration, rel=1e-12)
+    for found in (there, back):
+        top = used(found.plan, dense(found.plan), limits).max(axis=0)
+        if law.profile is not Profile.QUINTIC:
+            np.testing.assert_allclose(top[[1, 3]], 1.0, rtol=1e-9)
+        u = np.array([found.t / found.plan.duration])
+        needed = needed_durations(found.plan.curve, limits, None, True)(u)
+        assert needed.max() <= found.plan.duration
+
+
+def test_a_gear_takes_its_share_of_the_load_only_where_it_turns() -> None:
+    speed = np.array([-0.3, 0.0, 1.0])
+    for limit, fall, shares, counted in drive_lines(replace(SERVO, gear_peak_torque=7.0), speed):
+        for share, power in zip(shares, (-1.0, 1.0), strict=False):
+            eta = SERVO.total_efficiency**power if counted else 1.0
+            np.testing.assert_allclose(share, [eta, 1.0, eta])
+        assert len(shares) == (2 if counted else 1)
+        assert (limit == 7.0) == (not counted)
+        assert counted or fall == 0.0  # a gear's peak is the same at any speed
+
+
 def test_a_drive_too_weak_for_gravity_is_named() -> None:
     weak = replace(AXIS, peak_torque=0.1)
     with pytest.raises(InfeasibleMotion) as caught:
@@ -264,6 +338,11 @@ def test_a_drive_too_weak_for_gravity_is_named() -> None:
         )
     assert caught.value.actuator == 3
     assert caught.value.limit == pytest.approx(weak.output_limits.peak)
+    feeble = replace(SERVO, peak_torque=2e-3, envelope=())
+    with pytest.raises(InfeasibleMotion) as caught:
+        shortest_stretch(point_to_point(A, B), MotionLimits(force=9e3), driven(feeble))
+    assert caught.value.actuator in (0, 1, 2)
+    assert caught.value.limit == pytest.approx(feeble.output_limits.peak)
 
 
 def test_a_largest_value_is_looked_for_at_480_instants_but_24_of_a_piece_at_least() -> None:
@@ -305,7 +384,7 @@ def test_pieces_of_four_rounding_gaps_have_no_instants_of_their_own(
 def test_a_largest_value_is_exact_also_of_steep_hills_and_at_the_ends() -> None:
     """Cosines of any phase and column, infinite ones, and what is nowhere above zero."""
     breaks = np.array([0.0, 0.3, 1.0])
-    for top in (0.0, 0.123456, 0.3, 0.77, 1.0):
+    for top in (0.0, 0.3, 1.0, *np.random.default_rng(0).uniform(0.0, 1.0, 30)):
         for column, size in ((0, 1.0), (2, 1.0), (1, 1e-3)):
 
             def hill(
@@ -346,6 +425,7 @@ def test_durations_of_torques_are_those_of_the_smallest_positive_root() -> None:
     room = rng.uniform(-0.2, 1.0, 400)
     first, second = rng.normal(size=(2, 400)) * 0.5
     first[:40] = second[20:60] = 0.0
+    room[50:90] = 0.0
     found = _longest(room, first, second)
     for at, up, over, duration in zip(room, first, second, found, strict=True):
         roots = np.roots([over, up, -at])

@@ -18,6 +18,7 @@ from paminsa_viz.trajectory.paths import (
     spline_path,
     straight_path,
 )
+from paminsa_viz.trajectory.plan import UnitCurve
 from paminsa_viz.trajectory.planners import shared_time
 from paminsa_viz.trajectory.sampled import STEPS, Trajectory
 from tests.trajectory.plans import A, B, C
@@ -88,11 +89,13 @@ def test_at_a_stop_the_direction_is_that_right_after_it() -> None:
     [
         (lambda: straight_path(A, A), "two different poses"),
         (lambda: straight_path(A, [*B[:3], np.nan]), "two finite poses"),
+        (lambda: straight_path([A], B), "two finite poses"),
+        (lambda: straight_path(A, [B, C]), "two finite poses"),
         (lambda: spline_path([A]), "at least two finite poses"),
         (lambda: spline_path(A), "at least two finite poses"),
         (lambda: spline_path([A, [np.inf, 0.0, 0.0, 0.0]]), "at least two finite poses"),
     ],
-    ids=["same", "lost", "one", "alone", "infinite"],
+    ids=["same", "lost", "row", "rows", "one", "alone", "infinite"],
 )
 def test_what_is_no_path_is_refused(make, words: str) -> None:
     with pytest.raises(InvalidInput, match=f"poses: {words}"):
@@ -135,6 +138,28 @@ def test_places_of_a_motion_that_nearly_turns_back_are_found_and_few_cells_are_h
     np.testing.assert_allclose(path.place(path.instant(s)), s, atol=1e-15)
     # two pieces of 16 cells; each bend is halved to at most sixteen times smaller ones
     assert len(path._run.x) - 1 <= 32 + 2 * 16
+
+
+@pytest.mark.parametrize(("off", "cells"), [(0.95e-11, 16), (1.05e-11, 17), (-1.05e-11, 17)])
+def test_cells_are_halved_that_are_off_by_a_share_of_1e_11_of_the_speed(
+    off: float, cells: int
+) -> None:
+    """Between the eight speeds of one cell, where its polynomial is as large as that."""
+    nodes = 0.5 * (1.0 + np.polynomial.legendre.leggauss(8)[0])
+    between = np.concatenate([0.5 * nodes, 0.5 + 0.5 * nodes])
+    largest = np.abs(np.prod(between[:, None] - nodes, axis=1)).max()
+
+    class Wavy:
+        breaks = np.array([0.0, 1.0])
+        bounded_jerk = True
+
+        def __call__(self, u: np.ndarray, order: int = 0) -> np.ndarray:
+            cell = 16.0 * u - 5.0
+            wave = np.prod(cell[:, None] - nodes, axis=1) / largest
+            rate = 3.0 * (1.0 + np.where((cell >= 0.0) & (cell <= 1.0), off * wave, 0.0))
+            return rate[:, None] * [1.0, 0.0, 0.0, 0.0]
+
+    assert len(TracedPath(Wavy())._run.x) - 1 == cells
 
 
 def test_beside_a_stop_directions_are_those_a_hundred_thousandth_of_the_piece_off_it() -> None:
@@ -191,7 +216,9 @@ def test_times_and_places_of_a_law_are_inverse() -> None:
 def test_breaks_of_a_quadratic_law_are_those_of_its_knots() -> None:
     times = [LAW.time_at(float(at)) for at in KNOTS]
     np.testing.assert_allclose(LAW.breaks * LAW.duration, times, rtol=1e-12)
-    cubic = TimedPath(LAW.path, BSpline([0.0] * 4 + [1.0] * 4, [0.0, 1.0, 1.0, 0.0], 3))
+    cubic = TimedPath(
+        LAW.path, BSpline([0.0] * 4 + [0.5] + [1.0] * 4, [0.0, 1.0, 1.0, 1.0, 0.0], 3)
+    )
     assert cubic.breaks.tolist() == [0.0, 1.0]
 
 
@@ -202,12 +229,28 @@ def test_ends_of_a_law_that_are_off_by_rounding_are_ends() -> None:
     assert off.time_at(1.0) == pytest.approx(off.duration, rel=1e-14)
 
 
-def test_derivatives_of_a_law_by_unit_time_are_those_of_the_poses() -> None:
+@pytest.mark.parametrize(
+    "curve", [point_to_point(A, B).curve, PLANS["circle"].curve], ids=["straight", "bent"]
+)
+def test_derivatives_of_a_law_by_unit_time_are_those_of_the_poses(curve: UnitCurve) -> None:
+    timed = TimedPath(TracedPath(curve), Z)
     u, h = np.linspace(0.003, 0.997, 37), 1e-6
     for order in (1, 2, 3):
-        slope = (LAW(u + h, order - 1) - LAW(u - h, order - 1)) / (2 * h)
-        exact = LAW(u, order)
-        near = np.abs(u[:, None] - LAW.breaks).min(axis=1) > 1e-5
+        slope = (timed(u + h, order - 1) - timed(u - h, order - 1)) / (2 * h)
+        exact = timed(u, order)
+        near = np.abs(u[:, None] - timed.breaks).min(axis=1) > 1e-5
         size = np.abs(exact).max()
         np.testing.assert_allclose(slope[near], exact[near], atol=1e-5 * size)
     assert LAW(np.array([[0.2, 0.4]]), 3).shape == (1, 2, 4)
+
+
+def test_a_short_motion_stops_no_more_often_than_a_long_one() -> None:
+    for size in (1e-6, 1.0, 1e6):
+        path = TracedPath(via_points(size * np.array([A, B, C])).curve)
+        assert path.rests.tolist() == [0.0, 1.0]
+
+
+def test_at_a_stop_the_time_by_the_angle_is_what_it_is_next_to_it() -> None:
+    """Where s goes with the square of the time, as at both ends of a quadratic law."""
+    beside = LAW._slowness(np.array([1e-5, 1.0 - 1e-5]))
+    np.testing.assert_allclose(LAW._slowness(np.array([0.0, 1.0])), beside, rtol=1e-3)
