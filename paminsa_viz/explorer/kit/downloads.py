@@ -83,17 +83,19 @@ def _export(what: str, make: Make, session: Session) -> None:
         )
         try:
             file = make(session)
-            session.client.send_file_download(file.name, file.content, save_immediately=True)
-            session.notify("Exported", f"{file.name}, {_size_of(len(file.content))}")
-        except PaminsaError as error:
-            session.notify("Not exported", str(error), bad=True)
-        except Exception:
-            log.exception("an export failed")
-            session.notify("Not exported", "Details are in the program's log.", bad=True)
         finally:
             notice.remove()
+    except PaminsaError as error:
+        session.notify("Not exported", str(error), bad=True)
+        return
+    except Exception:
+        log.exception("an export failed")
+        session.notify("Not exported", "Details are in the program's log.", bad=True)
+        return
     finally:
-        session.exporting.release()
+        session.exporting.release()  # before the file comes down: the next may follow
+    session.client.send_file_download(file.name, file.content, save_immediately=True)
+    session.notify("Exported", f"{file.name}, {_size_of(len(file.content))}")
 
 
 def _size_of(count: int) -> str:

@@ -334,6 +334,21 @@ def test_one_export_runs_at_a_time(desk: Desk, monkeypatch: pytest.MonkeyPatch) 
     assert [m["filename"] for m in started(desk)] == ["slow.glb"]
 
 
+def test_the_next_export_may_be_asked_for_when_a_file_comes_down(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    held: list[bool] = []
+    client = desk.session.client
+    monkeypatch.setattr(exports, "robot", lambda state: File("quick.glb", b"x"))
+    monkeypatch.setattr(
+        client, "send_file_download",
+        lambda *_, **__: held.append(desk.session.exporting.locked()),
+    )  # fmt: skip
+    desk.set("export.scene", "Robot as GLB")
+    desk.noticed("quick.glb")
+    assert held == [False]
+
+
 def test_unexpected_error_is_notified_and_logged(
     desk: Desk, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
