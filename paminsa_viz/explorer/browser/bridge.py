@@ -32,6 +32,18 @@ HELLO_TIMEOUT = 60.0
 """How long the page is waited for before it is built without knowing its size and what it has kept
 [s]; what it says later is taken all the same."""
 
+PARTS = (
+    "backdrop.js",
+    "tooltips.js",
+    "names.js",
+    "tour.js",
+    "clipboard.js",
+    "cursor.js",
+    "pictures.js",
+    "tabs.js",
+)
+"""Scripts that ``page.js`` calls, sent before it."""
+
 FOLDED_DOCK = 60
 """A dock that covers less of the window than this is folded [px]."""
 
@@ -111,13 +123,8 @@ class Bridge:
         timer.daemon = True
         self.on("hello", lambda _: timer.cancel())
         timer.start()
-        self._run(asset("backdrop.js"))
-        self._run(asset("tooltips.js"))
-        self._run(asset("names.js"))
-        self._run(asset("tour.js"))
-        self._run(asset("clipboard.js"))
-        self._run(asset("cursor.js"))
-        self._run(asset("pictures.js"))
+        for name in PARTS:
+            self._run(asset(name))
         self._run(f"({asset('page.js').rstrip()})({json.dumps(config)})")
 
     def on(self, kind: str, listener: Callable[[Any], None]) -> None:

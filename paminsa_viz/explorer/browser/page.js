@@ -85,90 +85,15 @@
     }
   };
 
-  // --- open tabs: only they follow a drag, and a reload opens them again ---------------------
-  // A tab is known by its path, such as "Accuracy/Drives": inner tabs may have the same name.
-  const tabsKey = `${config.storeKey}_tabs`;
-  const tabs = () => [...document.querySelectorAll('[role="tab"]')];
-  const isOpen = (tab) => tab.getAttribute("aria-selected") === "true";
-  const nameOf = (tab) => tab.textContent.trim();
-  // Of a hidden row of tabs the page does not say which tab it lies in: that is remembered of when
-  // it was seen. Whether a row is seen is asked without its place, which would lay out the page.
-  const around = new WeakMap();
-  const tablistIn = (box) => [...box.children].find((each) => each.getAttribute("role") === "tablist");
-  const pathAround = (row) => {
-    const known = around.get(row);
-    let isKnown = !known?.isKnown && row.checkVisibility();
-    if (known && !isKnown) return known.names;
-    const names = [];
-    for (let box = row.parentElement?.parentElement; box; box = box.parentElement) {
-      const list = tablistIn(box);
-      const open = list && [...list.children].find(isOpen);
-      if (open) names.unshift(nameOf(open));
-      isKnown &&= !list || Boolean(open); // a row that is being built opens its first tab later
-    }
-    around.set(row, { names, isKnown });
-    return names;
-  };
-  const pathOf = (tab) => {
-    const row = tab.closest('[role="tablist"]');
-    return [...(row ? pathAround(row) : []), nameOf(tab)].join("/");
-  };
-  const withOuter = (path) =>
-    path.split("/").map((_, index, names) => names.slice(0, index + 1).join("/"));
-  const rowOf = (path) => path.split("/").slice(0, -1).join("/");
-  const MOST_KEPT = 40;
-  let wanted = []; // to be opened; those of a row that is not there yet are waited for
-  try {
-    const kept = JSON.parse(sessionStorage.getItem(tabsKey) || "[]");
-    wanted = kept.map((name) => config.tabs[name] ?? name);
-    // Names that an earlier page has kept have none of the tabs around them.
-    if (!kept.some((name) => name.includes("/"))) wanted = wanted.flatMap(withOuter);
-  } catch (error) {
-    console.warn(error);
-  }
-  let reportedTabs = "";
-  const followTabs = () => {
-    const paths = new Map(tabs().map((tab) => [tab, pathOf(tab)]));
-    const open = [...paths.keys()].filter(isOpen);
-    const seen = open.filter((tab) => tab.checkVisibility()).map((tab) => paths.get(tab));
-    const found = [...paths.keys()].filter((tab) => wanted.includes(paths.get(tab)));
-    const closed = found.filter((each) => !isOpen(each));
-    for (const tab of closed)
-      tab.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", bubbles: true }));
-    // What a row opens by itself is no choice: the server would go to that workspace, and then
-    // open in the dock what the next one begins with.
-    if (!closed.length && String(seen) !== reportedTabs && send("tabs", seen))
-      reportedTabs = String(seen);
-    const opened = new Set(found.filter(isOpen).map((tab) => paths.get(tab)));
-    wanted = wanted.filter((path) => !opened.has(path)).slice(-MOST_KEPT);
-    if (!isWhole) return; // rows are still to come, and open their first tab
-    const rows = new Set([...paths.values()].map(rowOf));
-    const waiting = wanted.filter((path) => !rows.has(rowOf(path)));
-    const kept = JSON.stringify([...waiting, ...open.map((tab) => paths.get(tab))]);
-    try {
-      if (kept !== sessionStorage.getItem(tabsKey)) sessionStorage.setItem(tabsKey, kept);
-    } catch (error) {
-      console.warn(error);
-    }
-  };
-  every(200, followTabs);
-  // Of tabs that were asked for in a row, only the last one is wanted.
-  const dropOthers = (tab, paths = []) => {
-    const row = [...tab.closest('[role="tablist"]').querySelectorAll('[role="tab"]')].map(pathOf);
-    wanted = wanted.filter((path) => paths.includes(path) || !row.includes(path));
-  };
-  for (const kind of ["pointerdown", "keydown"])
-    document.addEventListener(kind, ({ target, isTrusted }) => {
-      const tab = isTrusted && target.closest?.('[role="tab"]');
-      if (tab) dropOthers(tab);
-    }, { capture: true, signal: stopped.signal });
-  // Opens a tab by its path, and those around it before.
-  const openTab = (path) => {
-    const all = withOuter(path);
-    for (const tab of tabs()) if (all.includes(pathOf(tab))) dropOthers(tab, all);
-    wanted = [...wanted.filter((each) => !all.includes(each)), ...all];
-    followTabs();
-  };
+  // --- open tabs, see tabs.js -----------------------------------------------------------------
+  const tabs = window.paminsaTabs({
+    key: `${config.storeKey}_tabs`,
+    names: config.tabs,
+    isWhole: () => isWhole,
+    send,
+    signal: stopped.signal,
+  });
+  every(200, tabs.follow);
 
   // A link goes before what was kept, which is then offered and not written over it.
   let link = "";
@@ -178,7 +103,7 @@
     if (!send("link", link)) return false;
     const shown = new URLSearchParams(link.split("&").slice(1).join("&"));
     const linked = ["section", "beside"].map((key) => shown.get(key)).filter(Boolean);
-    if (linked.length) wanted = linked.flatMap(withOuter); // and not what the tab has kept
+    if (linked.length) tabs.want(linked); // and not what the tab has kept
     link = "";
     return true;
   };
@@ -542,8 +467,8 @@
   const renderOnDemand = (animation) => window.paminsaDrawing?.renderOnDemand(animation);
   const releaseTheme = () => window.paminsaFirstPaint?.release();
   window.paminsa = {
-    stop, whole, tour, copy, focusInput, send, save, openTab, setTitle, showTime, showLegend,
-    renderOnDemand, releaseTheme, openLink, followLink, copyLink, answerTyped, showPlace, showPiece,
-    showReadout,
+    stop, whole, tour, copy, focusInput, send, save, openTab: tabs.open, setTitle, showTime,
+    showLegend, renderOnDemand, releaseTheme, openLink, followLink, copyLink, answerTyped, showPlace,
+    showPiece, showReadout,
   };
 }
