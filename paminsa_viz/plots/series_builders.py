@@ -122,7 +122,8 @@ def motion_clearance(
         analysis: The design on the motion.
         pairs: Groups of pairs that are checked.
     """
-    motion, wanted = analysis.trajectory, frozenset(pairs)
+    motion = analysis.trajectory
+    wanted = frozenset(pairs)
     chosen = tuple(group for group in PairGroup if group in wanted)
     count = min(motion.size, SAMPLES)
     samples = np.linspace(0, motion.size - 1, count).round().astype(np.intp)
