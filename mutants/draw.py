@@ -9,9 +9,11 @@ from __future__ import annotations
 import ast
 import random
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+_Node = ast.expr | ast.stmt
 
 Key = tuple[str, str, str, str, int]
 """File, line of code, before, after, and number of a mutant."""
@@ -28,6 +30,7 @@ class Mutant:
         before, after: Source of the node, as ``ast.unparse`` writes it.
         code: The first line of the node as it stands in the file.
         number: How many changes of the file before this one read the same.
+        is_expression: Whether the node is one; it is a statement otherwise.
     """
 
     path: str
@@ -39,6 +42,7 @@ class Mutant:
     after: str
     code: str
     number: int
+    is_expression: bool
 
     @property
     def key(self) -> Key:
@@ -47,7 +51,8 @@ class Mutant:
 
     def apply(self, source: bytes) -> bytes:
         """Return the file with the change."""
-        return source[: self.start] + f"({self.after})".encode() + source[self.end :]
+        changed = f"({self.after})" if self.is_expression else self.after
+        return source[: self.start] + changed.encode() + source[self.end :]
 
 
 _COMPARED: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
@@ -80,6 +85,8 @@ _PAIRS = (
     ("nanmin", "nanmax"), ("zeros", "ones"), ("flatnonzero", "nonzero"),
 )  # fmt: skip
 _OTHER_NAME = {a: b for pair in _PAIRS for a, b in (pair, pair[::-1])}
+_ORDERED = {"where", "arctan2", "copysign", "cross"}
+"""Functions whose last two arguments are not to be exchanged."""
 _DROPPED = {"abs", "sqrt", "sorted", "cumsum", "conj", "unique", "square", "sign", "clip"}
 
 
@@ -106,7 +113,7 @@ def candidates(path: str, source: bytes) -> list[Mutant]:
                     (path, node.lineno, node.col_offset, start, end),
                     (before, after, code),
                 )
-                found.append(Mutant(*place, *text, seen[text]))
+                found.append(Mutant(*place, *text, seen[text], isinstance(node, ast.expr)))
                 seen[text] += 1
     return found
 
@@ -126,14 +133,30 @@ def drawn(root: Path, room: str, seed: int, count: int) -> list[Mutant]:
     return random.Random(f"{room} {seed}").sample(every, min(count, len(every)))
 
 
-def _changes(tree: ast.AST) -> Iterator[tuple[ast.expr, list[ast.expr]]]:
-    """Yield expressions of a tree with what each may become."""
+def _changes(tree: ast.AST) -> Iterator[tuple[_Node, Sequence[_Node]]]:
+    """Yield expressions and statements of a tree with what each may become."""
+    conditions = _conditions(tree)
     for child in _looked_into(tree):
         if isinstance(child, ast.expr):
-            others = list(_others(child))
-            if others:
-                yield child, others
+            yield child, list(_others(child))
+            if any(child is one for one in conditions):
+                yield child, [ast.UnaryOp(ast.Not(), child)]
+        elif isinstance(child, ast.stmt):
+            yield child, list(_other_statements(child))
         yield from _changes(child)
+
+
+def _conditions(node: ast.AST) -> list[ast.expr]:
+    """Return the conditions of a node that have no operator, which is what changes elsewhere."""
+    match node:
+        case ast.If(test) | ast.comprehension(ifs=[test]):
+            found = [test]
+        case ast.BoolOp(_, values):
+            found = values
+        case _:
+            found = []
+    plain = ast.Name, ast.Attribute, ast.Call, ast.Subscript
+    return [one for one in found if isinstance(one, plain)]
 
 
 def _looked_into(node: ast.AST) -> Iterator[ast.AST]:
@@ -177,6 +200,11 @@ def _others(node: ast.expr) -> Iterator[ast.expr]:
         case ast.Compare(left, [op], [right]):
             for other in _COMPARED[type(op)]:
                 yield ast.Compare(left, [other()], [right])
+        case ast.Compare(left, operators, rights):
+            for i, op in enumerate(operators):
+                for other in _COMPARED[type(op)]:
+                    changed = [*operators[:i], other(), *operators[i + 1 :]]
+                    yield ast.Compare(left, changed, rights)
         case ast.BinOp(left, op, right) if type(op) in _COMPUTED:
             yield ast.BinOp(left, _COMPUTED[type(op)](), right)
         case ast.BoolOp(op, values):
@@ -204,3 +232,19 @@ def _others(node: ast.expr) -> Iterator[ast.expr]:
                 yield ast.Call(swapped, arguments, keywords)
             elif name in _DROPPED and arguments:
                 yield arguments[0]
+            elif name in _ORDERED and len(arguments) > 1:
+                *first, a, b = arguments
+                yield ast.Call(function, [*first, b, a], keywords)
+
+
+def _other_statements(node: ast.stmt) -> Iterator[ast.stmt]:
+    """Yield what a statement may become: a sum the other way, or nothing at all."""
+    match node:
+        case ast.AugAssign(target, op, value):
+            if type(op) in _COMPUTED:
+                yield ast.AugAssign(target, _COMPUTED[type(op)](), value)
+            yield ast.Pass()
+        case ast.Expr(ast.Call()) | ast.Continue():
+            yield ast.Pass()
+        case ast.Assign(targets=[ast.Subscript() | ast.Attribute()]):
+            yield ast.Pass()
