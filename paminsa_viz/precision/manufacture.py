@@ -308,5 +308,5 @@ def monte_carlo(
     return MonteCarlo(
         pose, seed,
         errors[:done].reshape(done, *shape, 6), status[:done].reshape(done, *shape),
-        canceled and done < robots,
+        done < robots,
     )  # fmt: skip

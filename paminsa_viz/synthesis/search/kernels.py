@@ -190,7 +190,7 @@ def _plate(strict: Any, register: Any) -> Any:
                         px, py = c * px + s * py, c * py - s * px
                         qx, qy = c * qx + s * qy, c * qy - s * qx
                         first, last = 0.0, 1.0
-                        a, b = last - golden * (last - first), first + golden * (last - first)
+                        a, b = 1.0 - golden, golden
                         fa = plate_distance(corners, low, top, px + a * qx, py + a * qy, a * down)
                         fb = plate_distance(corners, low, top, px + b * qx, py + b * qy, b * down)
                         for _ in range(NARROWED):
