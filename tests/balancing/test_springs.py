@@ -174,6 +174,13 @@ def test_impossible_springs_are_rejected(make) -> None:
         make()
 
 
+def test_poses_out_of_reach_do_not_count_in_a_fit() -> None:
+    place, poses = SpringPlace(on_slider(0.2), at_joint(9)), workspace().poses().reshape(-1, 4)
+    wider = np.vstack([poses, [[0.0, 0.0, 0.0, -5.0], [9.0, 0.0, 0.0, -0.5]]])
+    fits = [fit_springs(APPENDIX_4, [place], some, measure="rms") for some in (poses, wider)]
+    assert replace(fits[1], seconds=fits[0].seconds) == fits[0]
+
+
 def test_no_spring_changes_nothing() -> None:
     fit = fit_springs(APPENDIX_4, [], workspace().poses())
     assert fit.springs == ()

@@ -13,6 +13,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.example_logs import ExampleLog, example_log
 from paminsa_viz.identification import (
     IdentificationSettings,
+    InvalidLog,
     identify,
     make_log,
     validate,
@@ -51,6 +52,12 @@ def test_another_motion_is_predicted_almost_as_well_as_its_own_fit(
 def test_another_robot_is_not_validated(identified: Any) -> None:
     heavier = DESIGN.vary({"links.b4": 0.8})
     assert not validate(identified, simulated(2, heavier)).holds
+
+
+def test_a_log_that_shows_nothing_validates_nothing(identified: Any) -> None:
+    log = simulated(2, DESIGN)
+    with pytest.raises(InvalidLog, match="torque of M1 never changes"):
+        validate(identified, make_log(log.t, log.position, 0.0 * log.torque))
 
 
 def test_a_delay_holds_for_the_second_log_too() -> None:

@@ -22,6 +22,7 @@ from paminsa_viz.model import (
     xy_grid,
 )
 from paminsa_viz.model.dynamics import InverseDynamics, TorqueBreakdown
+from paminsa_viz.model.grids import ROTARY_TORQUES
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.lumped import term_factors
 from paminsa_viz.model.measures import least_margin
@@ -125,6 +126,30 @@ def test_compiled_and_numpy_agree_on_everything(case: Case) -> None:
             without = call(case.design, *states)
         assert backend.is_compiled()
         near(with_kernels, without, name, 1e-9 if name == "measure_singularity" else 1e-11)
+
+
+@pytest.mark.parametrize("numpy", [False, True])
+@given(case=cases(), columns=st.integers(1, 5), only_x=st.booleans())
+def test_a_grid_is_all_sums_of_its_parts(
+    numpy: bool, case: Case, columns: int, only_x: bool
+) -> None:
+    outer = case.states(6)[0]
+    inner = np.linspace([-0.02, 0.01, 0.0, 0.02], [0.03, -0.02, 0.0, -0.01], columns)
+    inner = inner * [1, not only_x, 1, not only_x]
+    m = mechanism(case.design.geometry)
+    found = np.empty((len(outer), 3, columns))
+
+    def fill() -> None:
+        backend.over_grid(ROTARY_TORQUES, m, outer, inner)(slice(None), slice(None), found)
+
+    if numpy:
+        with backend.use_numpy():
+            fill()
+    else:
+        fill()
+    sums = (outer[:, None] + inner).reshape(-1, 4)
+    expected = backend.over_list(ROTARY_TORQUES, m, sums).reshape(len(outer), columns, 3)
+    near(np.moveaxis(found, 1, 0), np.moveaxis(expected, -1, 0), "over_grid", 1e-10)
 
 
 @EACH

@@ -340,6 +340,8 @@ def test_a_counterweight_is_at_its_joint_and_weighs_nothing_unless_it_is_said() 
     assert Counterweight("b3", 7, beyond=0.1).mass == 0.0
     places = [Counterweight("b3", 7, beyond).place for beyond in (0.0, 0.1, -0.1)]
     assert [place.split()[-3] for place in places] == ["beyond", "beyond", "before"]
+    for joint in (7.0, np.int64(7)):
+        assert repr(Counterweight("b3", joint)) == repr(Counterweight("b3", 7))
 
 
 @EACH

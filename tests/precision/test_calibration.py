@@ -184,6 +184,8 @@ def test_too_few_or_unusable_measurements_are_refused() -> None:
     with pytest.raises(InvalidMeasurement, match=r"is 2\.\d* m away from what") as caught:
         calibrate(APPENDIX_4, replace(more, poses=poses))
     assert caught.value.index == 4
+    assert caught.value.argument == "measured"
+    assert str(caught.value).startswith("measured: ")
     poses[4, 3] = np.nan
     with pytest.raises(InvalidInput, match="poses: finite numbers"):
         Measurements(more.actuators, poses)

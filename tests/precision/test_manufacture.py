@@ -158,6 +158,8 @@ def test_random_robots_report_progress_and_can_be_canceled() -> None:
     assert seen == [0.2, 0.4]
     assert found.canceled
     assert found.errors.shape == (20, 3, 6)
+    late = monte_carlo(APPENDIX_4, BY_HAND, robots=5, progress=lambda done: done == 1.0)
+    assert not late.canceled  # nothing was left to leave out
 
 
 def test_robots_without_a_solution_are_counted() -> None:

@@ -34,6 +34,7 @@ from paminsa_viz.quantities import (
     formulas,
     selections,
 )
+from paminsa_viz.quantities.quantity import kept_over_poses
 from paminsa_viz.quantities.requirements import (
     Requirement,
     Requirements,
@@ -50,6 +51,26 @@ X, Y = np.linspace(-0.1, 0.12, 3), np.linspace(-0.08, 0.1, 4)
 
 def solved(z: float, geometry=APPENDIX_4.geometry) -> Field:  # type: ignore[no-untyped-def]
     return solve_field(geometry, Grid.over((0.0, 0.0, 0.2, z), x=X, y=Y))
+
+
+def test_values_of_poses_are_found_once_for_what_they_depend_on_and_nan_is_given_out_of_reach():
+    asked = []
+
+    def find_first(design, poses):  # type: ignore[no-untyped-def]
+        asked.append(poses)
+        return poses[..., 0]
+
+    field = solve_field(APPENDIX_4.geometry, Grid.over((0.0, 0.0, 0.2, -0.5), x=[0.0, 9.0], y=Y))
+    over = kept_over_poses("first", find_first, lambda design: design.geometry)
+    values = over(field, APPENDIX_4)
+    assert over(field, LOADED) is values
+    (poses,) = asked
+    out = field.status != Limit.OK
+    assert out[1].all()
+    assert not out[0].any()
+    assert np.isnan(poses[1]).all()
+    np.testing.assert_array_equal(poses[0], field.grid.poses()[0])
+    np.testing.assert_array_equal(values, poses[..., 0])
 
 
 @pytest.mark.parametrize(

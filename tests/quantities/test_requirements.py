@@ -72,6 +72,9 @@ def test_headings_of_a_requirement_go_before_those_of_all():
         (lambda: Workspace(WorkspaceShape.BOX, (1.0, "1", 1.0)), "workspace.size: three positive"),
         (lambda: Workspace(WorkspaceShape.CYLINDER, (1.0, 2.0, 1.0)), "one diameter"),
         (lambda: Workspace(WorkspaceShape.BOX, (1.0, 1.0, 1.0), (math.nan, 0, 0)), "center"),
+        (lambda: Workspace("box", (1.0, 1.0, 1.0)), "shape"),
+        (lambda: Requirements(workspace=(1.0, 1.0, 1.0)), "workspace"),
+        (lambda: Requirements(("condition <= 10",)), "bounds"),
     ],
     ids=count(),
 )

@@ -137,12 +137,21 @@ def test_the_best_center_is_followed_up_in_smaller_and_smaller_steps(free: Any) 
 BALL, RADIUS = np.array([0.12, 0.13, 0.2, -0.2]), 0.05
 
 
-def broken_in_a_ball(asked: list[Any]) -> Any:
+def broken_in_a_ball(asked: list[Any], ball: Any = BALL) -> Any:
     def margins(poses: Any) -> Any:
         asked.append(poses)
-        return np.linalg.norm(poses - BALL, axis=1) - RADIUS
+        return np.linalg.norm(poses - ball, axis=1) - RADIUS
 
     return margins
+
+
+def test_positions_are_not_broken_by_headings_that_are_not_required() -> None:
+    asked: list[Any] = []
+    made = search()
+    made._margins = broken_in_a_ball(asked, [*BALL[:2], REGION.theta[1] + 0.01, BALL[3]])
+    assert len(made._searched(np.array([0.0, 0.0, -0.5]), 1.6))
+    for part in asked[9:]:
+        assert part[:, 2].max() <= REGION.theta[1]
 
 
 def test_the_nearest_positions_that_break_a_requirement_are_found() -> None:

@@ -10,7 +10,7 @@ import pytest
 from scipy.interpolate import BSpline
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.trajectory import chain, circle, point_to_point, via_points
+from paminsa_viz.trajectory import chain, circle, paths, point_to_point, via_points
 from paminsa_viz.trajectory.paths import (
     TURN_LENGTH,
     TimedPath,
@@ -140,6 +140,17 @@ def test_places_of_a_motion_that_nearly_turns_back_are_found_and_few_cells_are_h
     assert len(path._run.x) - 1 <= 32 + 2 * 16
 
 
+def test_cells_that_are_still_rough_at_the_last_halving_count(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    curve = via_points([A, B, A + 0.01 * (C - A)], 2.0).curve
+    length = TracedPath(curve).length
+    monkeypatch.setattr(paths, "_HALVINGS", 1)
+    path = TracedPath(curve)
+    assert path._run.x[[0, -1]].tolist() == [0.0, 1.0]
+    assert path.length == pytest.approx(length, rel=1e-3)
+
+
 @pytest.mark.parametrize(("off", "cells"), [(0.95e-11, 16), (1.05e-11, 17), (-1.05e-11, 17)])
 def test_cells_are_halved_that_are_off_by_a_share_of_1e_11_of_the_speed(
     off: float, cells: int
@@ -211,6 +222,18 @@ def test_times_and_places_of_a_law_are_inverse() -> None:
     s = np.concatenate([[1e-9, 1e-4], KNOTS, np.linspace(0.02, 0.98, 20)])
     t = np.array([LAW.time_at(float(at)) for at in s])
     np.testing.assert_allclose(LAW.place_at(t), s, atol=1e-12)
+
+
+def test_places_of_the_last_times_alone_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    law, solved = TimedPath(LAW.path, Z), []
+    place_at = TimedPath._place_at
+    monkeypatch.setattr(
+        TimedPath, "_place_at", lambda self, t: (solved.append(t), place_at(self, t))[1]
+    )
+    first, second = np.array([0.1, 0.2]), np.array([0.1, 0.3])
+    for t in (first, first.copy(), second, second, first):
+        np.testing.assert_array_equal(law.place_at(t), place_at(law, t))
+    assert [t.tolist() for t in solved] == [first.tolist(), second.tolist(), first.tolist()]
 
 
 def test_breaks_of_a_quadratic_law_are_those_of_its_knots() -> None:
