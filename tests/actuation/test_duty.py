@@ -22,7 +22,13 @@ from paminsa_viz.actuation.sizing import LIMITS, fitting_time, size_drives, ther
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, static_torques
 from paminsa_viz.model.load import LoadCase
-from paminsa_viz.trajectory import PRESET, actuator_inertia, analyze
+from paminsa_viz.trajectory import (
+    PRESET,
+    ImpossibleTrajectory,
+    actuator_inertia,
+    analyze,
+    point_to_point,
+)
 from tests.actuation.loads import random_load
 from tests.actuation.motor_loads import GEAR, SERVO, motor_torque
 
@@ -253,6 +259,19 @@ def test_impossible_cycles_are_refused(motion, duties, argument: str) -> None:  
     with pytest.raises(InvalidInput) as caught:
         duty_cycle(APPENDIX_4, [Duty(motion, **values) for values in duties])
     assert caught.value.argument == argument
+
+
+@pytest.mark.parametrize("slower", [0.0, -1.0, np.nan, np.inf])
+def test_a_pace_that_is_none_is_refused(motion, slower: float) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(InvalidInput) as caught:
+        duty_cycle(APPENDIX_4, [Duty(motion)], slower=slower)
+    assert caught.value.argument == "slower"
+
+
+def test_what_the_robot_cannot_run_is_no_duty() -> None:
+    far = point_to_point([0.0, 0.0, 0.0, -0.5], [0.0, 0.0, 0.0, -5.0]).sample(20)
+    with pytest.raises(ImpossibleTrajectory, match="too far"):
+        duty_cycle(APPENDIX_4, [Duty(far)])
 
 
 def test_the_load_on_the_platform_is_driven_and_held() -> None:

@@ -188,6 +188,14 @@ def test_rounds_are_those_of_the_solver_and_end_at_the_tolerance(
         assert found.gap <= tolerance * found.value
         needed.append(found.rounds)
     assert needed[0] > needed[1] > needed[2] == 1
+    # a sum that is out of reach by rounding, which takes rounds of its own
+    solved.clear()
+    equal = MaxAbs(np.ones((1, 2)), np.array([-2.0 - 1e-10]))
+    goal = MaxAbs(np.array([[1.0, 2.0]]), np.zeros(1), absolute=False)
+    bars = plain(np.eye(2), [0, 0], [1, 1])
+    found = solve(Program(np.zeros(2), bars, ((1.0, goal),), limits=((0.0, equal),)))
+    assert {"elastic": True} in solved
+    assert found.rounds == len(solved)
 
 
 def test_a_fixed_sum_out_of_reach_is_infeasible() -> None:

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -112,6 +113,35 @@ def test_of_files_written_together_a_full_disk_leaves_none(tmp_path) -> None:
     write_files(dict(zip(names, contents, strict=True)))
     assert [path.read_bytes() for path in names] == ["θ".encode(), b"new", b"\r\n", b"new"]
     assert sorted(tmp_path.rglob("*.*")) == sorted(names)
+
+
+def test_files_are_on_the_disk_before_any_is_in_place_and_no_interrupt_parts_them(
+    tmp_path, monkeypatch
+) -> None:
+    seen: list[object] = []
+    steps = depth = 0
+
+    @contextmanager
+    def step() -> Iterator[None]:
+        nonlocal steps, depth
+        steps += depth == 0
+        depth += 1
+        try:
+            yield
+        finally:
+            depth -= 1
+
+    replace = os.replace
+    monkeypatch.setattr(atomic, "indivisible", step)
+    monkeypatch.setattr(os, "fsync", lambda number: seen.append(os.fstat(number).st_size))
+    monkeypatch.setattr(
+        os, "replace", lambda *paths: (seen.append(("step", steps, depth > 0)), replace(*paths))
+    )
+    write_files({tmp_path / "a.txt": "one", tmp_path / "b.bin": b"three"})
+    assert seen[:2] == [3, 5]
+    first, second = (one for one in seen if isinstance(one, tuple))
+    assert first == second
+    assert first[2]
 
 
 WRITING = """

@@ -55,6 +55,16 @@ def test_rows_may_be_appended_in_any_batches(whole, tmp_path) -> None:
     assert path.read_bytes() == whole
 
 
+def test_rows_are_on_the_disk_when_the_table_is_closed(tmp_path, monkeypatch) -> None:
+    path, synced = tmp_path / "a.csv", []
+    monkeypatch.setattr(os, "fsync", lambda number: synced.append(os.fstat(number).st_size))
+    table = ResumableCsv(path, HEAD, COLUMNS, identity="study")
+    table.append(ROWS)
+    synced.clear()
+    table.close()
+    assert synced == [path.stat().st_size]
+
+
 def test_resuming_keeps_the_first_command(whole, tmp_path) -> None:
     path = tmp_path / "whole.csv"
     assert grow(path, head=HEAD | {"command": "two"}) == len(ROWS)
