@@ -204,8 +204,14 @@ def test_the_inertia_ratio_is_a_limit_like_others() -> None:
 def test_ratios_of_a_catalog_are_those_at_which_its_motors_begin_and_cease_to_fit() -> None:
     """Behind a gear without inertia; for M4 with each of the screws and belts."""
     catalog = generic_catalog()
-    two = replace(catalog, motors=catalog.motors[::3], transmissions=catalog.transmissions[:2])
-    found = catalog_ratios(cycle(), two)
+    some = [
+        replace(motor, name=f"{motor.name} {brake}", brake=brake)
+        for motor in catalog.motors[::6] for brake in (False, True)
+    ]  # fmt: skip
+    two = replace(catalog, motors=tuple(some), transmissions=catalog.transmissions[:2])
+    motion = PRESET["arch"].build(APPENDIX_4.geometry).sample(200)
+    resting = duty_cycle(APPENDIX_4, [Duty(motion, 1, 20.0)])
+    found = catalog_ratios(resting, two)
     assert len(found) == len(two.motors) * (3 + 2)
     count = 0
     for item in found:
@@ -215,10 +221,10 @@ def test_ratios_of_a_catalog_are_those_at_which_its_motors_begin_and_cease_to_fi
         if actuator == 3:
             screw = next(screw for screw in two.transmissions if screw.name == last)
             motor = replace(
-                motor, transmission=screw.transmission, lead=screw.lead, brake=screw.holds,
-                lead_efficiency=screw.lead_efficiency,
+                motor, transmission=screw.transmission, lead=screw.lead,
+                brake=motor.brake or screw.holds, lead_efficiency=screw.lead_efficiency,
             )  # fmt: skip
-        load = cycle().loads[actuator]
+        load = resting.loads[actuator]
         assert item.actuator == load.name
 
         def fits(ratio: float, motor: Drive = motor, load: ActuatorLoad = load) -> bool:

@@ -55,6 +55,13 @@ def test_rows_may_be_appended_in_any_batches(whole, tmp_path) -> None:
     assert path.read_bytes() == whole
 
 
+def test_a_last_row_without_its_end_is_cut_off_where_no_row_is_missing(whole, tmp_path) -> None:
+    path = tmp_path / "longer.csv"
+    path.write_bytes(whole + b"5,0.71")
+    assert grow(path) == len(ROWS)
+    assert path.read_bytes() == whole
+
+
 def test_rows_are_on_the_disk_when_the_table_is_closed(tmp_path, monkeypatch) -> None:
     path, synced = tmp_path / "a.csv", []
     monkeypatch.setattr(os, "fsync", lambda number: synced.append(os.fstat(number).st_size))
