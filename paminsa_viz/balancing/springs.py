@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.balancing.convex import MaxAbs, Norm
 from paminsa_viz.balancing.program import Program, Variable
 from paminsa_viz.balancing.solver import solve
-from paminsa_viz.checks import kinds_checked, require_each, require_kind
+from paminsa_viz.checks import kinds_checked, require_each
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import geometry_of, of_design, of_geometry
 from paminsa_viz.model.arrays import Array, as_vectors
@@ -186,7 +186,6 @@ def _legs(geometry: Geometry, pose: Array) -> LegPosition:
 @of_geometry
 def spring_lengths(geometry: Geometry, spring: Spring | SpringPlace, pose: ArrayLike) -> Array:
     """Return how long a spring is, (..., 3 legs) [m]; NaN where the bars cannot close."""
-    require_kind(spring, "spring", Spring, SpringPlace)
     legs = _legs(geometry, as_vectors(pose, "pose"))
     return _lengths(geometry, legs, spring.first, spring.second)[0]
 
@@ -194,7 +193,6 @@ def spring_lengths(geometry: Geometry, spring: Spring | SpringPlace, pose: Array
 @of_geometry
 def spring_energy(geometry: Geometry, spring: Spring, pose: ArrayLike) -> Array:
     """Return the energy in the three springs together, (...) [J]."""
-    require_kind(spring, "spring", Spring)
     stretch = spring_lengths(geometry, spring, pose) - spring.free_length
     return 0.5 * spring.stiffness * (stretch**2).sum(axis=-1)
 

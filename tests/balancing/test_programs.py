@@ -161,8 +161,9 @@ def test_what_is_not_solved_is_said_so(
     program = Program(
         np.zeros(2), plain(np.eye(2), [0, 0], [1, 1]), ((1.0, goal),), limits=((0.5, limit),)
     )
-    with pytest.raises(SolverFailed, match="could not be met within rounding"):
+    with pytest.raises(SolverFailed, match="could not be met within rounding") as caught:
         solve(program)
+    assert caught.value.reason == "the limits could not be met within rounding"
 
 
 def test_rounds_are_those_of_the_solver_and_end_at_the_tolerance(
@@ -235,6 +236,20 @@ def test_limits_that_are_relaxed_by_their_least_excess_can_be_met() -> None:
     np.testing.assert_allclose(
         enclosure.limits, [100.0 * (1.0 + excess), -1.06 * (1.0 - excess)], rtol=1e-6
     )
+
+
+@given(seed=SEEDS)
+def test_no_bound_on_terms_that_are_never_negative_is(seed: int) -> None:
+    """Not even that of the first cuts."""
+    rng = np.random.default_rng(seed)
+    goals = tuple((rng.uniform(0.1, 2.0), MaxAbs(rng.normal(size=(3, 2)), rng.normal(size=3)))
+                  for _ in range(2))  # fmt: skip
+    nothing = ((1.0, MaxAbs(np.zeros((1, 2)), np.zeros(1))),)  # which no cut holds
+    for terms in (goals, nothing):
+        trial = Enclosure(Program(np.zeros(2), plain(np.eye(2), [0, 0], [3, 3]), terms)).solve()
+        assert trial is not None
+        assert trial.bound >= -1e-9
+        assert trial.parts.min() >= -1e-9
 
 
 @given(seed=SEEDS, free=st.booleans())

@@ -165,6 +165,7 @@ def test_fit_meets_its_bound_and_beats_random_springs(
         lambda: SpringPlace(at_joint(8), at_joint(9), -1.0),
         lambda: SpringPlace(at_joint(8), at_joint(9), 1.0, 0.3, 0.2),
         lambda: fit_springs(APPENDIX_4, [], [[0.0, 0.0, 0.0, -0.5]], measure="mean"),
+        lambda: spring_energy(APPENDIX_4, SpringPlace(at_joint(8), at_joint(9)), [0, 0, 0, -0.5]),
         lambda: fit_springs(APPENDIX_4, [], [[0.0, 0.0, 0.0, -5.0]]),
     ],
     ids=count(),

@@ -128,6 +128,17 @@ def test_compiled_and_numpy_agree_on_everything(case: Case) -> None:
         near(with_kernels, without, name, 1e-9 if name == "measure_singularity" else 1e-11)
 
 
+def test_kernels_are_compiled_ahead_of_their_first_call(monkeypatch: pytest.MonkeyPatch) -> None:
+    for loop in compiled.over_poses(ROTARY_TORQUES.function, ROTARY_TORQUES.results):
+        assert len(loop.signatures) == 1
+    called = []
+    names = ("inverse_dynamics_kernel", "mass_matrix", "regressor")
+    for name in names:
+        monkeypatch.setattr(compiled, name, lambda *_, name=name: called.append(name))
+    compiled.warm_up()
+    assert sorted(called) == sorted(names)
+
+
 @pytest.mark.parametrize("numpy", [False, True])
 @given(case=cases(), columns=st.integers(1, 5), only_x=st.booleans())
 def test_a_grid_is_all_sums_of_its_parts(
