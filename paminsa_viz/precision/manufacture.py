@@ -26,7 +26,6 @@ from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors, in_blocks
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
-from paminsa_viz.model.kinematics import wrap
 from paminsa_viz.model.reach import check_reach
 from paminsa_viz.model.status import WithStatus
 from paminsa_viz.precision.leg_lengths import INDEX, LENGTHS, design_lengths
@@ -299,9 +298,7 @@ def monte_carlo(
         drawn = random.uniform(-1.0, 1.0, (some.stop - done, 2, 3, len(LENGTHS)))
         lengths = center + drawn[:, 0] * tolerance + drawn[:, 1] * clearance
         found = solve_pose(geometry, lengths[:, None], start.actuators, flat)
-        change = found.coordinates - wanted
-        change[..., 2] = wrap(change[..., 2])
-        errors[some], status[some] = change, found.status
+        errors[some], status[some] = found.coordinates - wanted, found.status
         done = some.stop
         canceled = bool(progress(done / robots))
     shape = pose.shape[:-1]

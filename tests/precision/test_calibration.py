@@ -191,6 +191,10 @@ def test_too_few_or_unusable_measurements_are_refused() -> None:
         Measurements(more.actuators, poses)
     with pytest.raises(InvalidInput, match="poses are needed"):
         Measurements(more.actuators[:4], more.poses)
+    rows: Any = [[0, 0, 0, 1], [0, 1, 0, 1]]
+    for values in (Measurements(rows, rows).actuators, Measurements(rows, rows).poses):
+        assert values.dtype == np.float64
+        assert values.tolist() == rows
 
 
 def candidates6(poses: Any) -> Any:

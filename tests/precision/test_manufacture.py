@@ -209,6 +209,33 @@ def test_a_calibrated_robot_is_controlled_by_its_own_lengths() -> None:
     assert isinstance(drawn, MonteCarlo)
 
 
+def test_sensitivities_of_unequal_legs_are_slopes_of_their_own_poses() -> None:
+    """Central differences of the solved pose, by every length of every leg."""
+    deviations = np.random.default_rng(4).uniform(-5e-3, 5e-3, (3, 14))
+    design = with_deviations(APPENDIX_4, deviations)
+    own, step = design_lengths(design), 1e-6
+    held = solve_actuators(design.geometry, own, BY_HAND).actuators
+    slopes = design_sensitivities(design, BY_HAND).lengths
+    for leg, length in np.ndindex(own.shape):
+        change = np.zeros_like(own)
+        change[leg, length] = step
+        more, less = (
+            solve_pose(design.geometry, own + sign * change, held, BY_HAND).coordinates
+            for sign in (1.0, -1.0)
+        )
+        expected = (more - less) / (2 * step)
+        np.testing.assert_allclose(slopes[..., leg, length], expected, atol=1e-6)
+
+
+def test_an_error_of_theta_is_the_short_way_round() -> None:
+    deviations = np.random.default_rng(4).uniform(-1e-3, 1e-3, (3, 14))
+    design = replace(with_deviations(APPENDIX_4, deviations), tolerances=UNEVEN)
+    poses = np.array([[0.0, 0.0, turn, -0.5] for turn in (np.pi, -np.pi, 3.0 * np.pi)])
+    errors = monte_carlo(design, poses, robots=20).errors
+    assert np.abs(errors[..., 2]).max() < 0.1
+    np.testing.assert_allclose(errors[:, 1], errors[:, 0], atol=1e-9)
+
+
 def test_fields_have_the_errors_of_their_poses() -> None:
     field = solve_field(
         APPENDIX_4.geometry,
