@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -126,6 +127,25 @@ def test_compiled_and_numpy_agree_on_everything(case: Case) -> None:
             without = call(case.design, *states)
         assert backend.is_compiled()
         near(with_kernels, without, name, 1e-9 if name == "measure_singularity" else 1e-11)
+
+
+def test_what_is_compiled_is_told_apart_by_the_text_of_its_file(tmp_path: Path) -> None:
+    """Of a number at the top of a file nothing is in the code of its functions."""
+
+    def digest(name: str, text: str) -> str:
+        names: dict[str, Any] = {}
+        exec(compile(text, name, "exec"), names)
+        return compiled.register(names["double"])
+
+    texts = ["FACTOR = 2.0\ndef double(x):\n    return FACTOR * x\n"]
+    texts.append(texts[0].replace("2.0", "3.0"))
+    file = tmp_path / "formula.py"
+    found = []
+    for text in (*texts, texts[0]):
+        file.write_text(text)
+        found.append(digest(str(file), text))
+    assert found[0] == found[2] != found[1]
+    assert digest("no file", texts[0]) == digest("no file", texts[1]) != found[0]
 
 
 def test_kernels_are_compiled_ahead_of_their_first_call(monkeypatch: pytest.MonkeyPatch) -> None:
