@@ -250,7 +250,7 @@ def _regressor_kernel(digest: str) -> Any:
         forces = np.empty((3, 3, _LEG_TERMS))  # on rho, on theta_k, on Z; by leg
         v = np.empty((3, 6))  # the legs' vectors, see `leg.LegVector`, and 1/rho
         j = np.empty((3, 3))  # d (x, y, theta) / d theta_k, by coordinate and leg
-        torque = np.empty((4, _LEG_TERMS + 2))
+        torque = np.zeros((4, _LEG_TERMS + 2))  # M4 keeps its 0 of the inertia
         for n in range(c.size):
             vx, vy, vt, vz = velocity[n, 0], velocity[n, 1], velocity[n, 2], velocity[n, 3]
             ax, ay, at, az = (
@@ -290,9 +290,7 @@ def _regressor_kernel(digest: str) -> Any:
                 torque[a, _TURN] = 6.0 * at * j[2, a]
                 torque[a, _MASS] = ax * j[0, a] + ay * j[1, a]
                 torque[a, _INERTIA] = at * j[2, a]
-            torque[3, _TURN] = 0.0
             torque[3, _MASS] = m.k * (az + gravity)
-            torque[3, _INERTIA] = 0.0
             y[n] = 0.0
             for a in range(4):
                 for i in range(terms.size):
