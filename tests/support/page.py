@@ -230,8 +230,7 @@ def _reset(tab: Tab) -> None:
     tab.page.emulate_media(color_scheme="light")
     for _ in range(3):  # what the page has sent before may arrive after it
         # What the page has said of its tabs it does not say again.
-        tab.session.dispatch("test", lambda s: replace(initial_state(), workspace=s.workspace))
-        until(lambda: not tab.state.workspaces, "the state is as at the start")
+        tab.dispatch(lambda s: replace(initial_state(), workspace=s.workspace))
         for name in ("Pose", "Torque maps"):
             if not tab.is_open(name):
                 tab.open_tab(name)
