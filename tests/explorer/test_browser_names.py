@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import re
 from collections.abc import Callable, Iterator
@@ -174,6 +175,18 @@ def test_page_that_cannot_answer_is_built_at_once(
     assert missing in caplog.text
     bridge.call("showTime", "motion", 1.0)
     bridge.save("{}")
+
+
+def test_a_message_that_cannot_be_taken_stops_no_other(caplog: pytest.LogCaptureFixture) -> None:
+    gui, taken = fake_gui(_impl=SimpleNamespace(uuid="u")), []
+    bridge = Bridge(SimpleNamespace(gui=gui))  # type: ignore[arg-type]
+    bridge.on("tabs", lambda _: [][0])
+    bridge.on("tabs", taken.append)
+    bridge.on("click", taken.append)
+    bridge._inbox.value = '[[1, "tabs", "a"], [2, "click", "b"]]'
+    asyncio.run(bridge._receive(SimpleNamespace(client=object())))
+    assert taken == ["a", "b"]
+    assert "could not be taken: tabs" in caplog.text
 
 
 @pytest.mark.parametrize(

@@ -166,7 +166,10 @@ class Bridge:
 
     def _deliver(self, kind: str, data: Any) -> None:
         for listener in self._listeners.get(kind, ()):
-            listener(data)
+            try:
+                listener(data)
+            except Exception:  # the messages that came with it are for others
+                log.exception("a message of the page could not be taken: %s", kind)
 
 
 def _script_channel(client: viser.ClientHandle) -> Callable[[str], None] | None:
