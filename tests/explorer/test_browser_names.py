@@ -6,6 +6,7 @@ import asyncio
 import logging
 import re
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -184,7 +185,8 @@ def test_a_message_that_cannot_be_taken_stops_no_other(caplog: pytest.LogCapture
     bridge.on("tabs", taken.append)
     bridge.on("click", taken.append)
     bridge._inbox.value = '[[1, "tabs", "a"], [2, "click", "b"]]'
-    asyncio.run(bridge._receive(SimpleNamespace(client=object())))
+    with ThreadPoolExecutor(1) as thread:  # a browser's tests leave a loop running in this one
+        thread.submit(asyncio.run, bridge._receive(SimpleNamespace(client=object()))).result()
     assert taken == ["a", "b"]
     assert "could not be taken: tabs" in caplog.text
 
