@@ -247,9 +247,11 @@ def follow_resizes(session: Session) -> None:
     a matter of time, is not seen in the end.
     """
     camera = session.client.camera
-    fitted = (0, 1)
+    fitted, window = (0, 1), session.window
 
     def is_due() -> bool:
+        if session.window != window:  # which may be known later than the view that came of it
+            return True
         width, height = camera.image_width, max(camera.image_height, 1)
         if height == fitted[1]:
             return width != fitted[0]
@@ -262,8 +264,9 @@ def follow_resizes(session: Session) -> None:
             session.submit(follow)
 
     def follow() -> None:
-        nonlocal fitted
+        nonlocal fitted, window
         if at_preset(session) and is_due():
+            window = session.window
             fitted = (camera.image_width, max(camera.image_height, 1))
             look(session, session.camera[0])
 

@@ -172,7 +172,7 @@ def test_robot_is_fitted_to_a_new_shape_of_the_view_unless_the_camera_was_moved(
     )
     session: Any = SimpleNamespace(
         client=SimpleNamespace(camera=camera), camera=("3D", (2.0, 0.0, 1.0)),
-        submit=waiting.append,
+        submit=waiting.append, window=(800.0, 400.0),
     )  # fmt: skip
     monkeypatch.setattr(cameras, "look", lambda _, name: looks.append(name))
     cameras.follow_resizes(session)
@@ -196,4 +196,8 @@ def test_robot_is_fitted_to_a_new_shape_of_the_view_unless_the_camera_was_moved(
     assert update(image_width=150, image_height=200) == 3  # viser has made the pixels fewer
     assert update(image_width=120, meanwhile=(0, 0, 1)) == 3
     assert update(position=there) == 4
-    assert update(position=(3.0, 0.0, 1.0), image_width=100) == 4  # a person moved it
+    session.window = (800.0, 396.0)  # known while the page still moves the camera
+    assert update(position=(0, 0, 1)) == 4
+    assert update(position=there) == 5
+    assert update() == 5
+    assert update(position=(3.0, 0.0, 1.0), image_width=100) == 5  # a person moved it
