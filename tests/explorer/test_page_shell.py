@@ -180,6 +180,21 @@ def test_reload_opens_inner_tabs_by_their_place_and_leaves_nothing_to_undo(tab: 
     tab.wait_pose(0, 0.031)
 
 
+def test_section_that_is_asked_for_goes_before_the_one_that_its_workspace_was_left_with(
+    tab: Tab,
+) -> None:
+    """After a reload the row of a workspace is not there until that is opened."""
+    tab.open_tab("Synthesis")
+    opened = f"sessionStorage.getItem('{STORE_KEY}_tabs') ?? ''"
+    until(lambda: "/Synthesis" in tab.page.evaluate(opened), "the section is kept")
+    tab.open_tab("Pose")
+    tab.reload()
+    tab.session.submit(lambda: tab.session.open_tab("Requirements"))
+    until(lambda: tab.is_open("Requirements"), "it is open")
+    tab.wait_frames(1000)
+    assert tab.is_open("Requirements")
+
+
 def test_buttons_open_what_they_act_on(tab: Tab) -> None:
     tab.open_tab("Errors")
     tab.page.get_by_role("tab", name="Drives", exact=True).click()
