@@ -50,10 +50,6 @@ def search_job(state: State) -> SynthesisJob:
     from paminsa_viz.explorer.features.synthesis.cases import case_of  # loads the search
 
     document, settings = state.document, state.synthesis.settings
-    if document.requirements.workspace is None:
-        raise InvalidInput(
-            "workspace", "a required workspace is needed; choose one in the tab “Requirements”"
-        )
     case = case_of(settings, document.design, document.requirements)
     if settings.against == settings.objective:
         raise InvalidInput("objective", "two different ones are needed for a Pareto front")

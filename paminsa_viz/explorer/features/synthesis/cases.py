@@ -10,7 +10,7 @@ from paminsa_viz.explorer.state.synthesis import (
     Range,
     SynthesisSettings,
 )
-from paminsa_viz.model import BarLaw, Design
+from paminsa_viz.model import BarLaw, Design, InvalidInput
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.search.case import (
     DEFAULT_PATHS,
@@ -83,6 +83,10 @@ def case_of(
     Raises:
         InvalidInput: If it is not possible; says what is missing.
     """
+    if requirements.workspace is None:
+        raise InvalidInput(
+            "workspace", "a required workspace is needed; choose one in the section “Requirements”"
+        )
     ranges = ranges_of(settings, design, requirements)
     sizes = "volume" in (settings.objective, settings.against)
     ranges = {path: ends for path, ends in ranges.items() if sizes or path not in DIMENSIONS}

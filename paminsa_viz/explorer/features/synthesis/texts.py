@@ -20,7 +20,7 @@ from paminsa_viz.explorer.features.synthesis.actions import PRICES, SEARCH
 from paminsa_viz.explorer.features.synthesis.cases import case_of
 from paminsa_viz.explorer.kit.text import blocks_html, note, render
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.model import InvalidInput, PaminsaError
+from paminsa_viz.model import PaminsaError
 from paminsa_viz.quantities.requirement_text import requirement_label, shape_text
 from paminsa_viz.units import format_value, number
 
@@ -35,8 +35,6 @@ def intro_html(frame: Frame) -> str:
         case_of(state.synthesis.settings, state.document.design, requirements)
     except PaminsaError as error:
         problem = str(error)
-        if isinstance(error, InvalidInput) and requirements.workspace is None:
-            problem = "A required workspace is needed; choose one in the tab “Requirements”."
     return render(
         "synthesis/intro.j2", problem=problem, low=low, high=high,
         labels=[requirement_label(bound) for bound in requirements.bounds],
