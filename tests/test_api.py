@@ -75,6 +75,7 @@ def test_public_functions_are_typed() -> None:
                 assert parameter.annotation is not inspect.Parameter.empty, f"{place}: {name}"
 
 
+@pytest.mark.slow
 def test_every_field_is_documented() -> None:
     """In the class's text, in one of its own below it, or as a design value by its label.
 
@@ -105,6 +106,7 @@ def _below(value: type) -> set[str]:
     }
 
 
+@pytest.mark.slow
 def test_importing_the_package_does_not_import_numpy() -> None:
     code = "import sys, paminsa_viz; assert 'numpy' not in sys.modules; paminsa_viz.APPENDIX_4"
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -102,6 +102,7 @@ def test_precise_numbers_say_where_they_are_from(page: Path) -> None:
             assert not block.unstated, block.text
 
 
+@pytest.mark.slow
 def test_marks_name_what_there_is() -> None:
     for block in BLOCKS:
         assert set(" ".join(block.of("given")).split()) <= set(block.numbers), block.text

@@ -33,6 +33,7 @@ def name_of(path: Path) -> str:
     return str(path.relative_to(ROOT))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", GENERATED)
 def test_pages_made_from_the_source_are_up_to_date(page) -> None:
     made = GENERATED[page]()
@@ -111,6 +112,7 @@ CODE = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", CODE)
 def test_python_in_the_documentation_runs(code, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -157,6 +159,7 @@ def test_files_that_pages_name_exist() -> None:
             assert known, f"{name_of(page)} names {name}"
 
 
+@pytest.mark.slow
 def test_tabs_that_texts_name_exist() -> None:
     """Of the page's two docks; in pages, hints and templates."""
     tabs = {"Answer", *(one.name for one in sections().values())}

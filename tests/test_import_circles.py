@@ -6,6 +6,8 @@ import ast
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
+import pytest
+
 import paminsa_viz
 
 ROOT = Path(paminsa_viz.__file__).parent
@@ -35,6 +37,7 @@ def _imports(file: Path, modules: dict[str, Path]) -> set[str]:
     return names & modules.keys()
 
 
+@pytest.mark.slow
 def test_files_outside_the_explorer_import_each_other_in_one_direction_only():
     modules = _modules()
     graph = {

@@ -52,6 +52,7 @@ def users() -> Iterator[tuple[User, User]]:
     module._users.update(others)
 
 
+@pytest.mark.slow
 def test_results_go_with_the_last_who_asked(
     make: Kept[[int], Value], users: tuple[User, User]
 ) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import pytest
 
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from tests import oracle
@@ -41,6 +42,7 @@ def length(a: Any, b: Any) -> Any:
     return np.linalg.norm(a - b, axis=-1)
 
 
+@pytest.mark.slow
 @EACH
 def test_every_leg_is_the_mechanism_of_the_paper(design: Design) -> None:
     g, k = design.geometry, design.geometry.magnification
@@ -139,6 +141,7 @@ def test_power_of_the_actuators_is_the_growth_of_energy(design: Design) -> None:
     np.testing.assert_allclose(power, slope(energy, h), rtol=0, atol=1e-8 * np.abs(power).max())
 
 
+@pytest.mark.slow
 @BOTH
 def test_lagrange_from_the_energies_gives_the_same_forces(knee: KneeBranch) -> None:
     """d/dt dT/dv - dT/dq + dV/dq, differentiated numerically from T and V alone."""
@@ -194,6 +197,7 @@ def test_one_state_and_batches_of_any_shape_agree(design: Design) -> None:
     np.testing.assert_allclose(one, flat[4], rtol=1e-13)
 
 
+@pytest.mark.slow
 @BOTH
 def test_random_designs_leave_room_to_move(knee: KneeBranch) -> None:
     rng = np.random.default_rng(10)

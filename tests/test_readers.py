@@ -148,6 +148,7 @@ READERS: dict[str, tuple[Callable[[Path], str], Callable[[Path, str], object]]] 
 """What is valid, and what reads it, by the kind of what comes from elsewhere."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", READERS)
 @settings(max_examples=100)
 @given(data=st.data())
@@ -177,6 +178,7 @@ TEXTS = st.text(st.characters(exclude_categories=["Cs"]))
 LEAVES = st.none() | st.booleans() | st.floats() | st.integers() | TEXTS
 
 
+@pytest.mark.slow
 @given(
     st.recursive(LEAVES, lambda inner: st.lists(inner) | st.dictionaries(TEXTS, inner)),
     st.integers(0, 60),

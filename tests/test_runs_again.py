@@ -29,6 +29,7 @@ SUITE = """
 """
 
 
+@pytest.mark.slow
 def test_only_a_browsers_test_runs_again_once_and_is_named(pytester: pytest.Pytester) -> None:
     pytester.makepyprojecttoml('[tool.pytest]\nmarkers = ["browser: b", "slow: s"]\nstrict = true')
     pytester.makepyfile(test_suite=SUITE)

@@ -89,6 +89,7 @@ def test_a_file_is_read_to_its_end_or_refused(
         load_catalog(path)
 
 
+@pytest.mark.slow
 def test_the_shipped_catalog_is_generic_and_drives_every_preset() -> None:
     catalog = generic_catalog()
     parts = [*catalog.motors, *catalog.gears, *catalog.transmissions]

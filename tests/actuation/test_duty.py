@@ -205,6 +205,7 @@ def test_feasible_drives_are_ordered_and_the_nearest_limit_is_named(motion) -> N
         sizing.ordered("color")  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_the_time_scaling_that_fits_is_the_least(motion) -> None:  # type: ignore[no-untyped-def]
     """To a thousandth: speeds fall as the time grows, so that a top speed decides it."""
     cycle = duty_cycle(APPENDIX_4, [Duty(motion)])

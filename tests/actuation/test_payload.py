@@ -30,6 +30,7 @@ def test_at_rest_the_lift_alone_carries_the_payload(seed: int | None) -> None:
     np.testing.assert_allclose(change[:, 3], weight, rtol=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["paper-like", "trapezoid", "circle", "arch"])
 def test_at_the_time_scaling_the_motion_itself_changes_by_the_share(key: str) -> None:
     plan = PRESET[key].build(APPENDIX_4.geometry)
@@ -102,6 +103,7 @@ def test_the_load_stays_and_the_robots_own_payload_and_friction_do_not() -> None
     assert found.peak == pytest.approx(np.abs(np.abs(two).max(axis=0) / peak - 1).max(), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_balanced_robot_has_no_such_scaling() -> None:
     motion = PRESET["arch"].build(APPENDIX_4.geometry).sample(300)
     balanced = balance(APPENDIX_4).after

@@ -99,6 +99,7 @@ def drives_of_all_kinds(rng: np.random.Generator, each: int) -> DriveTable:
     return drive_table([*drives, *free])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_ends_are_where_a_sample_or_a_mean_begins_to_exceed_its_limit(seed: int) -> None:
     """Of drives of every kind in one table; only friction and bent envelopes need a scan."""

@@ -141,6 +141,7 @@ def test_the_same_drive_for_three_is_feasible_on_all_of_them() -> None:
     assert (np.diff(worst[by_use.rows[0]]) >= 0).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("slower", "payload"), [(0.05, 0.0), (1.0, 10_000.0)])
 def test_advice_where_no_drive_fits_is_how_much_slower_one_does(
     slower: float, payload: float

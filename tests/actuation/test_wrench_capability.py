@@ -55,6 +55,7 @@ def poses(seed: int, count: int) -> np.ndarray:
     return np.array([0, 0, 0, -0.55]) + drawn * [0.08, 0.08, 0.4, 0.1]
 
 
+@pytest.mark.slow
 @DESIGNS
 def test_support_of_the_polytope_is_that_of_a_linear_program(design: Design) -> None:
     """In 200 random directions: max n.w with |tau_0 - J^T w| <= T."""
@@ -182,6 +183,7 @@ def test_a_disc_in_half_planes_needs_bounds_that_are_lines() -> None:
         assert _point_inside(broken) is None
 
 
+@pytest.mark.slow
 def test_capability_is_where_pushing_in_mujoco_meets_a_limit() -> None:
     from paminsa_viz.engines.mujoco_model import MujocoRobot
 

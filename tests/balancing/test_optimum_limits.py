@@ -41,6 +41,7 @@ from paminsa_viz.trajectory import solve_trajectory
 from tests.balancing.robots import changes, field, measured, solved, trajectory, workspace
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("term", [TrajectoryPeak(solved()), TrajectoryRms(solved())])
 def test_multipliers_equal_the_gain_of_relaxed_bounds(term: Term) -> None:
     # no two of the same place, or mass could be exchanged between them

@@ -67,6 +67,7 @@ def test_free_lever_is_no_worse_than_random_levers(seed: int, linear: bool, most
     assert 0.2 - 1e-9 <= free.amounts[0] / most <= 1.0 + 1e-9
 
 
+@pytest.mark.slow
 @given(seed=SEEDS)
 def test_piecewise_linear_optima_beat_random_points(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -113,6 +113,7 @@ def test_a_mast_on_the_slider_balances_exactly(knee: KneeBranch) -> None:
     assert np.ptp(left[:, 3]) < 1e-10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("measure", ["peak", "rms"])
 def test_fit_meets_its_bound_and_beats_random_springs(
     measure: str, capfd: pytest.CaptureFixture[str]

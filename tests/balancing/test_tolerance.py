@@ -108,6 +108,7 @@ def test_shares_add_up_and_name_the_counterweight() -> None:
     np.testing.assert_array_equal(exact.torque_worst, np.abs(exact.torque))
 
 
+@pytest.mark.slow
 def test_lengths_are_sampled_with_a_seed() -> None:
     backend.compile_now()  # or the kernels could take over between two calls, with other rounding
     first, again, other = (

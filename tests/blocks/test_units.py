@@ -274,6 +274,7 @@ PARAMETERS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("subject", PARAMETERS)
 def test_numbers_scale_as_their_units_say(subject: str) -> None:
     design, motion = robot()

@@ -44,6 +44,7 @@ def poses(design: Design, count: int) -> Array:
     return random_poses(np.random.default_rng(1), design, count)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_a_turn_by_120_degrees_permutes_the_legs(knee: KneeBranch) -> None:
     design = with_knee(LOADED, knee)
@@ -67,6 +68,7 @@ def test_a_turn_by_120_degrees_permutes_the_legs(knee: KneeBranch) -> None:
             assert first[:, i] == pytest.approx(second[:, j], abs=1e-12), pair
 
 
+@pytest.mark.slow
 def test_the_least_of_all_pairs_is_the_clearance() -> None:
     given = poses(LOADED, 30)
     every, found = pair_clearance(LOADED, given), clearance(LOADED, given)

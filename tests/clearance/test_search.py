@@ -63,6 +63,7 @@ def gap_of_segments(a: Array, b: Array) -> float:
     return min(found)
 
 
+@pytest.mark.slow
 def test_the_gap_of_rods_is_that_of_their_segments_less_their_radii() -> None:
     rods = RNG.uniform(-1.0, 1.0, (40, 7))
     rods[:, 6] = np.abs(rods[:, 6])
@@ -182,6 +183,7 @@ def distances_of_solids(design: Design, pose: Array) -> list[float]:
     return least.tolist()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_the_distance_of_bodies_is_the_least_of_their_solids(knee: KneeBranch) -> None:
     """Whatever the search leaves out, it is not the nearest; pins and layers aside."""
@@ -218,6 +220,7 @@ def test_of_solids_of_a_body_that_are_as_near_the_first_one_is_kept() -> None:
     assert points[0, 0].tolist() == [-0.75, 0.0, 0.0, -0.25, 0.0, 0.0]
 
 
+@pytest.mark.slow
 def test_poses_of_a_batch_do_not_depend_on_each_other() -> None:
     """The pair that was the nearest before comes first, and what stands still is placed once."""
     given = random_poses(np.random.default_rng(4), LOADED, 12)

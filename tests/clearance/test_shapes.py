@@ -72,6 +72,7 @@ def of_frame(design: Design, frame: str) -> list[Body]:
     return [b for b in shapes_of(design).bodies if b.frame == frame and b.part not in hung]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [None, 1])
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_solids_enclose_the_surface_that_is_drawn(knee: KneeBranch, seed: int | None) -> None:
@@ -133,6 +134,7 @@ SET_BACK = {
 """What a face of a body may be away from what is drawn in its solid; others touch it [m]."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("knee", "seed"), [(KneeBranch.LOWER, None), (KneeBranch.LOWER, 1), (KneeBranch.UPPER, 1)]
 )

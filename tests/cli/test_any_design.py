@@ -84,6 +84,7 @@ def test_report_is_written_or_refused_in_one_line(
     attempt("report --no-verify --out report.html")
 
 
+@pytest.mark.slow
 @given(design=edge_designs(LENGTHS))
 @example(design=APPENDIX_4.vary({"geometry.platform_radius": 0.35}))
 @example(design=APPENDIX_4.vary({"geometry.magnification": 1.35}))

@@ -41,6 +41,7 @@ def log(measured: Measurements) -> Measurements:
     return measured
 
 
+@pytest.mark.slow
 def test_a_log_gives_a_design_that_predicts_it(log: Measurements, capsys: Any) -> None:
     words = ("log.csv", "--validate", "0.2", "--out", "robot.toml")
     found = run_json("calibrate", capsys, *words)
@@ -62,6 +63,7 @@ def test_a_log_gives_a_design_that_predicts_it(log: Measurements, capsys: Any) -
     assert again["fitted"]["before"]["rms"]["x_m"] < 4e-5
 
 
+@pytest.mark.slow
 def test_the_report_names_numbers_and_files(log: Measurements, capsys: Any) -> None:
     code, out, err = run("calibrate", capsys, "log.csv", "--out", "robot.toml")
     assert (code, err) == (0, "")

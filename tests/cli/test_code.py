@@ -14,6 +14,7 @@ from paminsa_viz.model import APPENDIX_4, backend
 from tests.support.commands import check_refused, run
 
 
+@pytest.mark.slow
 def test_a_design_is_written_as_a_folder(capsys) -> None:
     design = APPENDIX_4.vary({"payload.mass": 2.5})
     save_design(design, "d.toml")

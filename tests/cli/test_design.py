@@ -58,6 +58,7 @@ def test_check_goes_through_all_files(capsys) -> None:
     assert second.startswith("paminsa-viz: none.toml: cannot be read")
 
 
+@pytest.mark.slow
 def test_numbers_of_a_design_that_is_fine_do_not_overflow() -> None:
     draw = random.Random(1)
     for _ in range(1000):

@@ -61,6 +61,7 @@ def test_ratios_of_every_motor(capsys) -> None:
     assert [row[-1] == "none" for row in lines[1:]] == [False, True] * 4
 
 
+@pytest.mark.slow
 def test_what_would_make_a_drive_fit_is_said(capsys) -> None:
     Path("weak.csv").write_text(MOTORS.replace("motor,small", "# motor,small"))
     code, out, err = run("drives", capsys, "--catalog", "weak.csv", "--save", "no.toml")

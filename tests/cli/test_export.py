@@ -41,6 +41,7 @@ def actuators(text: bytes) -> list[str]:
     return [actuator.tag for actuator in ET.fromstring(text).find("actuator") or []]
 
 
+@pytest.mark.slow
 def test_everything_at_once_at_one_pose(capsys) -> None:
     words = "--glb r.glb --mjcf r.xml --meshes m --pose 50 -30 20 -550"
     code, out, _ = run("export", capsys, *words.split())
@@ -56,6 +57,7 @@ def test_everything_at_once_at_one_pose(capsys) -> None:
         assert actuators(text) == ["general"] * 4
 
 
+@pytest.mark.slow
 def test_another_design_and_branch_as_zip_with_motors(capsys) -> None:
     design = APPENDIX_4.vary({"payload.mass": 3.25, "geometry.crank_length": 0.44})
     save_design(design, "d.toml")

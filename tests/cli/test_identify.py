@@ -61,6 +61,7 @@ def test_example_log_tells_the_robot_that_made_it(capsys) -> None:
     assert abs(written - weight["value"]) < weight["half_width_95"]
 
 
+@pytest.mark.slow
 def test_text_calls_what_is_not_told_unknown(capsys) -> None:
     code, out, err = run("identify", capsys, "example")
     assert (code, err) == (0, "")
@@ -70,6 +71,7 @@ def test_text_calls_what_is_not_told_unknown(capsys) -> None:
     assert "as designed: not in the log" in out
 
 
+@pytest.mark.slow
 def test_wrong_encoder_is_named_and_ends_with_1(capsys) -> None:
     log = example_log()
     zero = np.radians([0.5, 0.0, 0.0, 0.0])
@@ -81,6 +83,7 @@ def test_wrong_encoder_is_named_and_ends_with_1(capsys) -> None:
     assert "M1" in named or "leg 1" in named
 
 
+@pytest.mark.slow
 def test_poor_motion_leaves_unknowns_and_accuses_nobody(capsys) -> None:
     """A motion along x alone: no verdict on the masses, and what motion would tell them."""
     sine = np.zeros((3, 4))
@@ -101,6 +104,7 @@ def test_poor_motion_leaves_unknowns_and_accuses_nobody(capsys) -> None:
     assert found["named"] == []
 
 
+@pytest.mark.slow
 def test_currents_come_with_gains(capsys) -> None:
     lines = text_of(rows=None)
     head = lines[0].replace("torque1_Nm,torque2_Nm,torque3_Nm,force4_N",

@@ -56,6 +56,7 @@ def test_sections_along_a_bar_are_written(capsys) -> None:
     assert abs(float(rows[-1]["leg3_M_Nm"])) > 0.1
 
 
+@pytest.mark.slow
 def test_loads_of_a_motion_and_its_tables(capsys) -> None:
     found = run_json("loads", capsys, "--preset", "arch", "--out", "samples.csv")
     run("loads", capsys, "--preset", "arch", "--bearings", "--out", "bearings.csv")

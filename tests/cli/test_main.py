@@ -38,6 +38,7 @@ def test_flags_reach_the_explorer_with_and_without_its_command(
     assert started == [options]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", [["--help"], ["-h"], *([name, "-h"] for name in COMMANDS)])
 def test_help_goes_to_the_screen_and_starts_nothing(started, capsys, words) -> None:
     with pytest.raises(SystemExit) as stop:
@@ -98,6 +99,7 @@ def run_process(*words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, timeout=120)
 
 
+@pytest.mark.slow
 def test_the_module_is_the_program() -> None:
     Path("in.csv").write_text("x_m,y_m,theta_rad,z_m\n0,0,0,x\n")
     refused = run_process("-m", "paminsa_viz", "evaluate", "in.csv", "--out", "out.csv")
@@ -109,6 +111,7 @@ def test_the_module_is_the_program() -> None:
     assert version.stdout == f"paminsa-viz {paminsa_viz.__version__}\n"
 
 
+@pytest.mark.slow
 def test_a_reader_that_goes_away_causes_no_traceback() -> None:
     command = [sys.executable, "-m", "paminsa_viz", "design", "default"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
@@ -119,6 +122,7 @@ def test_a_reader_that_goes_away_causes_no_traceback() -> None:
     assert process.returncode == 1
 
 
+@pytest.mark.slow
 def test_small_commands_do_not_load_what_takes_a_while() -> None:
     at = "'--pose', '50', '-30', '20', '-550'"
     code = (

@@ -47,6 +47,7 @@ def state_of(pose: tuple[float, ...], view: MapView, reference: Design | None = 
     return replace(state, document=document, map_view=view)
 
 
+@pytest.mark.slow
 def test_files_are_those_of_the_explorer(capsys, folder) -> None:
     words = ("--z", "-500", "--at", "50", "-30", "--out", "a.svg", "--out", "a.csv", "--width",
              "120", "--dpi", "60")  # fmt: skip
@@ -58,6 +59,7 @@ def test_files_are_those_of_the_explorer(capsys, folder) -> None:
     assert (folder / "a.csv").read_bytes() == table(state, store, "csv").content
 
 
+@pytest.mark.slow
 def test_a_difference_is_that_of_the_explorer(capsys, folder) -> None:
     save_design(LIGHT, "light.toml")
     words = ("--quantity", "max-torque", "--log", "--range", "-2", "3", "--reference", "light.toml",
@@ -69,6 +71,7 @@ def test_a_difference_is_that_of_the_explorer(capsys, folder) -> None:
     assert (folder / "a.svg").read_bytes() == figure(state, MapStore(), "svg").content
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_numbers_are_static_torques(capsys, folder, knee) -> None:
     z = -0.5 if knee is KneeBranch.LOWER else 0.5
@@ -121,6 +124,7 @@ def test_the_summary_is_for_people(capsys) -> None:
     out.encode("cp1252")  # a terminal of Windows can print it
 
 
+@pytest.mark.slow
 def test_where_nothing_is_reached_the_exit_code_is_1(capsys, folder) -> None:
     code, out, err = run(capsys, "--z", "-2000", "--cells", "20", "--out", "a.png", "--dpi", "50")
     assert code == 1
@@ -142,6 +146,7 @@ def test_load_of_the_command_line_is_the_designs(capsys) -> None:
     assert turned["maps"] != loaded["maps"]
 
 
+@pytest.mark.slow
 def test_published_torques_are_compared_where_they_are(capsys, tmp_path) -> None:
     """Those of statics itself are met to the last digit, and what is added to them comes back."""
     position = np.array([[0.05, -0.03], [-0.02, 0.06], [5.0, 0.0]])

@@ -26,6 +26,7 @@ def opened_with(path: str) -> Document:
     return persistence.load(json.loads(found[1])["document"])
 
 
+@pytest.mark.slow
 def test_design_and_code_are_written(capsys) -> None:
     save_design(LIGHT, "light.toml")
     assert run("page", capsys, "--out", "a.html", "--design", "light.toml") == (

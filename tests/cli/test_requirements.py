@@ -37,6 +37,7 @@ def test_broken_requirement_gives_exit_code_1(capsys) -> None:
     assert re.search(r"x -?[\d.]+ mm, y -?[\d.]+ mm, theta 0°, z -[\d.]+ mm$", line)
 
 
+@pytest.mark.slow
 def test_volume_with_error_utilization_and_causes(capsys) -> None:
     words = (*COARSE, "--require", "condition <= 10", "--volume")
     code, out, _ = run("requirements", capsys, *words)
@@ -163,6 +164,7 @@ def test_largest_workspace_that_does_not_exist_gives_exit_code_1(capsys) -> None
     assert "none: f_4 <= 100 N breaks at x" in out
 
 
+@pytest.mark.slow
 def test_proof_of_a_workspace(capsys) -> None:
     code, out, err = run("requirements", capsys, "prove", *PROVABLE, *CENTERED)
     assert (code, err) == (0, "")

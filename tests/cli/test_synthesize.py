@@ -103,6 +103,7 @@ def test_a_checkpoint_is_there_at_once_and_used_by_one_process(capsys) -> None:
         assert Path("at.json").read_bytes() == written
 
 
+@pytest.mark.slow
 def test_what_people_read(capsys) -> None:
     code, out, err = run("synthesize", capsys, "small.toml")
     assert (code, err) == (0, "")

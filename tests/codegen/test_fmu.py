@@ -291,6 +291,7 @@ def test_what_cannot_move_says_so(tmp_path: Path) -> None:
         np.testing.assert_array_equal(get(slave, POSE), before)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("kind", KINDS)
 def test_sources_compile_without_a_warning(kind: FmuKind, compiler: str, tmp_path: Path) -> None:

@@ -87,6 +87,7 @@ def test_c_agrees_with_python(name: str, compiler: str, tmp_path: Path) -> None:
     assert float(formulas[1]) < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DESIGNS)
 def test_single_precision_keeps_the_bounds_that_the_readme_states(
     name: str, tmp_path: Path
@@ -105,6 +106,7 @@ def test_single_precision_keeps_the_bounds_that_the_readme_states(
         assert f"{what} {bound:g}" in readme
 
 
+@pytest.mark.slow
 def test_a_wrong_number_fails_the_test_program(tmp_path: Path) -> None:
     build(tmp_path, APPENDIX_4, "gcc")
     text = (tmp_path / "vectors.csv").read_text().splitlines()
@@ -118,6 +120,7 @@ def test_a_wrong_number_fails_the_test_program(tmp_path: Path) -> None:
     assert "FAILED" in done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("content", [None, "", "pose_0,pose_1\n", "head\n1,2,three\n"])
 def test_an_unusable_table_is_no_success(content: str | None, tmp_path: Path) -> None:
     build(tmp_path, APPENDIX_4, "gcc")
@@ -298,6 +301,7 @@ int main(void)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", compilers())
 def test_many_states_at_once_have_the_bits_of_numpy(compiler: str, tmp_path: Path) -> None:
     design = DESIGNS["loaded"]
@@ -323,6 +327,7 @@ def test_many_states_at_once_have_the_bits_of_numpy(compiler: str, tmp_path: Pat
     assert 0.3 < np.isfinite(got).all(axis=0).mean() < 0.9
 
 
+@pytest.mark.slow
 def test_inverse_dynamics_is_small(tmp_path: Path) -> None:
     """Its text is at most 12 kB at -Os, with all that it calls."""
     for name, text in controller_kit(APPENDIX_4).items():

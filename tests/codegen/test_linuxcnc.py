@@ -116,6 +116,7 @@ def check(folder: Path, design: Design) -> None:
     assert (away[:, 2:6] == 0).all()  # joints that cannot be are left alone
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DESIGNS)
 def test_module_goes_there_and_back(name: str, tmp_path: Path) -> None:
     body = write(tmp_path, DESIGNS[name])

@@ -51,6 +51,7 @@ def same_bits(got: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     )
 
 
+@pytest.mark.slow
 def test_every_registered_formula_prints_in_both_languages() -> None:
     formulas = list(registered())
     assert len(formulas) >= 7
@@ -87,6 +88,7 @@ def test_javascript_has_the_bits_of_numpy(tmp_path: Path) -> None:
     assert same_bits(got, on_numpy(EXACT, given)).all()
 
 
+@pytest.mark.slow
 def test_formulas_with_angles_differ_by_rounding_only(tmp_path: Path) -> None:
     given = columns(1000)
     program, width = c_program(ROUNDED, given)

@@ -81,6 +81,7 @@ def drawn(seed: int, knee: KneeBranch) -> Geometry:
     return with_knee(random_design(np.random.default_rng(seed)), knee).geometry
 
 
+@pytest.mark.slow
 @given(seeds, st.sampled_from(KneeBranch))
 def test_heights_leave_the_room_that_is_stated(seed: int, knee: KneeBranch) -> None:
     g = drawn(seed, knee)
@@ -204,6 +205,7 @@ def test_arcs_of_the_ring_end_beside_the_motors(radius: float) -> None:
     assert len(arcs) == (3 if radius > size.RING_GAP + 1e-9 else 0)
 
 
+@pytest.mark.slow
 @given(st.floats(0.03, 0.5))
 def test_plate_goes_around_its_corners(radius: float) -> None:
     corners = rules.plate_corners(radius)

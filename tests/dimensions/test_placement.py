@@ -22,6 +22,7 @@ def solved(seed: int, knee: KneeBranch, n: int) -> tuple[Geometry, Configuration
     return design.geometry, inverse_kinematics(design.geometry, random_poses(rng, design, n))
 
 
+@pytest.mark.slow
 @given(seeds, knees)
 def test_bodies_stand_at_their_joints(seed: int, knee: KneeBranch) -> None:
     g, many = solved(seed, knee, 4)

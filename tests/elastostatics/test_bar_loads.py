@@ -149,6 +149,7 @@ def test_largest_value_of_any_polynomials_is_that_of_dense_samples(degree: int) 
             assert place[row] == pytest.approx((start + x)[best], abs=2e-3)
 
 
+@pytest.mark.slow
 @EACH
 def test_extremes_are_those_of_dense_samples(design: Design) -> None:
     forces = joint_forces(loaded(design), *states(design, 10))
@@ -278,6 +279,7 @@ def test_unknown_bars_are_refused() -> None:
         bar_loads(forces, "b5")
 
 
+@pytest.mark.slow
 @given(design=samples.possible_designs())
 @settings(max_examples=10)
 def test_any_possible_design_is_in_equilibrium_or_has_a_reason(design: Design) -> None:

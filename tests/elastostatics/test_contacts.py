@@ -20,6 +20,7 @@ from tests.elastostatics.robots import POSE, elastic_design, poses_of
 ENDS = {"b2": (3, 2), "b3": (7, 4), "b4": (9, 5), "b7": (8, 7), "b8": (8, 9)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_gaps_are_those_of_sampled_center_lines(seed: int) -> None:
     design = elastic_design(seed)

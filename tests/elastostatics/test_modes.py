@@ -87,6 +87,7 @@ def test_a_coordinate_without_mass_has_an_infinite_frequency() -> None:
     assert found.frequencies.tolist() == [pytest.approx(2 / (2 * np.pi)), np.inf]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frame", list(LoadFrame))
 def test_drives_alone_vibrate_as_mujoco_does(frame: LoadFrame) -> None:
     """Springs at the actuators of MuJoCo's model, which hold weight and load."""

@@ -30,6 +30,7 @@ def test_compliance_of_the_whole_robot(seed: int, knee: KneeBranch) -> None:
         assert difference(design, pose) < 1e-5
 
 
+@pytest.mark.slow
 def test_shaft_that_is_welded_to_the_guide_link_is_another_robot() -> None:
     """What PyNite makes of the root of B10 where it is: half as stiff again in every direction."""
     assert difference(APPENDIX_4, np.array(POSE)) < 1e-5

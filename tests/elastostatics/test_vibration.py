@@ -126,6 +126,7 @@ def test_stiff_bars_vibrate_as_the_drives_alone(knee: KneeBranch) -> None:
         assert found[rigid.ok, 3] == pytest.approx(expected[rigid.ok, 3], rel=2e-4)
 
 
+@pytest.mark.slow
 def test_more_elements_converge() -> None:
     found = [whole_modes(leg_matrices(LOADED, n), POSES[1], 3).frequencies for n in (1, 2, 3)]
     assert (found[0] > found[1]).all()
@@ -234,6 +235,7 @@ def test_all_modes_are_of_one_pose_that_weight_does_not_push_away() -> None:
         assert pushed.shapes.shape[1] == len(pushed.frequencies) == count
 
 
+@pytest.mark.slow
 def test_usually_bars_are_single_elements_without_shear_and_six_modes_are_found() -> None:
     pose = POSES[1]
     found = robot_modes(LOADED, pose).frequencies
@@ -264,6 +266,7 @@ def test_bars_without_length_or_too_many_elements_are_refused() -> None:
             leg_matrices(APPENDIX_4, divisions)
 
 
+@pytest.mark.slow
 def test_center_lines_meet_at_the_joints_and_move_with_the_platform() -> None:
     matrices = leg_matrices(SOFT, 2)
     rigid = leg_matrices(APPENDIX_4, 2)

@@ -52,6 +52,7 @@ def test_static_torques(engine: Engine, design: Design) -> None:
     assert worst(static_torques(design, poses), found) < SHARP
 
 
+@pytest.mark.slow
 @EACH
 def test_dynamic_torques(engine: Engine, design: Design) -> None:
     states = samples.random_states(np.random.default_rng(2), design, 200)

@@ -64,6 +64,7 @@ def test_masses_are_written_with_all_their_digits() -> None:
     assert sum(mass.values()) == pytest.approx(whole, rel=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("servos", [True, False], ids=["servos", "motors"])
 @EACH
 def test_exported_model_loads_and_holds_its_pose(mujoco: Any, design: Design, servos: bool) -> None:
@@ -77,12 +78,14 @@ def test_exported_model_loads_and_holds_its_pose(mujoco: Any, design: Design, se
     np.testing.assert_allclose(start.pose(model.qpos0), pose, rtol=0, atol=1e-14)
 
 
+@pytest.mark.slow
 @PROTOTYPES
 def test_default_start_steps_two_seconds_with_motors_too(mujoco: Any, design: Design) -> None:
     _, _, gap = run(mujoco, exported_mjcf(design, servos=False), 2.0)
     assert gap < 1e-6
 
 
+@pytest.mark.slow
 @PROTOTYPES
 def test_servos_follow_their_controls(mujoco: Any, design: Design) -> None:
     """The viewer's sliders: all at once, smoothly over half a second."""
@@ -178,6 +181,7 @@ MASSLESS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_bodies_without_mass_step_too(mujoco: Any) -> None:
     least = {"links.b1": 0.00034, "joints.j7": 1e-4, "links.b2": 0.0, "joints.j3": 1.1e-3}
     for change in (MASSLESS, MASSLESS | least):
@@ -271,6 +275,7 @@ def quintic(first: Any, last: Any, times: Any) -> tuple[Any, Any, Any]:
     )
 
 
+@pytest.mark.slow
 @BOTH
 def test_simulated_motion_follows_the_calculated_torques(mujoco: Any, knee: KneeBranch) -> None:
     """Feed-forward alone, through an unstable robot: close, and closer with a smaller step."""
@@ -289,6 +294,7 @@ def test_simulated_motion_follows_the_calculated_torques(mujoco: Any, knee: Knee
     assert np.abs(wrong.drift).max() > 10 * np.abs(fine.drift).max()
 
 
+@pytest.mark.slow
 def test_a_robot_that_falls_is_played_until_it_strays(mujoco: Any) -> None:
     """Without torques; and a motion of one instant is where it starts."""
     times = np.linspace(0.0, 0.2, 21)
@@ -313,6 +319,7 @@ def test_a_robot_that_falls_is_played_until_it_strays(mujoco: Any) -> None:
     assert alone.stray[0] < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frame", LoadFrame)
 def test_a_simulation_stands_under_the_load_and_what_is_put_on_top_of_it(frame: LoadFrame) -> None:
     """Held by the calculated torques; a newton more would move it a hundred times as far."""

@@ -58,6 +58,7 @@ def test_plain_log_is_what_the_model_computes(knee) -> None:
     np.testing.assert_allclose(log.position, actuators, rtol=0, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bar", ["B3", "B4", "B10"])
 def test_bar_heavier_in_every_leg_is_a_heavier_design(bar) -> None:
     name = bar.lower()
@@ -72,6 +73,7 @@ def test_bar_heavier_in_every_leg_is_a_heavier_design(bar) -> None:
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_bar_heavier_in_one_leg_breaks_the_symmetry(plain) -> None:
     shares = [
         simulate_log(ROBOT, MOTION, rate=RATE, defects=Defects((HeavierBar(leg, "B4", 1.2),)))
@@ -111,6 +113,7 @@ def test_delayed_torque_is_that_of_an_earlier_moment(plain) -> None:
     np.testing.assert_array_equal(late.position, plain.position)
 
 
+@pytest.mark.slow
 def test_noise_has_its_size_its_correlation_and_its_seed(plain) -> None:
     noise = correlated_noise(200_000, 1e-3, 0.02, 3)
     np.testing.assert_allclose(noise.std(axis=0), 1.0, atol=0.05)

@@ -27,6 +27,7 @@ SPRINGS = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [LoadCase(), LoadCase(force_x=5.0, moment_z=1.0)])
 def test_mujoco_holds_the_same_against_springs(load):
     design = replace(APPENDIX_4, load=load)

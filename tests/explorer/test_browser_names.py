@@ -68,6 +68,7 @@ def test_scripts_are_told_the_places_of_the_scene() -> None:
     assert {name: paths for name, paths in found.items() if paths} == {}
 
 
+@pytest.mark.slow
 def test_only_browser_and_server_know_names_that_are_not_public() -> None:
     allowed = [PACKAGE / "explorer" / name for name in ("browser", "server")]
     found = {

@@ -49,6 +49,7 @@ def test_a_written_design_reads_back_exactly_under_any_comment(design: Design, c
     assert again.name == design.name
 
 
+@pytest.mark.slow
 @given(designs(), st.booleans())
 def test_bytes_read_like_text(design: Design, windows: bool) -> None:
     text = write_design(design)

@@ -62,6 +62,7 @@ def test_drives_carry_the_payload_on_the_preset_motion() -> None:
         assert 0.0 < drive.use <= 1.0
 
 
+@pytest.mark.slow
 def test_compact_robot_meets_its_needs_in_two_thirds_of_the_radius(
     script: dict[str, Any],
 ) -> None:

@@ -93,6 +93,7 @@ def test_an_excitation_is_a_trajectory_that_states_its_limits() -> None:
         assert float(limit) == pytest.approx(row.limit, rel=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [4, 6])
 def test_calibrated_lengths_and_what_is_left_of_each_pose(width: int) -> None:
     data = measure(APPENDIX_4, random_deviations(1), 24, width, 1e-5)

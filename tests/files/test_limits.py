@@ -75,6 +75,7 @@ def test_levels_and_whole_numbers_of_plain_data() -> None:
     assert caught.value.path == "b.c"
 
 
+@pytest.mark.slow
 def test_rows_of_tables() -> None:
     head, row = "x_m,y_m,theta_rad,z_m\n", "0,0,0,-0.5\n"
     assert table_rows(f"{head}{row}" + "\n" * MOST_BLANK_ROWS) == 1

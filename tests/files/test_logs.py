@@ -127,6 +127,7 @@ def test_a_log_without_rows_is_refused() -> None:
         read(f"{MOVED},{TORQUES}\n")
 
 
+@pytest.mark.slow
 def test_the_shipped_logs_are_twenty_seconds_each_by_their_names(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

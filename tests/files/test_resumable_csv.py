@@ -121,6 +121,7 @@ def test_another_study_is_named_by_its_first_difference(content, words, tmp_path
         grow(path, head=head)
 
 
+@pytest.mark.slow
 def test_any_changed_byte_is_refused_with_its_row(whole, tmp_path) -> None:
     path = tmp_path / "edited.csv"
     start = whole.index(b"0,0.0")

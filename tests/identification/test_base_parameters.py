@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -45,6 +46,7 @@ def rank(columns: Any) -> int:
     return kept
 
 
+@pytest.mark.slow
 @given(cases())
 def test_eleven_base_parameters_carry_the_whole_regressor(case: Case) -> None:
     design, states = case.design, case.states(STATES)
@@ -57,6 +59,7 @@ def test_eleven_base_parameters_carry_the_whole_regressor(case: Case) -> None:
     assert not SELECTION.flags.writeable  # all share it
 
 
+@pytest.mark.slow
 @given(cases())
 def test_legs_with_masses_of_their_own_have_27_base_parameters(case: Case) -> None:
     states = case.states(STATES)
@@ -67,6 +70,7 @@ def test_legs_with_masses_of_their_own_have_27_base_parameters(case: Case) -> No
     assert rank(np.concatenate([legs.reshape(STATES, 4, 24), common], axis=-1)) == 27
 
 
+@pytest.mark.slow
 @given(cases(), st.integers(0, 2**32 - 1))
 def test_masses_moved_along_the_null_space_change_no_torque(case: Case, seed: int) -> None:
     design = case.design
@@ -107,6 +111,7 @@ def test_drives_add_their_inertia_to_two_base_parameters() -> None:
     assert rank(np.concatenate([x, speeds[..., None] * np.eye(4)], axis=-1)) == 13
 
 
+@pytest.mark.slow
 @given(cases())
 def test_ranks_with_friction_offsets_and_rotors(case: Case) -> None:
     pose, velocity, acceleration = case.states(STATES)

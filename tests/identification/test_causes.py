@@ -72,6 +72,7 @@ def causes(position: Any, torque: Any) -> Any:
     return find_causes(identify(APPENDIX_4, log, QUICK))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("actuator", [0, 1, 2])
 def test_an_encoder_zero_is_named_with_its_size(actuator: int) -> None:
     _, position, torque = signals()
@@ -87,6 +88,7 @@ def test_an_encoder_zero_is_named_with_its_size(actuator: int) -> None:
     assert np.degrees(found.named[0].value) == pytest.approx(0.5, abs=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("actuator", [0, 1, 2])
 def test_a_gain_is_named_with_its_size(actuator: int) -> None:
     _, position, torque = signals()
@@ -95,6 +97,7 @@ def test_a_gain_is_named_with_its_size(actuator: int) -> None:
     assert found.named[0].value == pytest.approx(0.05, abs=0.015)
 
 
+@pytest.mark.slow
 def test_a_delay_is_named_with_its_size() -> None:
     t, position, torque = clean_signals(1, DESIGN)
     log = make_log(t[5:], *noisy(t[5:], position[5:], torque[:-5], np.random.default_rng(0)))
@@ -103,6 +106,7 @@ def test_a_delay_is_named_with_its_size() -> None:
     assert found.named[0].value == pytest.approx(5e-3, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_spring_breaks_the_identity_and_is_named() -> None:
     t, position, torque = clean_signals(1, DESIGN)
     force = 0.3 * base_parameters(DESIGN)[1]
@@ -122,6 +126,7 @@ def test_a_spring_breaks_the_identity_and_is_named() -> None:
     assert shares[0] == pytest.approx(shares[1], rel=0.2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bar", ["b3", "b4", "b8"])
 def test_bar_that_is_heavier_in_mass_alone_is_said_to_be_like_others(bar: str) -> None:
     """No cause is exactly that: the leg is right, and the bar is among those that are alike."""
@@ -137,6 +142,7 @@ def test_bar_that_is_heavier_in_mass_alone_is_said_to_be_like_others(bar: str) -
         assert all(label.removeprefix(f"leg {leg + 1}: ") in first.text for label in first.alike)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(LENGTHS))
 def test_columns_of_lengths_are_torques_of_robots_with_longer_ones(name: str) -> None:
     """The same actuator motion, made by a robot of another length with the same base parameters."""
@@ -197,6 +203,7 @@ def test_plausible_sizes_are_those_of_the_documentation() -> None:
     assert missing("identification", [sentence]) == []
 
 
+@pytest.mark.slow
 def test_a_spring_explains_what_holding_the_identity_costs() -> None:
     """Of the weighted squared residuals, by the fits with and without the identity."""
     free = identified()
@@ -219,6 +226,7 @@ def test_a_spring_explains_what_holding_the_identity_costs() -> None:
     assert (lost.value, lost.half_width, lost.p_value) == (0.0, np.inf, 1.0)
 
 
+@pytest.mark.slow
 def test_two_causes_are_named_one_after_the_other() -> None:
     _, position, torque = signals()
     shifted = position + np.radians(0.5) * np.eye(4)[0]
@@ -238,6 +246,7 @@ def test_a_right_robot_names_nothing_and_says_what_it_could_not_see() -> None:
     assert "gain of M1" not in unseen
 
 
+@pytest.mark.slow
 def test_columns_are_what_the_causes_do() -> None:
     found = identified(None)
     log = found.log
@@ -250,6 +259,7 @@ def test_columns_are_what_the_causes_do() -> None:
     np.testing.assert_allclose(seen[1] - seen[0], expected, atol=2e-3 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 def test_columns_of_bars_springs_and_gains_by_their_definitions() -> None:
     """A bar of one leg is its share of what the same bar of all three changes."""
     found = identified(None)
@@ -281,6 +291,7 @@ def test_columns_of_bars_springs_and_gains_by_their_definitions() -> None:
         )
 
 
+@pytest.mark.slow
 def test_a_delay_is_minus_the_rate_of_the_torques_in_each_segment() -> None:
     found = identified(None)
     segment = (np.arange(len(found.predicted)) >= 700).astype(np.int64)
@@ -340,6 +351,7 @@ def test_causes_are_named_one_after_the_other_by_what_they_explain(
     assert list(found.unseen) == [*NEVER_SEEN, *said]
 
 
+@pytest.mark.slow
 def test_sizes_are_the_least_squares_fit_with_rows_over_their_noise() -> None:
     found = identified()
     noise, model = found.solution.noise[:, None], found.model
@@ -353,6 +365,7 @@ def test_sizes_are_the_least_squares_fit_with_rows_over_their_noise() -> None:
             assert ranked[item.label].value == pytest.approx(fit[-1], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_p_values_are_two_sided_and_for_all_causes_at_once() -> None:
     t, position, torque = signals()
     shifted = position + np.radians(0.1) * np.eye(4)[0]

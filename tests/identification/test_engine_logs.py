@@ -43,6 +43,7 @@ def engine_log(
     return make_log(*simulate_log(design, motion, rate=rate, **options))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_a_clean_log_of_an_engine_gives_the_design_to_a_thousandth(knee: KneeBranch) -> None:
     design = DESIGN.with_knee(knee)
@@ -56,6 +57,7 @@ def test_a_clean_log_of_an_engine_gives_the_design_to_a_thousandth(knee: KneeBra
             assert item.value == pytest.approx(item.parameter.design, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("leg", [0, 1, 2])
 def test_a_heavier_bar_is_named_first(leg: int) -> None:
     defects = Defects(bars=(HeavierBar(leg, "B4", 1.2),))
@@ -91,6 +93,7 @@ def test_a_spring_breaks_the_identity() -> None:
     assert find_causes(wrong).named[0].label == SPRING
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("label", "size", "most", "defects"),
     [

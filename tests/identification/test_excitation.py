@@ -123,6 +123,7 @@ def test_sizes_are_the_largest_values_of_a_first_harmonic() -> None:
     np.testing.assert_allclose(np.sqrt((columns**2).mean(axis=0)), 1.0, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_slopes_are_those_of_differences() -> None:
     info = information()
     info.noise = np.array([0.1, 0.2, 0.1, 5.0])

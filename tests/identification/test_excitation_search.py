@@ -43,6 +43,7 @@ from tests.identification.test_excitation import PERIOD, ROBOT, information, lim
 from tests.support.documentation import missing
 
 
+@pytest.mark.slow
 def test_search_is_reproducible_by_its_seed() -> None:
     def poses(seed: int):
         settings = ExcitationSettings(
@@ -174,6 +175,7 @@ def test_a_motion_keeps_limits_that_it_stays_below_by_a_thousand_millionth() -> 
         assert (shrunk(info, motion) is motion) == kept  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_motions_are_improved_the_best_random_one_first(monkeypatch: pytest.MonkeyPatch) -> None:
     """By what they tell at the noise of the first 32 of them; results are of finer samples.
 

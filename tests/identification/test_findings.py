@@ -28,6 +28,7 @@ OTHER = simulated(2, APPENDIX_4, rate=200.0)
 LOADED = simulated(2, replace(APPENDIX_4, payload=Payload(2.0, 0.01)), rate=200.0)
 
 
+@pytest.mark.slow
 def test_each_part_is_that_of_its_own_function_and_is_there_if_its_log_is() -> None:
     backend.compile_now()  # or kernels could take over in between, with other rounding
     shares: list[float] = []

@@ -123,6 +123,7 @@ def test_friction_is_unknown_where_the_noise_hides_it() -> None:
     assert not friction & {item.symbol for item in identify(APPENDIX_4, log, QUICK).unknown}
 
 
+@pytest.mark.slow
 def test_masses_that_no_motion_tells_apart_change_no_estimate() -> None:
     moved = moved_unseen(RUBBING, 0)
     assert np.abs(mass_vector(moved) - mass_vector(RUBBING)).max() > 0.1
@@ -140,6 +141,7 @@ def test_masses_that_no_motion_tells_apart_change_no_estimate() -> None:
         assert second.known == first.known
 
 
+@pytest.mark.slow
 def test_what_is_known_of_loads_and_unequal_rotors_is_taken_off() -> None:
     one, two, three = (
         Drive("d", rotor_inertia=inertia, gear_ratio=20.0) for inertia in (1e-4, 3e-4, 8e-4)
@@ -224,6 +226,7 @@ def test_a_log_without_a_long_enough_piece_or_whose_legs_do_not_meet_is_refused(
         make_log(log.t, log.position[1:], log.torque)
 
 
+@pytest.mark.slow
 def test_numbers_that_move_with_the_cut_off_are_named() -> None:
     """Torques that grow with frequency, as those of a compliant gear do."""
     log = simulated(1, RUBBING, rate=250.0, noise_seed=None)
@@ -315,6 +318,7 @@ def test_slower_logs_give_the_same(rate: float) -> None:
     assert np.abs(errors(found, RUBBING)[:8]).max() < 0.02
 
 
+@pytest.mark.slow
 def test_opt_in_numbers_are_found() -> None:
     log = simulated(2, RUBBING)
     late = make_log(log.t[5:], log.position[5:], log.torque[:-5])

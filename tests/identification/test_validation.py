@@ -60,6 +60,7 @@ def test_a_log_that_shows_nothing_validates_nothing(identified: Any) -> None:
         validate(identified, make_log(log.t, log.position, 0.0 * log.torque))
 
 
+@pytest.mark.slow
 def test_a_delay_holds_for_the_second_log_too() -> None:
     def late(log: Any) -> Any:
         return make_log(log.t[8:], log.position[8:], log.torque[:-8])
@@ -202,6 +203,7 @@ def test_a_payload_is_what_explains_best_what_a_first_log_leaves(first_is_short:
     np.testing.assert_allclose(half, 2.570582 * np.sqrt(np.sum(squares, axis=0)), rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_shipped_logs_validate_and_weigh_two_kilograms() -> None:
     logs = {kind: example_log(kind) for kind in ExampleLog}
     best = identify(APPENDIX_4, logs[ExampleLog.BEST], QUICK)

@@ -41,6 +41,7 @@ def load(data: bytes) -> trimesh.Scene:
     return trimesh.load_scene(io.BytesIO(data), file_type="glb", process=False)
 
 
+@pytest.mark.slow
 def test_every_body_is_a_named_node(posed: bytes) -> None:
     bare = assemble_glb(APPENDIX_4, inverse_kinematics(APPENDIX_4.geometry, POSE), ground=False)
     names, fewer = ({node["name"] for node in tree(file)["nodes"]} for file in (posed, bare))
@@ -90,6 +91,7 @@ def test_the_payloads_volume_shows_its_mass(posed: bytes) -> None:
     assert bounds[1, 1] < POSE[3]
 
 
+@pytest.mark.slow
 def test_the_upper_knee_carries_its_payload_on_top() -> None:
     design = LOADED.with_knee(KneeBranch.UPPER)
     configuration = inverse_kinematics(design.geometry, (0.0, 0.0, 0.0, 0.4))

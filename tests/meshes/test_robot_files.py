@@ -56,6 +56,7 @@ def written(files: dict[str, bytes], folder: Path) -> str:
     return str(folder / "robot.xml")
 
 
+@pytest.mark.slow
 @BOTH
 def test_model_loads_and_steps_two_seconds_without_a_warning(
     mujoco: Any, tmp_path: Path, knee: KneeBranch
@@ -72,6 +73,7 @@ def test_model_loads_and_steps_two_seconds_without_a_warning(
     np.testing.assert_allclose(data.qpos, model.qpos0, rtol=0, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_meshes_change_nothing_of_the_mechanics(mujoco: Any, tmp_path: Path) -> None:
     design = samples.random_design(np.random.default_rng(5))
     pose = tuple(samples.random_poses(np.random.default_rng(6), design)[0].tolist())
@@ -110,6 +112,7 @@ def drawn(mujoco: Any, model: Any, data: Any) -> dict[str, np.ndarray]:
     return {name: np.concatenate(parts) for name, parts in found.items()}
 
 
+@pytest.mark.slow
 @BOTH
 def test_every_shape_is_where_the_robot_has_it_in_another_pose(
     mujoco: Any, tmp_path: Path, knee: KneeBranch
@@ -146,6 +149,7 @@ def test_every_shape_is_where_the_robot_has_it_in_another_pose(
         assert np.linalg.norm(head - joint, axis=1).max() == pytest.approx(reach, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_counterweights_stay_visible() -> None:
     weight = Counterweight("b8", 8, 0.1, 0.5)
     root = ET.fromstring(files_of(replace(APPENDIX_4, counterweights=(weight,)))["robot.xml"])
@@ -154,6 +158,7 @@ def test_counterweights_stay_visible() -> None:
     assert all(g.get("group") is None for b in found for g in b.iter("geom"))
 
 
+@pytest.mark.slow
 def test_every_mesh_is_named_and_used_and_bars_have_the_colors_of_their_legs(
     files: dict[str, bytes],
 ) -> None:
@@ -168,6 +173,7 @@ def test_every_mesh_is_named_and_used_and_bars_have_the_colors_of_their_legs(
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_zip_holds_all_in_one_folder_and_repeats(files: dict[str, bytes]) -> None:
     packed = zipped(files, "robot")
     assert packed == zipped(files_of(), "robot")

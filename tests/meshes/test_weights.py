@@ -57,6 +57,7 @@ def test_counterweight_stays_in_its_bars_layer_with_few_faces(end: tuple[str, in
     assert sum(len(solid.mesh.faces) for solid in part.solids) < 350
 
 
+@pytest.mark.slow
 def test_file_contains_counterweights_with_mass() -> None:
     weights = (Counterweight("b8", 8, 0.2, 2.0), Counterweight("b3", 7, 0.1, 0.0))
     design = replace(APPENDIX_4, counterweights=weights)

@@ -116,6 +116,7 @@ def mixed_states(case: Case) -> tuple[Any, Any, Any]:
     return pose, v, a
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_compiled_and_numpy_agree_on_everything(case: Case) -> None:
     states = mixed_states(case)

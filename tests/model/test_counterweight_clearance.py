@@ -63,6 +63,7 @@ def met(
     return CounterweightClearance(r.max(), -r.min(), z.min(), z.max(), deep.max())
 
 
+@pytest.mark.slow
 @given(
     st.integers(0, 10**6),
     st.sampled_from(ENDS),
@@ -86,6 +87,7 @@ def test_no_random_pose_needs_more(seed, end, beyond, knee) -> None:
     assert nearly.clear_depth >= found.clear_depth
 
 
+@pytest.mark.slow
 @BOTH
 def test_the_robot_of_appendix_4_comes_close_to_it(knee) -> None:
     weight = Counterweight("b3", 7, 0.2, 1.0)

@@ -76,6 +76,7 @@ def test_friction_takes_the_same_power_at_the_motor_and_at_the_actuator(drive: D
         assert (viscous * speed + coulomb) * speed == pytest.approx(lost, rel=1e-12)
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_inertia_and_friction_of_the_drives_are_added(case: Case) -> None:
     pose, v, a = case.states()
@@ -165,6 +166,7 @@ def test_engines_agree_on_reflected_inertia(engine: str, seed: int | None) -> No
     assert np.abs(without - ours).max() > 1e-3 * np.abs(ours).max()
 
 
+@pytest.mark.slow
 def test_the_simulation_moves_a_driven_robot_and_balances_its_energy() -> None:
     design = driven(APPENDIX_4)
     motion = PRESET["quintic"].build(design.geometry).sample(200)

@@ -57,6 +57,7 @@ def rubbing(design: Design) -> Design:
     return replace(design, friction=RUBBING)
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_torques_are_those_of_first_principles(case: Case) -> None:
     result = inverse_dynamics(case.design, *case.states())
@@ -76,6 +77,7 @@ def test_fast_and_slow_motions(case: Case, speed: float, push: float) -> None:
     assert_close(got, expected, 1e-10)
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_the_parts_of_the_torque_add_up(case: Case) -> None:
     states = case.states()
@@ -96,6 +98,7 @@ def test_the_parts_of_the_torque_add_up(case: Case) -> None:
         np.testing.assert_array_equal(coasting.velocity, parts.velocity)
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_power_of_the_actuators_is_the_growth_of_energy(case: Case) -> None:
     """sum Q_j q_j' = d(T + V)/dt, the energies taken a little before and after."""
@@ -175,6 +178,7 @@ def solve_eq_15(
     return multipliers, left[..., 4:] - reaction
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_multipliers_and_torques_are_those_of_the_papers_equations(case: Case) -> None:
     states = case.states()
@@ -184,6 +188,7 @@ def test_multipliers_and_torques_are_those_of_the_papers_equations(case: Case) -
     assert_close(result.multipliers, multipliers, 1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("misprints", [*Misprint, Misprint.ALL], ids=str)
 @settings(max_examples=5)  # robots for each of seven
 @given(case=cases())

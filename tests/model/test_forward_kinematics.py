@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -32,6 +33,7 @@ def apart(a: Any, b: Any) -> Any:
     return np.abs(difference).max(axis=-1)
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_forward_after_inverse_finds_the_pose(case: Case) -> None:
     pose = case.poses(32)
@@ -96,6 +98,7 @@ def meetings(geometry: Geometry, actuators: Any) -> int:
     return int(np.sum(np.sign(gap) != np.sign(np.roll(gap, 1))))
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_there_are_no_more_than_those_found(case: Case) -> None:
     """Counted by turning the platform through all angles."""

@@ -100,6 +100,7 @@ def check_field(
         near(got, expected[f"quantity {name}"], 1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("names", NAMES, ids="-".join)
 def test_any_axes_in_any_order(names: tuple[str, ...]) -> None:
     grid = Grid.over(FIXED, **{name: VALUES[name] for name in names})
@@ -129,6 +130,7 @@ def test_any_axes_in_any_order(names: tuple[str, ...]) -> None:
     near(torques, field.torques(APPENDIX_4)[:3])
 
 
+@pytest.mark.slow
 @given(case=cases(), names=st.sampled_from(NAMES))
 def test_any_robot(case: Case, names: tuple[str, ...]) -> None:
     rng = np.random.default_rng(case.seed)
@@ -143,6 +145,7 @@ def test_any_robot(case: Case, names: tuple[str, ...]) -> None:
     assert (field.geometry, field.grid) == (g, grid)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("numpy", [False, True])
 @pytest.mark.parametrize("names", [("y", "x"), ("x", "theta"), ("z", "theta", "x"), ("theta",)])
 def test_blocks_and_threads_change_nothing(

@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
 HEAVY = (
     "viser", "websockets", "matplotlib", "contourpy", "plotly", "PIL", "mujoco", "pinocchio",
     "trimesh", "mcubes", "fast_simplification", "jinja2", "rich", "tyro", "numba",
@@ -44,9 +46,11 @@ def run(code: str) -> str:
     return done.stdout.strip()
 
 
+@pytest.mark.slow
 def test_rooms_that_compute_import_no_viewer_no_plots_and_no_engine() -> None:
     assert run(IMPORTS) == ""
 
 
+@pytest.mark.slow
 def test_any_number_of_poses_without_numba() -> None:
     run(WITHOUT_NUMBA)

@@ -149,6 +149,7 @@ def test_an_offset_of_a_vertical_force_loads_the_bearings() -> None:
     np.testing.assert_allclose(center_wrench(turned, np.pi / 2)[5], 2.0)
 
 
+@pytest.mark.slow
 @given(load=loads, seed=seeds)
 def test_every_way_to_a_torque_has_the_same_load(load: LoadCase, seed: int) -> None:
     design, rng = robot(seed, load)

@@ -97,6 +97,7 @@ def test_every_design_gives_the_numbers_of_the_appendices(case: Case) -> None:
         assert c["I_pl"] == case.design.platform.inertia + case.design.payload.inertia
 
 
+@pytest.mark.slow
 @given(case=cases(), flags=st.sampled_from([Misprint.NONE, Misprint.ALL]))
 def test_the_matrix_maps_masses_to_coefficients(case: Case, flags: Misprint) -> None:
     design = case.design
@@ -146,6 +147,7 @@ def only(design: Design, path: str) -> Design:
     return design.vary(values | {path: 1.0})
 
 
+@pytest.mark.slow
 @settings(max_examples=6)
 @given(case=cases())
 def test_each_mass_alone_has_the_energies_of_its_rigid_body(case: Case) -> None:

@@ -87,6 +87,7 @@ def test_the_rotation_of_appendix_4() -> None:
     assert np.isnan(singular_rotation(wide))
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_determinant_and_condition_at_poses_that_can_be_taken(case: Case) -> None:
     g, pose = case.geometry, case.poses(32)
@@ -133,6 +134,7 @@ def test_distance_to_the_circle_by_search(case: Case) -> None:
     assert_within(measure_singularity(g, moved).position_distance, np.zeros(50), 1e-12)
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_distance_in_rotation_by_search(case: Case) -> None:
     """Every sign change of the determinant in a turn of the platform, by bisection."""
@@ -223,6 +225,7 @@ def low(g: Geometry, n: int) -> Any:
     return np.full(n, -0.6 * (g.crank_length + g.coupler_length))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiled", [False, True], ids=["arrays", "kernels"])
 @pytest.mark.parametrize(
     ("draw", "limit"),

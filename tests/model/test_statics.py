@@ -43,6 +43,7 @@ def massless(design: Design, **changes: float) -> Design:
     return design.vary(values | {key.replace("__", "."): value for key, value in changes.items()})
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_static_torques_are_those_of_first_principles(case: Case) -> None:
     for natural in (False, True):
@@ -64,6 +65,7 @@ def test_static_torques_are_the_slope_of_the_potential_energy(case: Case) -> Non
     assert_close(forces, exact, 1e-11)
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_torques_of_m1_to_m3_are_one_number_times_a_map_of_the_geometry(case: Case) -> None:
     """Q_j = M_p2 Gamma_j, and F_4 the same plus a constant; Gamma knows no mass."""
@@ -133,6 +135,7 @@ def test_parts_of_the_imbalance_are_what_is_lost_without_their_mass(case: Case) 
             assert part == 0.0
 
 
+@pytest.mark.slow
 @settings(max_examples=8)
 @given(case=cases())
 def test_each_part_of_a_leg_is_the_slope_of_its_height(case: Case) -> None:

@@ -25,6 +25,7 @@ def test_residual_is_that_of_the_condition_at_the_crossing(found: TimeOptimalPla
     assert residual[0] == pytest.approx(item.condition.residual(2.0, 3.0), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_figure_shows_what_is_possible_and_the_limit_torques(found: TimeOptimalPlan) -> None:
     (item,) = found.crossings
     with drawing():
@@ -46,6 +47,7 @@ def test_figure_shows_what_is_possible_and_the_limit_torques(found: TimeOptimalP
     assert INK in {line.get_color() for line in speed.lines}
 
 
+@pytest.mark.slow
 def test_svg_can_be_shown_on_a_page(found: TimeOptimalPlan) -> None:
     text = crossing_svg(APPENDIX_4, found).decode()
     assert "<svg" in text

@@ -28,6 +28,7 @@ def jpeg(monkeypatch: pytest.MonkeyPatch) -> str:
     return "jpg"
 
 
+@pytest.mark.slow
 def test_a_registered_format_is_found_everywhere(jpeg: str, tmp_path: Path) -> None:
     file = exports.figure(initial_state(), MapStore(), jpeg)
     assert file.name.endswith(".jpg")

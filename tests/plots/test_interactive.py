@@ -18,6 +18,7 @@ def traces(figure: Any, kind: str) -> list[Any]:
     return [trace for trace in figure.data if trace.type == kind]
 
 
+@pytest.mark.slow
 def test_cells_show_values_in_display_units_or_why_there_is_none() -> None:
     data = made_up()
     cells = traces(interactive_map(data, SCALE), "heatmap")
@@ -53,6 +54,7 @@ def test_the_color_scale_is_the_table_with_blocks_for_what_is_beyond() -> None:
         assert nearest[0][1].replace(" ", "") == expected
 
 
+@pytest.mark.slow
 def test_shared_or_own_color_axes() -> None:
     assert "coloraxis2" not in interactive_map(made_up(), SCALE).layout.to_plotly_json()
     figure = interactive_map(made_up(), OWN)
@@ -67,6 +69,7 @@ def test_the_marker_is_at_the_pose_in_every_panel() -> None:
     assert all((t.x[0], t.y[0]) == (50.0, -30.0) for t in dots)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "choice", [ScaleChoice(), ScaleChoice(kind="symlog")], ids=lambda c: c.kind
 )

@@ -60,6 +60,7 @@ def check(data: MapData) -> None:
         assert np.array_equal(saved["x_m"], data.x)
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32 - 1), st.floats(1e-300, 1e300))
 def test_numbers_come_back_bit_by_bit(seed: int, size: float) -> None:
     check(made_up(values=size * np.random.default_rng(seed).standard_normal((3, 27, 31))))

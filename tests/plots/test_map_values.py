@@ -218,6 +218,7 @@ WITHOUT_BODIES = ("clearance_payload", "clearance_counterweights")
 """Quantities of bodies that the robot of Appendix 4 does not have."""
 
 
+@pytest.mark.slow
 def test_every_quantity_has_a_legend_and_can_be_mapped() -> None:
     for quantity in QUANTITIES:
         data = real(21, quantities=(quantity,))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from paminsa_viz.plots import outside as hatching
 from paminsa_viz.plots.caption import caption
@@ -31,6 +32,7 @@ def inked(image: np.ndarray, color: str) -> np.ndarray:
     return (image[..., :3] == wanted).all(axis=-1)
 
 
+@pytest.mark.slow
 def test_cells_outside_are_hatched_in_the_color_of_their_reason_and_no_others() -> None:
     data = made_up(panels=1, margin=None, singular_radius=None)
     bare: tuple[Scale, ...] = (replace(SCALES[0], contours=0),)
@@ -52,6 +54,7 @@ def test_cells_outside_are_hatched_in_the_color_of_their_reason_and_no_others() 
     assert (changed & ~(red | blue)).mean() < 0.002
 
 
+@pytest.mark.slow
 def test_reasons_differ_by_the_direction_of_their_lines() -> None:
     data = made_up(panels=1, margin=None, singular_radius=None)
     cells = np.ones((27, 31), np.uint8)
@@ -65,6 +68,7 @@ def test_reasons_differ_by_the_direction_of_their_lines() -> None:
             assert (first != second).mean() > 0.01
 
 
+@pytest.mark.slow
 def test_print_has_the_hatching_and_names_the_reasons() -> None:
     data = made_up(panels=1)
     shown = replace(data, outside=halves())

@@ -237,6 +237,7 @@ def test_scales_are_counted() -> None:
         per_panel(data, [scale] * 2)
 
 
+@pytest.mark.slow
 def test_bounded_quantities_show_all_their_values() -> None:
     """A frequency is zero at a singularity and largest at the center, where people work."""
     data = real(quantities=("frequency_1",))

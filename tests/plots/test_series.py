@@ -83,6 +83,7 @@ def _series(kind, analysis, **others):
     return build_series(kind, SeriesSources(analysis, **others))
 
 
+@pytest.mark.slow
 def test_torques_are_those_of_the_analysis(analysis, everything) -> None:
     data = _series("torques", analysis, **everything)
     for j, panel in enumerate(data.panels):
@@ -237,6 +238,7 @@ def test_vector_files_repeat_to_the_byte(analysis) -> None:
     assert figure_bytes("torques", analysis, format="pdf").startswith(b"%PDF")
 
 
+@pytest.mark.slow
 def test_without_title_and_caption_the_figure_is_lower(analysis) -> None:
     full, bare = (
         Image.open(io.BytesIO(figure_bytes("pose", analysis, dpi=50, title=title, caption=below)))

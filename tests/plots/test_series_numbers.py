@@ -205,6 +205,7 @@ def test_differences_are_of_the_formulas_and_have_their_largest_value(analysis, 
         assert panel.notes[0][0] == f"largest {largest} at {when}"
 
 
+@pytest.mark.slow
 def test_errors_and_commands_of_a_simulation(analysis, motion) -> None:
     run = simulate(APPENDIX_4.vary({"payload.mass": 0.5}), motion, model=APPENDIX_4)
     sources = SeriesSources(analysis, simulation=run)

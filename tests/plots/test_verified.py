@@ -37,6 +37,7 @@ def test_engine_samples_are_limited() -> None:
         engine_torques(analyze(APPENDIX_4, MOTION), most=10)
 
 
+@pytest.mark.slow
 def test_a_verification_has_a_figure_for_each_engine_and_for_the_published_formulas() -> None:
     found = verify(APPENDIX_4, MOTION, poses=5, misprints=())
     figures = verification_figures(found)

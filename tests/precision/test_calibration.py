@@ -61,6 +61,7 @@ def random_deviations(seed: int, size: float = 5e-4) -> Any:
     return np.random.default_rng(seed).uniform(-size, size, (3, 14))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("width", "rank"), [(SIX, 30), (FOUR, 28)])
 def test_thirty_combinations_show_in_six_coordinates_and_28_in_four(width: int, rank: int) -> None:
     for seed in range(2):
@@ -74,6 +75,7 @@ def test_thirty_combinations_show_in_six_coordinates_and_28_in_four(width: int, 
         assert found.singular_values.shape == (42,)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("knee", "width"), [(KneeBranch.LOWER, SIX), (KneeBranch.UPPER, FOUR)], ids=str
 )
@@ -96,6 +98,7 @@ def test_exact_measurements_predict_held_back_poses_exactly(knee: KneeBranch, wi
     assert np.abs(got - wanted).max() < 1e-11
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [SIX, FOUR])
 def test_noise_stays_what_it_is_on_held_back_poses(width: int) -> None:
     noise = 2e-5
@@ -128,6 +131,7 @@ def test_intervals_cover_what_is_true() -> None:
     assert 0.90 < np.mean(hits) < 0.985
 
 
+@pytest.mark.slow
 def test_what_does_not_show_keeps_the_value_of_the_start() -> None:
     before = random_deviations(3, 2e-4)
     start = with_deviations(APPENDIX_4, before)
@@ -152,6 +156,7 @@ def test_a_homing_error_is_found_at_its_motor() -> None:
     assert np.allclose(deviation_array(found.design), true, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_angles_count_by_full_turns() -> None:
     data = measure(APPENDIX_4, random_deviations(0), 20, SIX, 1e-5)
     poses = data.poses + np.array([0, 0, 2 * np.pi, 0, 0, 0])
@@ -159,6 +164,7 @@ def test_angles_count_by_full_turns() -> None:
     assert found.noise < 2e-5
 
 
+@pytest.mark.slow
 def test_combinations_are_named_by_their_leading_lengths() -> None:
     data = measure(APPENDIX_4, random_deviations(0), 30, SIX, 1e-5)
     first = calibrate(APPENDIX_4, data).combinations[0]

@@ -16,6 +16,7 @@ from paminsa_viz.progress import Canceled
 NOISE = 2e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("width", "rank"), [(6, 30), (4, 28)])
 def test_a_plan_promises_the_intervals_that_equal_legs_have(width: int, rank: int) -> None:
     plan = plan_calibration(APPENDIX_4, 40, coordinates=width, noise=NOISE)
@@ -34,6 +35,7 @@ def test_a_plan_promises_the_intervals_that_equal_legs_have(width: int, rank: in
     np.testing.assert_allclose(measured[:common], promised[:common], rtol=0.02)
 
 
+@pytest.mark.slow
 def test_lengths_that_show_by_themselves_have_a_deviation_and_it_is_met() -> None:
     plan = plan_calibration(APPENDIX_4, 60, noise=NOISE)
     assert np.isfinite(plan.standard_deviations).tolist() == plan.determined.tolist()
@@ -50,6 +52,7 @@ def test_lengths_that_show_by_themselves_have_a_deviation_and_it_is_met() -> Non
     assert 0.8 < spread < 1.25
 
 
+@pytest.mark.slow
 def test_a_better_device_and_more_poses_tell_more() -> None:
     one = plan_calibration(APPENDIX_4, 20, noise=NOISE)
     better = plan_calibration(APPENDIX_4, 20, noise=NOISE / 2)
@@ -58,6 +61,7 @@ def test_a_better_device_and_more_poses_tell_more() -> None:
     assert (more.half_widths < one.half_widths).all()
 
 
+@pytest.mark.slow
 def test_a_plan_can_be_ended_and_a_calibration_too() -> None:
     done: list[float] = []
 
@@ -80,6 +84,7 @@ def test_a_plan_can_be_ended_and_a_calibration_too() -> None:
     assert fits == pytest.approx(range(len(fits)))
 
 
+@pytest.mark.slow
 def test_residuals_are_of_the_measured_poses_in_their_order() -> None:
     asked = plan_calibration(APPENDIX_4, 30).measurements
     data = simulated_measurements(APPENDIX_4, asked, seed=3)
@@ -97,6 +102,7 @@ def test_residuals_are_of_the_measured_poses_in_their_order() -> None:
     assert np.isfinite(found.standard_deviations).tolist() == found.determined.tolist()
 
 
+@pytest.mark.slow
 def test_simulated_measurements_are_off_as_stated() -> None:
     asked = plan_calibration(APPENDIX_4, 30, coordinates=4).measurements
     own = with_deviations(APPENDIX_4, np.full((3, 14), 1e-4))

@@ -149,6 +149,7 @@ def test_there_have_to_be_more_rows_than_lengths(width: int, least: int) -> None
         require_enough(1, width, 3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("coordinates", [4, 6])
 def test_each_pose_is_the_one_that_adds_most_to_the_determinant(coordinates: int) -> None:
     """Of the information about what candidates show, with a millionth of each to begin with."""
@@ -228,6 +229,7 @@ def test_there_are_at_least_800_candidates_and_twice_as_many_as_poses(
     assert asked == [(candidates, 9)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [4, 6])
 def test_what_a_calibration_states_follows_from_its_problem_at_what_it_found(width: int) -> None:
     """Singular values, intervals, noise and covariance; and which combinations are known."""
@@ -262,6 +264,7 @@ def test_what_a_calibration_states_follows_from_its_problem_at_what_it_found(wid
     np.testing.assert_array_equal(found.determined, inside)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("least", "fitted"), [(1.05e-3, False), (0.95e-3, True)])
 def test_combinations_are_fitted_whose_interval_is_within_a_millimeter(
     least: float, fitted: bool

@@ -197,6 +197,7 @@ def test_a_pose_farther_than_a_singularity_is_not_found_beyond_it() -> None:
     assert not before.ok or abs(before.pose[2]) < 1.281
 
 
+@pytest.mark.slow
 def test_a_step_that_leads_nowhere_is_halved_until_nothing_is_left_of_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

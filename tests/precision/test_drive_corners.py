@@ -115,6 +115,7 @@ def test_the_distance_along_an_arc_is_bounded_by_a_cubic_and_its_remainder(piece
     assert _largest_square(ends, ends, still, pieces)[0] == pytest.approx(square)
 
 
+@pytest.mark.slow
 @np.errstate(all="ignore")
 def test_of_each_arc_by_itself_the_distance_is_bounded_by_its_cubic() -> None:
     """Sampled; an arc along which the slope may not vanish has its ends, another one a remainder.
@@ -142,6 +143,7 @@ def test_of_each_arc_by_itself_the_distance_is_bounded_by_its_cubic() -> None:
     np.testing.assert_allclose(found[sure], expected[sure], rtol=3e-5)
 
 
+@pytest.mark.slow
 def test_where_edges_exceed_corners_errors_are_exact_in_x_and_y_and_nearly_in_the_plane() -> None:
     """By forward kinematics at 401 points of each edge."""
     exceeded = 0

@@ -74,6 +74,7 @@ def test_edge_that_is_worse_than_its_corners_is_bounded() -> None:
     np.testing.assert_allclose(box.bounds, edges, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_worst_errors_are_those_of_the_edges() -> None:
     """No point of a box is worse than stated, and some point of an edge is as bad."""
     rng = np.random.default_rng(21)
@@ -106,6 +107,7 @@ def test_theta_is_worst_in_a_corner_also_where_legs_become_parallel() -> None:
 PLATFORM_WIDER = replace(GEOMETRY, base_radius=0.2, platform_radius=0.3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("geometry", [GEOMETRY, PLATFORM_WIDER], ids=["appendix4", "R_pl>R_b"])
 def test_a_bounded_box_holds_no_singularity(geometry: Any) -> None:
     """Of wide boxes many are refused; in none of the others does a determinant change its sign."""
@@ -169,6 +171,7 @@ def test_the_linear_estimate_is_the_jacobian_times_the_half_widths(design: Desig
     )
 
 
+@pytest.mark.slow
 def test_rms_is_that_of_independent_uniform_errors() -> None:
     accuracy = DriveAccuracy(2e-4, 3e-5, 4e-4, 1e-5, 1e-4, 2e-5)
     rng = np.random.default_rng(5)
@@ -186,6 +189,7 @@ def test_rms_is_that_of_independent_uniform_errors() -> None:
     assert np.abs(steps).max(axis=0) == pytest.approx(accuracy.half_widths, rel=0.1)
 
 
+@pytest.mark.slow
 def test_the_median_over_usable_poses_is_some_70_um_and_115_arcsec() -> None:
     """Half a count of 0.01 degrees and 10 um, away from limits and singularities.
 
@@ -303,6 +307,7 @@ def test_modes_that_are_proven_apart_stay_apart_in_the_box(geometry: Any) -> Non
     assert proven.sum() > 0.5 * free.sum()
 
 
+@pytest.mark.slow
 def test_a_robot_of_other_size_has_the_same_limits_and_errors_as_large() -> None:
     """Lengths times a factor and angles kept: a test of reach for one size only would miss some."""
     factor, rng = 100.0, np.random.default_rng(5)

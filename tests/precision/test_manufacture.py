@@ -49,6 +49,7 @@ def test_the_longest_sum_is_that_of_all_signs(seed: int, n: int, batch: tuple[in
     assert np.allclose(longest_sum(x, y), wanted)
 
 
+@pytest.mark.slow
 @given(case=cases(), seed=st.integers(0, 99))
 def test_worst_errors_bound_robots_at_their_corners_and_are_reached(case: Case, seed: int) -> None:
     design = replace(case.design, tolerances=SMALL)
@@ -76,6 +77,7 @@ def test_worst_errors_bound_robots_at_their_corners_and_are_reached(case: Case, 
         assert farthest == pytest.approx(largest, rel=1e-5, abs=1e-15)
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_errors_are_linear_in_the_tolerances_and_clearances_are_a_part(case: Case) -> None:
     poses = case.poses(4)
@@ -123,6 +125,7 @@ def test_clearances_by_hand() -> None:
     assert np.allclose(drawn.rms[:, shown] / found.rms[:, shown], 1, atol=0.2)
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_rms_of_random_robots_is_that_of_the_first_order(case: Case) -> None:
     design = replace(case.design, tolerances=SMALL)
@@ -209,6 +212,7 @@ def test_a_calibrated_robot_is_controlled_by_its_own_lengths() -> None:
     assert isinstance(drawn, MonteCarlo)
 
 
+@pytest.mark.slow
 def test_sensitivities_of_unequal_legs_are_slopes_of_their_own_poses() -> None:
     """Central differences of the solved pose, by every length of every leg."""
     deviations = np.random.default_rng(4).uniform(-5e-3, 5e-3, (3, 14))
@@ -249,6 +253,7 @@ def test_fields_have_the_errors_of_their_poses() -> None:
     assert field_tolerance_errors(field, replace(APPENDIX_4, gravity=1.0)) is found
 
 
+@pytest.mark.slow
 def test_maps_of_deviations_are_their_poses_and_say_what_cannot_be_assembled() -> None:
     deviations = np.zeros((3, 14))
     deviations[0, INDEX["bar_89"]] = -0.02

@@ -156,6 +156,7 @@ def test_poses_that_a_design_has_not_are_named() -> None:
     assert caught.value.index == 4
 
 
+@pytest.mark.slow
 def test_defaults_are_those_of_the_documentation() -> None:
     """Six coordinates, 20 µm; legs off by half a millimeter, measured to 10 µm; seed 0."""
     plan = plan_calibration(APPENDIX_4, 12)
@@ -176,6 +177,7 @@ def test_defaults_are_those_of_the_documentation() -> None:
     assert off.std() == pytest.approx(1e-5, rel=0.4)
 
 
+@pytest.mark.slow
 def test_a_share_of_the_poses_is_held_back() -> None:
     asked = plan_calibration(APPENDIX_4, 24).measurements
     measured = simulated_measurements(APPENDIX_4, asked)

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -76,6 +77,7 @@ def test_the_first_order_of_the_actuators_is_the_robot_s_jacobian(case: Case) ->
     assert (np.abs(found[:, 4:]) <= 1e-10 * scale).all()
 
 
+@pytest.mark.slow
 @given(case=cases(), seed=st.integers(0, 99))
 def test_sensitivities_are_the_solver_s_differences(case: Case, seed: int) -> None:
     lengths, poses, actuators = nominal(case)
@@ -156,6 +158,7 @@ def test_height_differences_tilt_the_plane_of_the_joints_5(knee: KneeBranch) -> 
     assert np.abs(aside).max() > 0.1
 
 
+@pytest.mark.slow
 @given(case=cases(), seed=st.integers(0, 99))
 def test_a_third_of_a_turn_permutes_the_legs(case: Case, seed: int) -> None:
     lengths, poses, actuators = nominal(case)
@@ -190,6 +193,7 @@ def test_all_lengths_scaled_scale_the_pose() -> None:
     assert np.allclose(second.coordinates, first.coordinates * factors, rtol=0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_poses_near_limits_are_found_on_the_robot_s_side_or_not_at_all() -> None:
     """Where Newton's step leaves the robot's side of a singularity, a shorter one is tried."""
     g = APPENDIX_4.geometry

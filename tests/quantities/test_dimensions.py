@@ -11,6 +11,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -104,6 +105,7 @@ def before(knee: KneeBranch) -> dict[str, tuple[str, Any]]:
     return numbers(ROBOT.with_knee(knee), 1.0)
 
 
+@pytest.mark.slow
 @settings(max_examples=3)
 @given(st.tuples(*[st.floats(0.5, 2.0)] * 3), st.sampled_from(KneeBranch))
 def test_numbers_change_as_their_units_do(powers: tuple[float, ...], knee: KneeBranch) -> None:

@@ -324,6 +324,7 @@ def test_poses_that_no_robot_holds_or_can_be_assembled_in_say_so() -> None:
     assert [bool(found.texts[code]) for code in found.code.ravel()] == empty.ravel().tolist()
 
 
+@pytest.mark.slow
 def test_values_of_a_grid_are_those_of_its_poses_alone() -> None:
     """Of every quantity, and where it has none for a reason of its own, with the same reason."""
     design = LOADED.vary({"leg1.bar_94": 1e-4, "payload.mass": 2.0})
@@ -347,6 +348,7 @@ def test_values_of_a_grid_are_those_of_its_poses_alone() -> None:
             assert np.isfinite(values).any(), key
 
 
+@pytest.mark.slow
 def test_quantities_are_signed_if_they_have_both_signs_and_no_others() -> None:
     """But for the force of M4, of whose natural center nothing is known: it lifts."""
     crooked = {"leg1.bar_94": 1e-3, "leg2.bar_94": -1e-3, "leg3.joint_height": 1e-3}

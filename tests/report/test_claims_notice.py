@@ -73,6 +73,7 @@ def starting(text: str) -> Claim:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("text", "name", "change"), OFF, ids=range(len(OFF)))
 def test_a_claim_fails_where_one_value_is_off(
@@ -94,6 +95,7 @@ def test_one_heading_of_the_circle_is_enough_to_fail(monkeypatch: pytest.MonkeyP
         assert not MeasuredClaim(claim, claim.measure()).holds
 
 
+@pytest.mark.slow
 def test_torques_beyond_the_limit_are_noticed_at_one_sample(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

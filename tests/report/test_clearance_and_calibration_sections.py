@@ -36,6 +36,7 @@ def test_clearance_is_that_of_the_pose_and_of_the_motion() -> None:
     assert least == pytest.approx(1e3 * float(along.least.min()), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_calibration_is_that_of_the_measured_poses() -> None:
     asked = plan_calibration(APPENDIX_4, 40, coordinates=6, noise=2e-5).measurements
     measured = simulated_measurements(APPENDIX_4, asked, seed=2)

@@ -22,6 +22,7 @@ def findings():
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_section_holds_numbers_figure_causes_and_masses(findings) -> None:
     section = identification_section(findings)
     numbers, why, causes, checks, masses = (b for b in section.blocks if isinstance(b, Table))
@@ -45,6 +46,7 @@ def test_section_holds_numbers_figure_causes_and_masses(findings) -> None:
     assert b"Measured and predicted torques" in figure.svg
 
 
+@pytest.mark.slow
 def test_wrong_model_stands_out() -> None:
     log = example_log()
     wrong = make_log(log.t, log.position, log.torque * np.array([1.0, 1.1, 1.0, 1.0]))

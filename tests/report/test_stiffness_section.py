@@ -40,6 +40,7 @@ def sorted_out(found: Sequence[Block]) -> tuple[list[Table], list[Note]]:
     return tables, [block for block in found if isinstance(block, Note)]
 
 
+@pytest.mark.slow
 def test_stiffness_and_shares_are_the_librarys() -> None:
     design = APPENDIX_4.vary({"payload.mass": 10.0, "elastic.b4_outer": 0.05})
     (data, stiffness, directions, deflection, shares, modes), (_, note) = section(design)

@@ -69,6 +69,7 @@ def test_a_row_reads_back_as_the_numbers_it_was_made_of(tmp_path) -> None:
         assert float(row["added_mass_kg"]) == pytest.approx(3 * (b3 - mass("links.b3")))
 
 
+@pytest.mark.slow
 def test_the_table_is_the_same_from_threads(expected, tmp_path) -> None:
     with ThreadPoolExecutor(3) as pool:
         run_study(MOVED, tmp_path / "threads.csv", Workers(pool, 3), command="test")
@@ -82,6 +83,7 @@ def test_the_table_is_the_same_from_processes(expected, tmp_path) -> None:
     assert (tmp_path / "processes.csv").read_bytes() == expected
 
 
+@pytest.mark.slow
 def test_the_table_is_the_same_from_a_cluster(expected, tmp_path) -> None:
     distributed = pytest.importorskip("distributed")
     path = tmp_path / "cluster.csv"
@@ -128,6 +130,7 @@ def test_missing_scheduler_is_named(monkeypatch, address) -> None:
         pass
 
 
+@pytest.mark.slow
 def test_an_error_in_the_middle_leaves_a_table_to_go_on_with(expected, tmp_path) -> None:
     path = tmp_path / "a.csv"
 

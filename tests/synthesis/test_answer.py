@@ -67,6 +67,7 @@ def test_a_bound_that_is_reached_is_broken_by_half_of_the_robots():
     assert found[1].low > 0.9
 
 
+@pytest.mark.slow
 def test_margins_count_springs_and_motions():
     result = sprung_answer()
     assert result.feasible
@@ -88,6 +89,7 @@ def test_margins_count_springs_and_motions():
     assert isinstance(far, Trajectory)
 
 
+@pytest.mark.slow
 def test_mujoco_confirms_an_answer_with_springs_and_motions():
     result = sprung_answer()
     asked = AnswerMargins.of(result)
@@ -131,6 +133,7 @@ def test_interval_is_that_of_the_binomial_tails():
         assert (found.low, found.high) == pytest.approx((reference.low, reference.high), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_yield_of_a_known_uniform_part():
     found = build_yield(APPENDIX_4, crank_margin, samples=500, seed=3)
     # +-0.2 mm, of which +0.1 mm and -0.15 mm are allowed: 5/8
@@ -260,6 +263,7 @@ def test_wrong_numbers_are_refused():
         fraction(3, 2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("springs", [False, True])
 def test_mujoco_confirms_the_optimum_and_its_active_bounds(springs):
     asked = case(springs=springs)

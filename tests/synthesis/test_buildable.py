@@ -116,6 +116,7 @@ def test_cheap_bounds_exclude_no_robot_that_the_bodies_accept(lengths: dict) -> 
             assert (own <= np.maximum(0.001 - missing[which, column], 0.0) + 1e-9).all()
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None)
 @given(lengths=lengths)
 def test_plate_kernel_is_no_more_than_the_distance_of_the_bodies(lengths: dict) -> None:
@@ -214,6 +215,7 @@ def test_answer_says_on_all_ways_whether_it_can_be_built() -> None:
     assert marked.case.title == "c, overlap allowed"
 
 
+@pytest.mark.slow
 def test_faults_of_a_robot_are_named() -> None:
     # too short a guide, and joint 8 nearer to its axis than the slider is long
     space = Workspace(WorkspaceShape.CYLINDER, (0.3, 0.3, 0.1), (0.0, 0.0, -0.55))
@@ -344,6 +346,7 @@ def test_a_reference_is_placed_where_its_reach_has_most_room(
         assert side * middle == pytest.approx(0.5 * high)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", [CYLINDER, CELL])
 def test_costs_that_do_not_matter_are_not_worked_out(case: SynthesisCase) -> None:
     numbers = random_numbers(case, 400)

@@ -41,6 +41,7 @@ def assert_holds(design: Design, requirements: Requirements, proof: Proof, n: in
             assert margin.min() >= item.margin - 1e-9 * abs(item.margin)
 
 
+@pytest.mark.slow
 def test_proven_workspace_of_appendix_4_meets_all_bounds_at_random_poses() -> None:
     proof = prove(APPENDIX_4, NEEDED, cylinder(0.3, 0.4))
     assert proof.verdict is Verdict.PROVEN
@@ -110,6 +111,7 @@ def test_a_proof_can_be_stopped() -> None:
     assert len(parts) == 4
 
 
+@pytest.mark.slow
 def test_bounds_hold_over_their_own_headings_and_heights() -> None:
     # on r = 186 mm kappa is 10.4 at theta = 0, and at most 9.7 from 0.3 to 0.4 rad
     own = Requirement("condition", high=10.0, theta=(0.3, 0.4))
@@ -125,6 +127,7 @@ def test_bounds_hold_over_their_own_headings_and_heights() -> None:
     assert prove(APPENDIX_4, Requirements((never,)), cylinder(0.2, 0.4)).verdict is Verdict.PROVEN
 
 
+@pytest.mark.slow
 def test_what_cannot_be_proven_is_named_and_sampled() -> None:
     sampled = Requirement("transmission", low=0.1)
     impossible = Requirement("transmission", low=0.99)
@@ -187,6 +190,7 @@ def test_a_region_that_no_path_from_home_reaches_is_not_proven() -> None:
     assert prove(design, Requirements(()), cylinder(0.04, 0.04, -0.6)).verdict is Verdict.PROVEN
 
 
+@pytest.mark.slow
 @settings(max_examples=15)
 @given(design=robots(), high=st.floats(1.5, 20.0), seed=st.integers(0, 99))
 def test_verdicts_agree_with_poses(design: Design, high: float, seed: int) -> None:

@@ -125,6 +125,7 @@ def test_the_fewest_are_found_among_many() -> None:
     assert found.requirements == (0, 10)
 
 
+@pytest.mark.slow
 @given(st.lists(st.frozensets(st.integers(0, 5), min_size=1, max_size=4), max_size=4))
 def test_sets_are_contradictory_and_irreducible(conflicts):
     def feasible(chosen: tuple[int, ...]) -> bool:

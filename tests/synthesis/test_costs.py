@@ -447,6 +447,7 @@ def test_the_least_of_a_quantity_is_that_of_sparse_samples_first(
     assert one._least(robot, stiff) == -np.inf
 
 
+@pytest.mark.slow
 def test_quantities_without_a_kernel_have_their_extremes_over_all_samples() -> None:
     """From the model's own functions; nothing where no pose counts, and what is least elsewhere."""
     part = (-0.7, -0.6)

@@ -227,6 +227,7 @@ def test_a_leg_without_direction_leaves_no_bound_and_spoils_no_other() -> None:
 SEEDS = st.integers(0, 2**16)
 
 
+@pytest.mark.slow
 @given(design=robots(), seed=SEEDS)
 def test_static_torques_of_every_pose_are_within_their_bounds(design: Design, seed: int) -> None:
     middle, half = boxes(design, seed, 60)
@@ -272,6 +273,7 @@ def test_bounds_of_single_poses_hold_what_rounding_changes(design: Design, seed:
             assert np.median((upper(held) - lower(held)) / size(held)) < 1e-8
 
 
+@pytest.mark.slow
 @given(seed=SEEDS)
 def test_bounds_shrink_as_the_square_of_a_box(seed: int) -> None:
     middle, half = boxes(APPENDIX_4, seed, 80, widest=0.01)

@@ -118,6 +118,7 @@ def test_quantities_of_single_poses_are_those_of_the_registry(quantity: str) -> 
     assert found[2] == -np.inf
 
 
+@pytest.mark.slow
 def test_samples_alone_have_the_least_of_themselves() -> None:
     """With a search from them it is less, by as much as it is between them."""
     extent = Extent(Workspace(WorkspaceShape.BOX, (0.1, 0.1, 0.1), (0.0, 0.0, -0.5)), (-0.1, 0.1))

@@ -31,6 +31,7 @@ def front() -> DesignFront:
     return design_front(two_numbers(), ("moving_mass", "volume"), points=4)
 
 
+@pytest.mark.slow
 def test_points_are_on_the_curve_of_the_closed_form(front):
     assert front.searches == 5
     assert not front.failed
@@ -51,11 +52,13 @@ def test_points_are_on_the_curve_of_the_closed_form(front):
         assert g.crank_length == pytest.approx(crank, abs=5e-4)
 
 
+@pytest.mark.slow
 def test_same_seed_same_front(front):
     again = design_front(two_numbers(), ("moving_mass", "volume"), points=4)
     assert [p.values for p in again.points] == [p.values for p in front.points]
 
 
+@pytest.mark.slow
 def test_a_front_can_be_canceled_and_shows_points_as_they_come():
     seen: list[tuple[float, ...]] = []
     found = design_front(
@@ -67,6 +70,7 @@ def test_a_front_can_be_canceled_and_shows_points_as_they_come():
     assert len(seen) == len(found.points) == 2
 
 
+@pytest.mark.slow
 def test_limits_of_the_case_hold_for_all_points(front):
     most = 0.5 * (front.points[0].values[0] + front.points[-1].values[0])
     limited = replace(two_numbers(), limits=(ObjectiveLimit("moving_mass", most),))

@@ -146,6 +146,7 @@ def test_distance_from_a_plate_is_that_of_its_faces(seed: int) -> None:
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
+@pytest.mark.slow
 @given(seed=SEEDS)
 def test_distance_of_the_bars_from_the_plate_is_that_of_their_places(seed: int) -> None:
     """B4 of each leg from joint 5 to 9, off the leg plane, as seen from the platform."""

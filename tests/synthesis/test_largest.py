@@ -30,6 +30,7 @@ def size(found: LargestWorkspace) -> tuple[float, float, float]:
     return found.workspace.size
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("base", "platform"), [(0.35, 0.1), (0.3, 0.12), (0.12, 0.3)])
 def test_condition_of_ten_at_theta_zero_is_on_its_closed_form_circle(
     base: float, platform: float
@@ -82,6 +83,7 @@ def test_without_bounds_reach_and_singularity_are_the_limit(growth: Growth) -> N
     assert prove(APPENDIX_4, needed, grown).verdict is Verdict.REFUTED
 
 
+@pytest.mark.slow
 def test_extents_that_do_not_grow_are_kept() -> None:
     box = Workspace(WorkspaceShape.BOX, (0.2, 0.1, 0.3), (0.0, 0.05, -0.6))
     kept = largest_workspace(APPENDIX_4, NEEDED, box, growth=Growth.VERTICAL, tolerance=0.02)
@@ -111,6 +113,7 @@ def test_an_open_height_is_the_best_of_many() -> None:
     assert free.workspace.center[:2] == (0.0, 0.0)
 
 
+@pytest.mark.slow
 def test_an_open_center_is_found_near_the_axis() -> None:
     workspace = replace(CYLINDER, center=(None, None, None))
     found = largest_workspace(
@@ -121,6 +124,7 @@ def test_an_open_center_is_found_near_the_axis() -> None:
     assert size(found)[0] == pytest.approx(2 * 0.736761 * 0.25, abs=3e-3)
 
 
+@pytest.mark.slow
 def test_an_open_height_stays_on_the_side_of_home() -> None:
     workspace = replace(CYLINDER, center=(0.0, 0.0, None))
     found = largest_workspace(APPENDIX_4, CONDITION, workspace, tolerance=0.02)
@@ -130,6 +134,7 @@ def test_an_open_height_stays_on_the_side_of_home() -> None:
     assert center + 0.5 * size(found)[2] <= 1e-9
 
 
+@pytest.mark.slow
 def test_samples_limit_what_cannot_be_proven() -> None:
     sampled = Requirement("transmission", low=0.45)
     needed = replace(NEEDED, bounds=(*NEEDED.bounds, sampled))

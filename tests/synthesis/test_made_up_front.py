@@ -182,6 +182,7 @@ def test_limits_go_from_the_best_to_the_worst_of_each_objective(searches: Any) -
     assert [one["static_torque"] for one in asked] == pytest.approx(np.full(9, 3.0))
 
 
+@pytest.mark.slow
 def test_how_many_searches_are_possible(searches: Any) -> None:
     searches(parts=0)
     three = ("moving_mass", "volume", "static_torque")

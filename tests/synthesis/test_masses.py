@@ -96,6 +96,7 @@ def test_rows_are_the_torques_of_designs_with_springs():
         np.testing.assert_allclose(matrix @ state + offset, moving, rtol=1e-8, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_no_random_choice_within_the_bounds_is_better():
     bounds = (Requirement("max_torque", high=5.0), Requirement("f_4", high=280.0))
     loose = replace(case(), bounds=bounds, motion_force=300.0)
@@ -156,6 +157,7 @@ def test_two_counterweights_by_brute_force():
     assert any(item.unit == "N m" and item.price > 0 for item in found.active)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("springs", [False, True])
 def test_shadow_prices_are_what_finite_differences_say(springs):
     base = case(springs=springs)
@@ -267,6 +269,7 @@ def test_a_tolerance_saves_rounds_and_is_kept():
     assert exact.objective <= rough.objective <= exact.objective * (1 + 2e-3)
 
 
+@pytest.mark.slow
 def test_masses_are_the_best_with_drives_that_fit_them():
     case = InnerCase("peak_torque", (motion(),), MASSES, WEIGHTS[:1])
     found = solve_with_drives(APPENDIX_4, case, poses(), generic_catalog())

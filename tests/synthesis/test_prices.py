@@ -42,6 +42,7 @@ def one_length(**changes: object) -> SynthesisCase:
     return replace(case, **changes)
 
 
+@pytest.mark.slow
 def test_workspace_costs_what_the_closed_form_says():
     case = one_length()
     result = synthesize(case)
@@ -66,6 +67,7 @@ def test_workspace_costs_what_the_closed_form_says():
     assert set(prices) == set(expected)
 
 
+@pytest.mark.slow
 def test_an_end_of_a_range_has_its_price_and_can_be_canceled():
     short = one_length(ranges=(SearchRange("geometry.crank_length", 0.6, 0.8),))
     result = synthesize(short)
@@ -78,6 +80,7 @@ def test_an_end_of_a_range_has_its_price_and_can_be_canceled():
     assert price.price == pytest.approx(by_crank, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_range_of_headings_costs_what_the_closed_form_says():
     """A platform turned by t has its joints 5 |R_b - R_pl e^(it)| off those of the base."""
     turn = 0.4

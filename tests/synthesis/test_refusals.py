@@ -126,6 +126,7 @@ def test_singular_circle_bars_and_guide() -> None:
     assert "stroke" in (refusal(replace(kept, reference=short), Regime.SMALLER) or "")
 
 
+@pytest.mark.slow
 def test_what_is_refused_has_no_robot() -> None:
     tall = Workspace(WorkspaceShape.CYLINDER, (0.3, 0.3, 1.7))
     cases = [

@@ -52,6 +52,7 @@ def positions(space: Workspace, seed: int, count: int = 4000) -> Any:
     return 0.5 * unit * space.size[:2] + [x, y]
 
 
+@pytest.mark.slow
 @given(shape=SHAPES, seed=SEEDS)
 def test_extents_and_rays_are_those_of_many_positions(shape: WorkspaceShape, seed: int) -> None:
     space = workspace(shape, seed)
@@ -78,6 +79,7 @@ def test_extents_and_rays_are_those_of_many_positions(shape: WorkspaceShape, see
     assert ray(replace(space, center=(0.0, -1.0, -0.6)), np.array([0.0, -1.0])) == 0.0
 
 
+@pytest.mark.slow
 @given(shape=SHAPES, seed=SEEDS)
 def test_margins_of_reach_are_the_least_of_many_poses(shape: WorkspaceShape, seed: int) -> None:
     """None is smaller, and one is hardly larger; each robot at a height of its own."""

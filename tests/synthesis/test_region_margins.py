@@ -58,6 +58,7 @@ def test_no_pose_has_a_smaller_margin(design: Design, region: PoseRegion, seed: 
     assert singular.min() >= min(margins.circle, margins.turn)
 
 
+@pytest.mark.slow
 @settings(max_examples=8)
 @given(region=regions(), swap=st.booleans())
 def test_some_pose_has_the_least_and_the_largest_distance(region: PoseRegion, swap: bool) -> None:

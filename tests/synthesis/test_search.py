@@ -274,6 +274,7 @@ def test_platform_larger_than_the_base() -> None:
     _check_everywhere(result)
 
 
+@pytest.mark.slow
 def test_larger_workspace_is_an_objective() -> None:
     held = replace(CYLINDER.workspace, center=(0.0, 0.0, -0.5))
     case = SynthesisCase(
@@ -291,6 +292,7 @@ def test_larger_workspace_is_an_objective() -> None:
     assert result.objective == pytest.approx(np.pi / 4 * result.workspace.size[0] ** 2 * 0.4)
 
 
+@pytest.mark.slow
 def test_a_state_that_has_ended_is_not_searched_on() -> None:
     again = synthesize(SHORT, states=short().states)
     assert isinstance(again.states[0], RegimeState)
@@ -315,6 +317,7 @@ def test_a_limit_that_decides_holds_on_the_finer_poses_and_is_proven() -> None:
     assert result.proof.evidence[-1].requirement == case.requirements.bounds[0]
 
 
+@pytest.mark.slow
 def test_a_range_is_relaxed_on_the_side_that_is_broken() -> None:
     """The payload of 3 kg takes some hundred newtons of M4, whatever the lengths are."""
     force = Requirement("f_4", low=2000.0, high=4000.0)

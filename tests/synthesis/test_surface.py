@@ -45,6 +45,7 @@ def surface(volume: Volume) -> VolumeSurface:
     return volume_surface(volume, faces=4_000)
 
 
+@pytest.mark.slow
 def test_surface_is_closed_and_encloses_the_volume(volume: Volume, surface: VolumeSurface) -> None:
     mesh = trimesh.Trimesh(surface.vertices, surface.faces, process=False)
     assert len(surface.faces) <= 4_000
@@ -195,6 +196,7 @@ def test_causes_are_those_of_each_pose(theta: float, z: float) -> None:
     np.testing.assert_array_equal(kinds[rest] == CauseKind.INSIDE, ~found.broken.any(axis=0)[rest])
 
 
+@pytest.mark.slow
 def test_a_requirement_without_a_value_is_broken_and_the_worst() -> None:
     bare = replace(APPENDIX_4, payload=Payload())
     found = cause_slice(

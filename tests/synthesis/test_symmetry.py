@@ -98,6 +98,7 @@ def test_a_box_is_no_third_and_other_headings_no_mirror() -> None:
     assert symmetry(group, CENTERED) == Symmetry(True, False)
 
 
+@pytest.mark.slow
 def test_bounds_are_those_of_all_poses(monkeypatch: pytest.MonkeyPatch) -> None:
     needed = Requirements((BOUNDS[0],), (-0.5, 0.5))
     (group,) = groups(APPENDIX_4, needed)

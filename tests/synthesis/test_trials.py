@@ -147,6 +147,7 @@ def test_symmetry_of_the_legs_changes_no_value() -> None:
         assert np.abs(all_of_it.worst[count:]).max() > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "quantity", ["error_x", "selective_y", "pressure_2", "stiffness_x", "clearance_platform"]
 )

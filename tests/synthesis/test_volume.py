@@ -41,6 +41,7 @@ def depth_at(volume: Volume, points: np.ndarray) -> np.ndarray:
     return ndimage.map_coordinates(volume.depth, index.T, order=1, mode="nearest")
 
 
+@pytest.mark.slow
 def test_random_poses_inside_meet_all_and_outside_some_do_not(solved: Volume) -> None:
     # poses whose distance to the surface is larger than what a cell and a heading can hide
     rng = np.random.default_rng(1)
@@ -88,6 +89,7 @@ def test_reach_and_fold_cut_a_robot_of_unequal_bars() -> None:
     assert volume.volume > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("nodes", [8_000, 30_000])
 def test_finer_grid_changes_the_volume_by_less_than_its_error(solved: Volume, nodes: int) -> None:
     fine = solve_volume(APPENDIX_4, solved.requirements, resolution=Resolution(400_000, 17, 9.0))
@@ -175,6 +177,7 @@ def test_own_range_of_headings_counts() -> None:
     assert few.volume > wide.volume
 
 
+@pytest.mark.slow
 def test_reach_of_a_volume_is_exact_between_sampled_headings() -> None:
     volume = solve_volume(APPENDIX_4, needs(theta=(-1.0, 0.7)), resolution=COARSE)
     nodes = np.argwhere(volume.reachable)
@@ -211,6 +214,7 @@ def test_impossible_requirement_is_the_cause_everywhere() -> None:
     assert volume.removed_alone[0] == 1.0
 
 
+@pytest.mark.slow
 def test_costly_quantities_get_larger_cells() -> None:
     volume = solve_volume(APPENDIX_4, needs("frequency_1 >= 1 Hz"), resolution=COARSE)
     assert volume.reachable.size < 3_000
@@ -306,6 +310,7 @@ def test_platform_joints_far_above_the_platform_leave_a_grid() -> None:
     assert volume.empty
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 4])
 def test_stated_error_holds_against_points_one_by_one(seed: int) -> None:
     """Robots, headings and bounds at random; `benchmarks.volume_error` looks at hundreds."""
@@ -314,6 +319,7 @@ def test_stated_error_holds_against_points_one_by_one(seed: int) -> None:
     assert volume.error < 0.03 * counted.volume
 
 
+@pytest.mark.slow
 def test_volume_of_reach_alone_is_that_of_its_closed_form() -> None:
     """At one heading and with long bars a robot reaches a cylinder; the guides are its ends."""
     g = APPENDIX_4.geometry

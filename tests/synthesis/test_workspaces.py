@@ -23,6 +23,7 @@ def nodes(rng: np.random.Generator) -> tuple[Any, np.ndarray]:
     return SimpleNamespace(x=axes[0], y=axes[1], z=axes[2], cell=CELL), values
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", list(WorkspaceShape))
 @pytest.mark.parametrize("fixed", [True, False])
 def test_least_within_a_workspace_is_that_of_its_nodes(shape: WorkspaceShape, fixed: bool) -> None:

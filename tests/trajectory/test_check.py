@@ -181,6 +181,7 @@ def test_dense_and_coarse_samples_fail_at_the_same_instant(goal) -> None:
         assert (coarse.limit, coarse.leg) == (dense.limit, dense.leg)
 
 
+@pytest.mark.slow
 @given(goals)
 def test_a_third_of_a_turn_permutes_the_legs(goal) -> None:
     """As the paper says of its maps."""

@@ -156,6 +156,7 @@ def planned(request: pytest.FixtureRequest) -> tuple[Design, TimeOptimalPlan]:
     return design, shortest(design, path, TEN)
 
 
+@pytest.mark.slow
 def test_torques_go_to_their_limit_and_keep_theirs(planned: tuple[Design, TimeOptimalPlan]) -> None:
     design, found = planned
     (crossing,) = found.crossings
@@ -202,6 +203,7 @@ def test_a_motion_that_ignores_the_condition_needs_torques_without_bound() -> No
     assert torque[1] == pytest.approx(expected, rel=1e-2, abs=300)
 
 
+@pytest.mark.slow
 def test_a_finer_spline_hardly_changes_the_shortest_time() -> None:
     found = shortest(APPENDIX_4, TURN, TEN).plan.duration
     finer = duration(APPENDIX_4, TURN, TEN, 160, 4)
@@ -216,6 +218,7 @@ def test_a_balanced_motion_may_be_stretched() -> None:
     assert np.abs(slower[:, :3] - quick[:, :3] / 4.0).max() < 1e-9 * np.abs(quick).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("design", [APPENDIX_4, BALANCED], ids=["Appendix 4", "balanced"])
 def test_a_given_duration_is_kept(design: Design) -> None:
     low, high = shortest(design, TURN, TEN).durations
@@ -258,6 +261,7 @@ def test_the_other_side_of_a_crossing_is_reached(crossed: object) -> None:
     assert (np.diff(s) > 0).all()
 
 
+@pytest.mark.slow
 def test_refusals_name_their_cause() -> None:
     geometry = APPENDIX_4.geometry
     turn = singular_rotation(geometry)
@@ -372,6 +376,7 @@ def test_limits_are_added_where_a_law_exceeds_them_most() -> None:
     assert (factors @ again + constant <= limit + 1e-6).all()
 
 
+@pytest.mark.slow
 def test_several_crossings_in_one_motion() -> None:
     path = spline_path(
         [[0.03, 0.02, 0.9, -0.5], [0.03, 0.02, 1.5, -0.5], [0.05, 0.0, 1.5, -0.45],
@@ -391,6 +396,7 @@ def test_a_is_the_mass_between_twist_and_path() -> None:
     assert condition.a == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "poses",
     [
@@ -406,6 +412,7 @@ def test_the_spline_is_refined_where_it_would_have_to_stop(poses: list[list[floa
     assert_torques_keep(BALANCED, found, 10.0 * (1.0 + 1.2 * program.TOLERANCE), 2e-2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_limits_are_kept_on_paths_at_random(seed: int) -> None:
     """Many of these are steep near an end or a crossing; about half of them cross a singularity."""
@@ -439,6 +446,7 @@ def test_a_planned_crossing_passes_the_check_and_another_one_does_not(
     assert len(back.passages) == 2
 
 
+@pytest.mark.slow
 def test_steep_crossing_gets_fine_pieces_that_no_finer_ones_beat() -> None:
     """A line across the circle, almost at right angles to the escape twist: 8 % are at stake."""
     start, goal = (0.12 * np.array([np.cos(a), np.sin(a)]) for a in (3.35, 3.55))
@@ -450,6 +458,7 @@ def test_steep_crossing_gets_fine_pieces_that_no_finer_ones_beat() -> None:
     assert found < 0.94 * duration(BALANCED, path, TEN, 80, 0)
 
 
+@pytest.mark.slow
 def test_crossing_near_an_end_gets_fine_pieces() -> None:
     """13 % are at stake: the robot of Appendix 4 ends 0.009 of the path after the crossing."""
     design, path, limits, found = random_crossing(any_path, 6)

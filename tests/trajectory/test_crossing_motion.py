@@ -42,6 +42,7 @@ from tests.trajectory.crossings import BALANCED, LINE, TEN, TURN, shortest
 from tests.trajectory.plans import FRICTION
 
 
+@pytest.mark.slow
 def test_a_sample_at_the_crossing_moves_off_it() -> None:
     plan = shortest(BALANCED, TURN, TEN).plan
     (passage,) = plan.passages

@@ -170,6 +170,7 @@ def test_points_are_left_out_within_a_fifty_thousandth_of_a_crossing() -> None:
             assert len(program._points(POINTS)) == len(every) - 1 + kept
 
 
+@pytest.mark.slow
 def test_limits_are_added_at_the_ends_too_and_nowhere_where_none_is_exceeded() -> None:
     """A robot that stands still all along: the torques are those that hold it."""
     ends = [0.1, 0.0, 0.2, -0.5], [0.14, 0.02, 0.3, -0.5]

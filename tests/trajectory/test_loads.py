@@ -107,6 +107,7 @@ def test_loads_follow_their_samples() -> None:
             replace(path, load=wrong)
 
 
+@pytest.mark.slow
 def test_engines_have_the_motions_load() -> None:
     from paminsa_viz.engines.verification import verify
 

@@ -39,6 +39,7 @@ HELD = 5e-3
 """Share by which a limit may be exceeded between the instants that are looked at."""
 
 
+@pytest.mark.slow
 def test_straight_move_within_an_acceleration_is_the_textbook_one() -> None:
     """Full acceleration to the middle, full deceleration: T = 2 sqrt(d / a); with a top speed v:
     T = d/v + v/a."""
@@ -51,6 +52,7 @@ def test_straight_move_within_an_acceleration_is_the_textbook_one() -> None:
     assert both == pytest.approx(0.1 / 0.25 + 0.25 / 2.0, rel=5e-4)
 
 
+@pytest.mark.slow
 def test_circle_within_an_acceleration_is_the_solution_of_its_equation() -> None:
     """|(z'/2, z/r)| = a on a circle of radius r: z = a r sin(2 s/r) until z = a r, then held."""
     r, a = 0.08, 3.0
@@ -108,6 +110,7 @@ def test_optimum_is_never_slower_and_keeps_all_limits(way, law, kind, design, wi
         assert np.abs(own - pose).max(axis=1).min() < 2e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [0, 3, 5, 15], ids=["move", "arch", "trapezoid", "waypoints"])
 def test_torques_and_rates_of_the_samples_keep_their_limits(number: int) -> None:
     """By inverse dynamics of the sampled motion, not by what the program is made of."""
@@ -133,6 +136,7 @@ def test_envelopes_of_drives_are_kept(drive) -> None:
     assert free.quantity == "speed"
 
 
+@pytest.mark.slow
 def test_motion_stops_where_it_did() -> None:
     """A chain of moves keeps its stops, whatever its law."""
     plan = all_plans()[-1]
@@ -145,6 +149,7 @@ def test_motion_stops_where_it_did() -> None:
         assert place(states.velocity[near : near + 1])[0] < 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.98, 0.995, 1.005, 1.02])
 def test_points_are_added_where_a_law_is_too_fast_and_nowhere_else(share: float) -> None:
     """A law that needs a share of its own duration, by the limits."""
@@ -170,6 +175,7 @@ def test_points_are_added_where_a_law_is_too_fast_and_nowhere_else(share: float)
     )
 
 
+@pytest.mark.slow
 def test_derivatives_are_those_of_the_poses() -> None:
     found = shortest_motion(arch(A, B, 0.08), LIMITS, APPENDIX_4).plan
     h = 1e-5
@@ -217,6 +223,7 @@ def test_speeds_alone_stretch_the_law_and_say_why() -> None:
     assert "leave its acceleration free" in found.explanation
 
 
+@pytest.mark.slow
 def test_a_law_that_is_the_best_one_stays() -> None:
     plan = point_to_point(A, A + np.array([0.1, 0, 0, 0]), law=LAWS[1])
     limits = MotionLimits(acceleration=2.0, speed=0.3)
@@ -269,6 +276,7 @@ def test_knots_are_close_at_stops_and_those_next_to_breaks_are_the_breaks(plan) 
     np.testing.assert_allclose(knots[~bends], every[~near], atol=1e-14)
 
 
+@pytest.mark.slow
 def test_the_duration_is_what_the_law_needs_where_it_needs_most(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -182,6 +182,7 @@ def test_defaults_are_those_of_the_descriptions(function: Any, defaults: dict[st
     assert defaults_of(function, defaults) == defaults
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("plan", [point_to_point(A, B), arch(A, B, 0.08)], ids=["move", "arch"])
 def test_a_motion_does_not_depend_on_the_unit_of_time(
     plan: Plan, capfd: pytest.CaptureFixture[str]

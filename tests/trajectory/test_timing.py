@@ -132,6 +132,7 @@ def test_coulomb_friction_is_never_underestimated(plan: Plan) -> None:
     assert 0.995 < top <= 1 + ROUNDING
 
 
+@pytest.mark.slow
 @given(cases(), st.sampled_from(LAWS), st.floats(1.05, 5.0))
 def test_random_robots(case: Case, law: TimeLaw, spare: float) -> None:
     """Near a pose that can be taken, a small move with some torque to spare."""
@@ -251,6 +252,7 @@ def shares(design: Design, motion) -> np.ndarray:  # type: ignore[no-untyped-def
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["paper-like", "arch", "circle", "trapezoid"])
 @pytest.mark.parametrize(
     "drive", [SERVO, replace(SERVO, efficiency=1.0), HEAVY, BENT], ids=["", "1", "h", "b"]
@@ -269,6 +271,7 @@ def test_drives_reach_a_limit_and_keep_all(key: str, drive: Drive) -> None:
     assert shares(design, slower).max() < 1
 
 
+@pytest.mark.slow
 def test_drives_are_left_out_where_there_are_none_or_on_request() -> None:
     plan, limits = PRESET["arch"].build(APPENDIX_4.geometry), MotionLimits(speed=1.0, torque=5.0)
     bare = shortest_stretch(plan, limits, APPENDIX_4)
@@ -279,6 +282,7 @@ def test_drives_are_left_out_where_there_are_none_or_on_request() -> None:
     assert "is reached at" in alone.explanation or "rad/s" in alone.explanation
 
 
+@pytest.mark.slow
 def test_one_drive_alone_is_kept_and_a_motion_the_other_way_is_as_long() -> None:
     """Of a robot whose other actuators have none; durations are in columns of their names."""
     plan, none = point_to_point(A, B), MotionLimits()

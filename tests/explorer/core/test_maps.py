@@ -77,6 +77,7 @@ def test_cells_hold_the_models_torques_or_why_they_are_out_of_reach(knee: KneeBr
     assert 100 < reach.ok.sum() < reach.ok.size - 100
 
 
+@pytest.mark.slow
 def test_each_quantity_is_the_models() -> None:
     state, store = at(), MapStore()
     known = cache(pointwise)
@@ -263,6 +264,7 @@ def test_robot_is_sent_to_a_tenth_of_a_millimeter() -> None:
     assert state.last_reachable.pose[:2] == state.document.pose[:2] == (0.0512, -0.03)
 
 
+@pytest.mark.slow
 def test_costly_maps_are_coarser_while_dragging() -> None:
     """Torques have all cells; the first frequency as many as its time allows."""
     state = at()

@@ -34,6 +34,7 @@ def pack(text: str | bytes) -> str:
     return persistence.PREFIX + base64.urlsafe_b64encode(zlib.compress(data)).decode().rstrip("=")
 
 
+@pytest.mark.slow
 @given(document=documents(), width=st.integers(5, 80))
 def test_documents_come_back_to_the_last_digit(document: Document, width: int) -> None:
     assert_same(persistence.load(persistence.dump(document)), document)
@@ -43,6 +44,7 @@ def test_documents_come_back_to_the_last_digit(document: Document, width: int) -
     assert_same(persistence.open_share_code("  " + " \r\n".join(lines) + "\n"), document)
 
 
+@pytest.mark.slow
 @given(design=designs())
 def test_shared_design_can_be_written_to_a_file(design: Design) -> None:
     shared = persistence.open_share_code(persistence.share_code(Document(design))).design

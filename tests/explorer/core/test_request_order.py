@@ -120,6 +120,7 @@ def busy_machine_is_no_pause_of_the_person(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(history, "PAUSE", 600.0)
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(turns=st.lists(st.lists(st.sampled_from(KINDS), max_size=12), max_size=4))
 def test_turns_of_the_worker_change_nothing_of_what_comes_out(turns: Sequence[list[str]]) -> None:

@@ -181,6 +181,7 @@ def test_impossible_geometry_keeps_the_last_possible_one_and_takes_the_masses() 
     assert compute(heavier).torques[3] > compute(good).torques[3]
 
 
+@pytest.mark.slow
 @given(steps=st.lists(documents(), min_size=2, max_size=8, unique_by=lambda d: d.pose))
 def test_undo_and_redo_go_through_every_step(steps: list[Document]) -> None:
     taken = [Snapshot(step, 5.0 + number) for number, step in enumerate(steps)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 import numpy as np
+import pytest
 
 from paminsa_viz.blocks import accuracy, loads, stiffness
 from paminsa_viz.blocks.kinds import Block
@@ -61,6 +62,7 @@ def shown(state: State, leg: int) -> State:
     return stiffness_tab.ANALYSIS.deliver(state, solve(analyze_elasticity, job))
 
 
+@pytest.mark.slow
 def test_tables_of_the_page_are_parts_of_those_of_the_report() -> None:
     random = np.random.default_rng(7)
     for leg in range(3):

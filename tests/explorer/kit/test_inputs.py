@@ -182,6 +182,7 @@ def test_absurd_setting_is_refused(key: str, value: object, state: State) -> Non
         entries[key].parse(state, value)
 
 
+@pytest.mark.slow
 @EACH_PANEL
 def test_every_choice_is_shown_once_it_is_made(panel: str, state: State) -> None:
     for entry in inputs_in(PANELS[panel]):
@@ -198,6 +199,7 @@ def test_keys_and_labels_tell_inputs_apart(state: State) -> None:
         assert max(names.values()) == 1, names.most_common(1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "panel",
     [

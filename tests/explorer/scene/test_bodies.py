@@ -16,6 +16,7 @@ from tests.support.samples import random_poses
 from tests.support.scene import UPPER, Scene
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("design", [APPENDIX_4, UPPER], ids=["lower", "upper"])
 def test_bodies_are_at_the_models_poses(scene: Scene, design: Design) -> None:
     for pose in random_poses(np.random.default_rng(4), design, 5):
@@ -40,6 +41,7 @@ def test_first_pose_is_exact(scene: Scene) -> None:
             assert point[:3] == pytest.approx(configuration.points[joint][leg], abs=1e-12)
 
 
+@pytest.mark.slow
 def test_pose_makes_no_node_and_sends_poses_only(scene: Scene) -> None:
     scene.draw(layers=["mesh"])
     before = scene.nodes
@@ -75,6 +77,7 @@ def test_pose_without_a_configuration_sends_nothing(scene: Scene, pose: tuple[fl
     assert messages == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "expected"),
     [

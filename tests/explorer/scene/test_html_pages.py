@@ -62,6 +62,7 @@ class Data:
         return 2 * np.arctan2(turns[:, place + 3], turns[:, place])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("knee", KneeBranch)
 def test_page_holds_places_and_torques_of_the_model(knee: KneeBranch) -> None:
     design = APPENDIX_4.with_knee(knee)
@@ -86,6 +87,7 @@ def test_page_holds_only_what_moves() -> None:
     assert node_name("leg1/b8") in fields["turned"]
 
 
+@pytest.mark.slow
 def test_closed_motion_starts_again_at_once() -> None:
     assert Data(motion_html(APPENDIX_4, planned("circle", 100))).fields["pause"] == 0.0
 

@@ -49,6 +49,7 @@ def grid_layer() -> Iterator[None]:
     LAYERS.update(before)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("grid_layer")
 def test_registered_layer_is_a_switch_a_command_and_a_node(server: viser.ViserServer) -> None:
     with desk_with(server, view_entries()) as desk:
@@ -86,6 +87,7 @@ def test_layers_are_switched_by_their_keys_only() -> None:
         actions.set_layers(state, no_such_layer=True)
 
 
+@pytest.mark.slow
 def test_layers_switch_on_and_off(scene: Scene) -> None:
     scene.draw(layers=ANIMATED)
     first = set(scene.nodes)

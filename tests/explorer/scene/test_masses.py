@@ -30,6 +30,7 @@ def test_payload_grows_with_its_mass(scene: Scene) -> None:
     assert not scene.nodes[name].visible
 
 
+@pytest.mark.slow
 def test_counterweights_are_nodes_of_their_bars(scene: Scene) -> None:
     layers = ["mesh"]
     scene.draw(layers=layers)

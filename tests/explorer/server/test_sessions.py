@@ -20,6 +20,7 @@ from tests.support.guarded import GuardedServer
 from tests.support.raw_page import TIMEOUT, dial, eventually, get, update
 
 
+@pytest.mark.slow
 @given(st.floats(1, 1000), st.floats(0, 1000), st.lists(st.floats(0, 50), max_size=60))
 def test_who_waits_as_requested_never_gets_more_than_rate_and_burst(
     rate: float, burst: float, amounts: list[float]

@@ -54,6 +54,7 @@ def test_rings_are_one_standard_deviation() -> None:
     np.testing.assert_allclose(size, 1.0, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_drawn_errors_have_the_scale_that_the_label_states(scene: Scene) -> None:
     scene.draw(layers=["drive_errors"])
     text = scene.nodes["/drive_errors/label"].text
@@ -65,6 +66,7 @@ def test_drawn_errors_have_the_scale_that_the_label_states(scene: Scene) -> None
     assert np.linalg.norm(lines, axis=-1).max() <= FARTHEST * (1 + 1e-6)
 
 
+@pytest.mark.slow
 def test_the_layer_says_why_there_is_no_bound_and_hides(scene: Scene) -> None:
     angle = singular_rotation(GEOMETRY) - 0.01
     scene.draw((0.0, 0.0, angle, -0.3), layers=["drive_errors"])

@@ -37,6 +37,7 @@ from tests.explorer.features.balance.balanced import START, solved, started
 from tests.support.tasks import delivered
 
 
+@pytest.mark.slow
 def test_points_of_the_front_are_designs_with_the_torques_they_say() -> None:
     steps: list[float] = []
     running, job = started(START, BalanceKind.FRONT)

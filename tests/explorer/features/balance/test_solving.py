@@ -149,6 +149,7 @@ def test_unchanged_numbers_keep_their_last_digit() -> None:
     assert solved(wanted).document.design.inertias == APPENDIX_4.inertias
 
 
+@pytest.mark.slow
 def test_result_for_another_design_or_a_stopped_job_is_dropped() -> None:
     running, job = started(START, BalanceKind.OPTIMUM)
     with pytest.raises(InvalidInput, match="still runs"):
@@ -182,6 +183,7 @@ def slots(b3: float, b8: float) -> State:
     return balancing.change_settings(START, slot_b3=b3_slot, slot_b8=b8_slot)
 
 
+@pytest.mark.slow
 def test_infeasible_bounds_are_reported_with_what_to_relax() -> None:
     after = solved(slots(0.0, 0.5))
     outcome = after.balance.outcome

@@ -47,6 +47,7 @@ def test_proposed_poses_are_written_as_the_table_that_is_read_again(proposed: St
     assert texts.poses_html(compute(proposed)).count("<tr>") == 1 + 24
 
 
+@pytest.mark.slow
 def test_calibration_predicts_held_back_poses_of_the_example(calibrated: State) -> None:
     found = actions.CALIBRATE.required(calibrated, "", "")
     assert found.held.sum() >= 4

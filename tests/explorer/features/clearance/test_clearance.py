@@ -137,6 +137,7 @@ def test_switches_and_limit_set_the_state(desk: Desk) -> None:
     desk.until(lambda: desk.state.clearance.settings.required == 0.0125)
 
 
+@pytest.mark.slow
 def test_example_robots_do_not_touch_on_their_motions() -> None:
     state = initial_state()
     for kind in (ExampleDesign.APPENDIX_4, ExampleDesign.PAYLOAD):

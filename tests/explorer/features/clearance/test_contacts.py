@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from paminsa_viz.elastostatics.leg_frame import PAIRS, contacts, pair_name
 from paminsa_viz.model import APPENDIX_4
@@ -24,6 +25,7 @@ def test_balls_are_where_bars_would_touch(scene: Scene) -> None:
     assert pair_name(shaft_and_guide) == "B2–B10"
 
 
+@pytest.mark.slow
 def test_layer_follows_the_pose_and_hides(scene: Scene) -> None:
     shaft_and_guide = PAIRS.index(("b2", "b10"))
     scene.draw(layers=["contacts"])

@@ -139,6 +139,7 @@ def test_refusal_names_the_number_that_was_set(
     assert allowed in error.value.problem
 
 
+@pytest.mark.slow
 def test_last_of_500_values_of_a_drag_wins_and_is_one_step(
     desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:

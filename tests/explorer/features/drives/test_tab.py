@@ -41,6 +41,7 @@ def found() -> State:
     return searched(initial_state())
 
 
+@pytest.mark.slow
 def test_lists_name_feasible_drives_and_their_margins(found: State) -> None:
     text = panel.list_html(compute(found))
     assert "M1 to M3" in text

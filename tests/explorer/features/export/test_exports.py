@@ -75,6 +75,7 @@ def test_any_design_name_becomes_a_plain_one(name: str, plain: str) -> None:
     assert downloads.plain(name) == plain
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("single", "columns"), [(True, ["f4_N"]), (False, ["tau1_Nm", "tau2_Nm", "tau3_Nm"])]
 )
@@ -100,6 +101,7 @@ def test_map_table_holds_the_models_numbers_in_every_format(
     np.testing.assert_array_equal(values, arrays[columns[0]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "start"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%")])
 def test_figure_is_written_in_its_format_and_size(kind: str, start: bytes) -> None:
     file = exports.figure(
@@ -131,6 +133,7 @@ def test_difference_is_named_in_file_and_columns() -> None:
     assert "delta_tau1_Nm" in arrays_of(file).files
 
 
+@pytest.mark.slow
 def test_robot_is_exported_at_its_last_reachable_pose() -> None:
     state = actions.move(state_at(x=0.04, theta=0.5), x=9.0)
     content = io.BytesIO(exports.robot(state).content)
@@ -190,6 +193,7 @@ def test_programs_get_what_the_command_writes(name: str, mirrored: State) -> Non
     assert zip_of(file) == {f"{stem}/{stem}{end}": content for end, content in wanted.items()}
 
 
+@pytest.mark.slow
 def test_code_is_the_designs(mirrored: State) -> None:
     design = mirrored.shown_design
     inside = zip_of(exports.program(mirrored, CODE["controller"], "controller"))
@@ -215,6 +219,7 @@ def test_each_program_has_a_line_and_a_button() -> None:
         assert each.label in buttons
 
 
+@pytest.mark.slow
 def test_mujoco_loads_both_models_and_they_hold_their_pose(
     mujoco: Any, mirrored: State, tmp_path: Path
 ) -> None:
@@ -361,6 +366,7 @@ def test_unexpected_error_is_notified_and_logged(
     assert "export failed" in caplog.text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [
     lambda state: exports.maps_table(state, STORE),
     lambda state: exports.motion_series(state)[1],

@@ -78,6 +78,7 @@ def frames_of(content: bytes) -> list[Image.Image]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["gif", "webp"])
 def test_every_instant_is_rendered_at_its_pose(session: Any, kind: str) -> None:
     before = session.state
@@ -99,6 +100,7 @@ def test_every_instant_is_rendered_at_its_pose(session: Any, kind: str) -> None:
     assert session.state.document == before.document
 
 
+@pytest.mark.slow
 def test_recording_can_be_canceled(session: Any) -> None:
     session.client.slow = 0.05
     recorder = Recorder()
@@ -137,6 +139,7 @@ def test_pictures_are_few_and_small_enough() -> None:
     assert image.info["loop"] == 0
 
 
+@pytest.mark.slow
 def test_video_has_every_picture_in_true_time(session: Any) -> None:
     av = pytest.importorskip("av")
     file = Recorder().record(session, "mp4")

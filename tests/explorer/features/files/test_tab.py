@@ -53,6 +53,7 @@ def downloads(messages: list[dict[str, Any]]) -> dict[str, bytes]:
     return files
 
 
+@pytest.mark.slow
 @given(name=st.text(max_size=200))
 def test_every_design_has_a_file_name_that_every_system_takes(name: str) -> None:
     found = file_name(Design(name=name))

@@ -46,6 +46,7 @@ def found() -> State:
     return identified(actions.use_examples(initial_state()))
 
 
+@pytest.mark.slow
 def test_numbers_causes_checks_and_masses_are_told(found: State) -> None:
     frame = compute(found)
     assert "Masses and friction explain the log" in identify_text.status_html(frame)
@@ -79,6 +80,7 @@ def test_charts_are_of_the_log_and_its_prediction(found: State) -> None:
         np.testing.assert_allclose(rest.traces[0].values, measured - predicted, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_gaps_between_pieces_are_not_drawn_over() -> None:
     log = example_log()
     kept = np.r_[0:2000, 2600:5001]
@@ -147,6 +149,7 @@ def test_impossible_saved_settings_keep_their_default(saved) -> None:
     assert restored.identification.settings == IdentifySettings()
 
 
+@pytest.mark.slow
 def test_a_log_that_does_not_move_is_one_line(found: State) -> None:
     log = example_log()
     still = make_log(log.t, log.position[:1] + 0 * log.position, log.torque)
@@ -160,6 +163,7 @@ def test_a_log_that_does_not_move_is_one_line(found: State) -> None:
     assert again.identification.result is not None
 
 
+@pytest.mark.slow
 def test_a_wrong_gain_is_named_on_the_page(found: State) -> None:
     log = example_log()
     wrong = make_log(log.t, log.position, log.torque * [1.0, 1.1, 1.0, 1.0])

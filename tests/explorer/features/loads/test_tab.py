@@ -95,6 +95,7 @@ def test_the_motion_table_is_of_the_current_motion() -> None:
     assert not tab.motion(compute(state.updated("loads.settings", along=False)))
 
 
+@pytest.mark.slow
 def test_files_hold_what_is_shown() -> None:
     state = along()
     assert set(tab.files(initial_state())) == {"Joints", "Bar"}

@@ -108,6 +108,7 @@ def test_mark_is_below_the_platform_and_a_position_draws_no_new_map(desk: Desk) 
     desk.until(lambda: desk.panel._map.image is not before)
 
 
+@pytest.mark.slow
 def test_hidden_layers_are_not_drawn_and_nothing_is_solved_for_them(
     desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:

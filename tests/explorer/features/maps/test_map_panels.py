@@ -172,6 +172,7 @@ def test_caption_says_of_a_balanced_robot_that_torques_are_zero_everywhere() -> 
     assert "0 everywhere" in caption(state, MapStore().current(state, COARSE, TORQUES))
 
 
+@pytest.mark.slow
 def test_ends_show_the_range_drawn_and_set_it(desk: Desk) -> None:
     ends = desk.handle("from–to")
     desk.until(lambda: desk.panel._torques.scales)
@@ -186,6 +187,7 @@ def test_ends_show_the_range_drawn_and_set_it(desk: Desk) -> None:
     desk.until(lambda: desk.handle("colors").value == "held")
 
 
+@pytest.mark.slow
 def test_range_is_set_in_the_unit_shown(desk: Desk) -> None:
     desk.dispatch(lambda s: choose_quantity(s, "reach_margin"))
     desk.set("ends", [10.0, 120.0])
@@ -196,6 +198,7 @@ def test_range_is_set_in_the_unit_shown(desk: Desk) -> None:
     desk.until(lambda: desk.state.map_view.quantity == "max_torque")
 
 
+@pytest.mark.slow
 def test_difference_needs_a_reference(desk: Desk) -> None:
     switch = desk.handle("Δ ref.")
     assert switch.disabled
@@ -210,11 +213,13 @@ def test_difference_needs_a_reference(desk: Desk) -> None:
     desk.until(lambda: switch.disabled and not switch.value)
 
 
+@pytest.mark.slow
 def test_click_on_a_map_moves_the_robot(desk: Desk) -> None:
     desk.set("bridge", json.dumps([[7, "click", {"title": "torques", "x": 40.04, "y": -60.0}]]))
     desk.until(lambda: desk.state.last_reachable.pose[:2] == (0.04, -0.06))
 
 
+@pytest.mark.slow
 def test_only_the_map_in_sight_is_drawn_and_finely_when_idle(desk: Desk) -> None:
     torques, single = desk.panel._torques, desk.panel._single
     desk.until(lambda: torques.data is not None and torques.data.x.size == FULL)
@@ -227,6 +232,7 @@ def test_only_the_map_in_sight_is_drawn_and_finely_when_idle(desk: Desk) -> None
     assert torques.data is before
 
 
+@pytest.mark.slow
 def test_a_family_of_quantities_is_chosen_first(desk: Desk) -> None:
     """Only those of the family are offered, and its first is shown; choosing it again keeps."""
     family, _ = quantity_inputs(

@@ -28,6 +28,7 @@ from tests.support.charts import shown_curve
 needs_mujoco = pytest.mark.usefixtures("mujoco")
 
 
+@pytest.mark.slow
 @needs_mujoco
 @pytest.mark.parametrize("knee", KneeBranch)
 def test_numbers_are_those_of_a_verification(
@@ -63,6 +64,7 @@ def test_friction_is_no_difference_and_few_samples_are_all_computed(state: State
     assert found.analysis.trajectory.size < MOST_SAMPLES
 
 
+@pytest.mark.slow
 @needs_mujoco
 def test_answer_holds_for_its_design_and_motion_only(state: State) -> None:
     known = answered(state)
@@ -130,6 +132,7 @@ def test_difference_is_plotted_in_a_readable_unit_with_a_verdict(state: State) -
     assert b"Formulas as published and MuJoCo" in figure.content
 
 
+@pytest.mark.slow
 @needs_mujoco
 def test_nothing_is_compared_where_the_motion_fails(state: State) -> None:
     def line(start: float, goal: float) -> State:

@@ -23,6 +23,7 @@ def crossing() -> State:
     return motions.change(state, timing=Timing.SHORTEST, cross=True, **ends)
 
 
+@pytest.mark.slow
 def test_arrows_are_a_motion_that_no_actuator_feels(scene: Scene, crossing: State) -> None:
     scene.show(crossing)
     arrows = np.asarray(scene.nodes["/escape/arrows"].points, dtype=float)
@@ -39,6 +40,7 @@ def test_arrows_are_a_motion_that_no_actuator_feels(scene: Scene, crossing: Stat
     assert np.abs(felt).max() < 1e-5 * np.abs(twist).max()
 
 
+@pytest.mark.slow
 def test_arrows_leave_with_the_layer_and_with_the_motion(scene: Scene, crossing: State) -> None:
     hidden = replace(crossing, layers=crossing.layers - {"escape_twist"})
     for state, shown in (

@@ -164,6 +164,7 @@ def test_motion_passes_its_waypoints() -> None:
     assert motions.change(state, waypoints=()).document.motion.waypoints == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", Profile)
 def test_shortest_duration_keeps_its_limits(profile: Profile) -> None:
     state = motions.choose_kind(initial_state(), Kind.MOVE)
@@ -245,6 +246,7 @@ def turning() -> State:
     return motions.change(state, timing=Timing.SHORTEST, **ends)
 
 
+@pytest.mark.slow
 def test_motion_passes_singularities_on_request(turning: State) -> None:
     assert not checked(trajectory(turning), turning.document.design.geometry).possible
     state = motions.change(turning, cross=True)
@@ -266,6 +268,7 @@ def test_motion_passes_singularities_on_request(turning: State) -> None:
     assert trajectory(heavier).duration != trajectory(state).duration
 
 
+@pytest.mark.slow
 def test_refusal_to_pass_a_singularity_is_the_problem(turning: State) -> None:
     state = motions.limit(motions.change(turning, cross=True), "torque", 5.0)
     assert "times as large" in motions.planned(state).problem
@@ -276,6 +279,7 @@ def test_refusal_to_pass_a_singularity_is_the_problem(turning: State) -> None:
     assert "times as large" in line
 
 
+@pytest.mark.slow
 def test_a_motion_that_may_pass_singularities_is_saved(turning: State) -> None:
     motion = motions.change(turning, cross=True, deviation=0.01).document.motion
     assert motion_from_data(motion_data(motion)) == motion

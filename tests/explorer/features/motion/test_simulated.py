@@ -41,6 +41,7 @@ def simulation(state: State) -> Simulation:
     return found
 
 
+@pytest.mark.slow
 def test_start_has_something_to_see(simulated: State) -> None:
     assert SimulationSettings().payload_mismatch > 0
     assert simulation(simulated).distance.max() > 0.02

@@ -54,6 +54,7 @@ def test_what_the_page_does_not_know_is_refused() -> None:
             one_file(document)
 
 
+@pytest.mark.slow
 def test_text_of_a_design_does_not_become_script() -> None:
     name = "</script><script>alert(1)//@PAGE@"
     text = one_file(replace(START, design=replace(APPENDIX_4, name=name)))

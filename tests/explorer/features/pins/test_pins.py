@@ -64,6 +64,7 @@ def test_values_are_those_of_the_rooms_for_the_design_and_the_reference() -> Non
         assert now == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_every_quantity_has_a_value_or_a_reason() -> None:
     for key in QUANTITIES:
         (found,) = values(pinned(key)).values()

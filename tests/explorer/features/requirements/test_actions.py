@@ -66,6 +66,7 @@ def test_numbers_are_set_on_the_side_that_is_bounded(one: State) -> None:
         actions.set_bound(actions.choose_side(one, Side.SIZE), 0, End.SIZE, -7.0)
 
 
+@pytest.mark.slow
 @given(st.sampled_from(sorted(QUANTITIES)), st.sampled_from([*Side]), st.floats(0.1, 50), st.data())
 def test_numbers_are_read_in_the_unit_in_which_they_are_shown(
     quantity: str, side: Side, value: float, data: st.DataObject
@@ -85,6 +86,7 @@ def test_numbers_are_read_in_the_unit_in_which_they_are_shown(
 OF_EACH_FAMILY = {entries[-1].key for entries in families().values()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "quantity", sorted(OF_EACH_FAMILY | {"condition", "tau_1", "reach_margin"})
 )

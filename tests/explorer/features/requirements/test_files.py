@@ -29,6 +29,7 @@ def solved(state: State) -> State:
     return state.updated("requirements", fine=outcome)
 
 
+@pytest.mark.slow
 def test_the_volume_that_is_shown_is_written_in_every_format() -> None:
     state = solved(actions.suggest(initial_state()))
     volume = state.requirements.fine.result.volume  # type: ignore[union-attr]

@@ -53,6 +53,7 @@ def test_marks_follow_the_design(asked: State) -> None:
     assert "requirements-strip" not in strip_html(compute(initial_state()))
 
 
+@pytest.mark.slow
 def test_ends_in_the_wrong_order_are_refused_as_they_were_typed(desk: Desk, asked: State) -> None:
     before = asked.document.requirements.theta
     desk.dispatch(lambda state: replace(state, document=asked.document))
@@ -145,6 +146,7 @@ def test_the_surface_is_closed_and_in_the_colors_of_its_causes(asked: State) -> 
     assert len({part.color for part in parts}) == len(parts) > 1
 
 
+@pytest.mark.slow
 def test_requirements_are_added_and_changed_on_the_page(desk: Desk) -> None:
     desk.set("requirements.buttons", "Suggested set")
     desk.until(lambda: len(desk.state.document.requirements.bounds) == 4)

@@ -42,6 +42,7 @@ def test_labels_below_the_platform_stand_clear_of_one_another() -> None:
     assert np.diff(below).min() >= 0.069
 
 
+@pytest.mark.slow
 def test_layers_show_the_result_and_leave_with_the_pose(
     scene: Scene, outcome: ElasticOutcome
 ) -> None:

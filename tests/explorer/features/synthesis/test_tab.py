@@ -136,6 +136,7 @@ def answer(state: State, radius: float, objective: float) -> SynthesisResult:
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
     with pytest.raises(InvalidInput, match="different"):
         actions.start(asked.updated("synthesis.settings", against="footprint"))
@@ -314,6 +315,7 @@ def test_the_best_so_far_takes_the_robots_place_only_while_it_is_asked_for(asked
     assert np.isnan(replace(best, cost=np.nan).cost)
 
 
+@pytest.mark.slow
 def test_settings_are_set_on_the_page_and_a_search_can_be_stopped(desk: Desk, asked: State) -> None:
     desk.dispatch(lambda state: replace(state, document=asked.document))
     desk.set("synthesize.seed", 3)

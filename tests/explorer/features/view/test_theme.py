@@ -85,6 +85,7 @@ def test_choice_is_kept_and_the_browsers_wish_is_not() -> None:
     assert not found.browser_dark
 
 
+@pytest.mark.slow
 @BOTH
 def test_maps_have_the_theme_around_the_cells_and_the_same_cells(ground: Theme) -> None:
     state = actions.move(STATE, theta=0.5)
