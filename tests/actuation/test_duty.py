@@ -38,6 +38,7 @@ def motion():  # type: ignore[no-untyped-def]
     return PRESET["paper-like"].build(APPENDIX_4.geometry).sample(2000)
 
 
+@pytest.mark.slow
 def test_motor_torques_are_those_of_the_robot_with_its_drives(motion) -> None:  # type: ignore[no-untyped-def]
     drive = replace(combined(SERVO, GEAR), efficiency=1.0, viscous=1e-5)
     axis = replace(drive, gear_ratio=2.0, transmission="screw", lead=0.01)

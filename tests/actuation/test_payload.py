@@ -87,6 +87,7 @@ def test_scalings_are_looked_for_between_a_thousandth_and_a_thousand(
     assert scaling.largest == pytest.approx(found, rel=1e-9, nan_ok=True)
 
 
+@pytest.mark.slow
 def test_the_load_stays_and_the_robots_own_payload_and_friction_do_not() -> None:
     design = APPENDIX_4.vary(
         {"payload.mass": 9.0, "payload.inertia": 0.3, "friction.viscous_rotary": 5.0}

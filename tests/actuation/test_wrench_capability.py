@@ -222,6 +222,7 @@ def test_capability_is_where_pushing_in_mujoco_meets_a_limit() -> None:
     assert at.moment == pytest.approx(min(turned), rel=1e-9)
 
 
+@pytest.mark.slow
 @given(seed=seeds)
 def test_payload_brings_m4_to_its_limit_and_no_other(seed: int) -> None:
     pose = poses(seed, 1)[0]

@@ -61,6 +61,7 @@ def measured(design: Design) -> list[float]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(len(TERMS)), ids=[term.label for term in TERMS])
 def test_terms_and_their_optimum_have_the_torques_under_the_load(number: int) -> None:
     term = TERMS[number]

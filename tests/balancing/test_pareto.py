@@ -64,6 +64,7 @@ def test_terms_that_agree_but_for_the_solvers_tolerance_give_one_point() -> None
     assert point.second == pytest.approx(-3 * (0.159 + APPENDIX_4.links.b4 - 0.1), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_progress_and_canceling() -> None:
     seen = []
 

@@ -83,6 +83,7 @@ def test_the_least_of_all_pairs_is_the_clearance() -> None:
     )
 
 
+@pytest.mark.slow
 def test_plain_python_and_compiled_code_agree(monkeypatch: pytest.MonkeyPatch) -> None:
     given = poses(LOADED, 6)
     found = clearance(LOADED, given)

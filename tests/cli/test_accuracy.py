@@ -75,6 +75,7 @@ def test_encoders_of_the_drives_give_the_resolution(capsys, tmp_path: Path) -> N
     assert found["half_widths"]["M4"] == pytest.approx(5e-6)
 
 
+@pytest.mark.slow
 def test_manufacture_has_tolerances_robots_and_the_design_s_own_legs(capsys) -> None:
     design = with_deviations(APPENDIX_4, np.full((3, 14), 1e-4) * [[1], [-1], [2]])
     save_design(design, "robot.toml")

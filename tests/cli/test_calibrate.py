@@ -76,6 +76,7 @@ def test_the_report_names_numbers_and_files(log: Measurements, capsys: Any) -> N
     assert everything.count("+-") >= 30
 
 
+@pytest.mark.slow
 def test_no_gain_is_exit_code_1_and_writes_nothing(measured: Measurements, capsys: Any) -> None:
     """Noise as large as the deviations: held-back poses get worse."""
     random = np.random.default_rng(1)

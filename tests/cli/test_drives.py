@@ -35,6 +35,7 @@ def test_generic_drives_fit_the_default_motion(capsys) -> None:
         assert all(drive["feasible"] and drive["margin"] >= 0 for drive in actuator["drives"])
 
 
+@pytest.mark.slow
 def test_the_saved_design_has_the_first_drives_and_keeps_their_limits(capsys) -> None:
     words = ("--same", "--order", "margin", "--save", "driven.toml")
     found = run_json("drives", capsys, *words)

@@ -148,6 +148,7 @@ def test_bad_logs_are_refused_in_one_line(capsys, case) -> None:
     check_refused("identify", capsys, "log.csv", place=place)
 
 
+@pytest.mark.slow
 def test_impossible_words_are_refused(capsys) -> None:
     Path("file").write_text("")
     check_refused("identify", capsys, "nothing.csv", place="nothing.csv")

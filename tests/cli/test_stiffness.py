@@ -42,6 +42,7 @@ def test_numbers_are_the_librarys(capsys, shear: bool) -> None:
     assert list(found["shares"]["load"].values()) == pytest.approx(share.tolist())
 
 
+@pytest.mark.slow
 def test_natural_frequencies_are_the_librarys(capsys) -> None:
     found = run_json(capsys, *POSE, "--payload", "10")["natural_frequencies_Hz"]
     design = APPENDIX_4.vary({"payload.mass": 10.0})
@@ -55,6 +56,7 @@ def test_natural_frequencies_are_the_librarys(capsys) -> None:
     assert lost["natural_frequencies_Hz"]["whole robot"] == [None] * 6
 
 
+@pytest.mark.slow
 def test_table_of_a_payload_and_of_unit_forces(capsys) -> None:
     code, out, err = run(capsys, *POSE, "--payload", "10")
     assert (code, err) == (0, "")

@@ -248,6 +248,7 @@ int main(void)
 """
 
 
+@pytest.mark.slow
 def test_masses_change_while_a_program_runs(tmp_path: Path) -> None:
     design = replace(loaded_robot(), counterweights=(Counterweight("b8", 8, 0.4, 0.1),))
     changed = design.vary(

@@ -139,6 +139,7 @@ def test_halcompile_builds_it(tmp_path: Path) -> None:
     check(tmp_path, APPENDIX_4)
 
 
+@pytest.mark.slow
 def test_single_precision_has_no_module() -> None:
     assert "paminsakins.comp" in controller_kit(APPENDIX_4)
     assert "paminsakins.comp" not in controller_kit(APPENDIX_4, single=True)

@@ -288,6 +288,7 @@ def test_center_lines_meet_at_the_joints_and_move_with_the_platform() -> None:
     assert 1e-6 < np.abs(gap).max() < 0.1 * soft.largest[0]  # the elastic ball joint gives way
 
 
+@pytest.mark.slow
 def test_between_two_nodes_a_loaded_bar_has_the_cubic_of_its_element() -> None:
     """Forces act at joints alone, so that more elements change no point of a center line."""
     found = []

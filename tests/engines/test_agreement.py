@@ -44,6 +44,7 @@ def worst(found: np.ndarray, expected: np.ndarray) -> float:
     return float((np.abs(found - expected).max(axis=0) / np.abs(expected).max(axis=0)).max())
 
 
+@pytest.mark.slow
 @EACH
 def test_static_torques(engine: Engine, design: Design) -> None:
     poses = samples.random_poses(np.random.default_rng(1), design, 200, natural=False)

@@ -86,6 +86,7 @@ def test_bar_heavier_in_one_leg_breaks_the_symmetry(plain) -> None:
     assert np.abs(shares[0] - shares[1]).max() > 0.1
 
 
+@pytest.mark.slow
 def test_spring_changes_the_second_weight_alone(plain) -> None:
     """V gets -F z_9 a leg, which is M_p2 less by F, and no inertia."""
     c = lumped_coefficients(ROBOT)

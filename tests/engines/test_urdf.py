@@ -35,6 +35,7 @@ def read(pin: Any, design: Design, pose: Any) -> tuple[Any, Any]:
     return model, data
 
 
+@pytest.mark.slow
 @EACH
 def test_a_foreign_reader_places_all_links_and_closes_the_loops(design: Design) -> None:
     pin = pytest.importorskip("pinocchio", reason="pinocchio comes with the extra 'verify'")

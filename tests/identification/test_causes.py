@@ -164,6 +164,7 @@ def test_columns_of_lengths_are_torques_of_robots_with_longer_ones(name: str) ->
     np.testing.assert_allclose(column, expected, atol=2e-3 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 def test_causes_are_about_the_leg_and_in_the_unit_that_their_labels_say() -> None:
     causes = possible_causes(identified(None))
     for cause in causes:

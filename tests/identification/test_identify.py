@@ -194,6 +194,7 @@ def test_a_pause_in_a_log_changes_nothing() -> None:
     assert np.abs(errors(found, RUBBING)).max() < 0.05
 
 
+@pytest.mark.slow
 def test_short_logs_and_torques_with_the_wrong_sign_are_noted() -> None:
     log = simulated(1, RUBBING, rate=200.0)
     short = identify(

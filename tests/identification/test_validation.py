@@ -37,6 +37,7 @@ def identified() -> Any:
     return identify(APPENDIX_4, simulated(1, DESIGN), QUICK)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", [2, 3])
 def test_another_motion_is_predicted_almost_as_well_as_its_own_fit(
     identified: Any, motion: int
@@ -123,6 +124,7 @@ def test_exact_logs_weigh_a_payload_and_its_inertia_exactly() -> None:
     assert found.inertia == pytest.approx(0.1, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_other_logs_start_where_the_first_did_unless_said(
     identified: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

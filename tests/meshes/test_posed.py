@@ -50,6 +50,7 @@ def test_every_body_is_a_named_node(posed: bytes) -> None:
     assert not {"ground", "payload"} & fewer
 
 
+@pytest.mark.slow
 def test_bodies_stand_where_the_mechanism_is_with_y_up(posed: bytes) -> None:
     scene = load(posed)
     configuration = inverse_kinematics(LOADED.geometry, POSE)

@@ -184,6 +184,7 @@ def test_a_grid_is_all_sums_of_its_parts(
     near(np.moveaxis(found, 1, 0), np.moveaxis(expected, -1, 0), "over_grid", 1e-10)
 
 
+@pytest.mark.slow
 @EACH
 @pytest.mark.parametrize("numpy", [False, True])
 @given(case=cases(), shape=st.sampled_from([(), (0,), (1,), (3,), (2, 3), (2, 0, 3), (1, 2, 1)]))

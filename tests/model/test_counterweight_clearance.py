@@ -213,6 +213,7 @@ def test_a_robot_that_reaches_nothing_has_no_room() -> None:
     assert counterweight_clearance(replace(short, axis_clearance=0.7), weight) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_the_knee_of_the_other_branch_needs_no_room(knee: KneeBranch) -> None:
     """Bars B4 and B7 lean the other way there, by decimeters; random poses come within some cm."""

@@ -99,6 +99,7 @@ def test_inertia_and_friction_of_the_drives_are_added(case: Case) -> None:
     assert_close(parts.total, full, 1e-10)
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_mass_matrix_and_kinetic_energy_agree_with_the_drives(case: Case) -> None:
     pose, v, a = case.states()

@@ -44,6 +44,7 @@ def test_forward_after_inverse_finds_the_pose(case: Case) -> None:
     assert distance.min(axis=-1).max() < 1e-11
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_every_assembly_mode_found_has_these_actuators(case: Case) -> None:
     """Also for actuators that were not made from a pose: both closure and inverse agree."""

@@ -85,6 +85,7 @@ def test_it_grows_with_speed_without_a_jump(friction: Friction, speed: np.ndarra
     assert (rise <= slope * step * (1 + 1e-6) + 1e-9).all()
 
 
+@pytest.mark.slow
 @given(case=cases(), friction=FRICTIONS)
 def test_friction_is_added_to_the_torque(case: Case, friction: Friction) -> None:
     pose, v, a = case.states()

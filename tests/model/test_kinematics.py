@@ -23,6 +23,7 @@ def length(a: Any, b: Any) -> Any:
     return np.linalg.norm(a - b, axis=-1)
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_every_leg_is_the_pantograph_of_figure_2(case: Case) -> None:
     g, k = case.geometry, case.geometry.magnification
@@ -63,6 +64,7 @@ def test_every_leg_is_the_pantograph_of_figure_2(case: Case) -> None:
     assert np.all(np.sum((p[8][..., :2] - axis) * ahead, -1) < 0)
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_points_and_actuators_are_those_of_first_principles(case: Case) -> None:
     pose = case.poses()

@@ -68,6 +68,7 @@ def work(load: LoadCase, pose: np.ndarray, step: np.ndarray) -> np.ndarray:
     return (force.real * point.imag / 1e-30).sum(axis=-1) + moment
 
 
+@pytest.mark.slow
 @given(load=loads, seed=seeds)
 def test_torques_do_the_work_of_the_load(load: LoadCase, seed: int) -> None:
     """Virtual work by differences: what the actuators give is what the load takes."""
@@ -80,6 +81,7 @@ def test_torques_do_the_work_of_the_load(load: LoadCase, seed: int) -> None:
         close(torque[:, actuator], -work(load, pose, step), 1e-10)
 
 
+@pytest.mark.slow
 @given(load=loads, seed=seeds)
 def test_torques_are_the_slope_of_the_potential_of_a_dead_load(load: LoadCase, seed: int) -> None:
     """By central differences along each actuator, without any Jacobian."""

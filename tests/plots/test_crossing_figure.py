@@ -18,6 +18,7 @@ def found() -> TimeOptimalPlan:
     return time_optimal(APPENDIX_4, turn, MotionLimits(torque=10.0), 0.6)
 
 
+@pytest.mark.slow
 def test_residual_is_that_of_the_condition_at_the_crossing(found: TimeOptimalPlan) -> None:
     (item,) = found.crossings
     s, rate, growth = (np.array([value]) for value in (item.crossing.s, 2.0, 3.0))

@@ -40,6 +40,7 @@ def test_cells_show_values_in_display_units_or_why_there_is_none() -> None:
     assert "mm</b>" in trace.hovertemplate
 
 
+@pytest.mark.slow
 def test_the_color_scale_is_the_table_with_blocks_for_what_is_beyond() -> None:
     axis = interactive_map(made_up(), SCALE).layout.coloraxis
     stops = axis.colorscale

@@ -123,6 +123,7 @@ def test_captions_do_not_claim_the_papers_motion(analysis) -> None:
     assert "Fig" not in data.title
 
 
+@pytest.mark.slow
 def test_differences_are_against_the_engine_first(analysis, everything) -> None:
     other = EngineTorques("an engine", analysis.torque + np.array([1e-3, 0.0, 0.0, 2.0]))
     data = _series("comparison", analysis, engine=other, **everything)

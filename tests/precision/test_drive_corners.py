@@ -96,6 +96,7 @@ def _inside(polynomial: Any) -> Any:
     return roots[(roots > 0.0) & (roots < 1.0)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pieces", [1, 4])
 @np.errstate(all="ignore")
 def test_the_distance_along_an_arc_is_bounded_by_a_cubic_and_its_remainder(pieces: int) -> None:

@@ -90,6 +90,7 @@ def test_worst_errors_are_those_of_the_edges() -> None:
     assert exceeded > 0
 
 
+@pytest.mark.slow
 def test_theta_is_worst_in_a_corner_also_where_legs_become_parallel() -> None:
     """d theta / d q_j is zero where the two other legs are parallel, which q_j does not change."""
     rng = np.random.default_rng(4)
@@ -280,6 +281,7 @@ def test_a_pose_has_four_numbers() -> None:
         drive_errors(GEOMETRY, DEFAULT, (0.0, 0.0, 0.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("geometry", [GEOMETRY, PLATFORM_WIDER], ids=["appendix4", "R_pl>R_b"])
 def test_modes_that_are_proven_apart_stay_apart_in_the_box(geometry: Any) -> None:
     """By the closure equations at points of the box; most boxes are near what the proof refuses."""

@@ -337,6 +337,7 @@ def test_what_is_a_millionth_of_a_millionth_of_the_largest_counts_for_nothing(
     np.testing.assert_array_equal(found.shares > 0, counts)
 
 
+@pytest.mark.slow
 def test_lengths_are_drawn_uniform_within_tolerances_and_clearances(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

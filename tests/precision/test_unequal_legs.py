@@ -113,6 +113,7 @@ def test_position_and_tilt_are_mujoco_s(design: Any) -> None:
         assert np.allclose(found.coordinates, reference, rtol=0, atol=1e-10)
 
 
+@pytest.mark.slow
 @given(case=cases(), seed=st.integers(0, 99))
 def test_inverse_and_forward_agree(case: Case, seed: int) -> None:
     lengths, poses, _ = nominal(case)

@@ -112,6 +112,7 @@ def failing(tries: Path) -> float:
     return 1 / 0
 
 
+@pytest.mark.slow
 def test_a_cluster_without_workers_is_refused() -> None:
     distributed = pytest.importorskip("distributed")
     with (
@@ -146,6 +147,7 @@ def test_an_error_in_the_middle_leaves_a_table_to_go_on_with(expected, tmp_path)
     assert path.read_bytes() == expected
 
 
+@pytest.mark.slow
 def test_the_summary_of_a_finished_table_is_that_of_its_rows(expected, tmp_path) -> None:
     path = tmp_path / "a.csv"
     path.write_bytes(expected)

@@ -155,6 +155,7 @@ def contradictory() -> InnerCase:
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_two_limits_that_contradict_are_named_with_their_nearest_bounds():
     program = inner_program(APPENDIX_4, contradictory(), poses())
     found = inner_contradiction(program)
@@ -226,6 +227,7 @@ def test_what_closed_forms_refuse_is_proven():
     assert found.proven
 
 
+@pytest.mark.slow
 def test_a_workspace_out_of_reach_needs_no_requirement():
     case = two_numbers()
     workspace = replace(case.workspace, center=(0.0, 0.0, -3.0))
@@ -235,6 +237,7 @@ def test_a_workspace_out_of_reach_needs_no_requirement():
     assert found.items == ()
 
 
+@pytest.mark.slow
 def test_it_can_be_canceled():
     case = replace(
         two_numbers(), limits=(ObjectiveLimit("moving_mass", 1.0),),

@@ -256,6 +256,7 @@ def test_condition_and_determinant_of_every_pose_are_within_their_bounds(
         assert not (found.determinant > high[:, 0]).any()
 
 
+@pytest.mark.slow
 @given(design=robots(), seed=SEEDS)
 def test_bounds_of_single_poses_hold_what_rounding_changes(design: Design, seed: int) -> None:
     # A box without width has a range of rounding alone. Extended precision is within it.

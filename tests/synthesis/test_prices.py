@@ -199,6 +199,7 @@ def test_limits_of_other_objectives_move_and_only_what_is_active_is_asked():
         assert asked == [names[active.index(True)]]
 
 
+@pytest.mark.slow
 def test_a_search_near_an_answer_may_start_late():
     # as many generations as the search would look for progress over, and more
     late = one_length(effort=Effort(200, 5))

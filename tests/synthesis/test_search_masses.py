@@ -141,6 +141,7 @@ def test_limits_on_other_goals_are_kept_by_the_masses():
     assert found.limits[1] == pytest.approx(found.trial.inner.value("energy"))
 
 
+@pytest.mark.slow
 def test_a_bound_that_is_relaxed_is_minimized_by_the_masses():
     case = looser()
     bounds = (Requirement("max_torque", high=0.5), Requirement("f_4", high=500.0))

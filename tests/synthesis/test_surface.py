@@ -57,6 +57,7 @@ def test_surface_is_closed_and_encloses_the_volume(volume: Volume, surface: Volu
     assert enclosed == pytest.approx(volume.volume, rel=0.008)
 
 
+@pytest.mark.slow
 def test_surface_of_a_body_that_the_grid_ends_is_closed_there(volume: Volume) -> None:
     middle = volume.inside.shape[0] // 2
     half = {name: getattr(volume, name)[:middle] for name in ("x", "cause", "depth", "nearest")}

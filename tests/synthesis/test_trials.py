@@ -170,6 +170,7 @@ def test_what_is_of_one_leg_or_one_direction_is_looked_for_in_the_whole_workspac
     assert found == pytest.approx((np.min(values), np.max(values)), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_quantities_without_a_kernel_come_from_the_registry() -> None:
     case, numbers = GOOD["cylinder"]
     bounds = (

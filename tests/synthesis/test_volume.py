@@ -70,6 +70,7 @@ def test_random_poses_inside_meet_all_and_outside_some_do_not(solved: Volume) ->
     assert not holds.all(axis=1).any()
 
 
+@pytest.mark.slow
 def test_every_requirement_and_reach_cut_somewhere(solved: Volume) -> None:
     kinds = {cause.kind for cause in solved.shares()}
     assert kinds >= {CauseKind.INSIDE, CauseKind.REQUIREMENT}

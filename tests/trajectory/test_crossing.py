@@ -246,6 +246,7 @@ def test_the_time_law_is_the_derivative_of_itself() -> None:
     assert np.abs(curve(np.array([0.0, 1.0]), 1)).max() < 1e-6
 
 
+@pytest.mark.slow
 def test_speeds_are_kept() -> None:
     limits = MotionLimits(torque=10.0, turn_speed=3.0)
     plan = time_optimal(APPENDIX_4, TURN, limits).plan
@@ -302,6 +303,7 @@ def test_refusals_name_their_cause() -> None:
     assert time_optimal(APPENDIX_4, TURN, MotionLimits(torque=6.0 * factor * 1.01)).crossings
 
 
+@pytest.mark.slow
 def test_an_end_that_cannot_be_held_names_its_actuator_and_what_it_needs() -> None:
     held = static_torques(APPENDIX_4, TURN(np.array([0.0, 1.0])))
     most = np.abs(held[:, :3]).max(axis=1)
@@ -429,6 +431,7 @@ def test_limits_are_kept_on_paths_at_random(seed: int) -> None:
         assert_torques_keep(design, found, 1.005 * limit, 2e-3 * limit)
 
 
+@pytest.mark.slow
 def test_a_planned_crossing_passes_the_check_and_another_one_does_not(
     planned: tuple[Design, TimeOptimalPlan],
 ) -> None:

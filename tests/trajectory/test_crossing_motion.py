@@ -62,6 +62,7 @@ def test_a_sample_at_the_crossing_moves_off_it() -> None:
     assert np.isfinite(analyze(BALANCED, near).torque).all()
 
 
+@pytest.mark.slow
 def test_the_simulated_robot_follows_through_the_crossing() -> None:
     samples = shortest(BALANCED, TURN, TEN).plan.sample(5000.0)
     controller = Controller(ControlMode.FEED_FORWARD)
@@ -85,6 +86,7 @@ def test_mujoco_follows_the_feed_forward_through_the_crossing(design: Design) ->
     assert np.abs(played.drift - ahead).max() < 5e-6
 
 
+@pytest.mark.slow
 def test_the_drift_is_that_of_a_robot_with_another_payload() -> None:
     """Left alone, the heavier robot accelerates along the escape twist as the drift says."""
     found = shortest(BALANCED, LINE, TEN)

@@ -197,6 +197,7 @@ def assert_limits_are_added_at_the_harder_end(path: Path) -> None:
     assert len(loose._rows.limit) == before
 
 
+@pytest.mark.slow
 def test_the_slowest_law_is_below_the_optima_of_other_costs() -> None:
     found = crossings(APPENDIX_4.geometry, TURN)
     program = CrossingProgram(APPENDIX_4, TURN, found, MotionLimits(torque=10.0), *PLAIN)

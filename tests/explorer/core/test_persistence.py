@@ -182,6 +182,7 @@ def test_any_text_is_read_or_refused(text: str, data: bytes, value: Any) -> None
         only_refused(persistence.open_share_code, code)
 
 
+@pytest.mark.slow
 @given(
     document=documents(),
     key=st.sampled_from(

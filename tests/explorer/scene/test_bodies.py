@@ -111,6 +111,7 @@ def test_change_of_the_design_remakes_its_bodies_only(
     assert all(scene.nodes[name] is before[name] for name in before)
 
 
+@pytest.mark.slow
 def test_other_knee_remakes_the_frame_upside_down(scene: Scene) -> None:
     layers = ["mesh"]
     scene.draw(layers=layers)

@@ -80,6 +80,7 @@ def test_page_holds_places_and_torques_of_the_model(knee: KneeBranch) -> None:
     np.testing.assert_allclose(data.numbers("torques")[[0, -1]], torque[[0, -1]], rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_page_holds_only_what_moves() -> None:
     fields = Data(motion_html(APPENDIX_4, moved(0, 0, 0, 0.05))).fields
     assert not {node_name(f"leg{k}") for k in (1, 2, 3)} & set(fields["turned"])
@@ -92,6 +93,7 @@ def test_closed_motion_starts_again_at_once() -> None:
     assert Data(motion_html(APPENDIX_4, planned("circle", 100))).fields["pause"] == 0.0
 
 
+@pytest.mark.slow
 def test_failing_motion_is_played_up_to_its_failure() -> None:
     trajectory = moved(0.45, 0.05, 0.3, 0.02)
     page = motion_html(APPENDIX_4, trajectory)

@@ -107,6 +107,7 @@ def test_shadows_or_the_floor_map_replace_the_soft_shadow(scene: Scene) -> None:
         assert scene.nodes["/stage/key"].cast_shadow is true
 
 
+@pytest.mark.slow
 def test_hidden_layers_cost_nothing(scene: Scene) -> None:
     scene.draw(layers=ANIMATED)
     scene.draw(layers=["mesh"])

@@ -104,6 +104,7 @@ def test_static_torque_is_that_of_all_poses_away_from_singularities() -> None:
     assert static_torque(job, APPENDIX_4) == pytest.approx(wanted)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("goal", Goal)
 @pytest.mark.parametrize("movable", [FreeMasses.NONE, FreeMasses.ALL])
 def test_every_goal_is_optimal_within_its_bounds(goal: Goal, movable: FreeMasses) -> None:

@@ -46,6 +46,7 @@ def test_least_distance_is_that_of_the_pairs_with_counterweights() -> None:
     )
 
 
+@pytest.mark.slow
 def test_balance_says_whether_its_counterweights_hit() -> None:
     outcome = optimum(0.3)
     found = outcome.result

@@ -66,6 +66,7 @@ def test_calibration_predicts_held_back_poses_of_the_example(calibrated: State) 
     assert points == 4 * len(found.held)  # position and heading, before and after
 
 
+@pytest.mark.slow
 def test_lengths_become_the_designs_own_and_its_files(calibrated: State) -> None:
     used = actions.use_design(calibrated)
     design = used.document.design

@@ -10,6 +10,7 @@ from paminsa_viz.model import APPENDIX_4
 from tests.support.scene import POSE, UPPER, Scene
 
 
+@pytest.mark.slow
 def test_balls_are_where_bars_would_touch(scene: Scene) -> None:
     scene.draw(layers=["contacts"])
     found = contacts(APPENDIX_4, POSE)

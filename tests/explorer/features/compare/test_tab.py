@@ -143,6 +143,7 @@ def test_reference_is_pinned_swapped_and_unpinned(desk: Desk) -> None:
     desk.until(lambda: cells(torques.content)[0][1] == "App. 4")
 
 
+@pytest.mark.slow
 def test_pinned_design_is_seen_where_its_shape_differs(server: viser.ViserServer) -> None:
     page = RawPage(server)
     nodes = page.client.scene._handle_from_node_name

@@ -59,6 +59,7 @@ def test_lists_name_feasible_drives_and_their_margins(found: State) -> None:
     assert_parts(panel.own_html(compute(chosen)), own)
 
 
+@pytest.mark.slow
 def test_the_choice_is_the_designs_and_can_be_undone_and_shared(found: State) -> None:
     chosen = panel.choose(found, None)
     drives = chosen.document.design.drives

@@ -71,6 +71,7 @@ def test_numbers_causes_checks_and_masses_are_told(found: State) -> None:
     assert "example_log_payload" in identify_text.logs_html(frame)
 
 
+@pytest.mark.slow
 def test_charts_are_of_the_log_and_its_prediction(found: State) -> None:
     one = found.identification.result.identification  # type: ignore[union-attr]
     for actuator in range(4):

@@ -76,6 +76,7 @@ def test_curves_are_the_models_torques_of_all_that_is_compared(state: State) -> 
         assert mean == pytest.approx(summary.rms, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "plot", [plot for plot in PLOTS.values() if plot not in (*SIMULATED, "differences")]
 )
@@ -201,6 +202,7 @@ def test_what_is_no_piece_of_time_is_none(data: Any) -> None:
     assert plots.piece_of({"from": 0.5, "to": 1}) == (0.5, 1.0)
 
 
+@pytest.mark.slow
 def test_result_of_a_simulation_is_plotted_and_holds_for_its_design_only() -> None:
     state = simulation.simulate(initial_state())
     job = state.simulation.running

@@ -50,6 +50,7 @@ def test_start_has_something_to_see(simulated: State) -> None:
     assert simulated.playback.time == 0.0
 
 
+@pytest.mark.slow
 def test_robot_is_where_it_was_simulated_and_the_ghost_where_it_should_be(simulated: State) -> None:
     found = simulation(simulated)
     for index in (0, found.t.size // 2, found.t.size - 1):

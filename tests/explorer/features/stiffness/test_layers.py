@@ -62,6 +62,7 @@ def test_layers_show_the_result_and_leave_with_the_pose(
     assert MODE_NODE not in scene.nodes
 
 
+@pytest.mark.slow
 def test_a_new_animation_waits_until_nothing_is_dragged(
     scene: Scene, outcome: ElasticOutcome
 ) -> None:
