@@ -94,10 +94,10 @@ window.paminsaTabs = (config) => {
   const open = (path) => {
     const paths = withOuter(path);
     for (const tab of all()) if (paths.includes(pathOf(tab))) dropOthers(tab, paths);
-    // Of a row that is not there yet, what was kept of it is still wanted.
-    const outer = paths.map(outerOf).filter(Boolean);
-    const isBeside = (each) => paths.includes(each) || outer.includes(outerOf(each));
-    wanted = [...wanted.filter((each) => !isBeside(each)), ...paths];
+    // A reload may have left other tabs wanted, of a row that is not there yet.
+    const rows = paths.map(outerOf).filter(Boolean);
+    const isReplaced = (each) => paths.includes(each) || rows.includes(outerOf(each));
+    wanted = [...wanted.filter((each) => !isReplaced(each)), ...paths];
     follow();
   };
   /** Open tabs once they are there, in place of what the browser tab has kept. */
