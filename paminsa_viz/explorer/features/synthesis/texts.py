@@ -34,7 +34,7 @@ def intro_html(frame: Frame) -> str:
     try:
         case_of(state.synthesis.settings, state.document.design, requirements)
     except PaminsaError as error:
-        problem = str(error)
+        problem = str(error).removeprefix("workspace: ")  # which the sentence says itself
     return render(
         "synthesis/intro.j2", problem=problem, low=low, high=high,
         labels=[requirement_label(bound) for bound in requirements.bounds],

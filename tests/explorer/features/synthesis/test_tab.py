@@ -56,7 +56,7 @@ def asked() -> State:
 
 def test_what_is_missing_is_said_before_the_search() -> None:
     bare = initial_state()
-    assert "required workspace is needed" in text.intro_html(compute(bare))
+    assert ">A required workspace is needed; choose one" in text.intro_html(compute(bare))
     with pytest.raises(InvalidInput, match="workspace"):
         actions.start(bare)
 
