@@ -1,13 +1,22 @@
-"""What fails in a browser runs once more, and the summary names it."""
+"""What fails in a browser runs once more, and the summary names it and what tests have cost."""
 
 from __future__ import annotations
 
 import pytest
 
 SUITE = """
+    import time
+
     import pytest
 
     tried = []
+
+    @pytest.fixture(scope="session", autouse=True)
+    def browser():
+        yield
+        started = time.process_time()
+        while time.process_time() < started + 0.6:  # its end is no test's
+            pass
 
     def first_of(name):
         tried.append(name)
@@ -40,3 +49,4 @@ def test_only_a_browsers_test_runs_again_once_and_is_named(pytester: pytest.Pyte
     assert said == [
         "passed only when run again: test_suite.py::test_of_luck: AssertionError: the page has died"
     ]
+    assert "processor time, without that of browsers: 2 not slow 0 s, 2 slow 0 s" in result.outlines

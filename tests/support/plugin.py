@@ -80,6 +80,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 _STARTED = pytest.StashKey[tuple[float, int]]()
+_LAST_ENDED = pytest.StashKey[float]()
 _COST = "processor_s"
 _PAGES = "pages"
 
@@ -97,11 +98,19 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 
 @pytest.hookimpl(tryfirst=True)
+def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> None:
+    """Leave out of the last test's price what ends after it with all tests: the browser."""
+    if nextitem is None:
+        item.stash[_LAST_ENDED] = _processor_time()
+
+
+@pytest.hookimpl(tryfirst=True)
 def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> None:
     """Note what a test has cost, in the report of its end, which comes from every worker."""
     if call.when == "teardown":
         started, pages = item.stash[_STARTED]
-        item.user_properties.append((_COST, _processor_time() - started))
+        ended = item.stash.get(_LAST_ENDED, _processor_time())
+        item.user_properties.append((_COST, ended - started))
         item.user_properties.append((_PAGES, page.opened - pages))
 
 
