@@ -18,9 +18,12 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
+import numba
 import numpy as np
+from llvmlite.binding import add_symbol
 from numba import njit
 from numba.core.caching import FunctionCache
+from numba.core.runtime import _nrt_python  # type: ignore[attr-defined]
 from numba.extending import overload, register_jitable
 
 from paminsa_viz.model import leg, leg_forces, robot
@@ -72,13 +75,27 @@ OPTIONS: dict[str, Any] = {
 }
 
 
+NEWEST_NUMBA = (0, 68)
+"""The newest release whose compiled code was tried without all that compiles it."""
+
+_is_tried = tuple(map(int, numba.__version__.split(".")[:2])) <= NEWEST_NUMBA
+if _is_tried:
+    for _name, _address in _nrt_python.c_helpers.items():
+        add_symbol(_name if _name.startswith("_") else f"NRT_{_name}", _address)
+
+
 class _Cache(FunctionCache):
-    """Numba's compiled code on disk, which helps where it can be read and written."""
+    """Numba's compiled code on disk, which helps where it can be read and written.
+
+    Numba itself loads all that it compiles with before it looks for compiled code: 200 modules,
+    0.3 s and 50 MB, of which the code needs nothing but the addresses of the array functions.
+    """
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
+        load = self._load_overload if _is_tried else super().load_overload
         # A file that something else has damaged may raise anything; then it is written anew.
         with suppress(Exception):
-            return super().load_overload(sig, target_context)
+            return load(sig, target_context)
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -322,6 +324,39 @@ def test_kernels_are_loaded_when_they_pay(
     assert [*found, backend.is_compiled()] == expected
     # and a page never waits for a formula that it has not asked for at its start
     assert backend._kernels.get_loops(backend.Formula(ratio_of_lengths, 2), 10**6) is None
+
+
+IN_A_NEW_PROCESS = """
+import sys
+import numpy as np
+from paminsa_viz.model import APPENDIX_4, backend, static_torques
+backend.compile_now()
+torques = static_torques(APPENDIX_4, np.tile([0.05, -0.03, 0.3, -0.55], (3, 1)))
+print("numba.np.linalg" in sys.modules, backend.is_compiled(), *torques[2])
+"""
+
+
+@pytest.mark.slow
+def test_compiled_code_is_loaded_without_what_compiles_it() -> None:
+    backend.compile_now()  # so that it is on the disk
+    model.static_torques(APPENDIX_4, [0.05, -0.03, 0.3, -0.55])
+    words = [sys.executable, "-c", IN_A_NEW_PROCESS]
+    said = subprocess.run(words, check=True, capture_output=True, text=True).stdout.split()
+    assert said[:2] == ["False", "True"]
+    expected = model.static_torques(APPENDIX_4, [0.05, -0.03, 0.3, -0.55])
+    np.testing.assert_array_equal(np.array(said[2:], float), expected)
+
+
+@pytest.mark.parametrize("tried", [False, True])
+def test_a_newer_numba_loads_all_that_it_may_need(
+    tried: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(compiled, "_is_tried", tried)
+    refreshed = []
+    context = compiled.mass_matrix.targetctx
+    monkeypatch.setattr(context, "refresh", lambda: refreshed.append(1))
+    compiled.mass_matrix._cache.load_overload((), context)
+    assert refreshed == [1] * (not tried)
 
 
 def test_kernels_are_compiled_by_calls_on_nothing() -> None:
