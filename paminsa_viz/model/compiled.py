@@ -22,7 +22,7 @@ import numba
 import numpy as np
 from llvmlite.binding import add_symbol
 from numba import njit
-from numba.core.caching import FunctionCache
+from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.runtime import _nrt_python  # type: ignore[attr-defined]
 from numba.extending import overload, register_jitable
 
@@ -84,12 +84,38 @@ if _is_tried:
         add_symbol(_name if _name.startswith("_") else f"NRT_{_name}", _address)
 
 
+class _Files(IndexDataCacheFile):
+    """A file for each kernel, named by all that its code depends on.
+
+    Numba itself numbers the files and writes first into an index which of them is whose: of two
+    processes that compile at once, or of one that ends between the two writes, a kernel may be
+    left with the code of another one.
+    """
+
+    def save(self, key: Any, data: Any) -> None:
+        self._save_data(self._name(key), data)
+
+    def load(self, key: Any) -> Any:
+        with suppress(FileNotFoundError):
+            return self._load_data(self._name(key))
+        return None
+
+    def _name(self, key: Any) -> str:
+        depends_on = repr((self._version, self._source_stamp, key)).encode()
+        return self._data_name(int.from_bytes(hashlib.sha256(depends_on).digest()[:8]))
+
+
 class _Cache(FunctionCache):
     """Numba's compiled code on disk, which helps where it can be read and written.
 
     Numba itself loads all that it compiles with before it looks for compiled code: 200 modules,
     0.3 s and 50 MB, of which the code needs nothing but the addresses of the array functions.
     """
+
+    def __init__(self, function: FunctionType) -> None:
+        super().__init__(function)
+        stamp = self._impl.locator.get_source_stamp()
+        self._cache_file = _Files(self._cache_path, self._impl.filename_base, stamp)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         load = self._load_overload if _is_tried else super().load_overload

@@ -347,6 +347,26 @@ def test_compiled_code_is_loaded_without_what_compiles_it() -> None:
     np.testing.assert_array_equal(np.array(said[2:], float), expected)
 
 
+def test_each_kernel_has_a_file_of_its_own(tmp_path: Path) -> None:
+    """Whoever else writes at the same time, and whatever an older source has left."""
+
+    def files(stamp: str = "source", version: str | None = None) -> Any:
+        made = compiled._Files(str(tmp_path), "kernel", stamp)
+        made._version = version or made._version
+        return made
+
+    first, second = files(), files()  # of two processes, which have seen nothing of each other
+    first.save("a", 1)
+    second.save("b", 2)
+    files("older").save("a", 3)
+    files(version="older").save("a", 4)
+    for one in (first, second, files()):
+        assert [one.load(key) for key in "abc"] == [1, 2, None]
+    assert [files("older").load(key) for key in "ab"] == [3, None]
+    assert files(version="older").load("a") == 4
+    assert len(list(tmp_path.iterdir())) == 4
+
+
 @pytest.mark.parametrize("tried", [False, True])
 def test_a_newer_numba_loads_all_that_it_may_need(
     tried: bool, monkeypatch: pytest.MonkeyPatch
