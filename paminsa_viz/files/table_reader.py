@@ -66,6 +66,7 @@ class TableReader:
     Attributes:
         header: Names of all columns.
         columns: The columns that are read.
+        facts: What lines ``# key: value`` before the header say.
     """
 
     def __init__(
@@ -84,6 +85,7 @@ class TableReader:
         """
         self._source = source
         self._row = 1
+        self.facts: dict[str, str] = {}
         text = self._lines(lines, timeout)
         self._records = csv.reader(chain(self._after_comments(text), text), strict=True)
         head_row = self._row
@@ -151,11 +153,13 @@ class TableReader:
             yield line
 
     def _after_comments(self, text: Iterator[str]) -> list[str]:
-        """Pass over lines that begin with ``#``; return the line after them, if there is one."""
+        """Note the lines that begin with ``#``; return the line after them, if there is one."""
         try:
             for line in text:
                 if not line.startswith("#"):
                     return [line]
+                key, _, value = line[1:].partition(":")
+                self.facts[key.strip()] = value.strip()
                 self._row += 1
         except csv.Error as error:
             raise self._refused(f"is not valid CSV: {error}", self._row) from error

@@ -8,6 +8,7 @@ zero then; it comes on top of the design's load, at its point and in its directi
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TextIO
 
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.checks import kinds_checked
-from paminsa_viz.errors import InvalidInput, TableFileError
+from paminsa_viz.errors import InvalidInput, TableFileError, printable
 from paminsa_viz.files.columns import (
     ACCELERATION,
     ACTUATORS,
@@ -40,13 +41,16 @@ from paminsa_viz.model.load import LoadFrame
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.imported import from_samples
-from paminsa_viz.trajectory.sampled import MOST_SAMPLES, Trajectory
+from paminsa_viz.trajectory.sampled import MOST_SAMPLES, Locus, Passage, Trajectory
 from paminsa_viz.trajectory.simulation import Simulation
 
 FORMAT = "paminsa_viz trajectory 1"
 """Name and version of the layout."""
 
 SIMULATION_FORMAT = "paminsa_viz simulation 1"
+
+_CROSSING = "planned crossing"
+"""What the header calls each passage of a singularity: ``# planned crossing 1: 0.2 s, ...``."""
 
 _DESIRED = ("wanted_x_m", "wanted_y_m", "wanted_theta_rad", "wanted_z_m")
 
@@ -74,6 +78,10 @@ def analysis_table(analysis: TrajectoryAnalysis) -> DataTable:
         **{f"note {number}": note for number, note in enumerate(t.notes, 1)},
         "samples": str(t.size),
         "duration [s]": repr(t.duration),
+        **{
+            f"{_CROSSING} {number}": f"{passage.t!r} s, {passage.locus.label}"
+            for number, passage in enumerate(t.passages, 1)
+        },
         "first failure": first.explanation if first else "none",
         **robot_facts(analysis.design),
         "formulae": f"as printed: {', '.join(published)}" if published else "corrected",
@@ -173,9 +181,25 @@ def parse_trajectory(
         return from_samples(
             t, pose, group(VELOCITY), group(ACCELERATION), load=group(LOAD), rest=rest,
             name=name or Path(source).stem or "imported",
+            passages=_passages(table.facts, source),
         )  # fmt: skip
     except InvalidInput as error:
         raise TableFileError(source, str(error)) from error
+
+
+def _passages(facts: Mapping[str, str], source: str) -> tuple[Passage, ...]:
+    """Return the planned crossings that a header tells of."""
+    loci = {locus.label: locus for locus in Locus}
+    found = []
+    for key, value in facts.items():
+        if key.startswith(f"{_CROSSING} "):
+            time, _, label = value.partition(" s, ")
+            try:
+                found.append(Passage(float(time), loci[label]))
+            except (ValueError, KeyError):
+                problem = f"“0.2 s, {' or '.join(loci)}” is possible, not {shown(value)}"
+                raise TableFileError(source, f"{printable(key)}: {problem}") from None
+    return tuple(found)
 
 
 @kinds_checked

@@ -188,5 +188,5 @@ def samples_hash(trajectory: Trajectory) -> str:
     for array in arrays:
         found.update(array.astype("<f8").tobytes())
     if trajectory.passages:
-        found.update(repr([(t, locus.name) for t, locus in trajectory.passages]).encode())
+        found.update(repr([(item.t, item.locus.name) for item in trajectory.passages]).encode())
     return found.hexdigest()[:32]

@@ -222,7 +222,7 @@ def allowed(
     """
     sides = np.tile(side, (t.size, 1))
     distances = np.full((t.size, 2), clearance)
-    for (at, locus), begin, end in windows:
+    for (at, locus, _), begin, end in windows:
         sides[t >= at, locus.value] *= -1.0
         distances[(t > begin) & (t < end), locus.value] = -_FAR
     return sides, distances

@@ -20,7 +20,7 @@ from paminsa_viz.model.jacobians import inverse_jacobian, inverse_jacobian_rate
 from paminsa_viz.model.singularity import escape_twist
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE
 from paminsa_viz.trajectory.crossing import limit_torques, locus_distances, torque_growth
-from paminsa_viz.trajectory.sampled import RATE, Locus, Trajectory
+from paminsa_viz.trajectory.sampled import BESIDE, RATE, Locus, Trajectory
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw
 from paminsa_viz.trajectory.time_optimal import PlannedCrossing, TimeOptimalPlan
 
@@ -137,21 +137,22 @@ def crossing_loads(design: Design, trajectory: Trajectory) -> tuple[CrossingLoad
     A crossing at which the samples miss the locus is left out.
     """
     loads = []
-    for t, locus in trajectory.passages:
+    for t, locus, states in trajectory.passages:
         after = int(np.clip(np.searchsorted(trajectory.t, t), 1, trajectory.size - 1))
         step = float(trajectory.t[after] - trajectory.t[after - 1])
-        times = t + 0.25 * step * np.array([0.0, -1.0, 1.0])
-        pose, velocity, acceleration = trajectory.at(times)
+        beside = BESIDE if states else 0.25 * step
+        times = t + beside * np.array([-1.0, 0.0, 1.0])
+        pose, velocity, acceleration = states or trajectory.at(times)
         load = trajectory.load_at(times)
         force = platform_wrench(design, pose, velocity, acceleration, load=load)
-        twist = escape_twist(design.geometry, pose[0])
+        twist = escape_twist(design.geometry, pose[1])
         if not (np.isfinite(twist).all() and np.isfinite(force).all()):
             continue
-        g = inverse_jacobian(design.geometry, pose[0])
-        rate = inverse_jacobian_rate(design.geometry, pose[0], velocity[0])
-        force_rate = (force[2] - force[1]) / (0.5 * step)
-        torque = limit_torques(twist, g, rate, force[0], force_rate)
-        residual = float(twist @ force[0])
+        g = inverse_jacobian(design.geometry, pose[1])
+        rate = inverse_jacobian_rate(design.geometry, pose[1], velocity[1])
+        force_rate = (force[2] - force[0]) / (2.0 * beside)
+        torque = limit_torques(twist, g, rate, force[1], force_rate)
+        residual = float(twist @ force[1])
         growth = float(np.abs(torque_growth(twist, g, rate)).max())
         excess = abs(residual) * growth / (0.5 * step)
         loads.append(CrossingLoad(t, locus, residual, excess, tuple(torque.tolist())))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.grids import COORDINATES
-from paminsa_viz.trajectory.sampled import LARGEST, Trajectory
+from paminsa_viz.trajectory.sampled import LARGEST, Passage, Trajectory
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -27,6 +28,7 @@ def from_samples(
     load: ArrayLike | None = None,
     rest: bool = False,
     name: str = "imported",
+    passages: Sequence[Passage] = (),
 ) -> Trajectory:
     """Return a trajectory from poses at given times; what is not given comes from a spline.
 
@@ -44,9 +46,11 @@ def from_samples(
         rest: Whether the motion starts and ends at rest: speed and acceleration of a spline
             vanish there. Use it where the samples are a few waypoints.
         name: Its name.
+        passages: Planned crossings of type-2 singularities, at times as in ``t``.
 
     Raises:
-        InvalidInput: If shapes do not fit, a number is not finite, or times do not increase.
+        InvalidInput: If shapes do not fit, a number is not finite, times do not increase, or a
+            crossing is not between the first and the last one.
     """
     if acceleration is not None and velocity is None:
         raise InvalidInput("acceleration", "it can be given only together with the velocity")
@@ -58,6 +62,11 @@ def from_samples(
     speeds = zero if velocity is None else as_vectors(velocity, "velocity")
     growth = zero if acceleration is None else as_vectors(acceleration, "acceleration")
     Trajectory(times, poses, speeds, growth, load=wrench)
+    for item in passages:
+        if not times[0] < item.t < times[-1]:
+            ends = f"{times[0]:.6g} and {times[-1]:.6g} s"
+            raise InvalidInput("passages", f"times between {ends} are possible, not {item.t!r}")
+    crossed = tuple(item._replace(t=float(item.t - times[0])) for item in passages)
     notes: list[str] = []
     if times[0] != 0.0:
         notes.append(f"The times are shifted by {-times[0]:.6g} s, to start at zero.")
@@ -84,7 +93,8 @@ def from_samples(
         notes += _mismatch("velocity", times, poses, speeds)
     if acceleration is not None:
         notes += _mismatch("acceleration", times, speeds, growth)
-    return Trajectory(times, poses, speeds, growth, name, "imported samples", tuple(notes), wrench)
+    kind = "imported samples"
+    return Trajectory(times, poses, speeds, growth, name, kind, tuple(notes), wrench, crossed)
 
 
 def _spline(t: Array, values: Array, rest: bool) -> BSpline:

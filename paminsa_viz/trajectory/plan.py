@@ -16,7 +16,15 @@ from numpy.typing import ArrayLike
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers
-from paminsa_viz.trajectory.sampled import RATE, STEPS, Passage, States, Trajectory, sample_times
+from paminsa_viz.trajectory.sampled import (
+    BESIDE,
+    RATE,
+    STEPS,
+    Passage,
+    States,
+    Trajectory,
+    sample_times,
+)
 from paminsa_viz.trajectory.time_laws import TimeLaw
 
 if TYPE_CHECKING:  # SciPy's splines take most of a second to load; only waypoints need them
@@ -244,8 +252,10 @@ class Plan:
                 `MOST_SAMPLES`.
         """
         t = sample_times(0.0, self.duration, rate)
-        passages = tuple(Passage(u * self.duration, locus) for u, locus in self.passages)
-        for at, _ in passages:
+        times = [(passage.t * self.duration, passage.locus) for passage in self.passages]
+        beside = BESIDE * np.array([-1.0, 0.0, 1.0])
+        passages = tuple(Passage(at, locus, self.at(at + beside)) for at, locus in times)
+        for at, _ in times:
             least = min(OFF_CROSSING, 0.25 * t[1])
             near = np.abs(t - at) < least
             t[near] = at + least

@@ -215,9 +215,9 @@ def chain(*plans: Plan, name: str = "") -> Plan:
     curve = Chain(tuple(plan.curve for plan in plans), ends / ends[-1])
     notes = tuple(dict.fromkeys(note for plan in plans for note in plan.notes))
     passages = tuple(
-        Passage((begin + u * plan.duration) / ends[-1], locus)
+        Passage((begin + passage.t * plan.duration) / ends[-1], passage.locus)
         for plan, begin in zip(plans, ends, strict=False)
-        for u, locus in plan.passages
+        for passage in plan.passages
     )
     name = name or " + ".join(dict.fromkeys(plan.name for plan in plans))
     kind = ", then ".join(dict.fromkeys(plan.kind for plan in plans))
@@ -228,8 +228,9 @@ def chain(*plans: Plan, name: str = "") -> Plan:
 def round_trip(plan: Plan) -> Plan:
     """Return a plan followed by itself run backwards: a closed motion of twice the duration."""
     curve = Chain((plan.curve,) * 2, np.array([0.0, 0.5, 1.0]), (False, True))
-    back = [Passage(1.0 - 0.5 * u, locus) for u, locus in reversed(plan.passages)]
-    passages = (*(Passage(0.5 * u, locus) for u, locus in plan.passages), *back)
+    there = [Passage(0.5 * passage.t, passage.locus) for passage in plan.passages]
+    back = [Passage(1.0 - passage.t, passage.locus) for passage in reversed(there)]
+    passages = (*there, *back)
     name = f"{plan.name}, there and back"
     return Plan(curve, 2 * plan.duration, name, plan.kind, plan.notes, passages)
 

@@ -74,24 +74,32 @@ class Locus(Enum):
         return ("singular circle", "singular rotation")[self.value]
 
 
-class Passage(NamedTuple):
-    """A planned crossing of a type-2 locus: any other one stays forbidden.
-
-    Attributes:
-        t: When: [s] in a trajectory, in unit time in a plan.
-        locus: Which locus.
-    """
-
-    t: float
-    locus: Locus
-
-
 class States(NamedTuple):
     """Poses with their rates at some instants, each (..., 4)."""
 
     pose: Array
     velocity: Array
     acceleration: Array
+
+
+BESIDE = 1e-6
+"""How far from a crossing its states beside it are [s]."""
+
+
+class Passage(NamedTuple):
+    """A planned crossing of a type-2 locus: any other one stays forbidden.
+
+    Attributes:
+        t: When: [s] in a trajectory, in unit time in a plan.
+        locus: Which locus.
+        states: Of a sampled motion whose plan is known: (3, 4) each, `BESIDE` before the crossing,
+            at it and after it. None takes them from the samples, between which the plan of a
+            quick motion may change more than once.
+    """
+
+    t: float
+    locus: Locus
+    states: States | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,6 +199,14 @@ class Trajectory:
         """
         t = sample_times(float(self.t[0]), float(self.t[-1]), rate)
         return replace(self, t=t, **self.at(t)._asdict(), load=self.load_at(t))
+
+    def moved(self, shift: Array) -> Trajectory:
+        """Return the motion with its poses moved by (4,) [m, m, rad, m]."""
+        passages = tuple(
+            Passage(t, locus, states and states._replace(pose=states.pose + shift))
+            for t, locus, states in self.passages
+        )
+        return replace(self, pose=self.pose + shift, passages=passages)
 
     def take(self, kept: NDArray[np.intp]) -> Trajectory:
         """Return the trajectory with some of its samples, given by their indices."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -50,6 +51,7 @@ from paminsa_viz.trajectory import (
     point_to_point,
     simulate,
 )
+from paminsa_viz.trajectory.sampled import Locus, Passage
 from paminsa_viz.units import COLUMN_UNITS
 from tests.support.samples import with_knee
 
@@ -124,6 +126,29 @@ def test_a_written_trajectory_comes_back(samples, knee, tmp_path) -> None:
     for name in ("t", "pose", "velocity", "acceleration"):
         np.testing.assert_array_equal(getattr(back, name), getattr(samples, name))
     assert back.notes == ()
+
+
+def test_planned_crossings_come_back(tmp_path) -> None:
+    planned = (Passage(0.125, Locus.CIRCLE), Passage(0.3, Locus.ROTATION))
+    text = table_csv(analysis_table(analyze(APPENDIX_4, replace(SAMPLES, passages=planned))))
+    assert parse(text.decode()).passages == planned
+    later = re.sub(r"^0\.0,", "-0.01,", text.decode(), flags=re.MULTILINE)
+    assert [item.t for item in parse(later).passages] == pytest.approx([0.135, 0.31])
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ("0.2 s, circle", "planned crossing 1: “0.2 s, singular circle or singular rotation” is"),
+        ("soon, singular circle", "is possible, not 'soon, singular circle'"),
+        ("", "is possible, not ''"),
+        ("9 s, singular circle", "passages: times between 0 and 0.5 s are possible, not 9.0"),
+        ("nan s, singular circle", "times between 0 and 0.5 s are possible, not nan"),
+    ],
+)
+def test_a_crossing_that_is_none_is_refused(value: str, said: str) -> None:
+    with pytest.raises(TableFileError, match=re.escape(said)):
+        parse(f"# planned crossing 1: {value}\n{HEAD}\n{ROWS}")
 
 
 def test_headers_state_all_that_numbers_follow_from() -> None:

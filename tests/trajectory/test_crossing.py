@@ -40,6 +40,7 @@ from paminsa_viz.trajectory.crossing import (
 )
 from paminsa_viz.trajectory.crossing_program import CrossingProgram
 from paminsa_viz.trajectory.paths import spline_path, straight_path
+from paminsa_viz.trajectory.sampled import Passage
 from paminsa_viz.trajectory.time_optimal import CrossingRefused, TimeOptimalPlan, time_optimal
 from tests.support.samples import random_design, random_states
 from tests.trajectory.crossings import (
@@ -170,7 +171,7 @@ def test_torques_go_to_their_limit_and_keep_theirs(planned: tuple[Design, TimeOp
 def test_a_plan_passes_its_loci_when_it_crosses_them_and_says_how_it_was_made() -> None:
     found = shortest(BALANCED, LINE, TEN)
     (crossing,), plan = found.crossings, found.plan
-    assert plan.passages == ((crossing.t / plan.duration, crossing.crossing.locus),)
+    assert plan.passages == (Passage(crossing.t / plan.duration, crossing.crossing.locus),)
     x, y, theta, _ = plan.at(crossing.t).pose
     radius = float(singular_radius(BALANCED.geometry, theta))
     assert np.hypot(x, y) == pytest.approx(radius, abs=1e-8)

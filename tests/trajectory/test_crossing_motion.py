@@ -26,6 +26,7 @@ from paminsa_viz.trajectory import (
     SINGULAR_CLEARANCE,
     Controller,
     ControlMode,
+    MotionLimits,
     TrajectoryAnalysis,
     analyze,
     payload_drift,
@@ -130,6 +131,34 @@ def test_the_peak_at_a_crossing_is_the_limit_torque(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(TrajectoryAnalysis, "crossings", property(lambda _: beyond))
     peaks = [(one.peak, one.peak_t) for one in analyze(BALANCED, samples).summary[:2]]
     assert peaks == [(50.0, load.t), (-60.0, load.t)]
+
+
+@pytest.mark.slow
+def test_what_a_plan_needs_at_a_crossing_does_not_depend_on_the_rate() -> None:
+    """Its law changes more than once between samples beside the crossing."""
+    quick = shortest(BALANCED, TURN, MotionLimits(torque=20.0))
+    (crossing,) = quick.crossings
+    for rate in (300.0, 1000.0, 1100.0, 7000.0):
+        analysis = analyze(BALANCED, quick.plan.sample(rate))
+        assert not analysis.unbounded
+        (load,) = analysis.crossings
+        assert abs(load.residual) < 1e-8
+        assert load.torque == pytest.approx(crossing.torque, abs=1e-4)
+
+
+def test_a_motion_that_is_moved_has_its_crossings_moved() -> None:
+    samples = shortest(BALANCED, TURN, TEN).plan.sample(1000.0)
+    shift = np.array([0.0, 0.0, 0.0, 0.02])  # a singular rotation has no height
+    moved = samples.moved(shift)
+    np.testing.assert_array_equal(moved.pose, samples.pose + shift)
+    (passage,) = moved.passages
+    again = replace(moved, passages=(Passage(passage.t, passage.locus),))  # from the samples
+    (found,), (expected,) = (crossing_loads(APPENDIX_4, one) for one in (moved, again))
+    assert found.residual == pytest.approx(expected.residual, rel=1e-4)
+    assert found.torque == pytest.approx(expected.torque, rel=1e-2)
+    assert found.residual != crossing_loads(APPENDIX_4, samples)[0].residual
+    without = replace(samples, passages=()).moved(shift)
+    assert without.passages == ()
 
 
 def test_another_robot_on_a_planned_crossing_needs_torques_without_bound() -> None:

@@ -208,7 +208,7 @@ class InnerCase:
         if not self.from_center:
             return self
         shift = np.array([center[0], center[1], 0.0, center[2]])
-        moved = tuple(replace(motion, pose=motion.pose + shift) for motion in self.motions)
+        moved = tuple(motion.moved(shift) for motion in self.motions)
         return replace(self, motions=moved, from_center=False)
 
     def changes(self, design: Design) -> Changes:
