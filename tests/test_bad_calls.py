@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz import elastostatics, meshes
+from paminsa_viz import balancing, elastostatics, meshes
 from paminsa_viz.balancing import (
     Spring,
     SpringPlace,
@@ -274,3 +274,25 @@ def test_records_and_methods_refuse_other_kinds_in_one_line(what: str) -> None:
     with pytest.raises(InvalidInput, match=what) as caught:
         WRONG_KINDS[what]()
     assert "\n" not in str(caught.value)
+
+
+NAN = float("nan")
+IMPOSSIBLE: dict[str, tuple[Any, tuple[Any, ...]]] = {
+    "tolerance: a number above 0": (
+        lambda value: balancing.optimize(
+            APPENDIX_4, balancing.Changes(), balancing.AddedMass(), tolerance=value
+        ),
+        (NAN, -1.0, 0.0),
+    ),
+}
+"""By what is said of them: a call with a number, and numbers that it refuses."""
+
+
+@pytest.mark.parametrize("what", IMPOSSIBLE)
+def test_impossible_numbers_are_refused_in_one_line(what: str) -> None:
+    call, values = IMPOSSIBLE[what]
+    for value in values:
+        with pytest.raises(InvalidInput, match=what) as caught:
+            call(value)
+        assert "\n" not in str(caught.value)
+        assert str(value) in str(caught.value)

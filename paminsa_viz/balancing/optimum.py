@@ -12,6 +12,7 @@ from paminsa_viz.balancing.changes import Changes, MassSpace, mass_space
 from paminsa_viz.balancing.program import Infeasible, Program, Solution
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.balancing.terms import Term, deviations
+from paminsa_viz.checks import require_positive
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
@@ -180,13 +181,15 @@ def optimize(
         changes: What may change, within which bounds.
         goals: What to minimize: one term, or terms with weights [1/unit of the term].
         limits: Terms with their largest allowed values.
-        tolerance: Gap to close, relative to the objective before or after.
+        tolerance: Gap to close, relative to the objective before or after; above 0.
 
     Raises:
         InfeasibleBounds: If no distribution within the bounds meets the limits.
-        InvalidInput: If a weight or a limit is out of range, or a term does not fit the design.
+        InvalidInput: If the tolerance, a weight or a limit is out of range, or a term does not fit
+            the design.
         SolverFailed: If the solver fails.
     """
+    require_positive(tolerance, "tolerance")
     began = time.perf_counter()
     weighted = list(goals) if isinstance(goals, Sequence) else [(1.0, goals)]
     for weight, term in weighted:
