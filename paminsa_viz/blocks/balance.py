@@ -111,7 +111,8 @@ def _balanced(analysis: TrajectoryAnalysis) -> list[Block]:
         else "Within these bounds M_p2 cannot become zero; this comes nearest."
     )
     blocks: list[Block] = [changes_table(before, after, caption=caption)]
-    lighter = analyze(after, analysis.trajectory, keep=analysis.solved)
+    solved = analysis.solved
+    lighter = analyze(after, solved.trajectory, clearance=solved.clearance, keep=solved)
     sizes = zip(*map(sizes_in_motion, (analysis, lighter)), strict=True)
     found = effects(before, after, dict(zip(IN_MOTION, sizes, strict=True)))
     blocks.append(effects_table(found))

@@ -210,9 +210,9 @@ def analyze(
         misprints: Misprints of the paper to reproduce.
         clearance: See `check_path`.
         keep: The ``solved`` of an earlier result, which is used again if geometry, trajectory,
-            misprints are the same: then only one product is computed.
+            misprints and clearance are the same: then only one product is computed.
     """
-    if keep is None or not keep.serves(design.geometry, trajectory, misprints):
+    if keep is None or not keep.serves(design.geometry, trajectory, misprints, clearance):
         keep = solve_trajectory(
             design.geometry, trajectory,
             gravity=design.gravity, misprints=misprints, clearance=clearance,

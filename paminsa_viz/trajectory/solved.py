@@ -37,6 +37,7 @@ class SolvedTrajectory:
         trajectory: The motion.
         misprints: Misprints of the paper to reproduce.
         gravity: Gravitational acceleration that Y was made with [m/s^2].
+        clearance: Least distance from type-2 singular positions that was checked [m].
         check: Where and why it fails, if it does.
         y: (n, 4, 18) regressor; NaN at samples whose status is not OK.
         speed: (n, 4) of the actuators [rad/s, m/s]; NaN there as well.
@@ -46,6 +47,7 @@ class SolvedTrajectory:
     trajectory: Trajectory
     misprints: Misprint
     gravity: float
+    clearance: float
     check: PathCheck
     y: Array
     speed: Array
@@ -159,12 +161,17 @@ class SolvedTrajectory:
         return positions
 
     def serves(
-        self, geometry: Geometry | Design, trajectory: Trajectory, misprints: Misprint
+        self,
+        geometry: Geometry | Design,
+        trajectory: Trajectory,
+        misprints: Misprint,
+        clearance: float = SINGULAR_CLEARANCE,
     ) -> bool:
         """Whether this is what `solve_trajectory` would return for these."""
         return (
             self.trajectory is trajectory
             and self.misprints == misprints
+            and self.clearance == clearance
             and self.geometry == geometry_of(geometry)
         )
 
@@ -201,7 +208,7 @@ def solve_trajectory(
     if not check.possible:
         y[~check.ok] = np.nan
         speed[~check.ok] = np.nan
-    return SolvedTrajectory(geometry, trajectory, misprints, gravity, check, y, speed)
+    return SolvedTrajectory(geometry, trajectory, misprints, gravity, clearance, check, y, speed)
 
 
 def _with_unsolved(

@@ -188,9 +188,12 @@ def test_a_kept_solution_serves_nothing_else() -> None:
         analyze(with_knee(APPENDIX_4, KneeBranch.UPPER), samples, keep=solved),
         analyze(APPENDIX_4, point_to_point(A, B).sample(20), keep=solved),
         analyze(APPENDIX_4, samples, misprints=Misprint.EQ14_SINE_SIGNS, keep=solved),
+        analyze(APPENDIX_4, samples, clearance=0.5, keep=solved),
     )
     for other in others:
         assert other.solved is not solved
+    assert solved.check.possible
+    assert not others[-1].check.possible
     t = samples
     exact = inverse_dynamics(longer, t.pose, t.velocity, t.acceleration)
     assert_close(others[0].torque, exact.torque, 1e-12)

@@ -162,7 +162,7 @@ def sampled_solution(
     )
     speed = np.einsum("nij,nj->ni", inverse_jacobian(geometry, pose), trajectory.velocity)
     y[bad], speed[bad] = np.nan, np.nan
-    return SolvedTrajectory(geometry, trajectory, Misprint.NONE, gravity, check, y, speed)
+    return SolvedTrajectory(geometry, trajectory, Misprint.NONE, gravity, 0.0, check, y, speed)
 
 
 EDGE = 1e-9
