@@ -52,18 +52,21 @@ def require_count(value: Any, argument: str, most: int) -> None:
         raise InvalidInput(argument, f"1 to {most} are possible, not {value!r}")
 
 
-def require_positive(value: Any, argument: str, what: str = "a number above 0") -> None:
-    """Raise `InvalidInput` unless a value is a finite number above 0.
+def require_positive(
+    value: Any, argument: str, what: str = "a number above 0", *, finite: bool = True
+) -> None:
+    """Raise `InvalidInput` unless a value is a number above 0.
 
     Args:
         value: The value.
         argument: Its name.
         what: What is needed, in words.
+        finite: Whether infinity, such as that of no limit, is refused.
     """
     number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(
         value, bool
     )
-    if not (number and math.isfinite(value) and value > 0):
+    if not (number and value > 0 and (not finite or math.isfinite(value))):
         raise InvalidInput(argument, f"{what} is needed, not {value!r}")
 
 

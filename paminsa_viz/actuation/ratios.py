@@ -26,7 +26,7 @@ from paminsa_viz.actuation.catalog import Catalog
 from paminsa_viz.actuation.drive_table import DriveTable, drive_table
 from paminsa_viz.actuation.duty import ActuatorLoad, DutyCycle, Signal
 from paminsa_viz.actuation.sizing import envelope_share, rms_torque
-from paminsa_viz.checks import kinds_checked
+from paminsa_viz.checks import kinds_checked, require_positive
 from paminsa_viz.model.arrays import Array
 
 FIRST_SAMPLES = 64
@@ -98,7 +98,11 @@ def ratio_intervals(
         load: What the actuator has to do.
         table: The drives.
         inertia_ratio: Largest inertia of the robot over that of the motor, at the motor's shaft.
+
+    Raises:
+        InvalidInput: If the ratio of inertias is not positive.
     """
+    require_positive(inertia_ratio, "inertia_ratio", finite=False)
     low, high = np.zeros(len(table)), np.full(len(table), np.inf)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         top, mean = load.top_speed, load.mean_speed
@@ -276,6 +280,7 @@ def catalog_ratios(
 
     Raises:
         CatalogError: If the catalog has no motor, or no screw or belt.
+        InvalidInput: If the ratio of inertias is not positive.
     """
     catalog.pairs(3)  # says what the catalog lacks
     screws = catalog.transmissions

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.actuation.drive_table import DriveTable
 from paminsa_viz.actuation.duty import BLOCK_WIDTH, ActuatorLoad, DutyCycle, DutyMotion, Signal
-from paminsa_viz.checks import kinds_checked
+from paminsa_viz.checks import kinds_checked, require_positive
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 
@@ -344,8 +344,7 @@ def size_drives(load: ActuatorLoad, table: DriveTable, *, inertia_ratio: float =
     """
     if not len(table):
         raise InvalidInput("table", "at least one drive is needed")
-    if not inertia_ratio > 0:
-        raise InvalidInput("inertia_ratio", f"a number above 0 is needed, not {inertia_ratio!r}")
+    require_positive(inertia_ratio, "inertia_ratio", finite=False)
     with np.errstate(divide="ignore", invalid="ignore"):
         own = load.inertia / (table.ratio**2 * table.inertia)
     return Sizing(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -299,8 +300,10 @@ def test_ratio_of_inertias_may_be_below_one_and_counts_only_if_it_is_limited() -
         np.testing.assert_allclose(
             size_drives(load, table, inertia_ratio=most).shares[:, place], own / most, rtol=1e-12
         )
-    with pytest.raises(InvalidInput, match="above 0"):
-        size_drives(load, table, inertia_ratio=0.0)
+    for measure in (size_drives, ratio_intervals):
+        for impossible in (0.0, -1.0, math.nan):
+            with pytest.raises(InvalidInput, match="inertia_ratio: a number above 0"):
+                measure(load, table, inertia_ratio=impossible)
 
 
 @pytest.mark.parametrize("braked", [(False, False), (True, False), (False, True), (True, True)])
