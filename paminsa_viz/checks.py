@@ -47,7 +47,7 @@ def require_each(values: Iterable[Any], argument: str, *kinds: type) -> None:
 
 def require_count(value: Any, argument: str, most: int) -> None:
     """Raise `InvalidInput` unless a value is a whole number from 1 to the most."""
-    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    whole = _is_number(value) and isinstance(value, int | np.integer)
     if not (whole and 1 <= value <= most):
         raise InvalidInput(argument, f"1 to {most} are possible, not {value!r}")
 
@@ -63,11 +63,35 @@ def require_positive(
         what: What is needed, in words.
         finite: Whether infinity, such as that of no limit, is refused.
     """
-    number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(
-        value, bool
-    )
-    if not (number and value > 0 and (not finite or math.isfinite(value))):
+    if not (_is_number(value) and value > 0 and (not finite or math.isfinite(value))):
         raise InvalidInput(argument, f"{what} is needed, not {value!r}")
+
+
+def require_at_least(
+    value: Any, argument: str, least: float = 0.0, what: str = "a number of at least 0"
+) -> None:
+    """Raise `InvalidInput` unless a value is a finite number of at least ``least``.
+
+    Args:
+        value: The value.
+        argument: Its name.
+        least: The smallest that is possible.
+        what: What is needed, in words.
+    """
+    if not (_is_number(value) and math.isfinite(value) and value >= least):
+        raise InvalidInput(argument, f"{what} is needed, not {value!r}")
+
+
+def require_seed(value: Any) -> None:
+    """Raise `InvalidInput` unless a value can be the seed of random numbers."""
+    whole = _is_number(value) and isinstance(value, int | np.integer)
+    if not (whole and value >= 0):
+        raise InvalidInput("seed", f"a whole number of at least 0 is needed, not {value!r}")
+
+
+def _is_number(value: object) -> bool:
+    """Return whether a value is a real number; a truth value is none."""
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 
 _KINDS: dict[Any, tuple[tuple[Any, ...], str]] = {

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz import balancing, elastostatics, meshes
+from paminsa_viz import balancing, elastostatics, meshes, precision
 from paminsa_viz.balancing import (
     Spring,
     SpringPlace,
@@ -276,7 +276,8 @@ def test_records_and_methods_refuse_other_kinds_in_one_line(what: str) -> None:
     assert "\n" not in str(caught.value)
 
 
-NAN = float("nan")
+NAN, INFINITE = float("nan"), float("inf")
+MEASURED = precision.Measurements(GOOD["actuators"][None], POSE[None])
 IMPOSSIBLE: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "tolerance: a number above 0": (
         lambda value: balancing.optimize(
@@ -284,15 +285,41 @@ IMPOSSIBLE: dict[str, tuple[Any, tuple[Any, ...]]] = {
         ),
         (NAN, -1.0, 0.0),
     ),
+    "size: a number of at least 0": (
+        lambda value: precision.simulated_measurements(APPENDIX_4, MEASURED, size=value),
+        (-1.0, NAN, INFINITE),
+    ),
+    "noise: a number of at least 0": (
+        lambda value: precision.simulated_measurements(APPENDIX_4, MEASURED, noise=value),
+        (-1e-5, NAN, INFINITE),
+    ),
 }
 """By what is said of them: a call with a number, and numbers that it refuses."""
+
+SEEDED: dict[str, Any] = {
+    "calibrate": lambda seed: precision.calibrate(APPENDIX_4, MEASURED, seed=seed),
+    "measuring_poses": lambda seed: precision.measuring_poses(APPENDIX_4, 3, seed=seed),
+    "plan_calibration": lambda seed: precision.plan_calibration(APPENDIX_4, 12, seed=seed),
+    "simulated_measurements": lambda seed: precision.simulated_measurements(
+        APPENDIX_4, MEASURED, seed=seed
+    ),
+    "monte_carlo": lambda seed: precision.monte_carlo(APPENDIX_4, POSE, seed=seed),
+    "length_tolerance": lambda seed: balancing.length_tolerance(APPENDIX_4, 0.01, POSE, seed=seed),
+}
+
+
+@pytest.mark.parametrize("place", SEEDED)
+def test_impossible_seeds_are_refused(place: str) -> None:
+    for seed in (-1, True, 1.5):
+        with pytest.raises(InvalidInput, match="seed: a whole number"):
+            SEEDED[place](seed)
 
 
 @pytest.mark.parametrize("what", IMPOSSIBLE)
 def test_impossible_numbers_are_refused_in_one_line(what: str) -> None:
     call, values = IMPOSSIBLE[what]
     for value in values:
-        with pytest.raises(InvalidInput, match=what) as caught:
+        with pytest.raises(InvalidInput, match=re.escape(what)) as caught:
             call(value)
         assert "\n" not in str(caught.value)
         assert str(value) in str(caught.value)

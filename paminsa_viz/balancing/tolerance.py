@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.checks import require_seed
 from paminsa_viz.errors import InvalidDesign, InvalidInput, name_hint
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
@@ -153,7 +154,8 @@ def length_tolerance(
 
     Raises:
         InvalidInput: If a tolerance is no part below 1, or for a path that is no such length; if
-            there are no samples, or no pose can be taken; or if hardly any sample is a robot.
+            there are no samples, the seed is not possible, or no pose can be taken; or if hardly
+            any sample is a robot.
     """
     pose = as_vectors(pose, "pose").reshape(-1, 4)
     weights = [f"counterweights.{i}.beyond" for i in range(len(design.counterweights))]
@@ -162,6 +164,7 @@ def length_tolerance(
     reached = check_reach(design.geometry, pose).ok
     if samples < 1:
         raise InvalidInput("samples", f"at least one sample is needed, not {samples!r}")
+    require_seed(seed)
     if not reached.any():
         raise InvalidInput("pose", "the robot cannot take a single one of the poses")
     pose = pose[reached]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paminsa_viz.checks import kinds_checked
+from paminsa_viz.checks import kinds_checked, require_seed
 from paminsa_viz.engines.mechanism import LIFT, POSE_JOINTS, Link, MechanismTree, leg_name
 from paminsa_viz.errors import InvalidInput, UnreachablePose
 from paminsa_viz.model.arguments import of_geometry
@@ -178,8 +178,7 @@ def workspace_poses(geometry: Geometry, count: int, seed: int = 0) -> Array:
     """
     if count < 1:
         raise InvalidInput("poses", f"at least 1 is needed, not {count}")
-    if seed < 0:
-        raise InvalidInput("seed", f"a whole number of at least 0 is needed, not {seed}")
+    require_seed(seed)
     rng = np.random.default_rng(seed)
     across, up = workspace_radius(geometry), workspace_height(geometry)
     turn = np.nan_to_num(singular_rotation(geometry), nan=np.pi)

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.checks import require_seed
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
@@ -145,11 +146,13 @@ def calibrate(
 
     Raises:
         InvalidMeasurement: If the design's legs cannot be assembled near a measured pose.
-        InvalidInput: If there are too few poses, or the share is not from 0 to 0.9.
+        InvalidInput: If there are too few poses, the share is not from 0 to 0.9, or the seed is
+            not possible.
         Canceled: If ``progress`` ends it.
     """
     if not 0 <= validate <= 0.9:
         raise InvalidInput("validate", f"a share from 0 to 0.9 is needed, not {validate:g}")
+    require_seed(seed)
     count, width = measured.poses.shape
     held = np.zeros(count, np.bool_)
     order = np.random.default_rng(seed).permutation(count)

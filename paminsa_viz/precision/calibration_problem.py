@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from paminsa_viz.checks import require_count
+from paminsa_viz.checks import require_count, require_seed
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
@@ -194,6 +194,7 @@ def measuring_poses(
     require_count(poses, "poses", MOST_POSES)
     if coordinates not in (4, 6):
         raise InvalidInput("coordinates", f"4 or 6 are possible, not {coordinates}")
+    require_seed(seed)
     found = _candidates(design, max(_CANDIDATES, 2 * poses), seed)
     geometry = design.geometry
     slopes = sensitivities(geometry, nominal_lengths(geometry), nominal_pose(geometry, found))

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.checks import require_seed
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.kept import kept
 from paminsa_viz.model.accuracy import NO_TOLERANCES, Tolerances
@@ -280,8 +281,7 @@ def monte_carlo(
     if robots < 1 or robots * len(flat) > MOST_SAMPLES:
         most = MOST_SAMPLES // max(len(flat), 1)
         raise InvalidInput("robots", f"1 to {most} are possible with {len(flat)} poses")
-    if seed < 0:
-        raise InvalidInput("seed", f"a whole number of at least 0 is needed, not {seed}")
+    require_seed(seed)
     geometry, center = design.geometry, design_lengths(design)
     start = solve_actuators(geometry, center, flat)
     if not start.ok.all():

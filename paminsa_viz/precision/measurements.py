@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.checks import require_at_least, require_seed
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
@@ -185,8 +186,12 @@ def simulated_measurements(
         do not reach, such as near a singular one, are left out.
 
     Raises:
+        InvalidInput: If size, noise or seed is not possible.
         InvalidMeasurement: If that is all of them.
     """
+    require_at_least(size, "size")
+    require_at_least(noise, "noise")
+    require_seed(seed)
     random = np.random.default_rng(seed)
     true = deviation_array(design) + random.uniform(-size, size, (3, len(LENGTHS)))
     found = predict(design, true, asked)

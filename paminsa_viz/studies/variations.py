@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from paminsa_viz.checks import require_seed
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import PARAMETER, Design, no_value
 
@@ -127,8 +128,7 @@ class RandomDesigns:
         _check_paths(self.paths)
         if self.size < 1:
             raise InvalidInput("size", f"one random design at least is needed, not {self.size}")
-        if self.seed < 0:
-            raise InvalidInput("seed", f"a whole number of at least 0 is needed, not {self.seed}")
+        require_seed(self.seed)
 
     @property
     def paths(self) -> tuple[str, ...]:
