@@ -119,7 +119,8 @@ class _Rule(NamedTuple):
     rest: bool  # whether it takes all further arguments, as ``*plans`` does
 
     def check(self, value: object) -> None:
-        if isinstance(value, self.kinds):
+        # A bool is an int to Python, but True is a slip where a number is asked for.
+        if isinstance(value, self.kinds) and (bool in self.kinds or not isinstance(value, bool)):
             return
         if float in self.kinds and isinstance(value, np.ndarray) and value.shape == ():
             return

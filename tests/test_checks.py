@@ -67,6 +67,8 @@ def test_what_fits_goes_through(args: tuple[Any, ...], named: dict[str, Any]) ->
         ((), {"color": None}, "color: a Color is needed, not a NoneType"),
         ((Color.RED, "1"), {}, "size: a number is needed, not a str"),
         ((Color.RED, np.zeros(2)), {}, "size: a number is needed, not a ndarray"),
+        ((Color.RED, True), {}, "size: a number is needed, not a bool"),
+        ((Color.RED, 1.0, True), {}, "more: a whole number is needed, not a bool"),
         ((Color.RED, 1.0, 2, 2.5), {}, "more: a whole number is needed, not a float"),
         ((Color.RED,), {"name": 3}, "name: a text is needed, not an int"),
         ((Color.RED,), {"kind": 3}, "kind: a text is needed, not an int"),
