@@ -12,7 +12,7 @@ from collections.abc import Callable, Hashable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -43,30 +43,39 @@ class Grid:
         axes: Coordinates that vary, in the order of the result's axes, with their values, each
             (n,) [m or rad].
         fixed: (4,) pose that the other coordinates are taken from [m, m, rad, m].
+
+    Raises:
+        InvalidInput: If a coordinate is unknown, named twice, has no values, or is not
+            one-dimensional.
     """
 
     axes: tuple[tuple[str, Array], ...]
     fixed: Array
+
+    def __post_init__(self) -> None:
+        made: dict[str, Array] = {}
+        for name, values in self.axes:
+            if name not in COORDINATES:
+                raise InvalidInput(str(name), f"a grid varies {', '.join(COORDINATES)}")
+            if name in made:
+                raise InvalidInput(name, "a grid varies it along one axis; leave out the other")
+            made[name] = as_numbers(values, name)
+            if made[name].ndim != 1 or made[name].size == 0:
+                raise InvalidInput(name, f"one axis of values is needed; got {made[name].shape}")
+        pose = as_vectors(self.fixed, "fixed")
+        if pose.shape != (4,):
+            raise InvalidInput("fixed", f"one pose (4,) is needed; got {pose.shape}")
+        object.__setattr__(self, "axes", tuple(made.items()))
+        object.__setattr__(self, "fixed", pose)
 
     @classmethod
     def over(cls, fixed: ArrayLike, **axes: ArrayLike) -> Grid:
         """Make a grid over named coordinates; the first one named is the result's first axis.
 
         Raises:
-            InvalidInput: If a coordinate is unknown, has no values, or is not one-dimensional.
+            InvalidInput: As of the grid itself.
         """
-        made = []
-        for name, values in axes.items():
-            if name not in COORDINATES:
-                raise InvalidInput(name, f"a grid varies {', '.join(COORDINATES)}")
-            array = as_numbers(values, name)
-            if array.ndim != 1 or array.size == 0:
-                raise InvalidInput(name, f"one axis of values is needed; got {array.shape}")
-            made.append((name, array))
-        pose = as_vectors(fixed, "fixed")
-        if pose.shape != (4,):
-            raise InvalidInput("fixed", f"one pose (4,) is needed; got {pose.shape}")
-        return cls(tuple(made), pose)
+        return cls(cast(Any, tuple(axes.items())), cast(Any, fixed))
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -253,9 +253,15 @@ def test_splitting_covers_a_grid_once(names: tuple[str, ...], sizes: list[int], 
     ],
 )
 def test_impossible_axes_are_refused(axes: Any, argument: str, problem: str) -> None:
-    with pytest.raises(InvalidInput, match=problem) as caught:
-        Grid.over(FIXED, **axes)
-    assert caught.value.argument == argument
+    for make in (lambda: Grid.over(FIXED, **axes), lambda: Grid(tuple(axes.items()), FIXED)):
+        with pytest.raises(InvalidInput, match=problem) as caught:
+            make()
+        assert caught.value.argument == argument
+
+
+def test_a_coordinate_that_is_named_twice_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="x: a grid varies it along one axis"):
+        Grid((("x", np.zeros(3)), ("x", np.zeros(2))), FIXED)
 
 
 def test_unusable_input_is_refused() -> None:
