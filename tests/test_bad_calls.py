@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz import balancing, elastostatics, meshes, precision
+from paminsa_viz import actuation, balancing, elastostatics, meshes, precision
 from paminsa_viz.balancing import (
     Spring,
     SpringPlace,
@@ -44,11 +44,12 @@ from paminsa_viz.quantities import (
     Requirements,
     Workspace,
     WorkspaceShape,
+    affordable_cells,
     find,
     parse_requirement,
 )
 from paminsa_viz.synthesis import find_objective
-from paminsa_viz.trajectory import PRESET, Controller, circle
+from paminsa_viz.trajectory import PRESET, Controller, circle, simulate
 from tests.test_api import CALLABLES
 
 POSE = np.array([0.01, 0.02, 0.1, -0.5])
@@ -216,6 +217,7 @@ def test_no_public_function_fails_deep_inside(place: str) -> None:
         assert len(text) < 200
 
 
+MOTION = circle(POSE, 0.03).sample(20.0)
 NO_NAME = "nothing"
 FIELD = solve_field(APPENDIX_4, xy_grid([-0.1, 0.0, 0.1], [-0.1, 0.1], 0.1, -0.5))
 
@@ -255,6 +257,12 @@ def test_a_name_of_nothing_is_refused_in_one_line(what: str) -> None:
 
 
 WRONG_KINDS = {
+    "bars: at least one": lambda: elastostatics.utilization(
+        elastostatics.joint_forces(APPENDIX_4, POSE), ()
+    ),
+    "robots: a whole number": lambda: precision.monte_carlo(APPENDIX_4, POSE, robots=True),
+    "count: a whole number": lambda: elastostatics.robot_modes(APPENDIX_4, POSE, True),
+    "duties: each has to be a Duty": lambda: actuation.duty_cycle(APPENDIX_4, [MOTION]),  # type: ignore[list-item]
     "high: a number": lambda: Requirement("condition", high="a"),  # type: ignore[arg-type]
     "bounds: a tuple": lambda: Requirements("a"),  # type: ignore[arg-type]
     "bounds: each has to be a Requirement": lambda: Requirements((3,)),  # type: ignore[arg-type]
@@ -292,6 +300,30 @@ IMPOSSIBLE: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "noise: a number of at least 0": (
         lambda value: precision.simulated_measurements(APPENDIX_4, MEASURED, noise=value),
         (-1e-5, NAN, INFINITE),
+    ),
+    "tolerance: a number above 0 is": (
+        lambda value: simulate(APPENDIX_4, MOTION, tolerance=value),
+        (-1.0, 0.0, NAN, INFINITE),
+    ),
+    "count: at least one mode": (
+        lambda value: elastostatics.robot_modes(APPENDIX_4, POSE, value),
+        (-1, 0),
+    ),
+    "budget: a time of at least 0 s": (
+        lambda value: affordable_cells(("max_torque",), 10, value),
+        (-1.0, NAN, INFINITE),
+    ),
+    "slower: 1e-09 to 1e+09": (
+        lambda value: actuation.duty_cycle(APPENDIX_4, [actuation.Duty(MOTION)], slower=value),
+        (1e300, 1e-300, -1.0, 0.0, NAN),
+    ),
+    "repeats: a number of at least 1": (
+        lambda value: actuation.duty_cycle(APPENDIX_4, [actuation.Duty(MOTION, value)]),
+        ("a", None, 0.5, NAN),
+    ),
+    "dwell: a time of at least 0 s": (
+        lambda value: actuation.duty_cycle(APPENDIX_4, [actuation.Duty(MOTION, 1.0, value)]),
+        ("a", None, -1.0, NAN),
     ),
 }
 """By what is said of them: a call with a number, and numbers that it refuses."""

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from paminsa_viz.checks import require_positive
+from paminsa_viz.checks import require_at_least, require_each
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.kept import kept
 from paminsa_viz.model.arguments import of_design
@@ -32,6 +32,9 @@ from paminsa_viz.model.statics import static_torques
 from paminsa_viz.trajectory import Trajectory, actuator_inertia, analyze
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.integrals import running_integral
+
+SLOWER = (1e-9, 1e9)
+"""Smallest and largest factor on the durations of a cycle: torques take its square."""
 
 INERTIA_SAMPLES = 200
 """Samples of a motion at which the robot's inertia is looked at."""
@@ -233,16 +236,17 @@ def duty_cycle(design: Design, duties: Sequence[Duty], *, slower: float = 1.0) -
 
     Raises:
         ImpossibleTrajectory: If the robot cannot run a motion.
-        InvalidInput: If there is none, or a count or a dwell is not possible.
+        InvalidInput: If there is none, or a count, a dwell or the factor is not possible.
     """
     if not duties:
         raise InvalidInput("duties", "at least one motion is needed")
+    require_each(duties, "duties", Duty)
     for duty in duties:
-        if not (np.isfinite(duty.repeats) and duty.repeats >= 1):
-            raise InvalidInput("repeats", f"a number of at least 1 is needed, not {duty.repeats!r}")
-        if not (np.isfinite(duty.dwell) and duty.dwell >= 0):
-            raise InvalidInput("dwell", f"a time of at least 0 s is needed, not {duty.dwell!r}")
-    require_positive(slower, "slower")
+        require_at_least(duty.repeats, "repeats", 1.0, "a number of at least 1")
+        require_at_least(duty.dwell, "dwell", what="a time of at least 0 s")
+    if not SLOWER[0] <= slower <= SLOWER[1]:
+        problem = f"{SLOWER[0]:g} to {SLOWER[1]:g} are possible, not {slower!r}"
+        raise InvalidInput("slower", problem)
     plain = replace(design, drives=NO_DRIVES)
     solved = [_solved(plain, duty.trajectory) for duty in duties]
     parts = [_passages(duty, *one[:2], slower) for duty, one in zip(duties, solved, strict=True)]

@@ -406,7 +406,13 @@ def bar_stress(forces: JointForces, loads: BarLoads) -> Array:
 
 @kinds_checked
 def utilization(forces: JointForces, bars: tuple[str, ...] = BARS) -> Array:
-    """Return the largest stress of bars over the yield stress, (..., 3 legs, len(bars)) [1]."""
+    """Return the largest stress of bars over the yield stress, (..., 3 legs, len(bars)) [1].
+
+    Raises:
+        InvalidInput: If there is no bar, or none of a name.
+    """
+    if not bars:
+        raise InvalidInput("bars", "at least one bar is needed")
     strength = forces.design.elastic.yield_stress
     stress = [bar_stress(forces, bar_loads(forces, bar)) / strength for bar in bars]
     return np.stack(stress, axis=-1)

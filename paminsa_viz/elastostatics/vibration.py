@@ -194,12 +194,14 @@ def robot_modes(
         robot does not hold the pose, see `first_frequencies`.
 
     Raises:
-        InvalidInput: If it is not one pose, arm or shaft has no length, or ``divisions`` is not
-            possible.
+        InvalidInput: If it is not one pose, arm or shaft has no length, or ``count`` or
+            ``divisions`` is not possible.
     """
     pose = as_vectors(pose, "pose")
     if pose.ndim > 1:
         raise InvalidInput("pose", f"one pose (4,) is needed; got {pose.shape}")
+    if count < 1:
+        raise InvalidInput("count", f"at least one mode is needed, not {count}")
     matrices = leg_matrices(design, divisions, shear)
     return whole_modes(matrices, pose, count)
 

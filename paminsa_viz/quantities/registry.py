@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from paminsa_viz.checks import kinds_checked
+from paminsa_viz.checks import kinds_checked, require_at_least
 from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.quantities.accuracy import ACCURACY
@@ -79,7 +79,13 @@ def formulas() -> tuple[Formula, ...]:
 
 @kinds_checked
 def affordable_cells(keys: Sequence[str], most: int, budget: float = MAP_BUDGET) -> int:
-    """Return how many cells a side, at most ``most``, a map may have within a time [s]."""
+    """Return how many cells a side, at most ``most``, a map may have within a time [s].
+
+    Raises:
+        InvalidInput: If a key is unknown, or the time negative or not finite.
+    """
+    require_at_least(budget, "budget", what="a time of at least 0 s")
     work = {(item.family, item.formula, item.cost) for item in find(keys)}  # shared by its results
     cost = sum(seconds for *_, seconds in work)
-    return max(2, min(most, math.isqrt(int(budget / cost))))
+    affordable = math.isqrt(int(budget / cost)) if budget < cost * most**2 else most
+    return max(2, min(most, affordable))

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.checks import check_fields
+from paminsa_viz.checks import check_fields, require_positive
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
@@ -232,11 +232,13 @@ def simulate(
     Raises:
         ImpossibleTrajectory: If the robot cannot run the trajectory at all.
         InvalidInput: If the model's geometry is another, the start with its offset is out of
-            reach, or nothing of the robot has inertia in some direction.
+            reach, the tolerance is not positive, or nothing of the robot has inertia in some
+            direction.
         SimulationFailed: If the solver gives up away from any limit, or would take too long.
     """
     from scipy.integrate import solve_ivp  # slow to load
 
+    require_positive(tolerance, "tolerance")
     model = model or design
     controller = controller or Controller()
     if model.geometry != design.geometry:

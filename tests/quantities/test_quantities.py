@@ -204,6 +204,7 @@ def test_cells_are_as_many_as_the_time_allows(keys: list[str], most: int, budget
     assert cells == most or (cells + 1) ** 2 * sum(costs) * rounding > budget
     assert affordable_cells(keys[::-1], most, budget) == cells
     assert all(affordable_cells([key], most, budget) >= cells for key in keys)
+    assert affordable_cells(keys, most, 1e308) == affordable_cells((), most, budget) == most
 
 
 CELLS = (
