@@ -49,7 +49,19 @@ from paminsa_viz.quantities import (
     parse_requirement,
 )
 from paminsa_viz.synthesis import find_objective
-from paminsa_viz.trajectory import PRESET, Controller, circle, simulate
+from paminsa_viz.trajectory import (
+    PRESET,
+    Controller,
+    Profile,
+    TimeLaw,
+    chain,
+    circle,
+    fit_law,
+    line,
+    point_to_point,
+    simulate,
+    via_points,
+)
 from tests.test_api import CALLABLES
 
 POSE = np.array([0.01, 0.02, 0.1, -0.5])
@@ -257,6 +269,15 @@ def test_a_name_of_nothing_is_refused_in_one_line(what: str) -> None:
 
 
 WRONG_KINDS = {
+    "duration: a number is needed": lambda: circle(POSE, 0.03, duration="2"),  # type: ignore[arg-type]
+    "angle: a number": lambda: circle(POSE, 0.03, angle=None),  # type: ignore[arg-type]
+    "plane: a text": lambda: circle(POSE, 0.03, plane=["xy"]),  # type: ignore[arg-type]
+    "duration: a number is needed, not a str": lambda: via_points([POSE, POSE + 1.0], duration="2"),  # type: ignore[arg-type]
+    "plans: a Plan": lambda: chain(3),  # type: ignore[arg-type]
+    "profile: a Profile": lambda: TimeLaw("quintic"),  # type: ignore[arg-type]
+    "ramp: a number": lambda: TimeLaw(ramp="a"),  # type: ignore[arg-type]
+    "law: a TimeLaw": lambda: point_to_point(POSE, POSE + 0.01, law="quintic"),  # type: ignore[arg-type]
+    "duration: a number is": lambda: line(POSE, POSE[:3], "a"),  # type: ignore[arg-type]
     "bars: at least one": lambda: elastostatics.utilization(
         elastostatics.joint_forces(APPENDIX_4, POSE), ()
     ),
@@ -324,6 +345,14 @@ IMPOSSIBLE: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "dwell: a time of at least 0 s": (
         lambda value: actuation.duty_cycle(APPENDIX_4, [actuation.Duty(MOTION, 1.0, value)]),
         ("a", None, -1.0, NAN),
+    ),
+    "speed: a number above 0": (
+        lambda value: fit_law(TimeLaw(Profile.TRAPEZOID), value, 1.0),
+        (NAN, -1.0, 0.0),
+    ),
+    "jerk: a number above 0": (
+        lambda value: fit_law(TimeLaw(Profile.S_CURVE), 1.0, 1.0, value),
+        (NAN, -1.0, 0.0),
     ),
 }
 """By what is said of them: a call with a number, and numbers that it refuses."""

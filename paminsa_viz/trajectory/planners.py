@@ -28,6 +28,7 @@ PLANES = {"xy": (0, 1), "xz": (0, 3), "yz": (1, 3)}
 """Columns of a pose along which a circle may lie."""
 
 
+@kinds_checked
 def point_to_point(
     start: ArrayLike,
     goal: ArrayLike,
@@ -49,6 +50,7 @@ def point_to_point(
     return Plan(curve, duration, name, f"move, {law.profile.value}")
 
 
+@kinds_checked
 def line(
     start: ArrayLike,
     point: ArrayLike,
@@ -65,6 +67,7 @@ def line(
     return Plan(plan.curve, duration, name, f"straight line, {law.profile.value}")
 
 
+@kinds_checked
 def circle(
     center: ArrayLike,
     radius: float,
@@ -156,6 +159,7 @@ def arch(
     return Plan(Blend(begin, terms), duration, name, f"arch, {law.profile.value}")
 
 
+@kinds_checked
 def via_points(
     poses: ArrayLike,
     duration: float | None = None,
@@ -199,6 +203,7 @@ def via_points(
     return Plan(curve, 1.0 if duration is None else duration, name, "waypoints, quintic spline")
 
 
+@kinds_checked
 def chain(*plans: Plan, name: str = "") -> Plan:
     """Return plans run after each other, with a stop in between; each in its duration.
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paminsa_viz.checks import kinds_checked
+from paminsa_viz.checks import check_fields, kinds_checked, require_positive
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 
@@ -45,7 +45,7 @@ class TimeLaw:
             down again; 0 < blend <= 1/2. Of the S-curve alone.
 
     Raises:
-        InvalidInput: If a share is out of its range.
+        InvalidInput: If the profile is none, or a share is out of its range.
     """
 
     profile: Profile = Profile.QUINTIC
@@ -53,6 +53,7 @@ class TimeLaw:
     blend: float = 0.4
 
     def __post_init__(self) -> None:
+        check_fields(self)
         for name in ("ramp", "blend"):
             value = getattr(self, name)
             if not (0 < value <= 0.5):
@@ -123,7 +124,13 @@ def fit_law(
     Returns:
         None where limits do not make a shape: for the quintic law, and without a limit that keeps
         ramps finite. An S-curve keeps its ``blend`` where no jerk is given.
+
+    Raises:
+        InvalidInput: If a limit is not positive.
     """
+    limits = {"speed": speed, "acceleration": acceleration, "jerk": jerk}
+    for argument, value in limits.items():
+        require_positive(value, argument, finite=False)
     if law.profile is Profile.QUINTIC:
         return None
     if law.profile is Profile.S_CURVE and math.isfinite(jerk):
