@@ -28,13 +28,16 @@ from paminsa_viz.balancing import (
 from paminsa_viz.engines import why_missing
 from paminsa_viz.errors import InvalidDesign, InvalidInput, PaminsaError
 from paminsa_viz.files import DataTable, table_bytes
+from paminsa_viz.identification import base_matrix, identity_row
 from paminsa_viz.model import (
     APPENDIX_4,
     Counterweight,
     Grid,
     LoadCase,
     inverse_kinematics,
+    lumped_matrix,
     solve_field,
+    torque_regressor,
     xy_grid,
 )
 from paminsa_viz.plots import map_data
@@ -60,6 +63,7 @@ from paminsa_viz.trajectory import (
     line,
     point_to_point,
     simulate,
+    solve_trajectory,
     via_points,
 )
 from tests.test_api import CALLABLES
@@ -374,6 +378,23 @@ def test_impossible_seeds_are_refused(place: str) -> None:
     for seed in (-1, True, 1.5):
         with pytest.raises(InvalidInput, match="seed: a whole number"):
             SEEDED[place](seed)
+
+
+WEIGHED: dict[str, Any] = {
+    "base_matrix": lambda g: base_matrix(APPENDIX_4, g),
+    "identity_row": lambda g: identity_row(APPENDIX_4, g),
+    "lumped_matrix": lambda g: lumped_matrix(APPENDIX_4, g),
+    "solve_trajectory": lambda g: solve_trajectory(APPENDIX_4, MOTION, gravity=g),
+    "torque_regressor": lambda g: torque_regressor(APPENDIX_4, POSE, POSE, POSE, gravity=g),
+}
+
+
+@pytest.mark.parametrize("place", WEIGHED)
+def test_a_gravity_that_no_design_has_is_refused(place: str) -> None:
+    for gravity in (NAN, INFINITE, -1.0):
+        with pytest.raises(InvalidInput, match=f"gravity: .* at least 0 .*, not {gravity!r}"):
+            WEIGHED[place](gravity)
+    WEIGHED[place](0.0)
 
 
 @pytest.mark.parametrize("what", IMPOSSIBLE)

@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.model.arguments import of_design, of_geometry
+from paminsa_viz.model.arguments import of_design, of_geometry, require_gravity
 from paminsa_viz.model.arrays import Array, together
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.lumped import (
@@ -76,7 +76,12 @@ _PLACE = {name: place for place, name in enumerate(COEFFICIENTS)}
 
 @of_geometry
 def base_matrix(geometry: Geometry, gravity: float) -> Array:
-    """Return B, (11, 18): b = B c with c in the order of `lumped.COEFFICIENTS`."""
+    """Return B, (11, 18): b = B c with c in the order of `lumped.COEFFICIENTS`.
+
+    Raises:
+        InvalidInput: If the gravity is none that a design has.
+    """
+    require_gravity(gravity)
     k, per_b4, per_b8 = (
         geometry.magnification,
         1 / geometry.coupler_length**2,
@@ -179,7 +184,11 @@ def identity_row(geometry: Geometry, gravity: float) -> Array:
 
     A constant force that pulls joint 9 of every leg up without inertia makes it negative, by that
     force.
+
+    Raises:
+        InvalidInput: If the gravity is none that a design has.
     """
+    require_gravity(gravity)
     k = geometry.magnification
     row = np.zeros(len(BASE_PARAMETERS))
     row[1:5] = 1.0, -2 * gravity, gravity * (k - 1), -gravity * k

@@ -13,7 +13,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
 from paminsa_viz.checks import check_arguments, kind_of
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.design import PARAMETER, Design, Geometry
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -30,6 +30,14 @@ def geometry_of(value: object) -> Geometry:
     if isinstance(value, Design):
         return value.geometry
     raise InvalidInput("geometry", f"a Geometry or a Design is needed, not {kind_of(value)}")
+
+
+def require_gravity(gravity: float) -> None:
+    """Raise `InvalidInput` unless this can be the gravity of a design."""
+    parameter = PARAMETER["gravity"]
+    problem = parameter.refusal(gravity, parameter.display)
+    if problem:
+        raise InvalidInput("gravity", f"{problem}, not {gravity!r}")
 
 
 def of_geometry(

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from paminsa_viz.model.arguments import of_design, of_geometry
+from paminsa_viz.model.arguments import of_design, of_geometry, require_gravity
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import PARAMETERS, Design, Geometry
 from paminsa_viz.model.leg_points import PointWeights, counterweight_point
@@ -256,7 +256,11 @@ def lumped_matrix(
     """Return N, (18, 28): c = N @ mass_vector(design) for a design without counterweights.
 
     Each of those adds its mass times its `point_mass_column`.
+
+    Raises:
+        InvalidInput: If the gravity is none that a design has.
     """
+    require_gravity(gravity)
     units = Masses(*np.eye(len(MASS_PATHS)))
     return np.array(
         [row + np.zeros(len(MASS_PATHS)) for row in _lumped(geometry, gravity, units, misprints)]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.model import backend
-from paminsa_viz.model.arguments import of_geometry
+from paminsa_viz.model.arguments import of_geometry, require_gravity
 from paminsa_viz.model.arrays import Array, as_numbers, together
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.jacobians import actuator_acceleration, jacobian
@@ -47,7 +47,11 @@ def torque_regressor(
         acceleration: (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
         gravity: Gravitational acceleration [m/s^2].
         misprints: Formulas to take as published. M_c4's misprint is one of c, not of Y.
+
+    Raises:
+        InvalidInput: If the shapes do not fit each other, or the gravity is none that a design has.
     """
+    require_gravity(gravity)
     shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
     terms = term_matrix(misprints)
     y = backend.regressor(mechanism(geometry), gravity, p, v, a, terms)

@@ -193,6 +193,9 @@ def solve_trajectory(
         gravity: Gravitational acceleration [m/s^2].
         misprints: Misprints of the paper to reproduce.
         clearance: See `check_path`.
+
+    Raises:
+        InvalidInput: If gravity or clearance is not possible.
     """
     check = check_path(geometry, trajectory, clearance)
     y = torque_regressor(
