@@ -68,17 +68,23 @@ def require_positive(
 
 
 def require_at_least(
-    value: Any, argument: str, least: float = 0.0, what: str = "a number of at least 0"
+    value: Any,
+    argument: str,
+    least: float = 0.0,
+    what: str = "a number of at least 0",
+    *,
+    finite: bool = True,
 ) -> None:
-    """Raise `InvalidInput` unless a value is a finite number of at least ``least``.
+    """Raise `InvalidInput` unless a value is a number of at least ``least``.
 
     Args:
         value: The value.
         argument: Its name.
         least: The smallest that is possible.
         what: What is needed, in words.
+        finite: Whether infinity, such as that of no limit, is refused.
     """
-    if not (_is_number(value) and math.isfinite(value) and value >= least):
+    if not (_is_number(value) and value >= least and (not finite or math.isfinite(value))):
         raise InvalidInput(argument, f"{what} is needed, not {value!r}")
 
 

@@ -51,6 +51,7 @@ from paminsa_viz.quantities import (
     find,
     parse_requirement,
 )
+from paminsa_viz.studies import sweep
 from paminsa_viz.synthesis import find_objective
 from paminsa_viz.trajectory import (
     PRESET,
@@ -356,6 +357,10 @@ IMPOSSIBLE: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "jerk: a number above 0": (
         lambda value: fit_law(TimeLaw(Profile.S_CURVE), 1.0, 1.0, value),
+        (NAN, -1.0, 0.0),
+    ),
+    "max_condition: a number of at least 1": (
+        lambda value: sweep(APPENDIX_4, FIELD.grid, max_condition=value),
         (NAN, -1.0, 0.0),
     ),
 }

@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.checks import require_at_least
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.model.grids import Field
@@ -31,6 +32,13 @@ SERIAL_CLEARANCE: Final = 0.01
 SERIAL_MARGIN: Final = Formula(serial_margin, 1)
 
 _SERIAL: Final = [index for index, limit in enumerate(MARGINS) if limit is not Limit.GUIDE]
+
+
+def require_condition(limit: float) -> None:
+    """Raise `InvalidInput` unless this can be the largest condition number that counts."""
+    require_at_least(
+        limit, "max_condition", 1.0, "a number of at least 1, the least there is", finite=False
+    )
 
 
 def near_singularity(

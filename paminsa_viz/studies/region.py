@@ -16,7 +16,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field, Grid, solve_field
 from paminsa_viz.model.reach import Limit, home_pose
-from paminsa_viz.model.singular_limit import CONDITION_LIMIT, counting
+from paminsa_viz.model.singular_limit import CONDITION_LIMIT, counting, require_condition
 
 if TYPE_CHECKING:
     from paminsa_viz.quantities import Quantity
@@ -54,8 +54,7 @@ class Region:
                 raise InvalidInput(name, "one finite number at least is needed")
         if not 2 <= self.cells <= MOST_CELLS:
             raise InvalidInput("cells", f"2 to {MOST_CELLS} cells are possible, not {self.cells}")
-        if not self.max_condition >= 1:
-            raise InvalidInput("max_condition", "1 is the least condition number there is")
+        require_condition(self.max_condition)
 
     def grid(self) -> Grid:
         """Return the poses, (theta, z, y, x); those outside the disc are for `inside` to drop."""

@@ -13,7 +13,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import COORDINATES, Field, Grid, solve_field
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.model.singular_limit import counting
+from paminsa_viz.model.singular_limit import counting, require_condition
 from paminsa_viz.quantities import find
 
 
@@ -80,7 +80,12 @@ def sweep(
             `paminsa_viz.model.singular_limit`; else wherever it can be taken.
         block: Poses held at a time.
         threads: Threads to share the work; None for all cores.
+
+    Raises:
+        InvalidInput: If there is no such quantity, or no such condition number.
     """
+    if max_condition is not None:
+        require_condition(max_condition)
     counts = np.zeros(len(Limit), int)
     found = {quantity: _Figures() for quantity in quantities}
     for _, field, values in sweep_blocks(design, grid, quantities, block=block, threads=threads):
