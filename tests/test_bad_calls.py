@@ -363,6 +363,14 @@ IMPOSSIBLE: dict[str, tuple[Any, tuple[Any, ...]]] = {
         lambda value: sweep(APPENDIX_4, FIELD.grid, max_condition=value),
         (NAN, -1.0, 0.0),
     ),
+    "stiffness: a stiffness of at least 0": (
+        lambda value: Spring(at_joint(4), on_slider(0.1), value),
+        (NAN, INFINITE, -1.0, "a", None),
+    ),
+    "free_length: a length of at least 0": (
+        lambda value: Spring(at_joint(4), on_slider(0.1), 1.0, value),
+        (NAN, INFINITE, -1.0, "a", None),
+    ),
 }
 """By what is said of them: a call with a number, and numbers that it refuses."""
 

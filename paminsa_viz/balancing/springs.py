@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.balancing.convex import MaxAbs, Norm
 from paminsa_viz.balancing.program import Program, Variable
 from paminsa_viz.balancing.solver import solve
-from paminsa_viz.checks import kinds_checked, require_each
+from paminsa_viz.checks import kinds_checked, require_at_least, require_each
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import geometry_of, of_design, of_geometry
 from paminsa_viz.model.arrays import Array, as_vectors
@@ -156,12 +156,19 @@ class Spring:
         first, second: The points that it is fixed to.
         stiffness: [N/m].
         free_length: Its length without a force [m].
+
+    Raises:
+        InvalidInput: If stiffness or free length is negative or not finite.
     """
 
     first: Anchor
     second: Anchor
     stiffness: float
     free_length: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_at_least(self.stiffness, "stiffness", what="a stiffness of at least 0 N/m")
+        require_at_least(self.free_length, "free_length", what="a length of at least 0 m")
 
 
 @np.errstate(all="ignore")
