@@ -148,7 +148,7 @@ class Leg3Deviations(LegDeviations, path="leg3"):
     """Deviations of leg 3 from the lengths above, actual minus nominal."""
 
 
-Deviations = tuple[Leg1Deviations, Leg2Deviations, Leg3Deviations]
+Deviations = tuple[LegDeviations, LegDeviations, LegDeviations]
 """Deviations of all legs."""
 
 NO_DEVIATIONS: Deviations = (Leg1Deviations(), Leg2Deviations(), Leg3Deviations())

@@ -8,7 +8,7 @@ field list alone (see `paminsa_viz.model.parameters`).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from dataclasses import astuple, dataclass, field, fields, is_dataclass, replace
 from difflib import get_close_matches
 from functools import lru_cache
 from typing import Any
@@ -21,6 +21,7 @@ from paminsa_viz.model.accuracy import (
     Leg1Deviations,
     Leg2Deviations,
     Leg3Deviations,
+    LegDeviations,
     Tolerances,
 )
 from paminsa_viz.model.drive import (
@@ -86,9 +87,9 @@ class Design(Group, path="design"):
     counterweights: tuple[Counterweight, ...] = ()
     drives: Drives = NO_DRIVES
     accuracy: DriveAccuracy = DriveAccuracy()
-    leg1: Leg1Deviations = Leg1Deviations()
-    leg2: Leg2Deviations = Leg2Deviations()
-    leg3: Leg3Deviations = Leg3Deviations()
+    leg1: LegDeviations = Leg1Deviations()
+    leg2: LegDeviations = Leg2Deviations()
+    leg3: LegDeviations = Leg3Deviations()
     tolerances: Tolerances = Tolerances()
     elastic: Elastic = Elastic()
     name: str = field(default="PAMINSA", compare=False)
@@ -98,8 +99,14 @@ class Design(Group, path="design"):
             group = getattr(self, item.name)
             expected = item.default
             is_group = is_dataclass(expected) or isinstance(expected, tuple)
-            if is_group and type(group) is not type(expected):
+            if not is_group or type(group) is type(expected):
+                continue
+            if not isinstance(expected, LegDeviations):
                 raise InvalidDesign(item.name, group, f"a {type(expected).__name__} is needed")
+            if not isinstance(group, LegDeviations):
+                raise InvalidDesign(item.name, group, "a LegDeviations is needed")
+            # The numbers of any leg will do; the class of its own is what messages name a leg by.
+            object.__setattr__(self, item.name, type(expected)(*astuple(group)))
         if len(self.counterweights) > MOST_COUNTERWEIGHTS:
             raise InvalidDesign(
                 "counterweights", len(self.counterweights), f"at most {MOST_COUNTERWEIGHTS} a leg"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -108,6 +110,14 @@ def test_design_files_hold_deviations_and_tolerances() -> None:
         DesignFileError, match=r"line 3, \[leg2\] bar_94_m = 1000000000.0: .* at most 100"
     ):
         read_design("schema_version = 1\n[leg2]\nbar_94_m = 1e9\n", "robot.toml")
+
+
+def test_deviations_of_any_leg_are_taken_as_those_of_a_leg() -> None:
+    off = APPENDIX_4.vary({"leg1.bar_94": 1e-4})
+    assert replace(APPENDIX_4, leg1=LegDeviations(bar_94=1e-4)) == off
+    assert replace(APPENDIX_4, leg2=off.leg1) == APPENDIX_4.vary({"leg2.bar_94": 1e-4})
+    with pytest.raises(InvalidDesign, match=r"leg3 = .* a LegDeviations is needed"):
+        replace(APPENDIX_4, leg3=0.1)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("shape", [(14,), (2, 14), (3, 13), (5, 3, 13)], ids=str)
