@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
@@ -146,8 +146,13 @@ def resized(design: Design, values: Mapping[str, float], law: BarLaw = IN_PROPOR
         law: How the arm B1, the shaft B2, the bars B3, B4, B7, B8 and the guide link B10 follow.
 
     Raises:
-        InvalidDesign: If the lengths make no robot.
+        InvalidDesign: If a path is no length's, or the lengths make no robot.
     """
+    for path, value in values.items():
+        # A mass given here would be lost: the law of the bars writes its own over it.
+        if not path.startswith("geometry."):
+            allowed = "values of the geometry can be given here; use Design.vary for others"
+            raise InvalidDesign(path, value, allowed)
     changed = design.vary(dict(values))
     if not law.follow:
         return changed

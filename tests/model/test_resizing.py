@@ -13,6 +13,7 @@ from paminsa_viz.model import (
     APPENDIX_4,
     BarLaw,
     Counterweight,
+    InvalidDesign,
     InvalidInput,
     inverse_kinematics,
     lumped_coefficients,
@@ -46,6 +47,13 @@ def lengths(design) -> dict[str, float]:
 def longer(design, seed: int) -> dict[str, float]:
     shares = np.random.default_rng(seed).uniform(0.9, 1.2, len(LENGTHS))
     return {path: share * design.value(path) for path, share in zip(LENGTHS, shares, strict=True)}
+
+
+@pytest.mark.parametrize("path", ["links.b4", "inertias.b8_axial", "elastic.b4_outer", "gravity"])
+def test_what_is_no_length_is_refused(path: str) -> None:
+    for law in (*LAWS, KEPT):
+        with pytest.raises(InvalidDesign, match=f"{path} = .*: values of the geometry"):
+            resized(APPENDIX_4, {path: 1.0}, law)
 
 
 @given(seed=st.integers(0, 1000), grow=st.booleans())
