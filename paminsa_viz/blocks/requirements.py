@@ -343,14 +343,17 @@ def largest_blocks(
         return [Note(f"{design.name}, largest workspace: {why}{_cause(found, text)}", "bad")]
     place = _place(replace(requirements, workspace=found.workspace))
     limit = workspace_text(replace(found.workspace, size=found.limit))
+    sampled = bool(found.proof.sampled)
+    what = "largest workspace by proof and samples" if sampled else "largest proven workspace"
     blocks: list[Table | Note] = [
-        Note(f"{design.name}, largest proven workspace: {place}", "ok"),
+        Note(f"{design.name}, {what}: {place}", "warn" if sampled else "ok"),
         Note(f"gap {format_value(found.gap, 'm', 3)} to {limit}{_cause(found, text)}"),
         evidence_table(found.proof, text),
         Note(f"{found.boxes:,} boxes, {found.seconds:.1f} s"),
     ]
-    if found.proof.sampled:
-        blocks.append(Note("what is only sampled is not proven", "warn"))
+    if sampled:
+        doubt = "what is only sampled is not proven: a pose between samples may break it"
+        blocks.append(Note(f"{doubt}, whatever the gap", "warn"))
     return blocks
 
 

@@ -161,12 +161,14 @@ class Prove(JsonFlags, RequirementFlags):
 class Largest(JsonFlags, RequirementFlags):
     """Find the largest workspace of a shape over which all requirements are proven.
 
+    What cannot be proven is sampled, and the answer says so.
     The sizes of --cylinder or --box are its proportions. Exit code 1 if there is none."""
 
     grow: Literal["all", "horizontal", "vertical"] = "all"
     """Which extents grow; the others are kept."""
     tolerance: Annotated[float, tyro.conf.arg(metavar="MM")] = 1.0
-    """Gap between what is proven and a pose that breaks a requirement, at which to stop."""
+    """Gap between what is proven, or holds at samples, and a pose that breaks a requirement, at
+    which to stop."""
     time: Annotated[float, tyro.conf.arg(metavar="S")] = 15.0
     """Time after which to stop; the gap is then what it is."""
     both_sides: bool = False

@@ -272,8 +272,12 @@ def test_the_largest_workspace_and_what_ends_it() -> None:
     assert notes[1][0].startswith("gap 12.3 mm to box 400 × 200 × 600 mm about x 10 mm")
     assert notes[2:] == [("1,500 boxes, 2.2 s", "plain")]
     sampled = SimpleNamespace(**vars(proof) | {"sampled": (CONDITION,)})
+    head, kind = text(workspace=PLACE, proof=sampled)[0]
+    assert head.startswith("Appendix 4, largest workspace by proof and samples: box 200")
+    assert kind == "warn"
     assert text(workspace=PLACE, proof=sampled)[3] == (
-        "what is only sampled is not proven", "warn",
+        "what is only sampled is not proven: a pose between samples may break it, whatever the gap",
+        "warn",
     )  # fmt: skip
 
 

@@ -17,6 +17,8 @@ from paminsa_viz.synthesis.proof.certificate import prove
 from paminsa_viz.synthesis.proof.evidence import Proof, Verdict, part_of
 from paminsa_viz.synthesis.proof.families import Method
 from paminsa_viz.synthesis.proof.regions import PoseRegion
+from paminsa_viz.synthesis.volume.check import check_requirements
+from paminsa_viz.synthesis.volume.margins import Columns, solve_columns
 from tests.synthesis.certificate_robots import random_poses, robots
 from tests.synthesis.robots import NEEDED, TURN, cylinder
 
@@ -138,6 +140,40 @@ def test_what_cannot_be_proven_is_named_and_sampled() -> None:
     proof = prove(APPENDIX_4, Requirements((impossible,)), cylinder(0.2, 0.2))
     assert proof.verdict is Verdict.REFUTED
     assert proof.evidence[-1].method is Method.SAMPLED
+
+
+ASIDE = (0.02, -0.01, home_pose(APPENDIX_4.geometry)[3])
+"""A center that no leg is symmetric to."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fine", [False, True])
+@pytest.mark.parametrize("shape", WorkspaceShape)
+@pytest.mark.parametrize("quantity", ["speed", "turn_speed", "horizontal_force", "moment"])
+def test_what_a_check_refutes_is_refuted(quantity: str, shape: WorkspaceShape, fine: bool) -> None:
+    """A bound that the worst sample of a check just breaks; on a cylinder, that is on its wall."""
+    space = Workspace(shape, (0.16, 0.16, 0.06), ASIDE)
+    needed = Requirements((Requirement(quantity, low=0.0),), (-0.35, 0.5), space)
+    worst = check_requirements(APPENDIX_4, needed, fine=fine).items[-1].value
+    broken = replace(needed, bounds=(Requirement(quantity, low=worst * (1 + 1e-9)),))
+    assert not check_requirements(APPENDIX_4, broken, fine=fine).holds
+    proof = prove(APPENDIX_4, broken)
+    assert proof.verdict is proof.evidence[-1].verdict is Verdict.REFUTED
+    assert proof.evidence[-1].bound <= worst
+
+
+@pytest.mark.slow
+def test_no_random_pose_is_far_beyond_the_worst_sample() -> None:
+    space = Workspace(WorkspaceShape.CYLINDER, (0.16, 0.16, 0.06), ASIDE)
+    needed = Requirements((Requirement("speed", low=0.1),), (-0.35, 0.5), space)
+    proof = prove(APPENDIX_4, needed)
+    poses = random_poses(proof.region, 4000, np.random.default_rng(0))
+    headings = np.linspace(*needed.theta, 9)
+    field = solve_columns(
+        APPENDIX_4.geometry, Columns.at(poses[:, :2], headings, np.array([ASIDE[2]]))
+    )
+    least = np.nanmin(needed.bounds[0].entry.over(field, APPENDIX_4))
+    assert proof.evidence[-1].bound <= least * (1 + 1e-4)
 
 
 def test_a_margin_of_reach_is_proven_in_closed_form() -> None:

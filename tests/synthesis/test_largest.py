@@ -10,6 +10,7 @@ import pytest
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, check_reach, measure_singularity, static_torques
+from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.proof.bisection import Gauge
 from paminsa_viz.synthesis.proof.certificate import prove, region_of
@@ -17,6 +18,7 @@ from paminsa_viz.synthesis.proof.evidence import Verdict
 from paminsa_viz.synthesis.proof.families import Method
 from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace
 from paminsa_viz.synthesis.proof.regions import Growth
+from paminsa_viz.synthesis.volume.check import check_requirements
 from tests.synthesis.certificate_robots import random_poses
 from tests.synthesis.robots import NEEDED, TURN, cylinder
 
@@ -144,6 +146,22 @@ def test_samples_limit_what_cannot_be_proven() -> None:
     assert found.requirement == sampled
     assert found.proof.sampled == (sampled,)
     assert found.proof.evidence[-1].method is Method.SAMPLED
+
+
+@pytest.mark.slow
+def test_the_wall_of_a_cylinder_limits_what_is_sampled() -> None:
+    """The least speed is on the wall: by brute force the diameter is about 148.7 mm."""
+    center = (0.02, -0.01, home_pose(APPENDIX_4.geometry)[3])
+    space = Workspace(WorkspaceShape.CYLINDER, (0.16, 0.16, 0.06), center)
+    needed = Requirements((Requirement("speed", low=0.46),), (-0.35, 0.5), space)
+    found = largest_workspace(APPENDIX_4, needed)
+    assert found.workspace is not None
+    assert 0.147 < found.workspace.size[0] < 0.1490
+    assert 0.0 < found.gap <= 1e-3
+    assert check_requirements(APPENDIX_4, replace(needed, workspace=found.workspace)).holds
+    assert prove(APPENDIX_4, needed, found.workspace).verdict is Verdict.PROVEN
+    wider = replace(found.workspace, size=tuple(1.01 * extent for extent in found.limit))
+    assert prove(APPENDIX_4, needed, wider).verdict is Verdict.REFUTED
 
 
 def test_a_margin_of_reach_shrinks_the_workspace() -> None:

@@ -2,7 +2,8 @@
 
 Reach and singularities are proven in closed form (`regions`), the condition number, static
 torques and F_4 by bisection of boxes of poses, each bounded by affine arithmetic (`enclosures`).
-Other quantities have no bounds here: they are sampled, and the proof says so.
+Other quantities have no bounds here: they are sampled as by `check_requirements` at least, and
+about the worst sample, and the proof says so.
 
 The region is connected. As no pose in it is singular and each can be taken, neither the sign of the
 determinant nor the branch of the knees changes in it; that it is the robot's own follows from a
@@ -17,8 +18,6 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.grids import Grid, solve_field
-from paminsa_viz.model.reach import home_pose
 from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge, Nearest, nearest_violation
@@ -34,6 +33,7 @@ from paminsa_viz.synthesis.proof.evidence import (
 )
 from paminsa_viz.synthesis.proof.families import BoundGroup, Method, groups, method
 from paminsa_viz.synthesis.proof.regions import PoseRegion
+from paminsa_viz.synthesis.volume.workspace import Samples, affordable_samples, margins_over
 
 FIXED = (False, False, False)
 
@@ -48,6 +48,8 @@ def prove(
     progress: Progress = go_on,
 ) -> Proof:
     """Prove that requirements hold over a workspace, or find a pose where one does not.
+
+    What cannot be proven is sampled. What a coarse `check_requirements` refutes is refuted.
 
     Args:
         design: The robot.
@@ -119,11 +121,11 @@ def _bisected(group: BoundGroup, nearest: Nearest) -> list[Evidence]:
     return found
 
 
-SAMPLING_TIME = 0.5
-"""Time that the samples of a quantity without bounds may take [s]."""
+SAMPLING_TIME = 0.1
+"""Time that fine samples of a quantity without bounds may take [s]."""
 
-SAMPLES = (9, 9, 9, 5)
-"""Most samples of such a quantity along x, y, theta and z."""
+_ROUNDS = 8
+"""Rounds in which the surroundings of the worst sample are looked at, each half as wide."""
 
 
 def sampled_evidence(
@@ -147,24 +149,67 @@ def sampled_evidence(
 def sample_requirement(
     design: Design, requirements: Requirements, requirement: Requirement, region: PoseRegion
 ) -> tuple[Array, Array]:
-    """Return sample poses of a region (n, 4), and the margins of a requirement there (n,)."""
-    part = part_of(requirements, requirement, region)
-    if part is None:
+    """Return sample poses of a region (n, 4), and the margins of a requirement there (n,).
+
+    Those of a coarse check of the region (`check_requirements`) are among them, so that what it
+    refutes is refuted here; and the finer ones that the time allows. If the requirement holds at
+    all of them, the surroundings of the worst one are sampled as well. A margin is minus infinite
+    where a pose has no value.
+    """
+    if part_of(requirements, requirement, region) is None:
         return np.empty((0, 4)), np.empty(0)
-    quantity = requirement.entry
-    share = min(1.0, (SAMPLING_TIME / quantity.cost / np.prod(SAMPLES)) ** 0.25)
-    counts = [max(2, round(share * count)) for count in SAMPLES]
-    (x0, y0, z0), (x1, y1, z1) = part.low, part.high
-    ends = ((x0, x1), (y0, y1), part.theta, (z0, z1))
-    axes = {
-        name: np.linspace(low, high, count) if high > low else np.array([low])
-        for name, (low, high), count in zip(("x", "y", "theta", "z"), ends, counts, strict=True)
-    }
-    grid = Grid.over(home_pose(design.geometry), **axes)
-    values = quantity.over(solve_field(design.geometry, grid), design).ravel()
-    poses = grid.poses().reshape(-1, 4)
-    inside = np.ones(len(poses), bool)
-    if part.shape is WorkspaceShape.CYLINDER:
-        away = np.hypot(poses[:, 0] - part.center[0], poses[:, 1] - part.center[1])
-        inside = away <= part.half[0] * (1.0 + 1e-12)
-    return poses[inside], requirement.margin(values[inside])
+    x, y, z = (2.0 * half for half in region.half)
+    workspace = Workspace(region.shape, (x, y, z), region.center)
+    theta = requirements.headings(requirement)
+    poses, margins = [], []
+    for fine, budget in ((False, None), (True, SAMPLING_TIME)):
+        samples, turns = affordable_samples(
+            workspace, region.center, requirement, theta, fine=fine, budget=budget
+        )
+        samples = samples.between(requirement.z)
+        assert samples is not None  # the part above is of the same heights
+        field, _, margin = margins_over(design, requirement, samples, turns)
+        poses.append(field.grid.poses().reshape(-1, 4))
+        margins.append(margin.ravel())
+    found, least = np.concatenate(poses), np.concatenate(margins)
+    worst = int(least.argmin())
+    if least[worst] < 0.0:
+        return found, least
+    near, margin = _near(design, requirements, requirement, region, found[worst])
+    return np.concatenate([found, near]), np.concatenate([least, margin])
+
+
+def _near(
+    design: Design,
+    requirements: Requirements,
+    requirement: Requirement,
+    region: PoseRegion,
+    pose: Array,
+) -> tuple[Array, Array]:
+    """Return poses of a region near one (4,), (n, 4), and the margins there (n,).
+
+    Each round looks about the worst pose of the one before, on the region's boundary where it
+    would leave it, half as far away.
+    """
+    part = part_of(requirements, requirement, region)
+    assert part is not None
+    center, half = np.array(part.center), np.array(part.half)
+    low, high = part.theta
+    unit = np.array([-1.0, 0.0, 1.0])
+    square = np.stack(np.meshgrid(unit, unit), axis=-1).reshape(-1, 2)
+    poses, margins = [], []
+    for step in 0.25 * 0.5 ** np.arange(_ROUNDS):
+        away = pose[:2] - center[:2] + step * half[:2] * square
+        if part.shape is WorkspaceShape.CYLINDER:
+            radius = np.hypot(*away.T)[:, None]
+            away *= np.minimum(1.0, half[0] / np.maximum(radius, 1e-300))
+        else:
+            away = np.clip(away, -half[:2], half[:2])
+        theta = np.unique(np.clip(pose[2] + 0.5 * step * (high - low) * unit, low, high))
+        z = np.unique(np.clip(pose[3] + step * half[2] * unit, part.low[2], part.high[2]))
+        samples = Samples(center[:2] + away, z)
+        field, _, margin = margins_over(design, requirement, samples, theta)
+        poses.append(field.grid.poses().reshape(-1, 4))
+        margins.append(margin.ravel())
+        pose = poses[-1][int(margin.argmin())]
+    return np.concatenate(poses), np.concatenate(margins)

@@ -64,7 +64,7 @@ class GrowingRegion:
         region: The region at scale 1.
         grows: Which of its extents grow.
         control: When to stop.
-        lower: Scale up to which everything is proven.
+        lower: Scale up to which everything is proven that can be, and no sample breaks the rest.
         upper: Scale at which ``pose`` breaks a requirement, or reach ends.
         pose: (4,) the pose; None if none was found.
         cause: What it breaks: ``"reach"``, ``"singularity"`` or the key of a quantity.
@@ -86,6 +86,7 @@ class GrowingRegion:
         self._gauge = Gauge(self.region, self.grows)
         self._groups = groups(self.design, self.requirements)
         self._nearest: list[Nearest | None] = [None] * len(self._groups)
+        self._tolerance = TOLERANCE
         self._extent = 2.0 * max(np.extract(self.grows, self.region.half).tolist())
         if len(home_path(self.design.geometry, self.region)):
             self.lower = self.upper = reach_scale(
@@ -96,6 +97,7 @@ class GrowingRegion:
         """Bring the bounds together."""
         if self.upper <= 0.0:
             return
+        self._tolerance = tolerance
         self._name_limit_of_reach()
         self._sample()
         # an answer of the first stage at once, and finer ones while there is time
@@ -145,29 +147,45 @@ class GrowingRegion:
     def _sample(self) -> None:
         """Lower the upper bound to where samples break a requirement that cannot be proven."""
         for requirement in self.requirements.bounds:
-            while method(requirement) is Method.SAMPLED and not self.control.over:
-                if not self._sampled(requirement, self.upper):
-                    break
+            if method(requirement) is Method.SAMPLED and not self.control.over:
+                self._bisect_samples(requirement, self.upper)
 
     def _sample_inside(self) -> None:
         """Shrink what is proven until no sample in it breaks a requirement."""
-        for requirement in self.requirements.bounds:
-            while method(requirement) is Method.SAMPLED and self.lower > NOTHING:
-                if not self._sampled(requirement, self.lower * _INSIDE):
-                    break
-                self.lower = min(0.999 * self.lower, self.upper)
+        sampled = [r for r in self.requirements.bounds if method(r) is Method.SAMPLED]
+        before = np.inf
+        # samples lie elsewhere after it has shrunk for another requirement
+        while sampled and NOTHING < self.lower < before:
+            before = self.lower
+            for requirement in sampled:
+                self.lower = self._bisect_samples(requirement, self.lower)
+
+    def _bisect_samples(self, requirement: Requirement, scale: float) -> float:
+        """Return a scale up to another at which no sample breaks a requirement, to the tolerance.
+
+        The upper bound follows to the least scale of a sample that breaks it.
+        """
+        if scale <= NOTHING or not self._sampled(requirement, scale):
+            return scale
+        low, high = 0.0, min(scale, self.upper)
+        while (high - low) * self._extent > self._tolerance and high > NOTHING:
+            middle = 0.5 * (low + high)
+            if self._sampled(requirement, middle):
+                high = min(middle, self.upper)
+            else:
+                low = middle
+        return min(low, high)
 
     def _sampled(self, requirement: Requirement, scale: float) -> bool:
         """Say whether a sample of a scale breaks a requirement; the upper bound then follows."""
-        whole = self.region.scaled(scale, self.grows)
+        whole = self.region.scaled(scale * _INSIDE, self.grows)
         poses, margins = sample_requirement(self.design, self.requirements, requirement, whole)
         poses = poses[~(margins >= 0.0)]
-        scales = self._gauge.of_poses(poses)
-        found = bool((scales < self.upper).any())
-        if found:
+        if len(poses):
+            scales = self._gauge.of_poses(poses)
             row = int(np.argmin(scales))
             self._lower(float(scales[row]), poses[row], requirement)
-        return found
+        return len(poses) > 0
 
     @property
     def found(self) -> PoseRegion | None:
@@ -202,7 +220,9 @@ class LargestWorkspace:
         proof: What is proven over it, and how.
         limit: Size (x, y, z) from which on poses break a requirement [m]: about this center, or, if
             that was free, about the best center that poses tell of.
-        gap: Largest difference of ``limit`` to the workspace's size [m].
+        gap: Largest difference of ``limit`` to the workspace's size [m]. It bounds what is proven
+            alone: where requirements are only sampled (`Proof.sampled`), no sample of the workspace
+            breaks them, but a pose between its samples may.
         pose: A pose just outside that breaks a requirement; None if none was found.
         cause: What it breaks: ``"reach"``, ``"singularity"``, the key of a quantity; ``"home"``
             if no path from home to the center was proven, ``"volume"`` if no position meets all.
@@ -237,14 +257,16 @@ def largest_workspace(
 ) -> LargestWorkspace:
     """Find the largest workspace of a shape that is proven to meet requirements.
 
+    Requirements that cannot be proven are sampled, as by `prove`.
+
     Args:
         design: The robot.
         requirements: What has to hold.
         workspace: Shape, center and extents: those that grow give the proportions. Coordinates of
             the center that are open are chosen by poses. None for that of the requirements.
         growth: Which extents grow.
-        tolerance: Difference of extents, of what is proven to where a pose breaks a requirement, at
-            which to stop [m].
+        tolerance: Difference of extents, of what is proven (or, where there is no proof, of what
+            no sample breaks) to where a pose breaks a requirement, at which to stop [m].
         time_limit: When to stop at the latest [s]; the gap then is what it is.
         both_sides: Whether an open height may be on the other side of the guides than home.
         progress: Is told what part of the time is over, and may end it.

@@ -18,20 +18,16 @@ from paminsa_viz.synthesis.volume.margins import headings
 from paminsa_viz.synthesis.volume.reach import reach_bounds
 from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
 from paminsa_viz.synthesis.volume.workspace import (
+    SAMPLES,
     Center,
     RequirementCheck,
     Samples,
+    affordable_samples,
     best_center,
     reach_items,
     sample_workspace,
     worst_over,
 )
-
-FINER = 4
-"""How many times closer the headings of a fine check of a workspace lie than those of a volume."""
-
-SAMPLES = {False: 3, True: 8}
-"""Samples from a workspace's center to its boundary, of a coarse and of a fine check."""
 
 _ROUNDS = 8
 """Moves of a workspace that is free, each by a node's distance or less."""
@@ -117,19 +113,13 @@ def _over_workspace(
     progress: Progress,
 ) -> RequirementsCheck:
     assert requirements.workspace is not None
-    density = SAMPLES[fine]
-    samples = sample_workspace(requirements.workspace, center, density)
-    count = FINER * (FINE.headings - 1) + 1 if fine else COARSE.headings
+    workspace = requirements.workspace
+    samples = sample_workspace(workspace, center, SAMPLES[fine])
     items = list(reach_items(design, requirements, samples))
     for index, bound in enumerate(requirements.bounds):
         keep_on(progress, index / len(requirements.bounds))
-        budget = (FINE if fine else COARSE).budget
-        few, turns = density, count
-        own = samples
-        while few > 1 and bound.entry.cost * len(own.positions) * len(own.z) * turns > budget:
-            few, turns = few - 1, max(COARSE.headings, turns // 2)
-            own = sample_workspace(requirements.workspace, center, few)
-        theta = headings(requirements.headings(bound), turns)
+        limits = requirements.headings(bound)
+        own, theta = affordable_samples(workspace, center, bound, limits, fine=fine)
         items.append(worst_over(design, bound, index, own, theta))
     return RequirementsCheck(tuple(items), Over.WORKSPACE, center, volume)
 

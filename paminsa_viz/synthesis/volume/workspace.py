@@ -12,8 +12,15 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import LEAST_MARGIN, MARGINS, Limit
 from paminsa_viz.quantities.requirement_text import requirement_label
-from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
-from paminsa_viz.synthesis.volume.margins import Columns, headings, solve_columns
+from paminsa_viz.quantities.requirements import (
+    Range,
+    Requirement,
+    Requirements,
+    Workspace,
+    WorkspaceShape,
+)
+from paminsa_viz.synthesis.volume.grid import COARSE, FINE
+from paminsa_viz.synthesis.volume.margins import ColumnField, Columns, headings, solve_columns
 from paminsa_viz.synthesis.volume.reach import reach_bounds
 from paminsa_viz.synthesis.volume.solve import Volume
 
@@ -21,6 +28,12 @@ Center = tuple[float, float, float]
 
 DIRECTIONS = 12
 """Directions of samples on the innermost ring; the legs' own are among them."""
+
+FINER = 4
+"""How many times closer the headings of a fine check of a workspace lie than those of a volume."""
+
+SAMPLES = {False: 3, True: 8}
+"""Samples from a workspace's center to its boundary, of a coarse and of a fine check."""
 
 
 class Samples(NamedTuple):
@@ -33,6 +46,13 @@ class Samples(NamedTuple):
 
     positions: Array
     z: Array
+
+    def between(self, heights: Range | None) -> Samples | None:
+        """Return the part between two heights [m], both among them; None if there is none."""
+        if heights is None:
+            return self
+        low, high = max(self.z[0], heights[0]), min(self.z[-1], heights[1])
+        return None if low > high else self._replace(z=np.unique(np.clip(self.z, low, high)))
 
 
 def sample_workspace(workspace: Workspace, center: Center, density: int) -> Samples:
@@ -56,6 +76,35 @@ def sample_workspace(workspace: Workspace, center: Center, density: int) -> Samp
         flat = np.stack(np.meshgrid(x * side, y * side, indexing="ij"), axis=-1).reshape(-1, 2)
     z = center[2] + height * np.linspace(-1.0, 1.0, 2 * density + 1)
     return Samples(flat + np.array(center[:2]), z)
+
+
+def affordable_samples(
+    workspace: Workspace,
+    center: Center,
+    bound: Requirement,
+    theta: Range,
+    *,
+    fine: bool,
+    budget: float | None = None,
+) -> tuple[Samples, Array]:
+    """Return samples of a workspace and headings [rad] that a requirement has the time for.
+
+    Args:
+        workspace: Shape and size.
+        center: Its center (x, y, z) [m].
+        bound: The requirement, of whose quantity the cost counts.
+        theta: Least and largest heading [rad].
+        fine: Whether to sample finely.
+        budget: Time that all of them may take [s]; None for that of a check.
+    """
+    budget = (FINE if fine else COARSE).budget if budget is None else budget
+    few = SAMPLES[fine]
+    turns = FINER * (FINE.headings - 1) + 1 if fine else COARSE.headings
+    samples, cost = sample_workspace(workspace, center, few), bound.entry.cost
+    while few > 1 and cost * len(samples.positions) * len(samples.z) * turns > budget:
+        few, turns = few - 1, max(COARSE.headings, turns // 2)
+        samples = sample_workspace(workspace, center, few)
+    return samples, headings(theta, turns)
 
 
 def best_center(workspace: Workspace, volume: Volume) -> Center:
@@ -162,29 +211,36 @@ class RequirementCheck:
     requirement: int | None = None
 
 
+def margins_over(
+    design: Design, bound: Requirement, samples: Samples, theta: Array
+) -> tuple[ColumnField, Array, Array]:
+    """Return a field of poses, and value and margin of a requirement at each [SI].
+
+    Both have the shape of the field, (positions, headings, heights). Where a pose cannot be taken
+    or has no value, that is NaN and the margin minus infinite.
+    """
+    field = solve_columns(design.geometry, Columns.at(samples.positions, theta, samples.z))
+    with np.errstate(all="ignore"):
+        values = bound.entry.over(field, design)
+    values = np.where(field.status == Limit.OK, values, np.nan)
+    return field, values, np.where(np.isnan(values), -np.inf, bound.margin(values))
+
+
 def worst_over(
     design: Design, bound: Requirement, index: int, samples: Samples, theta: Array
 ) -> RequirementCheck:
     """Return the worst value of a requirement over positions and heights with headings [rad]."""
     entry, label = bound.entry, requirement_label(bound)
-    z = samples.z
-    if bound.z is not None:
-        low, high = max(z[0], bound.z[0]), min(z[-1], bound.z[1])
-        if low > high:
-            reason = "no height of the workspace is within its range of z"
-            return RequirementCheck(label, entry.unit, np.nan, np.inf, None, True, reason, index)
-        z = np.unique(np.clip(z, low, high))
-    columns = Columns.at(samples.positions, theta, z)
-    field = solve_columns(design.geometry, columns)
-    with np.errstate(all="ignore"):
-        values = entry.over(field, design)
-    values = np.where(field.status == Limit.OK, values, np.nan)
-    margin = np.where(np.isnan(values), -np.inf, bound.margin(values))
+    part = samples.between(bound.z)
+    if part is None:
+        reason = "no height of the workspace is within its range of z"
+        return RequirementCheck(label, entry.unit, np.nan, np.inf, None, True, reason, index)
+    field, values, margin = margins_over(design, bound, part, theta)
     flat = int(margin.argmin())
     place = tuple(int(i) for i in np.unravel_index(flat, margin.shape))
     i, j, k = place
     x, y = samples.positions[i]
-    pose = (float(x), float(y), float(theta[j]), float(z[k]))
+    pose = (float(x), float(y), float(theta[j]), float(part.z[k]))
     value, least, reason = float(values[place]), float(margin[place]), ""
     if np.isnan(value):
         status = Limit(int(field.status[place]))
