@@ -19,7 +19,8 @@ Springs break it. With masses of its own for each leg there are 27 base paramete
 weight, the mass along z and the platform's inertia are then those of a leg (`LEG_PARAMETERS`).
 
 The drives' inertias J (`Design.drive_inertia`) are part of b_8, J/2 of the mean of M1..M3, and of
-b_7, J_4/(6 k^2).
+b_7, J_4/(6 k^2). What sets a drive of M1..M3 apart from their mean is in no base parameter: its
+torque (J_i - mean J) theta_i'' is not in X b.
 """
 
 from __future__ import annotations
@@ -76,7 +77,7 @@ _PLACE = {name: place for place, name in enumerate(COEFFICIENTS)}
 
 @of_geometry
 def base_matrix(geometry: Geometry, gravity: float) -> Array:
-    """Return B, (11, 18): b = B c with c in the order of `lumped.COEFFICIENTS`.
+    """Return B, (11, 18): b = B c, without drives, with c as `lumped.COEFFICIENTS` orders it.
 
     Raises:
         InvalidInput: If the gravity is none that a design has.
@@ -124,7 +125,11 @@ SELECTION: Array = _selection()
 
 @of_design
 def base_parameters(design: Design) -> Array:
-    """Return b of a design, (11,) in the order of `BASE_PARAMETERS` [N, kg, kg m^2]."""
+    """Return b of a design, (11,) in the order of `BASE_PARAMETERS` [N, kg, kg m^2].
+
+    It is B c (`base_matrix`), and the drives' inertias in b_7 and b_8: that of M4, and the mean of
+    those of M1..M3 (see `base_regressor` where they differ).
+    """
     b = base_matrix(design.geometry, design.gravity) @ lumped_coefficients(design)
     j1, j2, j3, j4 = design.drive_inertia
     b[7] += (j1 + j2 + j3) / 6
@@ -146,9 +151,11 @@ def mass_columns(design: Design) -> tuple[Array, Array]:
 def base_regressor(
     geometry: Geometry, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
 ) -> Array:
-    """Return X, (..., 4 actuators, 11 base parameters); the torques are X b.
+    """Return X, (..., 4 actuators, 11 base parameters); X b are the torques if M1..M3 are alike.
 
-    Friction and the external load are no part of it. NaN where the pose cannot be taken.
+    Friction and the external load are no part of it. Where the drives' inertias J of M1..M3 differ
+    (`Design.drive_inertia`), neither is (J_i - mean J) theta_i'' of those actuators, which
+    `identify` takes into account. NaN where the pose cannot be taken.
 
     Args:
         geometry: Lengths of the mechanism.

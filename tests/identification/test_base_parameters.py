@@ -25,6 +25,7 @@ from paminsa_viz.model import (
     Counterweight,
     actuator_acceleration,
     actuator_velocity,
+    inverse_dynamics,
     lumped_coefficients,
 )
 from paminsa_viz.model.drive import Drive
@@ -109,6 +110,20 @@ def test_drives_add_their_inertia_to_two_base_parameters() -> None:
     extra = x @ (base_parameters(driven) - base_parameters(APPENDIX_4))
     np.testing.assert_allclose(extra, speeds * np.array(driven.drive_inertia), rtol=1e-9, atol=1e-9)
     assert rank(np.concatenate([x, speeds[..., None] * np.eye(4)], axis=-1)) == 13
+
+
+def test_torques_of_unequal_drives_are_those_of_their_mean_and_each_difference() -> None:
+    drive = Drive(rotor_inertia=1e-4, gear_inertia=2e-5, gear_ratio=30.0)
+    driven = replace(APPENDIX_4, drives=(drive, None, None, None))
+    states = Case(0, APPENDIX_4.geometry.knee).states(STATES)
+    inertia = np.array(driven.drive_inertia)
+    assert inertia[0] > inertia[1] == inertia[2] == 0.0
+    apart = np.append(inertia[:3] - inertia[:3].mean(), 0.0)
+    rest = apart * actuator_acceleration(APPENDIX_4.geometry, *states)
+    found = base_regressor(APPENDIX_4.geometry, *states) @ base_parameters(driven)
+    torque = inverse_dynamics(driven, *states).torque
+    np.testing.assert_allclose(found + rest, torque, rtol=1e-9, atol=1e-9 * np.abs(torque).max())
+    assert np.abs(found - torque).max() > 1e-3  # so that X b alone is not the torques
 
 
 @pytest.mark.slow
