@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,7 +10,7 @@ import pytest
 
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import Requirement, Requirements, WorkspaceShape
-from paminsa_viz.synthesis.proof.certificate import SAMPLES, sample_requirement
+from paminsa_viz.synthesis.proof.certificate import sample_requirement
 from paminsa_viz.synthesis.proof.placement import CenterSearch
 from paminsa_viz.synthesis.proof.regions import FIRST, Growth, PoseRegion, from_unit, lowest
 
@@ -136,23 +135,14 @@ def test_samples_of_what_cannot_be_proven_are_in_their_part(shape: WorkspaceShap
     assert size.max() == pytest.approx(1.0)
     for column, ends in ((2, (0.0, 0.2)), (3, (-0.65, -0.4))):
         assert (poses[:, column].min(), poses[:, column].max()) == pytest.approx(ends)
-    counts = [len(np.unique(np.round(column, 12))) for column in poses.T]
-    assert all(2 <= count <= most for count, most in zip(counts, SAMPLES, strict=True))
-    quick = SimpleNamespace(**{**vars(bound), "entry": SimpleNamespace(
-        cost=1e-9, over=lambda field, design: np.zeros(field.grid.shape))})  # fmt: skip
-    quick.margin = lambda values: values
-    more, _ = sample_requirement(APPENDIX_4, asked, quick, part)  # type: ignore
-    assert [len(np.unique(np.round(column, 12))) for column in more.T] == list(SAMPLES)
-    # a quarter of the digits of the time: half as many along each axis where it takes 16 times
-    for times, expected in ((16.0, [4, 4, 4, 2]), (2.0, [8, 8, 8, 4]), (1e9, [2, 2, 2, 2])):
-        quick.entry.cost = times * 0.5 / np.prod(SAMPLES)
-        fewer, _ = sample_requirement(APPENDIX_4, asked, quick, part)  # type: ignore
-        ends = [len(np.unique(np.round(column, 12))) for column in fewer.T]
-        if shape is WorkspaceShape.BOX:
-            assert ends == expected
-        assert ends[2:] == expected[2:] or not len(fewer)
-    level, _ = sample_requirement(APPENDIX_4, asked, bound, replace(part, half=(*part.half[:2], 0)))
-    assert len(level) == len(np.unique(level, axis=0)) > 9
+    made = SimpleNamespace(cost=1e-9, over=lambda field, _: np.zeros(field.grid.shape))
+    quick = SimpleNamespace(**{**vars(bound), "entry": made})
+    quick.margin = lambda values: values - 1.0  # broken, so that nothing is looked at more closely
+    counts = []
+    for cost in (1e-9, 1e-6, 1e-3):
+        made.cost = cost
+        counts.append(len(sample_requirement(APPENDIX_4, asked, quick, part)[0]))  # type: ignore
+    assert counts[0] > counts[1] > counts[2] > 9
     elsewhere = Requirement("stiffness_x", low=1.0, z=(-0.3, -0.2))
     poses, margins = sample_requirement(APPENDIX_4, asked, elsewhere, part)
     assert (poses.shape, margins.shape) == ((0, 4), (0,))
