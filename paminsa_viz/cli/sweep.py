@@ -89,8 +89,6 @@ class Sweep(JsonFlags, RegionFlags, MotionFlags, DesignFlags):
     scale_bars: bool = False
     """Let bars keep their cross section, so that mass and inertia follow their length."""
 
-    theta: Annotated[tuple[float, ...], tyro.conf.arg(metavar="DEG")] = (0.0, 30.0)
-    """A measured angle [°]; can be repeated."""
     max_condition: float = CONDITION_LIMIT
     """Largest condition number at which torques count; beyond it they grow without bound."""
 

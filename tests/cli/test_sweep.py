@@ -12,9 +12,11 @@ import time
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from paminsa_viz.cli import main
+from paminsa_viz.cli.arguments import parse
 from paminsa_viz.cli.sweep import Sweep, study_of
 from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.studies import (
@@ -62,6 +64,14 @@ def test_flags_become_a_study_in_si_units() -> None:
     assert study_of(flags, APPENDIX_4).variation == RandomDesigns(
         (DesignRange("links.b3", 0.5 * b3, 1.5 * b3), DesignRange("joints.j7", 0.1, 0.3)), 7, 5
     )
+
+
+@pytest.mark.parametrize(("words", "angles"), [("", (0, 30)), ("--theta 60 --theta 0", (60, 0))])
+def test_given_angles_replace_the_default_ones(words, angles) -> None:
+    line = f"--vary links.b3=1 --out a.csv {words}"
+    flags = parse(Sweep, line.split(), "paminsa-viz sweep", "")
+    theta = study_of(flags, APPENDIX_4).region.theta
+    assert np.degrees(theta) == pytest.approx(angles)
 
 
 def rows(name: str) -> list[dict[str, str]]:
