@@ -63,7 +63,7 @@ METRICS: tuple[Metric[RegionResults], ...] = (
            lambda found: static_imbalance(found.design)),
     Metric("mass", "kg", "mass of all that moves, with the payload",
            lambda found: whole_mass(found.design)),
-    Metric("added_mass", "kg", "mass beyond that of the first design",
+    Metric("added_mass", "kg", "mass beyond that of the design that the others are made from",
            lambda found: whole_mass(found.design) - found.base_mass),
     Metric("reached_share", "", "share of the region that can be reached",
            lambda found: found.share(found.reached)),

@@ -54,6 +54,11 @@ def read(path) -> list[dict[str, str]]:
     return list(csv.DictReader(lines))
 
 
+def test_the_head_says_which_design_the_added_mass_is_counted_from(expected) -> None:
+    named = "mass beyond that of the design that the others are made from"
+    assert f"added_mass_kg: {named}" in expected.decode()
+
+
 def test_a_row_reads_back_as_the_numbers_it_was_made_of(tmp_path) -> None:
     run_study(SMALL, tmp_path / "a.csv")
     rows = read(tmp_path / "a.csv")
