@@ -7,6 +7,7 @@ import re
 from collections.abc import Sequence
 from contextlib import redirect_stderr
 from contextvars import ContextVar
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, Union
 
 import tyro
@@ -48,14 +49,15 @@ def parse(kind: Any, words: Sequence[str], program: str, description: str) -> An
         UsageError: If the words do not fit.
         SystemExit: After ``--help``.
     """
+    words = flags_of_today(list(words))
     message = io.StringIO()
     if not {"-h", "--help"}.isdisjoint(words):
         print(f"{description}\n")  # tyro would run its lines together
     try:
         with redirect_stderr(message):
-            return tyro.cli(
+            found = tyro.cli(
                 kind,
-                args=flags_of_today(list(words)),
+                args=words,
                 prog=program,
                 description=" ",
                 config=(tyro.conf.OmitArgPrefixes, tyro.conf.UseAppendAction),
@@ -64,6 +66,20 @@ def parse(kind: Any, words: Sequence[str], program: str, description: str) -> An
         if not stop.code:
             raise
         raise UsageError(f"{one_line(message.getvalue())}; see {program} --help") from None
+    if repeated := _repeated_flag(found, words):
+        raise UsageError(f"{repeated} takes one value, but is given twice; see {program} --help")
+    return found
+
+
+def _repeated_flag(found: Any, words: Sequence[str]) -> str | None:
+    """Return a flag of one value that stands twice among the words: tyro keeps its last value."""
+    given = [word.partition("=")[0].replace("_", "-") for word in words]
+    for field in fields(found):
+        flag = f"--{field.name.replace('_', '-')}"
+        of_one_value = field.default != () and not isinstance(field.default, bool)
+        if of_one_value and given.count(flag) > 1:
+            return flag
+    return None
 
 
 def one_line(message: str) -> str:

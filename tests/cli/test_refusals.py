@@ -22,6 +22,9 @@ evaluat                                             | 'evaluat'; did you mean ev
 xyz                                                 | 'xyz'; there are start, evaluate, design
 evaluate                                            | Missing from paminsa-viz evaluate
 evaluate a.csv                                      | --out
+evaluate a.csv --out b.csv --out c.csv              | --out takes one value, but is given twice
+export --dxf a.dxf --glb a.glb --dxf=b.dxf          | --dxf takes one value, but is given twice
+sweep --out a.csv --vary links.b3=1 --vary joints.j7=1 --max-condition 9 --max_condition 8 | --max-
 evaluate a.csv --out b.csv --knee other             | invalid choice 'other'
 evaluate a.csv --out b.csv --load 1 2 3             | 6 numbers are needed, not '1', '2', '3'
 trajectory --preset Circle                          | 'Circle'; did you mean circle?

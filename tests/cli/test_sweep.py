@@ -39,8 +39,9 @@ run_json = partial(commands.run_json, "sweep")
 GRID = ("--vary", "links.b3=0.2:0.6:3", "--vary", "joints.j7=0.1,0.3", "--cells", "8",
         "--out", "a.csv")  # fmt: skip
 MOTION = ("--vary", "geometry.base_radius=0.2,0.35,0.5", "--cells", "8", "--out", "a.csv")
-LONG = ("--random", "120", "--seed", "2", "--vary", "links.b3", "--vary", "geometry.base_radius",
-        "--cells", "100", "--preset", "arch", "--jobs", "2", "--out", "a.csv")  # fmt: skip
+WORK = ("--random", "120", "--seed", "2", "--vary", "links.b3", "--vary", "geometry.base_radius",
+        "--cells", "100", "--preset", "arch", "--out", "a.csv")  # fmt: skip
+LONG = (*WORK, "--jobs", "2")
 """More than a second of work."""
 
 
@@ -186,7 +187,7 @@ def test_after_a_stop_the_same_command_finishes_the_same_table(capsys, whole, st
 
     path.write_bytes(left[:-5])  # as if it had come in the middle of a row
     # In this process alone, which makes the same rows.
-    facts = run_json(capsys, *LONG, "--jobs", "1")
+    facts = run_json(capsys, *WORK, "--jobs", "1")
     assert (facts["rows"], facts["found"]) == (120, rows - 1)
     assert path.read_bytes() == whole
 
