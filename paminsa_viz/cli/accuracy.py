@@ -14,7 +14,7 @@ from paminsa_viz.blocks.accuracy import (
     manufacture_blocks,
     manufacture_data,
 )
-from paminsa_viz.cli.arguments import OrNone, UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, RegionFlags
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json
 from paminsa_viz.model.design import Design
@@ -99,6 +99,7 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
         design = self.given_design()
         if self.robots and not self.manufacture:
             raise UsageError("--robots is for --manufacture")
+        check_needs(self, self.robots, "--robots", "seed")
         if self.robots < 0 or self.seed < 0:
             raise UsageError("--robots and --seed are whole numbers of at least 0")
         if self.encoders and self.resolution is not None:

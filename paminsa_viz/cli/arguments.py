@@ -82,6 +82,23 @@ def _repeated_flag(found: Any, words: Sequence[str]) -> str | None:
     return None
 
 
+def check_needs(flags: Any, allowed: object, needed: str, *names: str) -> None:
+    """Refuse flags that would change nothing without another one.
+
+    Args:
+        flags: Instance of a command's dataclass.
+        allowed: Whether what they need is there.
+        needed: What they need, in words.
+        names: Fields of the flags; one with the value of its default counts as left out.
+
+    Raises:
+        UsageError: The first of them that is given.
+    """
+    for field in fields(flags):
+        if not allowed and field.name in names and getattr(flags, field.name) != field.default:
+            raise UsageError(f"--{field.name.replace('_', '-')} needs {needed}")
+
+
 def one_line(message: str) -> str:
     """Return the first statement of tyro's message, and its suggestion, as one line.
 

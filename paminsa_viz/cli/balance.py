@@ -24,7 +24,7 @@ from paminsa_viz.balancing import (
     paper_changes,
 )
 from paminsa_viz.blocks.balance import optimum_blocks, optimum_data
-from paminsa_viz.cli.arguments import OrNone, UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
@@ -106,6 +106,7 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
             raise UsageError("--max-imbalance and --max-added belong to a goal on a motion")
         if self.goal == "static" and (self.preset is not None or self.file is not None):
             raise UsageError("--preset and --file belong to a goal on a motion")
+        check_needs(self, self.goal == "static", "--goal static", "criterion")
         check_output("--out", self.out, [".toml"])
 
     def run(self) -> int:

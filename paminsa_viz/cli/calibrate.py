@@ -9,7 +9,7 @@ from typing import Annotated
 import tyro
 
 from paminsa_viz.blocks.calibration import MOST_COMBINATIONS, calibration_blocks, calibration_data
-from paminsa_viz.cli.arguments import OrNone, UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
 from paminsa_viz.errors import TableFileError
@@ -62,8 +62,10 @@ class Calibrate(JsonFlags, DesignFlags):
         """Calibrate and report, or propose poses."""
         if (self.log is None) == (self.propose is None):
             raise UsageError("either LOG or --propose is needed; see paminsa-viz calibrate --help")
+        check_needs(self, self.log, "LOG", "validate", "all")
         if self.propose is not None:
             return self._propose(self.propose)
+        check_needs(self, self.validate, "--validate or --propose", "seed")
         check_output("--out", self.out, [".toml"])
         if not 0 <= self.validate <= 0.9:
             raise UsageError(f"--validate {self.validate:g}: a share from 0 to 0.9 is needed")

@@ -15,7 +15,7 @@ from paminsa_viz.blocks.clearance import (
     region_blocks,
 )
 from paminsa_viz.clearance import clearance
-from paminsa_viz.cli.arguments import OrNone, UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
 from paminsa_viz.cli.output import print_blocks, print_json
 from paminsa_viz.dimensions.layout import layout
@@ -85,6 +85,7 @@ class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
     def _check(self) -> None:
         if not 0 <= self.poses <= MOST_POSES:
             raise UsageError(f"--poses: 0 to {MOST_POSES} are possible, not {self.poses}")
+        check_needs(self, self.poses, "--poses", "radius", "theta", "z", "seed")
         if self.seed < 0:
             raise UsageError(f"--seed: a whole number of at least 0 is needed, not {self.seed}")
         if not np.isfinite(self.least):

@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 import tyro
 
-from paminsa_viz.cli.arguments import OrNone, UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, PoseFlags, check_output
 from paminsa_viz.cli.output import print_written
 from paminsa_viz.engines.exported import exported_mjcf
@@ -62,6 +62,8 @@ class Export(PoseFlags, DesignFlags):
         if not given and self.meshes is None:
             *flags, last = (f"--{name}" for name in (*TARGETS, "meshes"))
             raise UsageError(f"nothing to write; give {', '.join(flags)} or {last}")
+        driven = self.mjcf or self.meshes or self.usd
+        check_needs(self, driven, "--mjcf, --meshes or --usd", "motors")
         for name, path in given.items():
             check_output(f"--{name}", path, TARGETS[name].endings)
         if self.meshes is not None and self.meshes.suffix.lower() in _OTHER_THAN_FOLDERS:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import tyro
 
-from paminsa_viz.cli.arguments import OrNone, UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.files.atomic import check_writable
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.tables import table_endings
@@ -21,6 +21,9 @@ from paminsa_viz.units import MM
 
 if TYPE_CHECKING:
     from paminsa_viz.studies.region import Region
+
+NEEDS_FIGURE = f"--out with {', '.join(figure_endings()[:-1])} or {figure_endings()[-1]}"
+"""What flags of figures need."""
 
 Pose: TypeAlias = tuple[float, float, float, float]
 Point: TypeAlias = tuple[float, float, float]
@@ -169,7 +172,13 @@ class FilesFlags(JsonFlags):
         """Refuse files of other formats than tables, figures and ``others``.
 
         Raises:
-            UsageError: Which file, and what endings there are.
+            UsageError: Which file, and what endings there are; or which flag needs a figure.
         """
         for path in self.out:
             check_output("--out", path, (*table_endings(), *figure_endings(), *others))
+        check_needs(self, self.draws, NEEDS_FIGURE, "width", "dpi")
+
+    @property
+    def draws(self) -> bool:
+        """Whether a figure is written."""
+        return any(path.suffix.lower() in figure_endings() for path in self.out)

@@ -11,8 +11,8 @@ import numpy as np
 import tyro
 
 from paminsa_viz.blocks.maps import maps_blocks, maps_data
-from paminsa_viz.cli.arguments import OrNone, UsageError
-from paminsa_viz.cli.flags import ComparedDesignFlags, FilesFlags
+from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
+from paminsa_viz.cli.flags import NEEDS_FIGURE, ComparedDesignFlags, FilesFlags
 from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import write_bytes
@@ -127,6 +127,7 @@ class Map(FilesFlags, ComparedDesignFlags):
         if self.published is not None and self.reference is not None:
             raise UsageError("--published and --reference exclude each other")
         self.check_files()
+        check_needs(self, self.draws, NEEDS_FIGURE, "range", "full_range", "log", "own_ranges")
 
     def run(self) -> int:
         """Compute the maps and write the files."""

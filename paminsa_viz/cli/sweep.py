@@ -13,7 +13,7 @@ import numpy as np
 import tyro
 
 from paminsa_viz.blocks.sweep import sweep_blocks, sweep_data
-from paminsa_viz.cli.arguments import OrNone, UsageError, Words, command_line
+from paminsa_viz.cli.arguments import OrNone, UsageError, Words, check_needs, command_line
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, RegionFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags, PresetName
 from paminsa_viz.cli.output import print_blocks, print_error, print_json
@@ -150,6 +150,7 @@ def study_of(flags: Sweep, design: Design) -> Study:
     """
     if not flags.vary:
         raise UsageError("--vary is needed, such as --vary links.b3=0.2:0.6:5")
+    check_needs(flags, flags.random is not None, "--random", "spread", "seed")
     if not 0 < flags.spread <= 1:
         raise UsageError(f"--spread: a share from 0 to 1 is needed, not {flags.spread:g}")
     region = replace(flags.given_region(design), max_condition=flags.max_condition)

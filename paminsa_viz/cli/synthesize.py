@@ -22,7 +22,7 @@ from paminsa_viz.blocks.synthesis import (
     synthesis_blocks,
     synthesis_data,
 )
-from paminsa_viz.cli.arguments import OrNone, UsageError, Words, command_line
+from paminsa_viz.cli.arguments import OrNone, UsageError, Words, check_needs, command_line
 from paminsa_viz.cli.flags import JsonFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_blocks, print_json, print_written, write_report
@@ -105,6 +105,8 @@ class AnswerFlags:
         Raises:
             UsageError: If two flags exclude each other, or a number is not possible.
         """
+        check_needs(self, self.built is not None, "--built", "mass_tolerance")
+        check_needs(self, self.front, "--front", "points")
         if self.built is not None and self.built < 1:
             raise UsageError(f"--built {self.built}: at least one robot is needed")
         if not 0 <= self.mass_tolerance < PERCENT:
@@ -233,7 +235,7 @@ class Synthesize(AnswerFlags, JsonFlags):
 
     def _front(self, case: SynthesisCase) -> int:
         """Search a front and report."""
-        for name in ("checkpoint", "report"):
+        for name in ("checkpoint", "report", "prove"):
             if getattr(self, name) is not None:
                 raise UsageError(f"--front excludes --{name}")
         started = time.monotonic()

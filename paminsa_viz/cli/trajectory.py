@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 import tyro
 
 from paminsa_viz.cli.arguments import OrNone, UsageError
-from paminsa_viz.cli.flags import ComparedDesignFlags, FilesFlags
+from paminsa_viz.cli.flags import NEEDS_FIGURE, ComparedDesignFlags, FilesFlags
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_error, print_json
 from paminsa_viz.cli.trajectory_report import (
@@ -25,7 +25,6 @@ from paminsa_viz.files.published_table import read_published
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import Misprint
-from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.series import FigureKind
 from paminsa_viz.trajectory import (
     PRESET,
@@ -168,12 +167,10 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
             self.shortest or self.stretch,
             f"--{'stretch' if self.stretch else 'shortest'}",
         )
-        drawn = any(path.suffix.lower() in figure_endings() for path in self.out)
         kind, second = (
             self.figure_kind,
             self.engine or self.published or self.printed or self.reference,
         )
-        pictures = "needs --out with .png, .svg or .pdf"
         plan = "needs a planned motion: a preset, or --file with --waypoints"
         self.exclude_both()
         for wrong, problem in (
@@ -217,8 +214,8 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
                 f"{limit}: at most {MOST_LIMIT:g} is possible",
             ),
             (self.engine and kind != "comparison", "--engine belongs to --figure comparison"),
-            (self.figure and not drawn, f"--figure {pictures}"),
-            (self.engine and not drawn, f"--engine {pictures}"),
+            (self.figure and not self.draws, f"--figure needs {NEEDS_FIGURE}"),
+            (self.engine and not self.draws, f"--engine needs {NEEDS_FIGURE}"),
         ):
             if wrong:
                 raise UsageError(f"{problem}; see paminsa-viz trajectory --help")

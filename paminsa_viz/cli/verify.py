@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 import tyro
 
 from paminsa_viz.blocks.verification import verification_blocks, verification_data
-from paminsa_viz.cli.arguments import OrNone
+from paminsa_viz.cli.arguments import OrNone, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
@@ -65,6 +65,7 @@ class Verify(JsonFlags, MotionFlags, DesignFlags):
 
     def run(self) -> int:
         """Compare, and return the verdict."""
+        check_needs(self, self.figures, "--figures", "format")
         if self.report is not None:
             check_output("--report", self.report, [".html", ".htm"])
         design = self.given_design()

@@ -23,10 +23,10 @@ class ExampleLog(Enum):
     """On the first motion, with 2 kg on the platform."""
 
 
-def example_log(kind: ExampleLog = ExampleLog.BEST) -> Log:
-    """Return a log that comes with the program."""
+def example_log(kind: ExampleLog = ExampleLog.BEST, *, gains: Sequence[float] | None = None) -> Log:
+    """Return a log that comes with the program; ``gains`` as of `read_log`, which it refuses."""
     text = files("paminsa_viz.files").joinpath(kind.value).read_text(encoding="utf-8")
-    return parse_log(io.StringIO(text), kind.value)
+    return parse_log(io.StringIO(text), kind.value, gains=gains)
 
 
 EXAMPLES = {
@@ -49,5 +49,5 @@ def given_log(name: str, *, gains: Sequence[float] | None = None, split: bool = 
         TableFileError: If the file cannot be read or is refused.
     """
     if name in EXAMPLES and not Path(name).exists():
-        return example_log(EXAMPLES[name])
+        return example_log(EXAMPLES[name], gains=gains)
     return read_log(name, gains=gains, split=split)

@@ -97,7 +97,7 @@ def test_no_gain_is_exit_code_1_and_writes_nothing(measured: Measurements, capsy
         (("none.csv",), "none.csv"),
         (("log.csv", "--validate", "1"), "--validate 1: a share from 0 to 0.9"),
         (("log.csv", "--validate", "0.9"), "at least 8 poses are needed besides the 27"),
-        (("log.csv", "--seed", "-1"), "--seed -1"),
+        (("log.csv", "--validate", "0.3", "--seed", "-1"), "--seed -1"),
         (("log.csv", "--out", "robot.csv"), "--out robot.csv: its ending has to be .toml"),
         (("--propose", "3"), "--out FILE.csv is needed"),
         (("--propose", "0", "--out", "a.csv"), "1 to 1000"),

@@ -55,6 +55,29 @@ map --cells 3                                       | --cells
 map --range 3 1                                     | below the second, not (3.0, 1.0)
 map --at nan 0                                      | --at: finite numbers are needed, not
 map --own-ranges --quantity condition               | --own-ranges is for the three torques
+accuracy --seed 3                                   | --seed needs --robots
+balance --goal peak --criterion moved               | --criterion needs --goal static
+calibrate --propose 20 --validate 0.3 --out x.csv   | --validate needs LOG
+calibrate --propose 20 --all --out x.csv            | --all needs LOG
+calibrate in.csv --seed 5                           | --seed needs --validate or --propose
+clearance --theta 5                                 | --theta needs --poses
+clearance --seed 9                                  | --seed needs --poses
+clearance --radius 20                               | --radius needs --poses
+clearance --z -600 -500                             | --z needs --poses
+export --dxf d.dxf --motors                         | --motors needs --mjcf, --meshes or --usd
+identify example --gains 5 5 5 50                   | gains are for currents
+map --log                                           | --log needs --out with .png, .svg or .pdf
+map --range 1 2 --out a.csv                         | --range needs --out with .png
+map --full-range                                    | --full-range needs --out with .png
+map --own-ranges                                    | --own-ranges needs --out with .png
+map --dpi 90                                        | --dpi needs --out with .png
+trajectory --width 90 --out a.html                  | --width needs --out with .png
+sweep --out a.csv --vary links.b3=1 --spread 0.3    | --spread needs --random
+sweep --out a.csv --vary links.b3=1 --seed 3        | --seed needs --random
+synthesize cylinder --points 4                      | --points needs --front
+synthesize cylinder --mass-tolerance 3              | --mass-tolerance needs --built
+synthesize cylinder --front mass --front footprint --prove 3 | --front excludes --prove
+verify --format svg                                 | --format needs --figures
 map --own-ranges --range 0 1                        | --own-ranges is for the three torques
 trajectory --bandwidth 5                            | --bandwidth needs --simulate
 map --range 0 nan                                   | --range
