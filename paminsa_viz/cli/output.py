@@ -94,7 +94,7 @@ def _print_report_table(table: Table) -> None:
 
 
 PRINTED = {
-    "−": "-", "±": "+-", "≤": "<=", "≥": ">=", "⌀": "d", "θ": "theta", "″": '"', NONE: "-",
+    "−": "-", "±": "+-", "≤": "<=", "≥": ">=", "⌀": "d", "″": '"', NONE: "-",
 }  # fmt: skip
 """Signs that a terminal may lack, and what is printed instead."""
 
@@ -105,7 +105,7 @@ def ascii_numbers(text: str) -> str:
     text = re.sub(r"·10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)", lambda found: f"e{found[1].translate(exponents)}", text)
     for sign, instead in PRINTED.items():
         text = text.replace(sign, instead)
-    return text
+    return re.sub("θ(?![\u0300-\u036f])", "theta", text)  # a word has no place for a dot above
 
 
 def _print_rows(

@@ -13,7 +13,7 @@ import pytest
 
 from paminsa_viz.blocks import Note, Row, Table
 from paminsa_viz.blocks.data import UNITS, record
-from paminsa_viz.cli.output import print_blocks, print_json
+from paminsa_viz.cli.output import ascii_numbers, print_blocks, print_json
 
 
 class Kind(Enum):
@@ -64,3 +64,8 @@ def test_blocks_are_lines_with_columns_and_marks(capsys: Any) -> None:
         "*  one      -1.5e-7",
         "   another        2",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "printed"), [("θ = 3°", "theta = 3°"), ("θ̇² ≥ θ̇ₖ²", "θ̇² >= θ̇ₖ²")])
+def test_a_letter_with_a_dot_above_stays_a_letter(text, printed) -> None:
+    assert ascii_numbers(text) == printed
