@@ -359,8 +359,8 @@ def _cell(text: str) -> str:
 
 
 def _paragraphs(text: str) -> str:
-    """Return a docstring as Markdown: double backticks become single ones."""
-    return text.replace("``", "`")
+    """Return a docstring as Markdown, without its sections: double backticks become single ones."""
+    return re.split(r"\n\n(?:Attributes|Raises):", text)[0].replace("``", "`")
 
 
 def _page(parts: list[str]) -> str:
