@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -27,8 +27,13 @@ from paminsa_viz.blocks.balance import optimum_blocks, optimum_data
 from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags
-from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
-from paminsa_viz.files.design_file import save_design
+from paminsa_viz.cli.output import (
+    print_blocks,
+    print_error,
+    print_json,
+    print_written,
+    save_changed,
+)
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.trajectory import ImpossibleTrajectory, solve_trajectory
@@ -125,7 +130,7 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
             return 1
         if self.out is not None:
             comment = f"Balanced by {MADE_BY}."
-            save_design(replace(found.after, name=self.out.stem[:100]), self.out, comment=comment)
+            save_changed(found.after, self.out, comment=comment)
         if self.json:
             print_json(optimum_data(found))
         else:

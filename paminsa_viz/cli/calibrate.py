@@ -11,9 +11,14 @@ import tyro
 from paminsa_viz.blocks.calibration import MOST_COMBINATIONS, calibration_blocks, calibration_data
 from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
-from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
+from paminsa_viz.cli.output import (
+    print_blocks,
+    print_heading,
+    print_json,
+    print_written,
+    save_changed,
+)
 from paminsa_viz.errors import TableFileError
-from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.measurements import measurement_table, read_measurements
 from paminsa_viz.files.tables import save_table, table_endings
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -86,7 +91,7 @@ class Calibrate(JsonFlags, DesignFlags):
             print_blocks(calibration_blocks(found, None if self.all else MOST_COMBINATIONS))
         if self.out is not None and found.improved:
             comment = f"Calibrated by {MADE_BY} with {self.log.name}."
-            path = save_design(found.design, self.out, comment=comment)
+            path = save_changed(found.design, self.out, comment=comment)
             if not self.json:
                 print_written([path])
         return 0 if found.improved else 1

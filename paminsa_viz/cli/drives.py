@@ -24,8 +24,8 @@ from paminsa_viz.cli.output import (
     print_heading,
     print_json,
     print_written,
+    save_changed,
 )
-from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.trajectory import PRESET, ImpossibleTrajectory, Trajectory
@@ -100,7 +100,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
             print_blocks(selection_blocks(design, found, self.rows, advice))
         if self.save is not None and found.feasible:
             comment = f"Drives by {MADE_BY} from {catalog.name}."
-            path = save_design(found.design(design), self.save, comment=comment)
+            path = save_changed(found.design(design), self.save, comment=comment)
             if not self.json:
                 print_written([path])
         return 0 if found.feasible else 1

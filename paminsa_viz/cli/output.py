@@ -6,6 +6,7 @@ import json
 import re
 import sys
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from paminsa_viz.blocks.data import plain
 from paminsa_viz.blocks.kinds import Block, Note, Table
 from paminsa_viz.errors import one_line
 from paminsa_viz.files.atomic import open_atomically
+from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model.design import Design
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.units import NONE
@@ -41,6 +43,17 @@ def write_report(request: ReportRequest, path: Path) -> None:
     # Opened first, so that a place which cannot be written to is known before the work.
     with open_atomically(path) as file:
         file.write(report_html(request, _print_step))
+
+
+def save_changed(design: Design, path: Path, *, comment: str = "") -> Path:
+    """Write a design that a command has changed, and return its path.
+
+    It has the file's name: it is no longer the design that its own name says.
+
+    Raises:
+        FileError: If it cannot be written.
+    """
+    return save_design(replace(design, name=path.stem[:100]), path, comment=comment)
 
 
 def print_began(what: str) -> None:

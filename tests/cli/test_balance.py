@@ -31,6 +31,7 @@ def test_the_design_is_written_with_its_counterweights(capsys) -> None:
     assert "B3, 200 mm beyond joint 7: A steel disc of 43 mm radius there reaches at most" in out
     design = load_design("balanced.toml")
     assert design.name == "balanced"
+    assert design.name == "balanced"
     assert abs(static_imbalance(design)) < 1e-14
     assert [weight.beyond for weight in design.counterweights] == [0.2]
     # balanced already: nothing is added

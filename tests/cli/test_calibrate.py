@@ -54,6 +54,7 @@ def test_a_log_gives_a_design_that_predicts_it(log: Measurements, capsys: Any) -
         assert found["held_back"]["after"]["rms"][name] < 4e-5
         assert found["fitted"]["before"]["rms"][name] > 1e-4
     design = load_design("robot.toml")
+    assert design.name == "robot"
     written = deviation_array(design).ravel()
     assert written.tolist() == list(found["deviations"].values())
     error = predict(design, deviation_array(design), log).coordinates - log.poses

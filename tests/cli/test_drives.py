@@ -40,6 +40,7 @@ def test_the_saved_design_has_the_first_drives_and_keeps_their_limits(capsys) ->
     words = ("--same", "--order", "margin", "--save", "driven.toml")
     found = run_json("drives", capsys, *words)
     design = load_design("driven.toml")
+    assert design.name == "driven"
     names = [actuator["drives"][0]["name"] for actuator in found["actuators"]]
     assert [drive.name for drive in design.drives] == names
     assert len(set(names[:3])) == 1
