@@ -7,14 +7,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import tyro
 
 from paminsa_viz.blocks.identification import identification_blocks, identification_data
 from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Pose, pose_si
-from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
+from paminsa_viz.cli.output import (
+    print_blocks,
+    print_heading,
+    print_json,
+    print_written,
+    save_changed,
+)
 from paminsa_viz.files.atomic import make_folder, write_bytes
-from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.example_logs import given_log
 from paminsa_viz.files.identification_table import estimate_table, residual_table
 from paminsa_viz.files.tables import save_table
@@ -87,6 +93,9 @@ class Identify(JsonFlags, DesignFlags):
             raise UsageError(f"--start: four finite numbers are needed, not {self.start}")
         log = self._read(self.log)
         other = None if self.validate is None else self._read(self.validate)
+        if other is not None and np.array_equal(other.position, log.position):
+            problem = "these are the positions of LOG itself, which prove nothing"
+            raise UsageError(f"--validate {self.validate}: {problem}; another log is needed")
         loaded, mass = None, None
         if self.payload is not None:
             name, mass = self.payload
@@ -119,7 +128,7 @@ class Identify(JsonFlags, DesignFlags):
         paths = [folder / name for name in FILES]
         save_table(estimate_table(found), paths[0])
         save_table(residual_table(found), paths[1])
-        save_design(found.nearest.design, paths[2])
+        save_changed(found.nearest.design, paths[2])
         write_bytes(paths[3], render_series(log_series(found), "svg"))
         return paths
 

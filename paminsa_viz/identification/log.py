@@ -36,11 +36,15 @@ class InvalidLog(PaminsaError):
         problem: What is wrong, what is allowed and what to do, in words.
         row: Row of the file, or of the arrays counted from 1; None if it is about all of them.
         column: What the row's number stands for, such as ``"theta1"``, or an empty string.
+        log: Name of the log, or an empty string where the reader of the message knows it.
     """
 
-    def __init__(self, problem: str, row: int | None = None, column: str = "") -> None:
-        self.problem, self.row, self.column = problem, row, column
-        place = [*([] if row is None else [f"row {row}"]), *([column] if column else [])]
+    def __init__(
+        self, problem: str, row: int | None = None, column: str = "", log: str = ""
+    ) -> None:
+        self.problem, self.row, self.column, self.log = problem, row, column, log
+        named = f"log {log}" if log else ""
+        place = [part for part in (named, "" if row is None else f"row {row}", column) if part]
         super().__init__(f"{', '.join(place)}: {problem}" if place else problem)
 
 

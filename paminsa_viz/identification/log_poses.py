@@ -77,19 +77,20 @@ def log_poses(
     if good.all():
         return pose, log.segments
     bad = int(np.flatnonzero(~good)[0])
+    why = _why(pose[bad], reach.reason(bad), condition[bad])
     if not log.split:
-        raise InvalidLog(_why(pose[bad], int(reach.status[bad]), condition[bad]), log.row(bad))
-    return pose, _usable_pieces(log, good, _why(pose[bad], int(reach.status[bad]), condition[bad]))
+        raise InvalidLog(why, log.row(bad), log=log.name)
+    return pose, _usable_pieces(log, good, why)
 
 
-def _why(pose: Array, status: int, condition: float) -> str:
+def _why(pose: Array, reason: str, condition: float) -> str:
     if not np.isfinite(pose).all():
         return (
             "no pose of the platform fits the actuator positions; check their zeros, units and "
             "order, and the geometry"
         )
-    if status != Limit.OK:
-        return f"out of reach ({Limit(status).label}); check zeros, geometry and start pose"
+    if reason:
+        return f"{reason}; check zeros, geometry and start pose"
     return (
         f"the condition number is {condition:.3g}, near a singularity, where encoder noise becomes "
         f"torque; at most {MOST_CONDITION:g} is used: leave these rows out"
@@ -106,5 +107,6 @@ def _usable_pieces(log: Log, good: NDArray[np.bool_], why: str) -> list[slice]:
     least = SHORTEST_SEGMENT * log.rate
     kept = [piece for piece in found if piece.stop - piece.start >= least]
     if not kept:
-        raise InvalidLog(f"no {SHORTEST_SEGMENT:g} s in a row can be used: {why}")
+        problem = f"no {SHORTEST_SEGMENT:g} s in a row can be used: {why}"
+        raise InvalidLog(problem, log=log.name)
     return kept

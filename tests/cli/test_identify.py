@@ -57,7 +57,9 @@ def test_example_log_tells_the_robot_that_made_it(capsys) -> None:
     assert found["payload"]["mass_kg"] == pytest.approx(2.0, abs=0.06)
     names = {"parameters.csv", "residuals.csv", "identified.toml", "torques.svg"}
     assert {Path(path).name for path in found["files"]} == names
-    written = static_imbalance(load_design("found/identified.toml"))
+    found_design = load_design("found/identified.toml")
+    assert found_design.name == "identified"
+    written = static_imbalance(found_design)
     assert abs(written - weight["value"]) < weight["half_width_95"]
 
 
