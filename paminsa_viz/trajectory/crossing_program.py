@@ -247,26 +247,40 @@ class CrossingProgram:
         return np.maximum(result.x, 0.0)  # which the solver keeps to its tolerance
 
     def _refuse(self) -> NoReturn:
-        """Raise with the least factor of the torque limits that would be enough."""
-        from scipy.optimize import linprog
-
+        """Raise with the least factor of the limits that would be enough."""
         factors, constant, limit, of_torque = self._rows
-        n = factors.shape[1]
-        rows = np.hstack([factors, -np.where(of_torque, limit, 0.0)[:, None]])
-        fixed = np.where(of_torque, 0.0, limit) - constant
-        equal = np.hstack([self._equal, np.zeros((len(self._equal), 1))])
-        result = linprog(
-            np.eye(n + 1)[-1], rows, fixed, equal if len(equal) else None,
-            self._right if len(equal) else None, bounds=(0.0, None), method="highs",
-        )  # fmt: skip
-        if result.x is None:
-            problem = "no time law satisfies the conditions at the crossings, whatever the torques"
-        else:
+        torque = self._least_factor(self._rows, of_torque)
+        rates = ~of_torque
+        speeds = Rows(factors[rates], constant[rates], limit[rates], of_torque[rates])
+        problem = "no time law satisfies the conditions at the crossings, whatever the torques"
+        if torque is not None:
             problem = (
                 "no time law keeps the limits; torque and force limits would have to be at least "
-                f"{result.x[-1]:.4g} times as large"
+                f"{torque:.4g} times as large"
             )
+        elif len(speeds.limit):
+            squared = self._least_factor(speeds, ~speeds.of_torque)
+            if squared is not None:
+                problem = (
+                    "no time law satisfies the conditions at the crossings within the speed "
+                    "limits, whatever the torques; speed limits would have to be at least "
+                    f"{np.sqrt(squared):.4g} times as large"
+                )
         raise CrossingRefused("infeasible", problem)
+
+    def _least_factor(self, kept: Rows, scaled: NDArray[np.bool_]) -> float | None:
+        """Return by what limits have to be multiplied, the others being kept; None if no number."""
+        from scipy.optimize import linprog
+
+        factors, constant, limit, _ = kept
+        rows = np.hstack([factors, -np.where(scaled, limit, 0.0)[:, None]])
+        fixed = np.where(scaled, 0.0, limit) - constant
+        equal = np.hstack([self._equal, np.zeros((len(self._equal), 1))])
+        result = linprog(
+            np.eye(factors.shape[1] + 1)[-1], rows, fixed, equal if len(equal) else None,
+            self._right if len(equal) else None, bounds=(0.0, None), method="highs",
+        )  # fmt: skip
+        return None if result.x is None else float(result.x[-1])
 
 
 def _pieces(found: tuple[Crossing, ...], refinement: int, intervals: int) -> Array:

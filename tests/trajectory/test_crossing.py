@@ -346,6 +346,20 @@ def test_a_refusal_says_what_torques_are_enough_while_speeds_stay_limited() -> N
         shortest_law(6.0 * factor * 0.99)
 
 
+def test_a_refusal_names_the_speed_limit_that_no_torque_makes_up_for() -> None:
+    def shortest_law(turn_speed: float) -> np.ndarray:
+        limits = MotionLimits(torque=1000.0, turn_speed=turn_speed)
+        found = crossings(APPENDIX_4.geometry, TURN)
+        return CrossingProgram(APPENDIX_4, TURN, found, limits, *PLAIN).fastest()
+
+    with pytest.raises(CrossingRefused, match="speed limits would have to be") as refusal:
+        shortest_law(0.1)
+    factor = float(str(refusal.value).split("at least ")[1].split(" times")[0])
+    assert shortest_law(0.1 * factor * 1.01).any()
+    with pytest.raises(CrossingRefused, match="speed limits would have to be"):
+        shortest_law(0.1 * factor * 0.99)
+
+
 def test_limits_are_added_where_a_law_exceeds_them_most() -> None:
     """Those points, and torques there, by the inverse dynamics; then they keep the limits."""
     poses = [[0.1631, -0.0825, -1.8922, -0.554], [-0.1871, 0.1465, -0.8063, -0.4259],
