@@ -21,6 +21,7 @@ from paminsa_viz.cli.trajectory_report import (
     report,
     write_files,
 )
+from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.published_table import read_published
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Design
@@ -130,8 +131,9 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
     """Keep the motion's own time law, and stretch it to the shortest time within those limits."""
     cross: bool = False
     """Let the motion through --waypoints pass type-2 singularities: its time law is planned such
-    that torques stay bounded there, and within the limits --max-torque and --max-force. In the
-    shortest time, or with --duration in that time."""
+    that torques stay bounded there, and within the limits --max-torque and --max-force, and
+    --max-speed and --max-turn-speed if given. In the shortest time, or with --duration in that
+    time."""
     rate: Annotated[OrNone[float], tyro.conf.arg(metavar="HZ")] = None
     """Samples a second; 1000 for planned motions, and as they are for a table."""
 
@@ -161,6 +163,9 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
         """
         limits = self.given_limits
         limit = f"--{next(iter(limits), 'max_speed').replace('_', '-')}"
+        crossed = {"max_speed", "max_turn_speed", "max_torque", "max_force"}
+        others = (f"--{name.replace('_', '-')}" for name in limits if name not in crossed)
+        beyond = next(others, "")
         unplanned = self.file is not None and not self.waypoints
         timed = self.duration is not None
         quick, quickest = (
@@ -189,6 +194,10 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
             (
                 self.cross and not limits.keys() & {"max_torque", "max_force"},
                 "--cross needs --max-torque or --max-force",
+            ),
+            (
+                self.cross and beyond,
+                f"{beyond} belongs to --shortest; --cross takes limits of speed, torque and force",
             ),
             (self.payload_mismatch and not self.simulate, "--payload-mismatch needs --simulate"),
             (
@@ -279,7 +288,13 @@ def _worked_out(flags: TrajectoryFlags, design: Design, reference: Design | None
     if flags.simulate is None:
         return results
     payload = design.payload.mass + flags.payload_mismatch
-    robot = design.vary({"payload.mass": payload})
+    try:
+        robot = design.vary({"payload.mass": payload})
+    except InvalidDesign as error:
+        raise UsageError(
+            f"--payload-mismatch {flags.payload_mismatch:g} makes a payload of {payload:g} kg: "
+            f"{error.allowed}"
+        ) from error
     controller = Controller(
         ControlMode[flags.simulate.replace("-", "_").upper()], bandwidth=flags.bandwidth
     )
@@ -304,8 +319,8 @@ def _motion(flags: TrajectoryFlags, design: Design) -> tuple[Trajectory, Shortes
                 design, spline_path(read.pose), flags.limits, flags.duration, name=read.name
             )
             return found.plan.sample(RATE if flags.rate is None else flags.rate), None
-        way = via_points(read.pose, times=read.t, name=read.name)
-        plan = replace(way, notes=read.notes)
+        # Notes of the table are about the motion of its rows, which this is not.
+        plan = via_points(read.pose, times=read.t, name=read.name)
     quickest = None
     if flags.duration is not None:
         plan = plan.lasting(flags.duration)

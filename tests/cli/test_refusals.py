@@ -172,6 +172,7 @@ trajectory --waypoints                              | --waypoints
 trajectory --shortest                               | --max-speed
 trajectory --cross --max-torque 3                   | --waypoints
 trajectory --file poses.csv --waypoints --cross     | --max-torque
+trajectory --file wp.csv --waypoints --cross --max-torque 50 --max-acceleration 3 | --cross takes
 trajectory --max-torque 3                           | --max-torque
 trajectory --shortest --stretch --max-speed 1       | --stretch excludes --shortest
 trajectory --stretch                                | --max-speed
@@ -184,8 +185,8 @@ trajectory --duration 0                             | duration
 trajectory --rate nan                               | rate
 trajectory --rate 1e9                               | rate
 trajectory --payload-mismatch 1                     | --simulate
-trajectory --simulate pd --payload-mismatch -1      | payload
-trajectory --simulate pd --payload-mismatch 1e308   | payload.mass
+trajectory --simulate pd --payload-mismatch -0.5    | --payload-mismatch -0.5 makes
+trajectory --simulate pd --payload-mismatch 1e308   | --payload-mismatch 1e+308 makes
 trajectory --simulate pd --bandwidth -1             | bandwidth
 trajectory --simulate pd --bandwidth 1e20           | --bandwidth: 0 to 1000 Hz
 trajectory --figure tracking --out a.png            | --simulate

@@ -146,6 +146,7 @@ def test_waypoints_are_passed_in_the_given_time(capsys) -> None:
     )
     file = write([np.arange(3), poses])
     found = run_json(capsys, "--file", file, "--waypoints", "--duration", "4", "--out", "a.csv")
+    assert found["trajectory"]["notes"] == []  # those on a table of samples are of another motion
     assert found["trajectory"]["duration_s"] == 4.0
     table = read("a.csv")
     path, speed = numbers(table, POSE), table["vx_m_s"].astype(float)
