@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Annotated
 
-import numpy as np
 import tyro
 
 from paminsa_viz.blocks.accuracy import (
@@ -17,7 +17,7 @@ from paminsa_viz.blocks.accuracy import (
 from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, RegionFlags
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.reach import home_pose, require_reachable
 from paminsa_viz.precision.drive_errors import drive_errors
 from paminsa_viz.precision.error_rows import region_errors
@@ -45,6 +45,9 @@ docs/accuracy.md.
 
 Exit code: 0 done; 1 the errors at the pose have no bound; 2 a wrong argument or file, or a pose out
 of reach."""
+
+MICRONS = 1e6
+"""Micrometers of a meter."""
 
 ROTARY_LINEAR = tyro.conf.arg(metavar="DEG UM")
 Pair = Annotated[OrNone[tuple[float, float]], ROTARY_LINEAR]
@@ -112,9 +115,17 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
         changes = {}
         for name in ("resolution", "backlash", "control"):
             if (given := getattr(self, name)) is not None:
-                changes |= {
-                    f"{name}_rotary": float(np.radians(given[0])), f"{name}_linear": given[1] / 1e6
-                }  # fmt: skip
+                rotary, linear = f"{name}_rotary", f"{name}_linear"
+                most = (
+                    math.degrees(PARAMETER[f"accuracy.{rotary}"].largest),
+                    MICRONS * PARAMETER[f"accuracy.{linear}"].largest,
+                )
+                if not all(0 <= value <= end for value, end in zip(given, most, strict=True)):
+                    raise UsageError(
+                        f"--{name}: 0 to {most[0]:.3g} degrees and 0 to {most[1]:g} um are "
+                        f"possible, not {given[0]:g} {given[1]:g}"
+                    )
+                changes |= {rotary: math.radians(given[0]), linear: given[1] / MICRONS}
         return replace(design, accuracy=replace(accuracy, **changes))
 
 

@@ -123,14 +123,20 @@ def one_line(message: str) -> str:
     return "; ".join(kept) or "the arguments do not fit"
 
 
-_SEVERAL = r"(?i)((?:(?:str|float),? ?){2,}) is needed"
+_SEVERAL = r"(?i)((?:(?:str|float|int|typing\.Literal\[.*?\]),? ?){2,}) is needed"
 
 
 def _count_values(found: re.Match[str]) -> str:
-    kinds = re.findall(r"[a-z]+", found[1].lower())
-    names = "a name and " * kinds.count("str")
-    numbers = kinds.count("float")
+    choices = [f"one of {', '.join(c)} and " for c in _choices(found[1])]
+    kinds = re.findall(r"[a-z]+", re.sub(r"\[.*?\]", "", found[1]).lower())
+    names = "a name and " * kinds.count("str") + "".join(choices)
+    numbers = kinds.count("float") + kinds.count("int")
     return f"{names}{numbers} number{'s' * (numbers > 1)} are needed"
+
+
+def _choices(kinds: str) -> list[list[str]]:
+    """Return the words of each ``typing.Literal[...]`` in a text."""
+    return [re.findall(r"'([^']*)'", each) for each in re.findall(r"Literal\[(.*?)\]", kinds)]
 
 
 _CHOICE = r"invalid choice '(.*)' for argument '(.*)'\. Expected one of \((.*)\)"

@@ -25,7 +25,7 @@ from paminsa_viz.balancing import (
 )
 from paminsa_viz.blocks.balance import optimum_blocks, optimum_data
 from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output, check_range
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import (
     print_blocks,
@@ -104,6 +104,8 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
             for number in numbers:
                 if not abs(number) <= most:
                     raise UsageError(f"{flag} {number:g}: at most {most:g} {unit} are possible")
+        for bar, joint, start, end, _ in self.rail:
+            check_range(f"--rail {bar} {joint}", "mm", (start, end))
         if self.max_imbalance is not None and self.max_imbalance < 0:
             raise UsageError("--max-imbalance: a size is needed, 0 or more")
         limited = self.max_imbalance is not None or self.max_added is not None

@@ -16,7 +16,7 @@ from paminsa_viz.blocks.clearance import (
 )
 from paminsa_viz.clearance import clearance
 from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, check_range
 from paminsa_viz.cli.output import print_blocks, print_json
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.model.design import Design
@@ -96,11 +96,13 @@ class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
             )
         if not 0 <= self.theta <= 180:
             raise UsageError(f"--theta: 0 to 180 degrees are possible, not {self.theta}")
-        if self.z is not None and not -LARGEST <= self.z[0] <= self.z[1] <= LARGEST:
-            raise UsageError(
-                f"--z: two numbers, LOW and HIGH, from {-LARGEST:g} to {LARGEST:g} mm are needed, "
-                f"not {self.z[0]} {self.z[1]}"
-            )
+        if self.z is not None:
+            check_range("--z", "mm", self.z)
+            if max(map(abs, self.z)) > LARGEST:
+                raise UsageError(
+                    f"--z: {-LARGEST:g} to {LARGEST:g} mm are possible, not "
+                    f"{self.z[0]:g} {self.z[1]:g}"
+                )
 
     def _drawn(self, design: Design) -> np.ndarray:
         """Return random poses, uniform in the workspace asked for (n, 4)."""

@@ -54,6 +54,21 @@ def check_output(flag: str, path: Path | None, endings: Iterable[str]) -> None:
     check_writable(path)
 
 
+def check_range(flag: str, unit: str, ends: tuple[float, float]) -> None:
+    """Check that two finite numbers are in order.
+
+    Raises:
+        UsageError: Which flag, and what its numbers are in.
+    """
+    low, high = ends
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise UsageError(f"{flag}: finite numbers of {unit} are needed, not {low:g} {high:g}")
+    if not low <= high:
+        raise UsageError(
+            f"{flag} {low:g} {high:g}: the first number has to be at most the second [{unit}]"
+        )
+
+
 @dataclass(frozen=True, kw_only=True)
 class DesignFlags:
     """The robot."""

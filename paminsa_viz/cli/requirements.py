@@ -20,7 +20,7 @@ from paminsa_viz.blocks.requirements import (
     quantities_table,
 )
 from paminsa_viz.cli.arguments import OrNone, UsageError, Words
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Point, check_output
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Point, check_output, check_range
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.design_file import load_content
@@ -95,6 +95,7 @@ class RequirementFlags(DesignFlags):
         bounds = (*given.bounds, *map(parse_requirement, self.require))
         low, high = given.theta
         if self.theta is not None:
+            check_range("--theta", "degrees", self.theta)
             low, high = map(math.radians, self.theta)
         return Requirements(bounds, (low, high), self._workspace(given.workspace))
 
@@ -107,6 +108,10 @@ class RequirementFlags(DesignFlags):
             if given is None:
                 raise UsageError("--center needs --cylinder or --box")
             return replace(given, center=self._center())
+        for flag, extents in (("--cylinder", self.cylinder), ("--box", self.box)):
+            if extents is not None and not all(0 < extent < math.inf for extent in extents):
+                words = " ".join(f"{extent:g}" for extent in extents)
+                raise UsageError(f"{flag}: lengths above 0 mm are needed, not {words}")
         if self.cylinder is not None:
             diameter, height = (extent / MM for extent in self.cylinder)
             size = (diameter, diameter, height)

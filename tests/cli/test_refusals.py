@@ -33,7 +33,8 @@ map --quantity max_torque                           | did you mean max-torque?
 drives --cycle arch x 1                             | a name and 2 numbers are needed
 start --pages 0                                     | viz: --pages: 0 is not from 1 to 1000
 synthesize cylinder --seed -1                       | seed: a whole number of at least 0
-clearance --poses 9 --z -300 -900                   | --z: two numbers, LOW and HIGH, from
+clearance --poses 9 --z -300 -900                   | --z -300 -900: the first number has to be at
+clearance --poses 9 --z -3e9 0                      | --z: -100000 to 100000 mm are possible
 clearance --poses 9 --z nan 0                       | --z
 clearance --poses 100000000                         | --poses: 0 to 1000000 are possible
 clearance --poses 9 --radius 0                      | --radius
@@ -66,7 +67,7 @@ clearance --radius 20                               | --radius needs --poses
 clearance --z -600 -500                             | --z needs --poses
 export --dxf d.dxf --motors                         | --motors needs --mjcf, --meshes or --usd
 identify example --validate example                 | --validate example: these are the positions of
-identify example --start 0 0 180 -552               | log example_log, row 6: out of reach: leg 
+identify example --start 0 0 180 -552               | log example_log, row 6: out of reach: leg
 identify example --gains 5 5 5 50                   | gains are for currents
 map --log                                           | --log needs --out with .png, .svg or .pdf
 map --range 1 2 --out a.csv                         | --range needs --out with .png
@@ -89,7 +90,8 @@ map --out a.png --width 20                          | width
 balance --change links.x 0 1                        | links.x
 balance --change links.b4 2 1                       | low <= high
 balance --rail b3 5 0 100 1                         | ends of B3
-balance --rail b5 5 0 100 1                         | --rail
+balance --rail b5 5 0 100 1                         | one of b3, b4, b7, b8 and 4 numbers are needed
+balance --rail b3 7 200 0 5                         | --rail b3 7 200 0: the first number has to be
 balance --rail b3 7 0 1e20 5                        | --rail 1e+20: at most 100000 mm
 balance --rail b3 7 0 100 1e20                      | --rail 1e+20: at most 10000 kg
 balance --change links.b3 0 1e308                   | --change 1e+308: at most 10000 kg
@@ -118,7 +120,7 @@ report --out r.html --max-torque 3                  | --max-torque belongs to --
 report --out no/r.html                              | cannot be written: its folder does not exist
 accuracy --encoders                                 | no drive of the design has encoder_counts
 accuracy --encoders --resolution 0.1 1              | exclude each other
-accuracy --resolution -1 1                          | accuracy.resolution_rotary
+accuracy --resolution -1 1                          | --resolution: 0 to 57.3 degrees and 0 to
 accuracy --pose 0 0 0 -2000                         | cannot be taken
 accuracy --radius -5                                | radius
 accuracy --robots 5                                 | --robots is for --manufacture
@@ -145,6 +147,9 @@ stiffness --pose 3000 0 0 -500                      | cannot be taken
 stiffness --sections --pose 0 0 0 -500              | --sections excludes --pose
 stiffness --payload -1                              | payload.mass
 stiffness --design soft.toml                        | soft.toml, line 3, [elastic] b4_inner_m
+requirements check --theta 30 -30                   | --theta 30 -30: the first number has to be at
+requirements check --cylinder 0 100                 | --cylinder: lengths above 0 mm are needed, not
+requirements check --box 1 2 -3                     | --box: lengths above 0 mm are needed, not
 sweep --out a.csv                                   | --vary is needed
 sweep --out a.csv --vary links.b33=1:2:3            | did you mean links.b3?
 sweep --out a.csv --vary links.b3                   | links.b3=LOW:HIGH:COUNT

@@ -119,7 +119,7 @@ def test_quantities_are_listed(capsys) -> None:
         (("check", "--cylinder", "1", "1", "--box", "1", "1", "1"), "exclude each other"),
         (("check", "--center", "0", "0", "0", "--require", "condition <= 5"), "--center"),
         (("check", "--cylinder", "200", "300", "--center", "a", "0", "0"), "'free'"),
-        (("check", "--cylinder", "-200", "300"), "workspace.size"),
+        (("check", "--cylinder", "-200", "300"), "--cylinder: lengths above 0 mm"),
         (("check", "--require", "condition <= 5", "--theta", "30", "-30"), "theta"),
         (("check", "--require", "condition <= 5", "--out", "volume.obj"), "--out"),
         (("check", "--coarse", "--require", "condition <= 1", "--out", "v.stl"), "empty"),
