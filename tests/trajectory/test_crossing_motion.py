@@ -147,7 +147,7 @@ def test_what_a_plan_needs_at_a_crossing_does_not_depend_on_the_rate() -> None:
 
 
 def test_a_motion_that_is_moved_has_its_crossings_moved() -> None:
-    samples = shortest(BALANCED, TURN, TEN).plan.sample(1000.0)
+    samples = shortest(BALANCED, TURN, TEN).plan.sample(20_000.0)
     shift = np.array([0.0, 0.0, 0.0, 0.02])  # a singular rotation has no height
     moved = samples.moved(shift)
     np.testing.assert_array_equal(moved.pose, samples.pose + shift)
