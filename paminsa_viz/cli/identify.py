@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import tyro
 
 from paminsa_viz.blocks.identification import identification_blocks, identification_data
@@ -93,9 +92,6 @@ class Identify(JsonFlags, DesignFlags):
             raise UsageError(f"--start: four finite numbers are needed, not {self.start}")
         log = self._read(self.log)
         other = None if self.validate is None else self._read(self.validate)
-        if other is not None and np.array_equal(other.position, log.position):
-            problem = "these are the positions of LOG itself, which prove nothing"
-            raise UsageError(f"--validate {self.validate}: {problem}; another log is needed")
         loaded, mass = None, None
         if self.payload is not None:
             name, mass = self.payload

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.identification.causes import Causes, find_causes
 from paminsa_viz.identification.columns import IdentificationSettings
 from paminsa_viz.identification.identify import identify
-from paminsa_viz.identification.log import Log
+from paminsa_viz.identification.log import InvalidLog, Log
 from paminsa_viz.identification.nearest import NearestMasses, nearest_masses
 from paminsa_viz.identification.results import Identification
 from paminsa_viz.identification.validation import (
@@ -80,10 +81,13 @@ def investigate(
         progress: Called before each of `STEPS`; true ends the work.
 
     Raises:
-        InvalidLog: At the first row of a log that cannot be used.
+        InvalidLog: At the first row of a log that cannot be used, or if the other log is the first.
         InvalidInput: If a setting or the payload is not possible.
         Canceled: If ``progress`` says so.
     """
+    if other is not None and np.array_equal(other.position, log.position):
+        problem = "it has the positions of the first log and proves nothing; take another motion"
+        raise InvalidLog(problem, log=other.name)
 
     def done(step: str) -> None:
         keep_on(progress, STEPS.index(step) / len(STEPS))

@@ -66,7 +66,7 @@ clearance --seed 9                                  | --seed needs --poses
 clearance --radius 20                               | --radius needs --poses
 clearance --z -600 -500                             | --z needs --poses
 export --dxf d.dxf --motors                         | --motors needs --mjcf, --meshes or --usd
-identify example --validate example                 | --validate example: these are the positions of
+identify example --validate example                 | it has the positions of the first log
 identify example --start 0 0 180 -552               | log example_log, row 6: out of reach: leg
 identify example --gains 5 5 5 50                   | gains are for currents
 map --log                                           | --log needs --out with .png, .svg or .pdf

@@ -10,6 +10,7 @@ import pytest
 
 from paminsa_viz.identification import (
     IdentificationSettings,
+    InvalidLog,
     find_causes,
     identify,
     make_log,
@@ -73,3 +74,8 @@ def test_the_motion_is_that_of_the_first_piece() -> None:
     for mine, true in ((motion.pose, pose), (motion.velocity, velocity)):
         np.testing.assert_allclose(mine, true, atol=0.05 * np.abs(true).max())
     assert np.corrcoef(motion.acceleration[:, 2], acceleration[:, 2])[0, 1] > 0.99
+
+
+def test_a_log_is_no_second_log_of_itself() -> None:
+    with pytest.raises(InvalidLog, match="has the positions of the first log"):
+        investigate(LOG, APPENDIX_4, QUICK, other=replace(LOG, name="again"))
