@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import threading
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -41,6 +42,9 @@ from paminsa_viz.model import PaminsaError
 TYPING_TIMEOUT = 1.0
 """How long an impossible value may remain before it is refused [s]: typing 0.5 passes through 0."""
 
+PLAYED_PERIOD = 0.5
+"""How often what waits for an idle page follows a motion that is played [s]."""
+
 EMPTY = ("–",)
 """Text in a hidden row of buttons: viser refuses a row without any."""
 
@@ -68,6 +72,8 @@ class Panel:
         self._tab = tab
         self._jobs: list[View] = []
         self._draws: list[Draw] = []
+        self._waits = False
+        self._due = -math.inf
         self._build_all(entries)
 
     def draw(self, frame: Frame, dragging: bool) -> None:
@@ -76,8 +82,18 @@ class Panel:
             job.draw(frame, dragging)
         if dragging and not self._session.shows(self._tab):
             return
+        self._waits = dragging and not self._is_due(frame.state)
+        started = time.monotonic()
         for draw in self._draws:
             draw(frame, dragging)
+        if not self._waits:
+            now = time.monotonic()
+            self._due = now + max(PLAYED_PERIOD, 9 * (now - started))  # a tenth of it at most
+
+    def _is_due(self, state: State) -> bool:
+        """Whether what waits for an idle page is drawn all the same: a motion may be played for
+        ever, and its numbers would stay those of another pose or design."""
+        return state.playback.playing and time.monotonic() >= self._due
 
     def _build_all(self, entries: Sequence[Entry]) -> None:
         for entry in entries:
@@ -85,7 +101,8 @@ class Panel:
 
     def _build(self, entry: Entry) -> None:
         if isinstance(entry, Custom):
-            self._draws.append(entry.make(self._session).draw)
+            view = entry.make(self._session)
+            self._draws.append(lambda frame, _: view.draw(frame, self._waits))
             return
         if isinstance(entry, Answer):
             entry = entry.button
@@ -169,7 +186,7 @@ class Panel:
         )
 
         def draw(frame: Frame, dragging: bool) -> None:
-            if not (entry.idle and dragging):
+            if not (entry.idle and self._waits):
                 binding.draw(frame.state, dragging)
 
         self._draws.append(draw)
@@ -202,7 +219,8 @@ class Panel:
         self, handle: Any, name: str, value: Callable[[Frame], Any], idle: bool
     ) -> None:
         def draw(frame: Frame, dragging: bool) -> None:
-            if idle and dragging:
+            del dragging
+            if idle and self._waits:
                 return
             now = value(frame)
             if getattr(handle, name) != now:  # viser sends options and an icon again and again

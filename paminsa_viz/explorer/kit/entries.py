@@ -140,7 +140,8 @@ class Html(Entry):
 
     Attributes:
         content: Its HTML, if it is not always the same.
-        idle: Whether it follows only when nothing is dragged.
+        idle: Whether it follows only when nothing is dragged, and now and then while a motion is
+            played.
     """
 
     _: KW_ONLY

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+import viser
 
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
 from paminsa_viz.elastostatics.sideways import sideways_forces
@@ -15,12 +17,16 @@ from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.features.loads import charts as chart
 from paminsa_viz.explorer.features.loads import tab
 from paminsa_viz.explorer.features.loads.solving import ALONG_MOTION, find_loads, instant
+from paminsa_viz.explorer.kit.chart import chart as plotly
+from paminsa_viz.explorer.kit.chart import figure
 from paminsa_viz.explorer.state.motion import Kind
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.state.view import Appearance
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.singularity import singular_rotation
 from paminsa_viz.units import number
+from tests.support.desk import desk_with
 
 
 def known(shown: tuple[Any, ...] | None) -> tuple[Any, ...]:
@@ -78,6 +84,35 @@ def test_a_motion_that_is_followed_shows_its_instant() -> None:
     assert instant(moved).time is None
 
 
+def test_motion_played_for_ever_takes_numbers_and_charts_along(server: viser.ViserServer) -> None:
+    """What waits for an idle page follows the motion, the design and the theme all the same."""
+    drawn: list[str] = []
+
+    def line() -> Any:
+        drawn.append("")
+        return figure([], "t [s]", "F [N]")
+
+    def play(state: State, speed: float) -> State:
+        state = motions.choose_kind(state, Kind.ARCH).updated("playback", loop=True, speed=speed)
+        return motions.play(state)
+
+    entries = (*tab.LOADS, plotly("line", lambda state: (), line, 1.0))
+    with desk_with(server, entries) as desk:
+        intro, joints = desk.handle("loads.intro"), desk.handle("loads.joints")
+        desk.until(lambda: "at rest" in intro.content and drawn)
+        desk.dispatch(lambda state: play(state, 1.0))
+        desk.until(lambda: "of the motion" in intro.content)
+        first = intro.content
+        desk.until(lambda: intro.content != first)
+        desk.dispatch(lambda state: play(state, 1e-9))  # it stays where it is, to be compared
+        desk.dispatch(lambda state: actions.vary(state, {"payload.mass": 2.0}))
+        desk.until(lambda: joints.content == tab.joints(compute(desk.state)))
+        drawn.clear()
+        desk.dispatch(lambda state: replace(state, appearance=Appearance.DARK))
+        desk.until(lambda: drawn)
+        assert desk.state.playback.playing
+
+
 def test_the_motion_table_is_of_the_current_motion() -> None:
     state = along()
     frame = compute(state)
@@ -86,9 +121,9 @@ def test_the_motion_table_is_of_the_current_motion() -> None:
     text = tab.motion(frame)
     assert number(float(loads.peak[0, 8]), 3) in text
     assert number(float(loads.equivalent[0, 8]), 3) in text
-    figure = chart.curves_figure(*known(chart.shown_curves(state)))
-    assert len(figure["data"]) == 3
-    assert figure["layout"]["yaxis"]["title"]["text"] == "F at joint 2 [N]"
+    curves = chart.curves_figure(*known(chart.shown_curves(state)))
+    assert len(curves["data"]) == 3
+    assert curves["layout"]["yaxis"]["title"]["text"] == "F at joint 2 [N]"
     heavier = actions.vary(state, {"payload.mass": 2.0})
     assert "Computing" in tab.motion(compute(heavier))
     assert chart.shown_curves(heavier) is None
