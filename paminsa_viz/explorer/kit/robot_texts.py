@@ -9,10 +9,14 @@ from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.model import APPENDIX_4, static_imbalance
 
 
+def gray_if(stale: bool, *texts: str) -> str:
+    """Return texts as one, grayed where their numbers are not of what is shown."""
+    return f'<div class="pv-stale">{"".join(texts)}</div>' if stale else "".join(texts)
+
+
 def of_pose(frame: Frame, *texts: str) -> str:
     """Return numbers of the last reachable pose; grayed where another one is requested."""
-    stale = frame.health is Health.UNREACHABLE
-    return f'<div class="pv-stale">{"".join(texts)}</div>' if stale else "".join(texts)
+    return gray_if(frame.health is Health.UNREACHABLE, *texts)
 
 
 def gauge_html(frame: Frame) -> str:

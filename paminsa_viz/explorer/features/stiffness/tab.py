@@ -24,6 +24,7 @@ from paminsa_viz.explorer.features.stiffness.solving import analyze_elasticity
 from paminsa_viz.explorer.kit.design_numbers import is_changed, slider
 from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Entry, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Number, Slider
+from paminsa_viz.explorer.kit.robot_texts import gray_if
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs, layer_switch
 from paminsa_viz.explorer.kit.task import NOT_OF_PREVIEW, Follower
 from paminsa_viz.explorer.kit.text import note, render
@@ -174,16 +175,32 @@ ANALYSIS = Follower(
 )
 
 
+WAITS = "Of an earlier pose or design; it follows when the motion pauses."
+"""What is said above a result while a motion is played."""
+
+
+def _is_behind(frame: Frame) -> bool:
+    """Whether the result is still of another pose, design or load case."""
+    outcome = frame.state.stiffness.outcome
+    return outcome is not None and outcome.job != _job(frame)
+
+
 def result_html(frame: Frame) -> str:
-    """Return stiffness, deflection and frequencies at the pose, or why there are none."""
+    """Return stiffness, deflection and frequencies at the pose, or why there are none; in gray
+    until they are those of what is shown."""
     if frame.is_preview:
         return note("stiffness-preview", NOT_OF_PREVIEW, muted=True)
     outcome = frame.state.stiffness.outcome
     if outcome is None:
         return ""
     if outcome.result is None:
-        return note("stiffness-problem", f"No stiffness at this pose: {outcome.problem}.")
-    return _found_html(outcome.job, outcome.result, frame.state.stiffness.settings.mode)
+        text = note("stiffness-problem", f"No stiffness at this pose: {outcome.problem}.")
+    else:
+        text = _found_html(outcome.job, outcome.result, frame.state.stiffness.settings.mode)
+    behind = _is_behind(frame)
+    waits = behind and frame.state.playback.playing
+    why = note("stiffness-waits", WAITS) if waits else ""
+    return why + gray_if(behind, text)
 
 
 @kept(2)
@@ -210,7 +227,7 @@ def shares_html(frame: Frame) -> str:
         return ""
     case = CASES[outcome.job.case][0]
     table = shares_table({case: result.shares.share})
-    return render("stiffness/shares.j2", table=table, case=case)
+    return gray_if(_is_behind(frame), render("stiffness/shares.j2", table=table, case=case))
 
 
 def sections_html(frame: Frame) -> str:

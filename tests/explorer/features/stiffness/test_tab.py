@@ -90,6 +90,27 @@ def test_poses_that_are_not_held_say_why() -> None:
     )
 
 
+def test_numbers_of_another_pose_or_design_are_gray() -> None:
+    state = loaded()
+
+    def shown(state: State) -> str:
+        frame = compute(state)
+        texts = panel.result_html(frame), panel.shares_html(frame)
+        assert len({"pv-stale" in text for text in texts}) == 1
+        return texts[0]
+
+    assert "pv-stale" not in shown(state)
+    for change in (
+        lambda state: actions.move(state, x=0.02),
+        lambda state: actions.vary(state, {"payload.mass": 3.0}),
+    ):
+        changed = change(state)
+        assert "pv-stale" in shown(changed)
+        assert "pauses" not in shown(changed)
+        assert "when the motion pauses" in shown(changed.updated("playback", playing=True))
+        assert shown(analyzed(changed)).count("pv-stale") == 0
+
+
 def test_a_tube_without_a_wall_is_refused() -> None:
     entry = panel.elastic_slider("b4_inner")
     with pytest.raises(InvalidInput, match="inner diameter"):
