@@ -57,6 +57,16 @@ def current_check(state: State) -> RequirementsCheck | None:
     return None
 
 
+def last_check(state: State) -> tuple[RequirementsCheck, Requirements] | None:
+    """Return the check before the last change and what it was of, while the new one is awaited."""
+    if not asked(state.document.requirements) or current_volume(state) is not None:
+        return None
+    for outcome in (state.requirements.quick, state.requirements.fine):
+        if outcome is not None and outcome.result is not None:
+            return outcome.result.check, outcome.job.requirements
+    return None
+
+
 def current_volume(state: State) -> VolumeOutcome | None:
     """Return the volume of the current design, the fine one if it is there."""
     for outcome in (state.requirements.fine, state.requirements.quick):

@@ -13,10 +13,10 @@ from paminsa_viz.blocks.requirements import (
 )
 from paminsa_viz.explorer.core.causes import CauseGroup, cause_groups
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.core.requirements import current_check, current_volume
+from paminsa_viz.explorer.core.requirements import current_check, current_volume, last_check
 from paminsa_viz.explorer.core.saved_requirements import asked
 from paminsa_viz.explorer.features.requirements.actions import End, ends_of
-from paminsa_viz.explorer.kit.robot_texts import margin_level, margin_share
+from paminsa_viz.explorer.kit.robot_texts import gray_if, margin_level, margin_share
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.requirements import VolumeResult
 from paminsa_viz.explorer.state.state import State
@@ -114,18 +114,25 @@ def worst_pose(state: State, place: str) -> Pose | None:
 
 
 def strip_html(state: State) -> str:
-    """Return which requirements hold, as a line for the strip; nothing without any."""
-    requirements = state.document.requirements
-    check = current_check(state)
+    """Return which requirements hold, as a line for the strip; nothing without any.
+
+    Until the check after a change is there, the line stays as it was, in gray.
+    """
+    requirements, check = state.document.requirements, current_check(state)
+    stale = check is None
     if check is None:
-        return ""
+        last = last_check(state)
+        if last is None:
+            return ""
+        check, requirements = last
     items = []
     for item in check.items:
         symbol = item.label
         if item.requirement is not None:
             symbol = requirements.bounds[item.requirement].entry.symbol
         items.append((*level(item, requirements), symbol))
-    return render("requirements/strip.j2", items=items, note=note_of(state, check))
+    note = "Not checked yet since the last change" if stale else note_of(state, check)
+    return gray_if(stale, render("requirements/strip.j2", items=items, note=note))
 
 
 def volume_html(frame: Frame) -> str:

@@ -53,6 +53,28 @@ def test_marks_follow_the_design(asked: State) -> None:
     assert "requirements-strip" not in strip_html(compute(initial_state()))
 
 
+def test_marks_of_the_strip_are_gray_until_the_next_check(asked: State) -> None:
+    def line(state: State) -> tuple[list[str], bool]:
+        shown = text.strip_html(state)
+        return re.findall("<b>(.)</b>", shown), "pv-stale" in shown
+
+    free = actions.set_workspace(asked, center=(0.0, 0.0, None))  # not checked at once
+    assert line(free) == ([], False)
+    state = solved(free)
+    marks, stale = line(state)
+    assert len(marks) == 2 + len(free.document.requirements.bounds)
+    assert not stale
+    other = designs.vary(state, {"geometry.base_radius": 0.22})
+    fewer = actions.remove(state)
+    for changed in (other, fewer):
+        assert line(changed) == (marks, True)
+        assert "since the last change" in text.strip_html(changed)
+    assert line(solved(fewer)) == (marks[:2] + marks[3:], False)
+    assert line(solved(other))[1] is False
+    assert "✗" in line(solved(other))[0]
+    assert line(actions.clear(state)) == ([], False)
+
+
 @pytest.mark.slow
 def test_ends_in_the_wrong_order_are_refused_as_they_were_typed(desk: Desk, asked: State) -> None:
     before = asked.document.requirements.theta
