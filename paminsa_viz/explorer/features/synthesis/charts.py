@@ -19,7 +19,7 @@ DESIGN_FRONT = "design front"
 
 def shown_front(state: State) -> tuple[DesignFront, int] | None:
     """Return the front that is shown and its chosen point, or None."""
-    front = None if state.synthesis.running else state.synthesis.front
+    front = state.synthesis.front
     return None if front is None else (front, state.synthesis.point)
 
 

@@ -144,7 +144,7 @@ SYNTHESIZE = (
             *actions.PRICES.buttons(
                 Button(
                     "synthesize.prices", "What requirements cost", color="gray", undo=False,
-                    effect=actions.PRICES.start, visible=text.has_robot,
+                    effect=actions.PRICES.start, visible=text.can_price,
                     hint="Searches again near the answer with each active requirement relaxed and "
                     "tightened",
                 ),

@@ -60,17 +60,32 @@ def best_html(frame: Frame) -> str:
 def has_robot(state: State) -> bool:
     """Whether a robot was found that meets all requirements."""
     answer = state.synthesis.answer
-    return answer is not None and answer.feasible and state.synthesis.running is None
+    return answer is not None and answer.feasible
+
+
+def can_price(state: State) -> bool:
+    """Whether it can be worked out what the requirements cost: a search needs all cores."""
+    return has_robot(state) and state.synthesis.running is None
+
+
+ANOTHER = "This is of the search before; another one runs."
+"""What is said above an answer while the next one is searched for."""
 
 
 def result_html(frame: Frame) -> str:
-    """Return the answer: what was found, what decides, how sure it is, and what has changed."""
+    """Return the answer: what was found, what decides, how sure it is, and what has changed.
+
+    While another search runs it is that of the search before.
+    """
     synthesis = frame.state.synthesis
     outcome, result = synthesis.outcome, synthesis.answer
-    if outcome is None or synthesis.running is not None:
+    if outcome is None:
         return ""
+    # Not what has changed: the design may be the best robot so far of the search that runs.
+    stale = SEARCH.stale_text(frame.state) if synthesis.running is None else ANOTHER
     if outcome.result is None or result is None:
-        return note("synthesis-problem", outcome.problem)
+        again = f" {ANOTHER}" if synthesis.running is not None else ""
+        return note("synthesis-problem", outcome.problem + again)
     built = outcome.result.built
     drawn = buildability_blocks(result)
     relaxed = relaxed_blocks(result)
@@ -86,7 +101,7 @@ def result_html(frame: Frame) -> str:
         drawn=[one for one in drawn if isinstance(one, Table)],
         overlap=[one for one in drawn if isinstance(one, Note)], relaxed=relaxed,
         built=[] if built is None else yield_blocks(built),
-        lengths=lengths.columns(0, 2, 3, 4, hint=1), stale=SEARCH.stale_text(frame.state),
+        lengths=lengths.columns(0, 2, 3, 4, hint=1), stale=stale,
     )  # fmt: skip
 
 

@@ -172,6 +172,29 @@ def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
     assert actions.choose_point(state, 99) is state
 
 
+def test_answer_stays_and_can_be_opened_while_another_search_runs(asked: State) -> None:
+    started = actions.start(asked)
+    job = started.synthesis.running
+    assert job is not None
+    first = delivered(actions.SEARCH, started, Outcome(job, SearchResult(answer(asked, 0.3, 0.4))))
+    again = told(actions.start(first), BestSoFar(10, 0.4, True, APPENDIX_4, (0.0, 0.0, -0.5)))
+    for state in (again, again.updated("document", design=APPENDIX_4.vary({"gravity": 9.0}))):
+        shown = text.result_html(compute(state))
+        assert "footprint" in shown
+        assert text.ANOTHER in shown
+        assert "Changed since" not in shown
+    assert text.has_robot(again)
+    assert not text.can_price(again)
+    adopted = actions.open_result(again)
+    assert adopted.document.design.geometry.base_radius == 0.3
+    assert adopted.synthesis.running is not None
+    assert text.ANOTHER not in text.result_html(compute(first))
+    failed = delivered(
+        actions.SEARCH, actions.start(first), Outcome(job, None, InvalidInput("a", "b"))
+    )
+    assert text.ANOTHER in text.result_html(compute(actions.start(failed)))
+
+
 def test_robot_that_is_opened_leaves_requirements_that_were_changed_since(asked: State) -> None:
     job = actions.start(asked).synthesis.running
     assert job is not None
