@@ -136,7 +136,8 @@ SYNTHESIZE = (
                 effect=Then(
                     actions.open_result,
                     lambda state: f"“{state.document.design.name}” is the design now, at the "
-                    "middle of its workspace; the one before is the reference. Undo goes back.",
+                    "middle of its workspace; the design that the search began with is the "
+                    "reference. Undo goes back.",
                 ),
                 hint="The design that the search began with becomes the reference; undo goes back",
             ),

@@ -172,6 +172,21 @@ def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
     assert actions.choose_point(state, 99) is state
 
 
+def test_adopted_robot_is_said_to_have_the_design_of_the_start_as_reference(
+    desk: Desk, asked: State
+) -> None:
+    """The design may have been changed while the search ran."""
+    started = actions.start(asked)
+    job = started.synthesis.running
+    assert job is not None
+    found = Outcome(job, SearchResult(answer(asked, 0.3, 0.4)))
+    state = delivered(actions.SEARCH, designs.vary(started, {"payload.mass": 2.0}), found)
+    desk.dispatch(lambda _: state)
+    desk.set("synthesize.open", True)
+    desk.noticed("the design that the search began with is the reference")
+    assert desk.state.document.reference == job.reference == APPENDIX_4
+
+
 def test_answer_stays_and_can_be_opened_while_another_search_runs(asked: State) -> None:
     started = actions.start(asked)
     job = started.synthesis.running
