@@ -39,6 +39,7 @@ class SilentPage:
 
     Attributes:
         notices: Notices so far, title and text.
+        removed: Those of them that were taken away.
         flushes: How often it was flushed.
     """
 
@@ -47,15 +48,17 @@ class SilentPage:
 
     def __init__(self) -> None:
         self.notices: list[tuple[str, str]] = []
+        self.removed: list[tuple[str, str]] = []
         self.flushes = 0
 
     def flush(self) -> None:
         """Count."""
         self.flushes += 1
 
-    def add_notification(self, title: str, body: str, **options: Any) -> None:
+    def add_notification(self, title: str, body: str, **options: Any) -> SimpleNamespace:
         """Remember a notice."""
         self.notices.append((title, body))
+        return SimpleNamespace(remove=lambda: self.removed.append((title, body)))
 
 
 class Whole:
@@ -91,7 +94,7 @@ class Desk:
         self.session = Session(self.page.client, initial_state())
         self.notices: list[tuple[str, str]] = []
         self.session.notify = (  # type: ignore[method-assign]
-            lambda title, body, *, bad=False: self.notices.append((title, body))
+            lambda title, body, **_: self.notices.append((title, body))
         )
         self.panel: Any = make(self.session) if callable(make) else Whole(self.session, make)
         self.session.immediate.append(self.panel)

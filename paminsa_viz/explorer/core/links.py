@@ -70,7 +70,9 @@ def open_link(session: Session, data: object, layers: Layers) -> None:
     session.dispatch(
         "link",
         lambda state: opened(state, data, layers),
-        then=lambda: session.notify("Link opened", session.state.document.design.name),
+        then=lambda: session.notify(
+            "Link opened", session.state.document.design.name, of_step=True
+        ),
     )
 
     def write() -> None:  # one that was refused does not stay

@@ -10,6 +10,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -121,6 +122,8 @@ class Session:
         self._state = state
         self._history = History()
         self._requests: list[_Request] = []
+        # Only the last are still to be seen.
+        self._step_notices: deque[viser.NotificationHandle] = deque(maxlen=8)
         self._lock = threading.Lock()
         self._wake = threading.Event()
         self._closed = False
@@ -264,16 +267,27 @@ class Session:
         """Redo the step undone last."""
         self._request(_Request(partial(self._travel, back=False)))
 
-    def notify(self, title: str, body: str, *, bad: bool = False) -> None:
-        """Show a notice on the page, if it is still there."""
-        if not self._closed:
-            self.client.add_notification(
-                title, body, color="red" if bad else "teal", auto_close_seconds=12 if bad else 5
-            )
+    def notify(self, title: str, body: str, *, bad: bool = False, of_step: bool = False) -> None:
+        """Show a notice on the page, if it is still there; it closes by itself.
+
+        Args:
+            title, body: What it says.
+            bad: Whether something was not possible.
+            of_step: Whether it says what a step has done: undo and redo take it away.
+        """
+        if self._closed:
+            return
+        notice = self.client.add_notification(
+            title, body, color="red" if bad else "teal", auto_close_seconds=12 if bad else 5
+        )
+        if of_step:
+            self._step_notices.append(notice)
 
     def _travel(self, *, back: bool) -> None:
         found = self._history.travel(Snapshot.of(self._state), back=back)
         if found is not None:
+            while self._step_notices:
+                self._step_notices.pop().remove()
             restored = actions.restore(self._state, found.document)
             self._state = replace(restored, condition_limit=found.condition_limit)
             self._state = self._with_steps(self._state)

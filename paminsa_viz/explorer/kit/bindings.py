@@ -342,7 +342,7 @@ def _follow_up(session: Session, effect: Then) -> None:
         session.open_tab(effect.opens)
     says = given(effect.says, session.state)
     if says:
-        session.notify("Done", says)
+        session.notify("Done", says, of_step=True)
 
 
 def same(a: Any, b: Any) -> bool:

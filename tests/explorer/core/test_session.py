@@ -16,6 +16,8 @@ from paminsa_viz.explorer.core import actions, history, session
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.kit.bindings import perform
+from paminsa_viz.explorer.kit.entries import Then
 from paminsa_viz.explorer.state.motion import Timing
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import InvalidInput, PaminsaError
@@ -268,6 +270,22 @@ def test_undo_and_redo_go_step_by_step(bench: Bench) -> None:
         bench.session.redo()
         eventually(lambda x=x: bench.x == x)
     assert not bench.session._history.future
+
+
+def test_undo_takes_away_what_was_said_of_the_step_and_no_other_notice(bench: Bench) -> None:
+    done = ("Done", "x is 0.01 now")
+    tell = Then(to(0.01), done[1])
+    perform(bench.session, "x", tell)
+    eventually(lambda: done in bench.page.notices)
+    bench.session.notify("Exported", "a file")
+    assert bench.page.removed == []
+    bench.session.undo()
+    eventually(lambda: bench.x == 0.0)
+    eventually(lambda: bench.page.removed == [done])
+    bench.session.undo()  # nothing is left to undo
+    bench.session.redo()
+    eventually(lambda: bench.x == 0.01)
+    assert bench.page.removed == [done]
 
 
 def test_undo_takes_back_which_poses_count(bench: Bench) -> None:

@@ -71,7 +71,7 @@ def _open(session: Session, name: str, content: bytes) -> None:
     found = uploaded_content(name, content)
     session.dispatch(
         "file.open", lambda state: open_content(state, found),
-        then=lambda: session.notify("Design opened", found.design.name or name),
+        then=lambda: session.notify("Design opened", found.design.name or name, of_step=True),
     )  # fmt: skip
 
 
@@ -106,7 +106,7 @@ def receive_example(session: Session, data: Any) -> None:
     def show() -> None:
         found = example_named(key)
         session.open_tab(found.opens)
-        session.notify(f"Example opened: {found.label}", found.note)
+        session.notify(f"Example opened: {found.label}", found.note, of_step=True)
 
     session.dispatch("file.open", lambda state: open_example(state, key), then=show)
 

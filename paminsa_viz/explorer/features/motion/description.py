@@ -88,7 +88,9 @@ def _open(session: Session, name: str, content: bytes) -> None:
     table = parse_trajectory(lines, name, rest=rest, timeout=UPLOAD_TIMEOUT)
     session.dispatch(
         "motion.table", lambda state: motions.use_table(state, table),
-        then=lambda: session.notify("Motion opened", f"{table.name}, {table.size} rows"),
+        then=lambda: session.notify(
+            "Motion opened", f"{table.name}, {table.size} rows", of_step=True
+        ),
     )  # fmt: skip
 
 
