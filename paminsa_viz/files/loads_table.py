@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -33,10 +35,29 @@ LEGS = (0, 1, 2)
 Columns = dict[str, NDArray[Any]]
 
 
+@dataclass(frozen=True)
+class MotionInstant:
+    """The instant of a motion that a pose's table is of.
+
+    Attributes:
+        motion: Name of the motion.
+        time: [s].
+        velocity, acceleration: (4,) of the platform [m, rad, s].
+        load: (6,) the motion's own load [N, N m], None for none.
+    """
+
+    motion: str
+    time: float
+    velocity: tuple[float, ...]
+    acceleration: tuple[float, ...]
+    load: tuple[float, ...] | None = None
+
+
 def joint_table(
     forces: JointForces,
     pose: NDArray[np.float64],
     sideways: NDArray[np.float64] | None = None,
+    at: MotionInstant | None = None,
 ) -> DataTable:
     """Return the forces at the joints in one pose, a row for each joint of each leg.
 
@@ -45,6 +66,7 @@ def joint_table(
         pose: (4,) [m, m, rad, m].
         sideways: (3 legs, 10 joints) forces across them [N], where the legs' stiffness is known to
             decide them; without it that column is empty but for joint 5.
+        at: Of which instant of a motion the forces are, None at rest.
     """
     rows = [(leg, index) for leg in LEGS for index in range(len(JOINTS))]
     force = np.array([forces.force[leg, index] for leg, index in rows])
@@ -62,12 +84,15 @@ def joint_table(
         "vertical_N": force[:, 2],
         "moment_Nm": np.array([forces.moment[leg, index] for leg, index in rows]),
     }
-    facts = {"pose [m, m, rad, m]": _pose(pose), "tangential": why}
+    facts = _place(pose, at) | {"tangential": why}
     return DataTable(columns, provenance(JOINTS_FORMAT, facts | _design(forces.design)))
 
 
-def bar_table(forces: JointForces, pose: NDArray[np.float64], bar: str) -> DataTable:
-    """Return N, V and M along a bar of every leg in one pose; see `bar_loads` for signs."""
+def bar_table(
+    forces: JointForces, pose: NDArray[np.float64], bar: str, at: MotionInstant | None = None
+) -> DataTable:
+    """Return N, V and M along a bar of every leg in one pose, at rest or at an instant of a motion;
+    see `bar_loads` for signs."""
     loads = bar_loads(forces, bar)
     s = np.linspace(0.0, loads.length, SECTIONS)
     columns: Columns = {"s_m": s}
@@ -75,7 +100,7 @@ def bar_table(forces: JointForces, pose: NDArray[np.float64], bar: str) -> DataT
         inner = loads.at(s)[leg]
         for index, name in enumerate(("N_N", "V_N", "M_Nm")):
             columns[f"leg{leg + 1}_{name}"] = inner[:, index]
-    facts = {"bar": bar.upper(), "pose [m, m, rad, m]": _pose(pose)}
+    facts = {"bar": bar.upper()} | _place(pose, at)
     return DataTable(columns, provenance(BARS_FORMAT, facts | _design(forces.design)))
 
 
@@ -126,8 +151,23 @@ def _texts(words: Any) -> NDArray[Any]:
     return np.array(list(words))
 
 
-def _pose(pose: NDArray[np.float64]) -> str:
-    return " ".join(map(repr, pose.tolist()))
+def _place(pose: NDArray[np.float64], at: MotionInstant | None) -> dict[str, str]:
+    """Return where and when the forces of a table are."""
+    facts = {"pose [m, m, rad, m]": _numbers(pose.tolist())}
+    if at is None:
+        return facts | {"motion": "at rest"}
+    facts |= {
+        "motion": at.motion,
+        "time [s]": repr(at.time),
+        "velocity [m/s, m/s, rad/s, m/s]": _numbers(at.velocity),
+        "acceleration [m/s^2, m/s^2, rad/s^2, m/s^2]": _numbers(at.acceleration),
+    }
+    load = "load of the motion [N, N, N, N m, N m, N m]"
+    return facts if at.load is None else facts | {load: _numbers(at.load)}
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return " ".join(map(repr, values))
 
 
 def _design(design: Design) -> dict[str, str]:

@@ -12,6 +12,7 @@ from paminsa_viz.elastostatics.joint_forces import JOINTS, NEEDS_STIFFNESS, join
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
 from paminsa_viz.files.loads_table import (
     LEGS,
+    MotionInstant,
     bar_table,
     bearing_table,
     joint_table,
@@ -73,6 +74,23 @@ def test_a_bar_has_its_sections_from_end_to_end(bar: str) -> None:
         columns = [table.columns[f"leg{leg + 1}_{name}"] for name in ("N_N", "V_N", "M_Nm")]
         np.testing.assert_array_equal(np.transpose(columns), loads.at(s)[leg])
     assert table.provenance["bar"] == bar.upper()
+
+
+def test_a_pose_says_of_which_instant_of_a_motion_it_is() -> None:
+    at = MotionInstant(
+        "arch", 0.2, (0.1, 0.0, -0.2, 0.3), (1.0, 2.0, 3.0, 4.0), (5.0,) + 5 * (0.0,)
+    )
+    for make in (
+        lambda at: joint_table(FORCES, POSE, at=at),
+        lambda at: bar_table(FORCES, POSE, "b4", at),
+    ):
+        assert make(None).provenance["motion"] == "at rest"
+        head = make(at).provenance
+        assert head["motion"] == "arch"
+        assert head["time [s]"] == "0.2"
+        assert head["velocity [m/s, m/s, rad/s, m/s]"] == "0.1 0.0 -0.2 0.3"
+        assert head["acceleration [m/s^2, m/s^2, rad/s^2, m/s^2]"] == "1.0 2.0 3.0 4.0"
+        assert head["load of the motion [N, N, N, N m, N m, N m]"].startswith("5.0 0.0")
 
 
 def test_a_motion_has_its_loads_at_every_sample(moved: MotionLoads) -> None:

@@ -80,6 +80,7 @@ class Instant:
         pose, velocity, acceleration: (4,) of the platform.
         load: (6,) the motion's own load, or None.
         time: Of the motion that is played [s], or None at rest.
+        motion: Name of that motion.
     """
 
     design: Design
@@ -88,6 +89,7 @@ class Instant:
     acceleration: Numbers = (0.0,) * 4
     load: Numbers | None = None
     time: float | None = None
+    motion: str = ""
 
 
 def instant(state: State) -> Instant:
@@ -105,6 +107,7 @@ def instant(state: State) -> Instant:
         tuple(moved.acceleration.tolist()),
         None if load is None else tuple(load[0].tolist()),
         time,
+        trajectory.name,
     )
 
 

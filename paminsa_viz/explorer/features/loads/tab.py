@@ -39,7 +39,13 @@ from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import blocks_html, note, render
 from paminsa_viz.explorer.state.loads import LoadsSettings
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.files.loads_table import bar_table, bearing_table, joint_table, motion_loads_table
+from paminsa_viz.files.loads_table import (
+    MotionInstant,
+    bar_table,
+    bearing_table,
+    joint_table,
+    motion_loads_table,
+)
 from paminsa_viz.files.tables import DataTable, table_bytes
 from paminsa_viz.model import InvalidInput, Limit
 from paminsa_viz.model.elastic import BARS
@@ -120,13 +126,13 @@ def file(state: State, name: str) -> exports.File:
     Raises:
         InvalidInput: If there are no numbers.
     """
-    what = exports.file_name(
-        state,
-        TABLES[name].format(state.loads.settings.bar),
-        "csv",
-        at_pose=name in ("Joints", "Bar"),
-    )
-    return exports.File(what, table_bytes(_table(state, name), "csv"))
+    at_pose = name in ("Joints", "Bar")
+    what = TABLES[name].format(state.loads.settings.bar)
+    time = instant(state).time
+    if at_pose and time is not None:
+        what += f"_t{round(1e3 * time)}ms"
+    file_name = exports.file_name(state, what, "csv", at_pose=at_pose)
+    return exports.File(file_name, table_bytes(_table(state, name), "csv"))
 
 
 def _table(state: State, name: str) -> DataTable:
@@ -140,9 +146,12 @@ def _table(state: State, name: str) -> DataTable:
     forces, pose = forces_at(at), np.array(at.pose)
     if forces.status != Limit.OK or state.document.pose != at.pose:
         raise InvalidInput("pose", "there are no joint forces at this pose")
+    moving = None
+    if at.time is not None:
+        moving = MotionInstant(at.motion, at.time, at.velocity, at.acceleration, at.load)
     if name == "Joints":
-        return joint_table(forces, pose, sideways_at(at))
-    return bar_table(forces, pose, state.loads.settings.bar)
+        return joint_table(forces, pose, sideways_at(at), moving)
+    return bar_table(forces, pose, state.loads.settings.bar, moving)
 
 
 _setting = SettingInputs("loads", "loads.settings", LoadsSettings)

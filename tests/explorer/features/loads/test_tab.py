@@ -130,6 +130,18 @@ def test_the_motion_table_is_of_the_current_motion() -> None:
     assert not tab.motion(compute(state.updated("loads.settings", along=False)))
 
 
+@pytest.mark.parametrize("name", ["Joints", "Bar"])
+def test_file_of_an_instant_of_a_motion_says_so(name: str) -> None:
+    state = motions.scrub(motions.choose_kind(initial_state(), Kind.ARCH), 0.2)
+    resting = actions.move_to(state, state.document.pose)
+    moving, rest = tab.file(state, name), tab.file(resting, name)
+    assert rest.name == moving.name.replace("_t200ms", "") != moving.name
+    assert b"# motion: at rest\n" in rest.content
+    head = moving.content.decode()
+    assert f"# motion: {instant(state).motion}\n# time [s]: 0.2\n# velocity [" in head
+    assert "\n# acceleration [" in head
+
+
 @pytest.mark.slow
 def test_files_hold_what_is_shown() -> None:
     state = along()
