@@ -50,6 +50,7 @@ class PathEvent:
         leg: Index of the leg, 0 to 2, or -1 if no single leg is concerned.
         margin: Distance left to the limit, negative beyond it [m].
         pose: (x, y, theta, z) at that time [m, m, rad, m].
+        reason: What happens there, where it is more than the limit's own explanation.
     """
 
     t: float
@@ -57,11 +58,14 @@ class PathEvent:
     leg: int
     margin: float
     pose: tuple[float, ...]
+    reason: str = ""
 
     @property
     def explanation(self) -> str:
         """Text of the event."""
-        if self.limit is Limit.SINGULAR:
+        if self.reason:
+            what = self.reason
+        elif self.limit is Limit.SINGULAR:
             what = "the platform comes too close to a singular pose; torques have no bound there"
         else:
             what = self.limit.explanation

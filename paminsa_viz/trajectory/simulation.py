@@ -25,9 +25,11 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import forward_dynamics, mass_matrix
 from paminsa_viz.model.energy import kinetic_energy, potential_energy
 from paminsa_viz.model.jacobians import jacobian
+from paminsa_viz.model.reach import Limit
 from paminsa_viz.trajectory.check import (
     GUIDES,
     SINGULAR_CLEARANCE,
+    PassageWindow,
     PathEvent,
     allowed,
     check_path,
@@ -132,6 +134,15 @@ Ten times what the default gains need; much higher gains would take too long.
 _LONGEST_STEP = 0.02  # longest step [s], so that nothing of the wanted motion is stepped over
 
 
+NO_AUTHORITY = (
+    "the motion crosses a singular locus, where the actuators have no authority along the escape "
+    "twist: a robot that is not exactly on the motion, by a payload, friction or initial error "
+    "that the controller does not know of, cannot be held there, and the commanded torques have "
+    "no bound"
+)
+"""Why a simulation stops in a planned crossing."""
+
+
 @dataclass(frozen=True, eq=False)
 class Simulation:
     """The simulated motion at n instants: the samples of the trajectory until it stopped.
@@ -215,8 +226,9 @@ def simulate(
     """Let a controller drive a robot along a trajectory.
 
     It stops, with the reason, where the robot comes to a limit of its workspace or too close to a
-    singular pose. Without feedback the robot is unstable: held by constant torques at Appendix 4's
-    home pose, an error of theta grows by a factor e in 0.18 s.
+    singular pose, and in a planned crossing that it cannot follow. Without feedback the robot is
+    unstable: held by constant torques at Appendix 4's home pose, an error of theta grows by a
+    factor e in 0.18 s.
 
     Args:
         design: The robot itself, with its friction, its payload and its load.
@@ -289,7 +301,7 @@ def simulate(
     t, states = solution.t, solution.y.T
     stopped = None
     if solution.status != 0:
-        stopped, t, states = _end(trajectory, solution, margins)
+        stopped, t, states = _end(trajectory, solution, margins, check.windows)
     return Simulation(
         design, controller, t, states[:, :4], states[:, 4:8], torques(t, states),
         trajectory.at(t), states[:, 8], states[:, 9], states[:, 10:].sum(axis=1), stopped,
@@ -298,7 +310,10 @@ def simulate(
 
 
 def _end(
-    trajectory: Trajectory, solution: Any, margins: Callable[[float, Array], Array]
+    trajectory: Trajectory,
+    solution: Any,
+    margins: Callable[[float, Array], Array],
+    windows: tuple[PassageWindow, ...] = (),
 ) -> tuple[PathEvent, Array, Array]:
     """Return why a solution stopped, with its times and states up to there."""
     t, states = solution.t, solution.y.T
@@ -308,5 +323,13 @@ def _end(
             t, states = np.append(t, end), np.vstack([states, state])
     left = margins(float(t[-1]), states[-1, :4])
     if solution.status != 1 and left.min() > _NEAR:
+        for window in windows:
+            if window.begin <= t[-1] <= window.end:
+                place = tuple(states[-1, :4].tolist())
+                return (
+                    PathEvent(float(t[-1]), Limit.SINGULAR, -1, 0.0, place, NO_AUTHORITY),
+                    t,
+                    states,
+                )
         raise SimulationFailed(float(t[-1]), str(solution.message))
     return worst_event(t[-1], states[-1, :4], left), t, states

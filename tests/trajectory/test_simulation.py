@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -47,7 +48,9 @@ from paminsa_viz.trajectory import (
     simulation,
 )
 from paminsa_viz.trajectory import plant as formulas
+from paminsa_viz.trajectory.check import PassageWindow
 from paminsa_viz.trajectory.equations import robot_numbers
+from paminsa_viz.trajectory.sampled import Locus, Passage
 from tests.support.cases import Case, assert_close, cases
 from tests.support.samples import with_knee
 from tests.trajectory.plans import FRICTION, A, B, preset_plan
@@ -327,6 +330,30 @@ def test_a_motion_ends_at_its_event_once_also_where_a_sample_stands(end: float, 
             continue
         with pytest.raises(SimulationFailed, match="too stiff"):
             simulation._end(trajectory, solution, room(least))
+
+
+@pytest.mark.parametrize(("begin", "end", "crosses"), [(0.1, 0.3, True), (0.3, 0.4, False)])
+def test_solver_that_gives_up_in_a_planned_crossing_stops_there(
+    begin: float, end: float, crosses: bool
+) -> None:
+    solution: Any = SimpleNamespace(
+        t=np.array([0.1, 0.2]), y=np.tile([*HOME, 0, 0, 0, 0, 0, 0], (2, 1)).T, status=-1,
+        message="step size is less than spacing between numbers",
+    )  # fmt: skip
+    trajectory = point_to_point(HOME, ASIDE).sample(100)
+    windows = (PassageWindow(Passage(0.25, Locus.ROTATION), begin, end),)
+
+    def ended() -> Any:
+        return simulation._end(trajectory, solution, lambda t, pose: np.ones(14), windows)
+
+    if not crosses:
+        with pytest.raises(SimulationFailed, match="spacing"):
+            ended()
+        return
+    event, t, _ = ended()
+    assert (event.t, event.limit, t.tolist()) == (0.2, Limit.SINGULAR, [0.1, 0.2])
+    assert "no authority along the escape twist" in event.explanation
+    assert event.explanation.startswith("at 0.2 s: the motion crosses")
 
 
 @pytest.mark.parametrize("given", [True, False], ids=["of the design", "of the motion"])

@@ -183,7 +183,7 @@ SIMULATING: tuple[Entry, ...] = (
         "simulation.shown", "Play it in the scene",
         hint="The robot moves as simulated, next to a translucent one where it should be; without "
         "it, it moves as planned",
-        visible=lambda state: state.simulation.outcome is not None,
+        visible=lambda state: state.simulation.result is not None,
         read=lambda state: state.simulation.shown, apply=show_simulation,
     ),
     Answer(

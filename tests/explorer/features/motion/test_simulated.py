@@ -15,14 +15,18 @@ from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.simulated import wanted_pose
 from paminsa_viz.explorer.features.motion import simulation as simulations
 from paminsa_viz.explorer.features.motion.layers import WantedPose
+from paminsa_viz.explorer.features.motion.tab import SIMULATING, simulation_html
 from paminsa_viz.explorer.scene.bodies import node_name
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.ghost import OPACITY, translucent
+from paminsa_viz.explorer.state.motion import Kind, Timing
+from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.simulation import SimulationSettings
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.meshes.bodies import body_glb
-from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.trajectory import Simulation
+from paminsa_viz.trajectory.simulation import ControlMode
 from tests.support.raw_page import RawPage
 from tests.support.tasks import finished
 
@@ -48,6 +52,36 @@ def test_start_has_something_to_see(simulated: State) -> None:
     assert simulation(simulated).stopped is None
     assert simulated.playback.playing
     assert simulated.playback.time == 0.0
+
+
+@pytest.mark.slow
+def test_crossing_that_is_not_followed_stops_the_simulation_and_is_played_so_far() -> None:
+    """Without feedback a robot of another payload comes to the singular locus at another time."""
+    state = motions.limit(motions.choose_kind(initial_state(), Kind.MOVE), "torque", 10.0)
+    ends = {"start": (0.03, 0.02, 0.8, -0.5), "goal": (0.03, 0.02, 1.75, -0.5)}
+    state = motions.change(state, timing=Timing.SHORTEST, cross=True, **ends)
+    state = state.updated("simulation.settings", control=ControlMode.FEED_FORWARD)
+    state = finished(simulations.SIMULATION, simulations.simulate(state))
+    found, trajectory = simulation(state), motions.planned(state).trajectory
+    assert trajectory is not None
+    (passage,) = trajectory.passages
+    assert found.stopped is not None
+    assert found.t[-1] == pytest.approx(passage.t, abs=2e-3)
+    assert np.abs(found.energy_drift).max() < 1e-6
+    assert state.playback.playing
+    text = simulation_html(compute(state))
+    assert "Stopped" in text
+    assert "no authority along the escape twist" in text
+    assert "spacing" not in text
+
+
+def test_a_simulation_that_failed_is_not_offered_to_be_played(simulated: State) -> None:
+    (switch,) = (entry for entry in SIMULATING if entry.key == "simulation.shown")
+    assert switch.visible is not None
+    assert switch.visible(simulated)
+    job = simulations.wanted_job(simulated)
+    failed = simulations.receive(simulated, Outcome(job, None, InvalidInput("gains", "too high")))
+    assert not switch.visible(failed)
 
 
 @pytest.mark.slow
