@@ -115,6 +115,31 @@ def test_piece_of_time_that_is_dragged_in_a_plot_is_marked_on_path_and_maps(moti
     until(lambda: motion.page.locator(".pv-piece").count() == 0, "no piece is left in the maps")
 
 
+UNDER_BAR = """() => {
+  const shown = (selector) => [...document.querySelectorAll(selector)]
+    .map((one) => one.getBoundingClientRect()).filter((box) => box.width);
+  const bars = shown('.mantine-ScrollArea-scrollbar[data-orientation="vertical"]');
+  const units = shown('[data-testid="motion-numbers"] td:last-child');
+  const left = Math.min(...bars.map((box) => box.left));  // the dock is the leftmost
+  return [bars.length, units.length, units.filter((box) => box.right > left).length];
+}"""
+
+
+def test_numbers_keep_clear_of_the_scrollbar(motion: Tab) -> None:
+    motion.dispatch(actions.pin_reference)  # with its curves the numbers are more than fit
+    motion.dispatch(lambda s: actions.vary(s, {"payload.mass": 3.0}))
+    motion.dispatch(lambda s: s.updated("plots", published=True))
+    box = motion.steady_box(motion.page.locator(".u-over").first)
+    motion.page.mouse.move(box["x"] + 50, box["y"] + 50)  # or the bar is not to be seen
+
+    def scrolls() -> bool:
+        bars, units, _ = motion.page.evaluate(UNDER_BAR)
+        return bool(bars and units)
+
+    until(scrolls, "the dock scrolls", 15)
+    assert motion.page.evaluate(UNDER_BAR)[2] == 0
+
+
 def test_motion_is_played_to_its_end_and_a_pose_slider_stops_it(motion: Tab) -> None:
     motion.dispatch(lambda s: motions.change(s, timing=Timing.GIVEN, duration=4.0, kind=Kind.MOVE))
     until(lambda: planned(motion).duration == 4.0, "a motion of 4 s")
