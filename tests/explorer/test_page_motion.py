@@ -128,7 +128,6 @@ UNDER_BAR = """() => {
 def test_numbers_keep_clear_of_the_scrollbar(motion: Tab) -> None:
     motion.dispatch(actions.pin_reference)  # with its curves the numbers are more than fit
     motion.dispatch(lambda s: actions.vary(s, {"payload.mass": 3.0}))
-    motion.dispatch(lambda s: s.updated("plots", published=True))
     box = motion.steady_box(motion.page.locator(".u-over").first)
     motion.page.mouse.move(box["x"] + 50, box["y"] + 50)  # or the bar is not to be seen
 
