@@ -20,6 +20,9 @@ NONE = "–"
 MM = 1e3
 """Millimeters in a meter."""
 
+UM = 1e6
+"""Micrometers in a meter."""
+
 DEGREES = 180 / math.pi
 """Degrees in a radian."""
 
@@ -187,7 +190,7 @@ _SCALED = {
 
 
 SHOWN_IN = {
-    "m:um": DisplayUnit(1e6, "µm"), "rad:arcsec": DisplayUnit(ARCSEC, "″"),
+    "m:um": DisplayUnit(UM, "µm"), "rad:arcsec": DisplayUnit(ARCSEC, "″"),
     "rad:mrad": DisplayUnit(1e3, "mrad"), "1:%": DisplayUnit(100.0, "%"),
 }  # fmt: skip
 """SI units with another to show them in."""

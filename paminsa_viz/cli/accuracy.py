@@ -25,7 +25,7 @@ from paminsa_viz.precision.manufacture import (
     monte_carlo,
 )
 from paminsa_viz.studies.region import RegionResults
-from paminsa_viz.units import format_pose
+from paminsa_viz.units import UM, format_pose
 
 DESCRIPTION = """\
 Errors of the platform's pose that the drives leave, at a pose and over the workspace; and those by
@@ -45,9 +45,6 @@ docs/accuracy.md.
 
 Exit code: 0 done; 1 the errors at the pose have no bound; 2 a wrong argument or file, or a pose out
 of reach."""
-
-MICRONS = 1e6
-"""Micrometers of a meter."""
 
 ROTARY_LINEAR = tyro.conf.arg(metavar="DEG UM")
 Pair = Annotated[OrNone[tuple[float, float]], ROTARY_LINEAR]
@@ -118,14 +115,14 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
                 rotary, linear = f"{name}_rotary", f"{name}_linear"
                 most = (
                     math.degrees(PARAMETER[f"accuracy.{rotary}"].largest),
-                    MICRONS * PARAMETER[f"accuracy.{linear}"].largest,
+                    UM * PARAMETER[f"accuracy.{linear}"].largest,
                 )
                 if not all(0 <= value <= end for value, end in zip(given, most, strict=True)):
                     raise UsageError(
                         f"--{name}: 0 to {most[0]:.3g} degrees and 0 to {most[1]:g} um are "
                         f"possible, not {given[0]:g} {given[1]:g}"
                     )
-                changes |= {rotary: math.radians(given[0]), linear: given[1] / MICRONS}
+                changes |= {rotary: math.radians(given[0]), linear: given[1] / UM}
         return replace(design, accuracy=replace(accuracy, **changes))
 
 

@@ -20,7 +20,7 @@ from paminsa_viz.model.jacobians import inverse_jacobian, inverse_jacobian_rate
 from paminsa_viz.model.singularity import escape_twist
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE
 from paminsa_viz.trajectory.crossing import limit_torques, locus_distances, torque_growth
-from paminsa_viz.trajectory.sampled import BESIDE, RATE, Locus, Trajectory
+from paminsa_viz.trajectory.sampled import OFF_CROSSING, RATE, Locus, Trajectory
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw
 from paminsa_viz.trajectory.time_optimal import PlannedCrossing, TimeOptimalPlan
 
@@ -140,7 +140,7 @@ def crossing_loads(design: Design, trajectory: Trajectory) -> tuple[CrossingLoad
     for t, locus, states in trajectory.passages:
         after = int(np.clip(np.searchsorted(trajectory.t, t), 1, trajectory.size - 1))
         step = float(trajectory.t[after] - trajectory.t[after - 1])
-        beside = BESIDE if states else 0.25 * step
+        beside = OFF_CROSSING if states else 0.25 * step
         times = t + beside * np.array([-1.0, 0.0, 1.0])
         pose, velocity, acceleration = states or trajectory.at(times)
         load = trajectory.load_at(times)

@@ -17,7 +17,7 @@ from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers
 from paminsa_viz.trajectory.sampled import (
-    BESIDE,
+    OFF_CROSSING,
     RATE,
     STEPS,
     Passage,
@@ -29,10 +29,6 @@ from paminsa_viz.trajectory.time_laws import TimeLaw
 
 if TYPE_CHECKING:  # SciPy's splines take most of a second to load; only waypoints need them
     from scipy.interpolate import BSpline
-
-
-OFF_CROSSING = 1e-6
-"""Least time between a sample and the crossing of a singularity [s], where samples allow it."""
 
 
 class UnitCurve(Protocol):
@@ -253,7 +249,7 @@ class Plan:
         """
         t = sample_times(0.0, self.duration, rate)
         times = [(passage.t * self.duration, passage.locus) for passage in self.passages]
-        beside = BESIDE * np.array([-1.0, 0.0, 1.0])
+        beside = OFF_CROSSING * np.array([-1.0, 0.0, 1.0])
         passages = tuple(Passage(at, locus, self.at(at + beside)) for at, locus in times)
         for at, _ in times:
             least = min(OFF_CROSSING, 0.25 * t[1])

@@ -82,8 +82,9 @@ class States(NamedTuple):
     acceleration: Array
 
 
-BESIDE = 1e-6
-"""How far from a crossing its states beside it are [s]."""
+OFF_CROSSING = 1e-6
+"""How far from the crossing of a singularity its states beside it are, and samples at least, where
+they allow it [s]."""
 
 
 class Passage(NamedTuple):
@@ -92,9 +93,9 @@ class Passage(NamedTuple):
     Attributes:
         t: When: [s] in a trajectory, in unit time in a plan.
         locus: Which locus.
-        states: Of a sampled motion whose plan is known: (3, 4) each, `BESIDE` before the crossing,
-            at it and after it. None takes them from the samples, between which the plan of a
-            quick motion may change more than once.
+        states: Of a sampled motion whose plan is known: (3, 4) each, `OFF_CROSSING` before the
+            crossing, at it and after it. None takes them from the samples, between which the plan
+            of a quick motion may change more than once.
     """
 
     t: float

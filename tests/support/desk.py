@@ -39,7 +39,7 @@ class SilentPage:
 
     Attributes:
         notices: Notices so far, title and text.
-        removed: Those of them that were taken away.
+        removed: Those of them that were closed.
         flushes: How often it was flushed.
     """
 

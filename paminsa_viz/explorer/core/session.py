@@ -273,7 +273,7 @@ class Session:
         Args:
             title, body: What it says.
             bad: Whether something was not possible.
-            of_step: Whether it says what a step has done: undo and redo take it away.
+            of_step: Whether it says what a step has done: undo and redo close it.
         """
         if self._closed:
             return

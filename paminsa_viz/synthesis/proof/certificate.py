@@ -156,7 +156,8 @@ def sample_requirement(
     all of them, the surroundings of the worst one are sampled as well. A margin is minus infinite
     where a pose has no value.
     """
-    if part_of(requirements, requirement, region) is None:
+    part = part_of(requirements, requirement, region)
+    if part is None:
         return np.empty((0, 4)), np.empty(0)
     x, y, z = (2.0 * half for half in region.half)
     workspace = Workspace(region.shape, (x, y, z), region.center)
@@ -175,24 +176,18 @@ def sample_requirement(
     worst = int(least.argmin())
     if least[worst] < 0.0:
         return found, least
-    near, margin = _near(design, requirements, requirement, region, found[worst])
+    near, margin = _near(design, requirement, part, found[worst])
     return np.concatenate([found, near]), np.concatenate([least, margin])
 
 
 def _near(
-    design: Design,
-    requirements: Requirements,
-    requirement: Requirement,
-    region: PoseRegion,
-    pose: Array,
+    design: Design, requirement: Requirement, part: PoseRegion, pose: Array
 ) -> tuple[Array, Array]:
     """Return poses of a region near one (4,), (n, 4), and the margins there (n,).
 
     Each round looks about the worst pose of the one before, on the region's boundary where it
     would leave it, half as far away.
     """
-    part = part_of(requirements, requirement, region)
-    assert part is not None
     center, half = np.array(part.center), np.array(part.half)
     low, high = part.theta
     unit = np.array([-1.0, 0.0, 1.0])

@@ -272,7 +272,7 @@ def test_undo_and_redo_go_step_by_step(bench: Bench) -> None:
     assert not bench.session._history.future
 
 
-def test_undo_takes_away_what_was_said_of_the_step_and_no_other_notice(bench: Bench) -> None:
+def test_undo_closes_notices_of_the_step_and_no_others(bench: Bench) -> None:
     done = ("Done", "x is 0.01 now")
     tell = Then(to(0.01), done[1])
     perform(bench.session, "x", tell)
