@@ -23,7 +23,7 @@ from paminsa_viz.explorer.kit.entries import given
 from paminsa_viz.explorer.kit.inputs import Slider
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.files.design_schema import KEY_OF, SCHEMA_VERSION
+from paminsa_viz.files.design_schema import DRIVE_KEYS, DRIVES, KEY_OF, SCHEMA_VERSION
 from paminsa_viz.meshes.packed import pack_bodies
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -34,6 +34,7 @@ from paminsa_viz.model import (
     measures,
     robot,
 )
+from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.leg import leg_position, mechanism_of_lengths
 from paminsa_viz.model.load import WRENCH, wrench_at_center
 from paminsa_viz.model.lumped import MASS_PATHS, Masses, coefficients_of_masses
@@ -141,6 +142,8 @@ def _data(document: Document) -> dict[str, Any]:
         "longestText": persistence.LONGEST_TEXT,
         "farthest": persistence.FARTHEST,
         "schemaVersion": SCHEMA_VERSION,
+        "driveTables": [f"{DRIVES}.{actuator}" for actuator in ACTUATORS],
+        "driveKeys": DRIVE_KEYS,
         "knees": {"lower": "lower", "upper": "upper", **KNEES},
         "parameters": {path: _parameter(path) for path in PARAMETER},
         "masses": dict(zip(Masses._fields, MASS_PATHS, strict=True)),

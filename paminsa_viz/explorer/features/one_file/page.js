@@ -163,7 +163,7 @@
     find("design").append(box);
   }
   find("knee").addEventListener("change", () => setKnee(find("knee").value));
-  find("name").addEventListener("change", () => set({ ...doc, name: find("name").value }));
+  find("name").addEventListener("change", () => set({ ...doc, name: printable(find("name").value) }));
 
   // --- buttons --------------------------------------------------------------------------------
   const buttons = {};
@@ -186,8 +186,9 @@
   addButton("Undo", "Undo the last change (Ctrl+Z)", () => undo(back, forward));
   addButton("Redo", "Do again what was undone last (Ctrl+Shift+Z)", () => undo(forward, back));
   addButton("Pin", "Compare torques with this design", () => {
-    const { name, design, load_frame: frame } = doc;
-    set({ ...doc, reference: doc.reference ? null : { name, design, ...(frame && { load_frame: frame }) } });
+    const { name, design, load_frame: frame, drives } = doc;
+    const pinned = { name, design, ...(frame && { load_frame: frame }), ...(drives && { drives }) };
+    set({ ...doc, reference: doc.reference ? null : pinned });
   });
   addButton("Balance by m₇", "Set m₇ so that M_p2 = 0: no static torque of M1 to M3 (Eq. 8)", () =>
     vary("joints.j7", balancedMass()));
@@ -209,8 +210,10 @@
       say(code);
     }
   });
-  addButton("Design as TOML", "A design file for paminsa-viz", () =>
-    download(`${stem()}.toml`, new Blob([designFile()], { type: "text/plain" })));
+  addButton("Design as TOML", "A design file for paminsa-viz", () => {
+    download(`${stem()}.toml`, new Blob([designFile()], { type: "text/plain" }));
+    say(doc.requirements ? "The file is without the requirements, which a link or code keeps." : "");
+  });
   addButton("Maps as PNG", "The three maps as a picture", () => {
     const canvases = [...find("maps").querySelectorAll("canvas")];
     const whole = document.createElement("canvas");
@@ -246,7 +249,9 @@
     const slope = -robot.g / robot.mechanism.k;
     return valueOf(doc, "joints.j7") - robot.imbalance / slope;
   };
-  const toml = (value) => Number.isInteger(value) ? `${value.toFixed(1)}` : String(value);
+  const toml = (value) => Array.isArray(value) ? `[${value.map(toml).join(", ")}]`
+    : typeof value !== "number" ? JSON.stringify(value)
+      : Number.isInteger(value) ? value.toFixed(1) : String(value);
   const designFile = () => {
     const tables = new Map([["", []]]);
     const rows = (table) => tables.get(table) ?? tables.set(table, []).get(table);
@@ -256,9 +261,11 @@
     }
     if (doc.knee === "upper") rows("geometry").push('knee = "upper"');
     if (doc.load_frame === "platform") rows("load").push('frame = "platform"');
+    doc.drives?.forEach((drive, index) => drive && rows(PAGE.driveTables[index]).push(
+      ...Object.entries(drive).map(([name, value]) => `${PAGE.driveKeys[name]} = ${toml(value)}`)));
     const head = [
       `# Written by ${PAGE.madeBy}, the page in one file. Without a value it is Appendix 4's.`,
-      `name = ${JSON.stringify(doc.name)}`, `schema_version = ${PAGE.schemaVersion}`,
+      `name = ${toml(doc.name)}`, `schema_version = ${PAGE.schemaVersion}`,
       ...tables.get(""),
     ];
     tables.delete("");

@@ -11,6 +11,14 @@ const refuse = (text) => {
 /** Return a number of a document; `null` where it is left open. */
 const valueOf = (doc, path) => doc.design[path] ?? PAGE.parameters[path]?.value ?? null;
 
+/** Return a name without what design files refuse in one, as the program reads it from a link. */
+const printable = (name) => name.replace(/(?! )[\p{C}\p{Z}]/gu, "?").slice(0, 200);
+
+/** Whether drives are as a document has them: one for each actuator, or null. */
+const areDrives = (drives) => Array.isArray(drives) && drives.length === PAGE.driveTables.length
+  && drives.every((drive) => drive === null
+    || (typeof drive === "object" && Object.keys(drive).every((name) => Object.hasOwn(PAGE.driveKeys, name))));
+
 /** Check a design's numbers as the program does; return what is wrong, or an empty text. */
 const problem = (doc) => {
   for (const [path, value] of Object.entries(doc.design)) {
@@ -51,12 +59,13 @@ const checkedDocument = (text) => {
     if (typeof each !== "object" || typeof each.design !== "object" || each.design === null)
       refuse("it cannot be read");
     if (!["world", "platform"].includes(each.load_frame ?? "world")) refuse("it cannot be read");
+    if (each.drives !== undefined && !areDrives(each.drives)) refuse("it cannot be read");
     const found = problem(each);
     if (found) refuse(found);
     if (each.counterweights?.length)
       refuse("this file knows no counterweights; open the link where paminsa-viz runs");
   }
-  return { ...rest, name: String(doc.name ?? "").slice(0, 200), knee };
+  return { ...rest, name: printable(String(doc.name ?? "")), knee };
 };
 
 /** Return what the formulas need of a design. */

@@ -30,8 +30,10 @@ from paminsa_viz.model import (
     static_torques,
     torque_breakdown,
 )
+from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_imbalance
+from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.trajectory import PRESET
 from paminsa_viz.webpage import code_page
 from tests.explorer.test_page_access import CHECK, RULES
@@ -230,6 +232,31 @@ def test_person_changes_undoes_shares_and_saves(opened: Opened) -> None:
     opened.wait_drawn()
     opened.wait(lambda found: found == balanced)
     assert page.get_by_role("columnheader", name="difference").count() == 1
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_drives_are_pinned_and_saved_and_what_a_file_lacks_is_said(opened: Opened) -> None:
+    motor = Drive(
+        name='Motor "A"', gear_ratio=50.0, rotor_inertia=1.5e-7, top_speed=400.0,
+        envelope=((0.0, 2.0), (100.0, 0.5)), encoder_counts=2048.0, brake=True,
+    )  # fmt: skip
+    screw = Drive(transmission="screw", lead=0.01, lead_efficiency=0.9)
+    driven = replace(APPENDIX_4, drives=(motor, None, motor, screw))
+    required = Requirements((Requirement("condition", high=10.0),))
+    opened.open(share_code(replace(START, design=driven, requirements=required)))
+    page = opened.page
+    page.get_by_label("Design name").fill("Arm\u00a02\u200b")  # as pasted; no file may have it
+    page.get_by_label("Design name").press("Enter")
+    page.get_by_role("button", name="Pin").click()
+    found = opened.wait(lambda found: found.reference is not None)
+    assert found.design == found.reference == driven
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Design as TOML").click()
+    saved = read_design(Path(waiting.value.path()).read_bytes(), "download")
+    assert saved == driven
+    assert saved.name == "Arm?2?"
+    assert "without the requirements" in page.locator("#message").inner_text()
 
 
 @pytest.mark.browser
