@@ -143,6 +143,7 @@ def with_legend(
         bar, width = legend.bar, round(18 * size)
         pen.text((left, top), bar.name, rgb(LIGHT.ink), font)
         top += line
+        pen.text((left, top), bar.low, rgb(LIGHT.ink), font)
         start = left + pen.textlength(bar.low, font) + size / 2
         colors = (bar.under, *bar.colors, bar.over)
         step = width / len(colors)

@@ -139,6 +139,19 @@ def test_exported_view_has_the_legend_in_its_corner(size: tuple[int, int]) -> No
     assert columns.min() < 20
 
 
+def test_exported_color_bar_has_a_number_at_either_end() -> None:
+    white = np.full((300, 500, 3), 255, dtype=np.uint8)
+    state = showing("floor_map")
+    data = STORE.data(state, COARSE, ("tau_1",))
+    bar = color_bar(data, STORE.scales(state, data, ("tau_1",))[0])
+    # Colors that are no letters' are white, so that the last line has the two numbers alone.
+    blank = bar._replace(colors=("#ffffff",) * len(bar.colors), under="#ffffff", over="#ffffff")
+    columns = np.nonzero((with_legend(white, Legend((), blank))[-33:] < 200).any(axis=(0, 2)))[0]
+    assert columns[0] < 20
+    assert columns[-1] > 250
+    assert np.diff(columns).max() > 200  # the bar between them
+
+
 @pytest.mark.parametrize("knee", KneeBranch)
 @pytest.mark.parametrize("base", [0.2, 0.35, 0.6])
 def test_plinth_carries_the_workspace_and_the_mast_and_little_else(
