@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -25,6 +26,7 @@ from paminsa_viz.explorer.features.maps.floor import FloorMap
 from paminsa_viz.explorer.kit.downloads import File
 from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.explorer.state.view import Appearance
 from paminsa_viz.model import InvalidInput, PaminsaError
 from paminsa_viz.plots.animations import ANIMATION_FORMATS
 
@@ -77,7 +79,7 @@ class Recorder:
         self._cancel.set()
 
     def record(self, session: Session, kind: str, legend: Legend = NO_LEGEND) -> File:
-        """Return the motion as the page draws it; called on a thread of its own.
+        """Return the motion as a light page draws it; called on a thread of its own.
 
         Args:
             session: The session of the page.
@@ -88,7 +90,7 @@ class Recorder:
             PaminsaError: If there is no motion, it fails, it is too long, the page does not answer,
                 or it was canceled.
         """
-        state = session.state
+        state = replace(session.state, appearance=Appearance.LIGHT)
         found = MotionStore().all(state)
         if found is None:
             raise InvalidInput("motion", motions.planned(state).problem)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import threading
 import time
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -29,9 +30,12 @@ from paminsa_viz.explorer.features.export.tab import export_entries
 from paminsa_viz.explorer.kit.entries import ButtonGroup, given
 from paminsa_viz.explorer.state.motion import Kind, Timing
 from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.state.view import Appearance
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.palette import DARK, LIGHT, Theme
 from paminsa_viz.plots import animations
 from paminsa_viz.plots.animations import ANIMATION_FORMATS
+from tests.support.chromium import until
 from tests.support.desk import SilentPage, stop
 
 
@@ -44,11 +48,14 @@ class Page(SilentPage):
         super().__init__()
         self.x = 0.0
         self.poses: list[Any] = []
+        self.theme = LIGHT
+        self.themes: list[Theme] = []
         self.slow = 0.0
 
     def get_render(self, height: int, width: int, **_: Any) -> np.ndarray:
         time.sleep(self.slow)
         self.poses.append(self.x)
+        self.themes.append(self.theme)
         value = int(np.clip(128 + 1000 * self.x, 0, 255))
         picture = np.full((height, width, 4), value, dtype=np.uint8)
         picture[..., 3] = 255
@@ -62,6 +69,7 @@ def session() -> Any:
 
     def draw(frame: Any, dragging: bool) -> None:
         page.x = float(frame.configuration.pose[0])
+        page.theme = frame.state.theme
 
     made.immediate.append(SimpleNamespace(draw=draw))
     made.start()
@@ -112,6 +120,15 @@ def test_recording_can_be_canceled(session: Any) -> None:
     again = Recorder()
     session.client.slow = 0.0
     assert again.record(session, "gif").content
+
+
+@pytest.mark.slow
+def test_pictures_are_light_on_a_dark_page_and_the_page_is_dark_again(session: Any) -> None:
+    session.dispatch("view", lambda state: replace(state, appearance=Appearance.DARK))
+    until(lambda: session.client.theme is DARK, "the page is dark")
+    Recorder().record(session, "gif")
+    assert set(session.client.themes) == {LIGHT}
+    until(lambda: session.client.theme is DARK, "the page is dark again")
 
 
 def test_what_cannot_be_recorded_is_refused(session: Any) -> None:
