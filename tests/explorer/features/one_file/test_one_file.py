@@ -273,6 +273,25 @@ def test_click_on_a_map_goes_there_and_the_knee_is_mirrored(opened: Opened) -> N
     assert check_reach(found.design.geometry, found.pose).ok
 
 
+@pytest.mark.browser
+@pytest.mark.slow
+def test_all_pictures_fit_any_window_and_paper_has_all_controls(opened: Opened) -> None:
+    opened.open(share_code(START))
+    page = opened.page
+    before = page.viewport_size
+    fits = "document.querySelector('#hover').getBoundingClientRect().bottom <= innerHeight"
+    for width, height in ((1920, 1080), (1366, 650), (1000, 1200), (1280, 600)):
+        page.set_viewport_size({"width": width, "height": height})
+        until(lambda: page.evaluate(fits), f"maps are seen, {width} x {height}")
+        stage = page.locator("#stage").bounding_box()
+        assert stage["height"] > 0.35 * height
+    page.emulate_media(media="print")
+    cut = "(({clientHeight, scrollHeight}) => scrollHeight - clientHeight)"
+    assert page.locator("#controls").evaluate(cut) <= 1
+    page.emulate_media(media="screen")
+    page.set_viewport_size(before)
+
+
 COLORED = """async (canvas) => {
   await new Promise(requestAnimationFrame);
   const picture = document.createElement("canvas");
