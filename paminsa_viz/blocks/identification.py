@@ -79,7 +79,9 @@ def _torques(findings: Findings) -> bytes:
 def _verdict(findings: Findings) -> Note:
     """Return whether masses and friction explain the log."""
     identity = findings.identification.identity
-    named = "; ".join(item.text for item in findings.causes.named)
+    problem = findings.identification.problem
+    faults = [item.text for item in findings.causes.named] + ([problem] if problem else [])
+    named = "; ".join(faults)
     checked = identity_note(identity).text
     if named or identity.holds is False:
         what = f"What may be wrong: {named}." if named else "A spring may be."

@@ -111,8 +111,8 @@ class Identify(JsonFlags, DesignFlags):
             print_heading(design)
             print_blocks(identification_blocks(found))
             print_written(written)
-        wrong = bool(found.causes.named) or found.identification.identity.holds is False
-        return 1 if wrong else 0
+        one = found.identification
+        return 1 if found.causes.named or one.identity.holds is False or one.problem else 0
 
     def _read(self, name: str) -> Log:
         return given_log(name, gains=self.gains, split=self.split)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.identification.causes import Causes, find_causes
 from paminsa_viz.identification.columns import IdentificationSettings
 from paminsa_viz.identification.identify import identify
@@ -81,7 +82,8 @@ def investigate(
         progress: Called before each of `STEPS`; true ends the work.
 
     Raises:
-        InvalidLog: At the first row of a log that cannot be used, or if the other log is the first.
+        InvalidLog: At the first row of a log that cannot be used, if no design could have its
+            numbers, or if the other log is the first.
         InvalidInput: If a setting or the payload is not possible.
         Canceled: If ``progress`` says so.
     """
@@ -95,7 +97,11 @@ def investigate(
     done("fit")
     found = identify(design, log, settings, start=start)
     done("masses")
-    nearest = nearest_masses(found)
+    try:
+        nearest = nearest_masses(found)
+    except InvalidDesign as error:
+        problem = f"no robot has its numbers ({error}); check the units and gains of its torques"
+        raise InvalidLog(problem, log=log.name) from error
     done("causes")
     causes = find_causes(found)
     done("second log")

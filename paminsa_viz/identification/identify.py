@@ -30,7 +30,12 @@ from paminsa_viz.identification.filtering import (
 )
 from paminsa_viz.identification.log import InvalidLog, Log
 from paminsa_viz.identification.log_poses import log_poses
-from paminsa_viz.identification.results import Estimate, Identification, Identity
+from paminsa_viz.identification.results import (
+    NEGATIVE_WEIGHT,
+    Estimate,
+    Identification,
+    Identity,
+)
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -118,7 +123,7 @@ def identify(
     if log.duration < 0.99 * FEW_SECONDS:
         notes.append(f"the log is {log.duration:.3g} s long; {FEW_SECONDS:g} s or more are advised")
     if estimates[0].high < 0:
-        notes.append("the weight is negative: the sign of force4, or of its gain, is wrong")
+        notes.append(NEGATIVE_WEIGHT)
     if settings.robustness:
         notes += _moves(log, solved, design, settings, estimates, values, error)
     return Identification(

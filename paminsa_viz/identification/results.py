@@ -19,6 +19,9 @@ IDENTITY_Z = 3.0
 """Size of the identity's z from which on the masses alone do not explain the log."""
 
 
+NEGATIVE_WEIGHT = "the weight is negative: the sign of force4, or of its gain, is wrong"
+
+
 @dataclass(frozen=True)
 class Estimate:
     """One number of the robot with its 95 % interval.
@@ -131,6 +134,11 @@ class Identification:
     def unknown(self) -> tuple[Estimate, ...]:
         """The estimates that the log does not tell."""
         return tuple(item for item in self.estimates if not item.known)
+
+    @property
+    def problem(self) -> str:
+        """Why no robot has these numbers, however well they fit; empty if one may."""
+        return NEGATIVE_WEIGHT if self.estimates[0].high < 0 else ""
 
     @property
     def advice(self) -> str:

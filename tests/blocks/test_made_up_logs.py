@@ -88,15 +88,17 @@ def test_the_identity_of_the_masses_and_the_verdict(holds: bool | None, kind: st
     if holds is not None:
         word = "holds" if holds else "fails"
         assert note.text == f"Identity of the masses: {word}, 0.50 ± 0.25 N, z = 3.9."
-    for named in ((), (cause("a", True, 0.5), cause("b", True, 0.1))):
+    two = (cause("a", True, 0.5), cause("b", True, 0.1))
+    for named, problem in (((), ""), (two, ""), ((), "c"), (two, "c")):
         findings: Any = SimpleNamespace(
-            identification=SimpleNamespace(identity=identity), causes=SimpleNamespace(named=named)
+            identification=SimpleNamespace(identity=identity, problem=problem),
+            causes=SimpleNamespace(named=named),
         )
         verdict = identification._verdict(findings)
-        fails = bool(named) or holds is False
-        assert verdict.kind == ("bad" if fails else "ok")
-        assert ("may be wrong: a; b" in verdict.text) == bool(named)
-        assert ("A spring may be" in verdict.text) == (not named and holds is False)
+        told = "; ".join([*(item.text for item in named), *problem])
+        assert verdict.kind == ("bad" if told or holds is False else "ok")
+        assert (f"may be wrong: {told}." in verdict.text) == bool(told)
+        assert ("A spring may be" in verdict.text) == (not told and holds is False)
         assert verdict.text.endswith(note.text)
 
 
@@ -130,7 +132,7 @@ def test_a_log_as_blocks_and_as_data(monkeypatch: pytest.MonkeyPatch) -> None:
     findings: Any = SimpleNamespace(
         identification=SimpleNamespace(
             log=log, notes=("first", "second"), estimates=[one, lost], identity=identity,
-            noise=np.array([0.1, 0.2, 0.3, 45.678]), unknown=[lost], design=APPENDIX_4,
+            noise=np.array([0.1, 0.2, 0.3, 45.678]), unknown=[lost], design=APPENDIX_4, problem="",
         ),
         causes=SimpleNamespace(named=[named], ranked=[named], unseen=["a"]),
         nearest=SimpleNamespace(masses=[mass], misfit=1.5), validation=None, payload=None,

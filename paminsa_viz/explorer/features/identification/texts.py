@@ -38,6 +38,8 @@ def status_html(frame: Frame) -> str:
     lines = [f"{cause.text}: {cause_size(cause)}" for cause in found.causes.named]
     if found.identification.identity.holds is False:
         lines.append("the masses' identity fails: a spring, or another law")
+    if problem := found.identification.problem:
+        lines.append(problem)
     good = not lines
     title = EXPLAINED if good else UNEXPLAINED
     lines.append(IDENTIFY.stale_text(state))
@@ -73,7 +75,8 @@ def causes_html(frame: Frame) -> str:
     text = (
         "Nothing in the log contradicts masses and friction (at 0.1 %). Largest of what was tried:"
     )
-    opening = [] if found.causes.named else [Note(text)]
+    contradicted = found.causes.named or found.identification.problem
+    opening = [] if contradicted else [Note(text)]
     table = causes_table(found).columns(0, 1, 2)
     return blocks_html(
         "identify-causes", *opening, table, unseen_note(found), look="pv-identify pv-wrapped"

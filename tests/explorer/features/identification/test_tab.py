@@ -174,6 +174,25 @@ def test_a_wrong_gain_is_named_on_the_page(found: State) -> None:
     assert "M2" in text
 
 
+@pytest.mark.slow
+def test_torques_of_the_wrong_sign_or_unit_are_not_explained() -> None:
+    """Both fit as well as the true ones: only that no robot is so tells."""
+    log = example_log()
+
+    def told(factor: float) -> State:
+        scaled = make_log(log.t, log.position, factor * log.torque)
+        return identified(actions.use_log(initial_state(), "log", scaled))
+
+    frame = compute(told(-1.0))
+    text = identify_text.status_html(frame)
+    assert "Masses and friction do not explain the log" in text
+    assert "the sign of force4" in text
+    assert "Nothing in the log contradicts" not in identify_text.causes_html(frame)
+    text = identify_text.status_html(compute(told(1000.0)))
+    assert "Not identified" in text
+    assert "check the units and gains of its torques" in text
+
+
 def test_stopped_work_says_so() -> None:
     state = actions.use_log(initial_state(), "log", example_log())
     assert state.identification.running is not None
