@@ -214,23 +214,8 @@
     download(`${stem()}.toml`, new Blob([designFile()], { type: "text/plain" }));
     say(doc.requirements ? "The file is without the requirements, which a link or code keeps." : "");
   });
-  addButton("Maps as PNG", "The three maps as a picture", () => {
-    const canvases = [...find("maps").querySelectorAll("canvas")];
-    const whole = document.createElement("canvas");
-    whole.width = canvases.reduce((sum, each) => sum + each.width + 10, 0);
-    whole.height = canvases[0].height + 24;
-    const context = whole.getContext("2d");
-    context.fillStyle = "#ffffff";
-    context.fillRect(0, 0, whole.width, whole.height);
-    context.fillStyle = "#000000";
-    context.font = "16px sans-serif";
-    canvases.reduce((left, each, index) => {
-      context.fillText(titles[index].textContent, left + 4, 17);
-      context.drawImage(each, left, 24);
-      return left + each.width + 10;
-    }, 0);
-    whole.toBlob((content) => download(`${stem()}-maps.png`, content));
-  });
+  addButton("Maps as PNG", "The three maps as a picture", () =>
+    mapsPicture().toBlob((content) => download(`${stem()}-maps.png`, content)));
   addButton("Light / dark", "Change the colors of the page", () => {
     document.documentElement.classList.toggle("dark");
     request();
@@ -290,6 +275,43 @@
     if (!differs()) return maps;
     const other = solveMaps(robotOf(doc.reference, doc.knee), theta, z, extent(), n);
     return maps.map((map, index) => map.map((value, cell) => value - other[index][cell]));
+  };
+  const singularRadius = () => {
+    const m = robot.mechanism;
+    return Math.sqrt(Math.max(0, m.base_radius ** 2 + m.platform_radius ** 2
+      - 2 * m.base_radius * m.platform_radius * Math.cos(doc.pose[2])));
+  };
+  /** Return the maps for a file: light, of one size, with what they are of. */
+  const mapsPicture = () => {
+    const [side, gap, line] = [480, 16, 24];
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [3 * side + 4 * gap, side + 4 * line];
+    const draw = canvas.getContext("2d");
+    const wasDark = isDark();
+    document.documentElement.classList.remove("dark"); // not seen: nothing is drawn in between
+    draw.fillStyle = colorOf("paper");
+    draw.fillRect(0, 0, canvas.width, canvas.height);
+    const write = (text, left, row) => {
+      draw.fillStyle = colorOf("ink");
+      draw.font = "16px system-ui, sans-serif";
+      draw.fillText(text, left, row, canvas.width - left - gap);
+    };
+    solvedMaps.pictures.forEach((picture, index) => {
+      const left = gap + index * (side + gap);
+      write(titles[index].textContent, left, line - 6);
+      draw.setTransform(1, 0, 0, 1, left, line);
+      drawMap(draw, side, picture, doc.pose, extent(), singularRadius());
+      draw.setTransform(1, 0, 0, 1, 0, 0);
+    });
+    const [x, y, theta, z] = doc.pose;
+    const less = differs() ? `, less those of “${doc.reference.name}”` : "";
+    write(`Static torques of “${doc.name}”${less}; ${doc.knee} knee, θ = ${number(180 / Math.PI * theta, 2)}°, `
+      + `z = ${number(1e3 * z, 1)} mm. Circle: pose x = ${number(1e3 * x, 1)} mm, y = ${number(1e3 * y, 1)} mm.`,
+    gap, side + 2 * line);
+    write(`x and y from −${number(1e3 * extent(), 0)} to ${number(1e3 * extent(), 0)} mm. Blue: negative, `
+      + `red: positive. Gray: out of reach. Dashed: singular. ${PAGE.madeBy}.`, gap, side + 3 * line);
+    document.documentElement.classList.toggle("dark", wasDark);
+    return canvas;
   };
   const placeIn = (canvas, event) => {
     const box = canvas.getBoundingClientRect();
@@ -439,9 +461,7 @@
       key = wanted;
     }
     const { pictures, limit } = solvedMaps;
-    const m = robot.mechanism;
-    const singular = Math.sqrt(Math.max(0, m.base_radius ** 2 + m.platform_radius ** 2
-      - 2 * m.base_radius * m.platform_radius * Math.cos(doc.pose[2])));
+    const singular = singularRadius();
     canvases.forEach((canvas, index) => {
       titles[index].textContent =
         `${differs() ? "Δ" : ""}τ${"₁₂₃"[index]}: ±${number(limit, 1)} N·m`;
@@ -449,13 +469,15 @@
         + `${number(solved.torques[index], 3)} N·m at the pose`);
     });
     // All texts are written by now: each size that is read after a text has the page laid out again.
-    canvases.forEach((canvas, index) =>
-      drawMap(canvas, pictures[index], doc.pose, extent(), singular));
+    canvases.forEach((canvas, index) => {
+      const { context, width } = contextOf(canvas);
+      drawMap(context, width, pictures[index], doc.pose, extent(), singular);
+    });
     const chosen = find("floor").value;
     if (shown)
       view.draw({
         floor: chosen && { picture: pictures[chosen], radius: extent() },
-        circle: paminsaWorkspaceCircle(m), singular, dark: isDark(), colors: pageColors(), moving,
+        circle: paminsaWorkspaceCircle(robot.mechanism), singular, dark: isDark(), colors: pageColors(), moving,
       });
     const [x, y, theta, z] = (shown?.pose ?? doc.pose);
     find("robot").setAttribute("aria-label", `The robot at x ${number(1e3 * x, 1)} mm, `

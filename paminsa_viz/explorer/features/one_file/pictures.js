@@ -45,17 +45,16 @@ const pictureOf = (values, n, limit) => {
   return picture;
 };
 
-/** Draw a map's picture, the pose on it and the singular circle. */
-const drawMap = (canvas, picture, mark, radius, singular) => {
-  const { context: draw, width, height } = contextOf(canvas);
+/** Draw a map's picture into a square, with the pose on it and the singular circle. */
+const drawMap = (draw, side, picture, mark, radius, singular) => {
   const cells = drawMap.cells ||= document.createElement("canvas");
   cells.width = cells.height = picture.width;
   cells.getContext("2d", IN_MEMORY).putImageData(picture, 0, 0);
   draw.fillStyle = colorOf("reachless");
-  draw.fillRect(0, 0, width, height);
+  draw.fillRect(0, 0, side, side);
   draw.imageSmoothingEnabled = false;
-  draw.drawImage(cells, 0, 0, width, height);
-  const half = width / 2;
+  draw.drawImage(cells, 0, 0, side, side);
+  const half = side / 2;
   draw.strokeStyle = "#000000";
   draw.lineWidth = 1.5;
   if (singular > 0) {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -10,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from paminsa_viz.explorer.core.persistence import open_share_code, share_code
 from paminsa_viz.explorer.features.one_file import one_file
@@ -33,6 +35,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_imbalance
+from paminsa_viz.palette import LIGHT, rgb
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.trajectory import PRESET
 from paminsa_viz.webpage import code_page
@@ -397,6 +400,41 @@ def test_maps_show_the_difference_from_the_pinned_design(opened: Opened) -> None
     wanted = static_torques(OTHER.design, pose)[0] - static_torques(APPENDIX_4, pose)[0]
     shown = float(text.split("τ₁ ")[1].removesuffix(" N·m").replace("−", "-"))
     assert shown == pytest.approx(wanted, abs=2e-3)
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_saved_maps_are_light_and_say_what_they_are_of(opened: Opened) -> None:
+    opened.open(share_code(OTHER))
+    page = opened.page
+    written = """(() => {
+      const write = CanvasRenderingContext2D.prototype.fillText;
+      window.written = [];
+      CanvasRenderingContext2D.prototype.fillText = function (text, ...rest) {
+        window.written.push(text);
+        write.call(this, text, ...rest);
+      };
+    })()"""
+    page.evaluate(written)
+    saved = []
+    for _ in range(2):
+        with page.expect_download() as waiting:
+            page.get_by_role("button", name="Maps as PNG").click()
+        saved.append(Path(waiting.value.path()).read_bytes())
+        page.get_by_role("button", name="Light / dark").click()
+    assert saved[0] == saved[1]
+    corner = np.asarray(Image.open(io.BytesIO(saved[0])).convert("RGB"))[40, 20]
+    assert tuple(corner) == rgb(LIGHT.reachless)
+    text = "\n".join(page.evaluate("window.written"))
+    for part in (
+        "“Light, 3 kg”",
+        "lower knee",
+        "θ = 22.92°",
+        "z = −550.0 mm",
+        "x = 50.0 mm",
+        "N·m",
+    ):
+        assert part in text
 
 
 @pytest.mark.browser
