@@ -220,8 +220,17 @@
     document.documentElement.classList.toggle("dark");
     request();
   });
+  let typed = null; // the field with letters that are not taken yet, which the browser undoes
+  document.addEventListener("input", ({ target }) => {
+    typed = target.matches("[type=text], [type=number]") ? target : null;
+  });
+  for (const end of ["change", "focusout"])
+    document.addEventListener(end, () => {
+      typed = null;
+    });
   document.addEventListener("keydown", (event) => {
     if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+    if (typed === event.target) return;
     event.preventDefault();
     if (event.shiftKey) undo(forward, back);
     else undo(back, forward);

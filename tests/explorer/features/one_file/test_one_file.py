@@ -439,6 +439,30 @@ def test_saved_maps_are_light_and_say_what_they_are_of(opened: Opened) -> None:
 
 @pytest.mark.browser
 @pytest.mark.slow
+def test_undo_is_the_texts_while_one_is_typed_and_the_pages_after(opened: Opened) -> None:
+    opened.open(share_code(OTHER))
+    page = opened.page
+    name, mass = page.get_by_label("Design name"), page.get_by_label("m₇ B3, B7 [kg]", exact=True)
+    mass.fill("1.25")
+    mass.press("Enter")
+    opened.wait(lambda found: found.design.joints.j7 == 1.25)
+    name.focus()
+    name.press("End")
+    name.press_sequentially(" more")
+    name.press("Control+z")
+    assert name.input_value() != "Light, 3 kg more"
+    assert mass.input_value() == "1.25"
+    name.fill("Other")
+    name.press("Enter")
+    opened.wait(lambda found: found.design.name == "Other")
+    name.press("Control+z")
+    opened.wait(lambda found: found.design.name == "Light, 3 kg")
+    name.press("Control+z")
+    opened.wait(lambda found: found.design == OTHER.design)
+
+
+@pytest.mark.browser
+@pytest.mark.slow
 def test_without_webgl_a_line_says_so(opened: Opened) -> None:
     page = opened.context.new_page()
     errors = watch_errors(page)
