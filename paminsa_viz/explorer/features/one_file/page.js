@@ -22,7 +22,8 @@
   let lastSource = "";
   const set = (changed, source = "") => {
     if (changed === doc || JSON.stringify(changed) === JSON.stringify(doc)) return;
-    const found = [changed, changed.reference ?? changed].map(problem).find(Boolean);
+    const found = poseProblem(changed.pose)
+      || [changed, changed.reference ?? changed].map(problem).find(Boolean);
     if (found) {
       say(`${found}; nothing was changed`);
       draw();

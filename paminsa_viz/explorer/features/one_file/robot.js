@@ -37,6 +37,11 @@ const problem = (doc) => {
   return "";
 };
 
+/** Return what is wrong with a pose, or an empty text; it need not be in reach. */
+const poseProblem = (pose) =>
+  pose.every((value) => Number.isFinite(value) && Math.abs(value) <= PAGE.farthest)
+    ? "" : "the pose is not possible";
+
 /** Return a document after every check; raise a RangeError with one line. */
 const checkedDocument = (text) => {
   let doc;
@@ -50,8 +55,7 @@ const checkedDocument = (text) => {
     refuse(`version ${String(doc.version).slice(0, 20)} is not known`);
   const pose = doc.pose;
   if (!Array.isArray(pose) || pose.length !== 4) refuse("it has no pose");
-  if (!pose.every((value) => Number.isFinite(value) && Math.abs(value) <= PAGE.farthest))
-    refuse("the pose is not possible");
+  if (poseProblem(pose)) refuse(poseProblem(pose));
   const knee = PAGE.knees[doc.knee ?? doc.assembly];
   if (!knee) refuse("it cannot be read");
   const { assembly: _, ...rest } = doc;

@@ -463,6 +463,19 @@ def test_undo_is_the_texts_while_one_is_typed_and_the_pages_after(opened: Opened
 
 @pytest.mark.browser
 @pytest.mark.slow
+def test_a_pose_that_no_link_can_hold_is_refused(opened: Opened) -> None:
+    opened.open(share_code(OTHER))
+    page = opened.page
+    page.get_by_label("x  [mm]", exact=True).fill("1e10")
+    page.get_by_label("x  [mm]", exact=True).press("Enter")
+    assert "the pose is not possible" in page.locator("#message").inner_text()
+    page.get_by_label("y  [mm]", exact=True).fill("7")
+    page.get_by_label("y  [mm]", exact=True).press("Enter")
+    opened.wait(lambda found: found.pose == (0.05, 0.007, 0.4, -0.55))
+
+
+@pytest.mark.browser
+@pytest.mark.slow
 def test_without_webgl_a_line_says_so(opened: Opened) -> None:
     page = opened.context.new_page()
     errors = watch_errors(page)
