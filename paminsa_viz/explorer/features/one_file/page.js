@@ -105,8 +105,11 @@
   };
 
   // --- inputs ---------------------------------------------------------------------------------
-  const number = (value, digits) => Number.isFinite(value)
-    ? value.toFixed(digits).replace("-", "\u2212") : value === Infinity ? "∞" : "–";
+  const number = (value, digits) => {
+    if (!Number.isFinite(value)) return value === Infinity ? "∞" : "–";
+    const text = value.toFixed(digits);
+    return text.replace("-", Number(text) ? "\u2212" : ""); // zero has no sign
+  };
   const decimals = (step) => Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
   const fields = [];
   const addSlider = (parent, entry, id, read, write, ends = () => [entry.low, entry.high]) => {

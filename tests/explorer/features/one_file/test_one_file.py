@@ -476,6 +476,14 @@ def test_a_pose_that_no_link_can_hold_is_refused(opened: Opened) -> None:
 
 @pytest.mark.browser
 @pytest.mark.slow
+def test_a_number_that_is_rounded_to_zero_has_no_sign(opened: Opened) -> None:
+    opened.open(share_code(replace(START, pose=(-1e-6, -0.02, 0.4, -0.55))))
+    label = opened.page.locator("#robot").get_attribute("aria-label") or ""
+    assert "at x 0.0 mm, y −20.0 mm" in label
+
+
+@pytest.mark.browser
+@pytest.mark.slow
 def test_without_webgl_a_line_says_so(opened: Opened) -> None:
     page = opened.context.new_page()
     errors = watch_errors(page)
