@@ -82,9 +82,11 @@ def emptiness(data: MapData, panel: int) -> str:
     """Return why a panel shows no values, or an empty text if it shows some."""
     if not np.isnan(data.values[panel]).all():
         return ""
-    if set(np.unique(data.status)) == {Limit.SINGULAR}:
-        return "singular everywhere"
-    return "no value here" if (data.status == 0).any() else "nothing reachable here"
+    if (data.status == 0).any():
+        return "no value here"
+    # Corners of the square are out of reach at every heading.
+    singular = (data.status == Limit.SINGULAR).any()
+    return "singular everywhere" if singular else "nothing reachable here"
 
 
 def value_text(data: MapData, panel: int, value: str = "z") -> str:

@@ -86,4 +86,6 @@ def test_every_limit_has_a_reason() -> None:
 def test_an_empty_map_says_why(code: Limit, text: str) -> None:
     nothing, status = np.full((3, 27, 31), np.nan), np.full((27, 31), code, np.uint8)
     assert emptiness(made_up(values=nothing, status=status), 0) == text
+    status[0] = Limit.STRETCHED  # no robot reaches all of the square
+    assert emptiness(made_up(values=nothing, status=status), 0) == text
     assert emptiness(made_up(), 0) == ""
