@@ -52,11 +52,14 @@ _SYMBOL = re.compile(r"\b([A-Za-z])_([A-Za-z]{0,4}\d{0,2})\b(?:\^\((\w+)\))?")
 def number(value: float, digits: int = 4, *, sign: bool = False, padded: bool = False) -> str:
     """Return a number with at most ``digits`` significant digits and a true minus sign.
 
-    Those from 10⁵ on and small ones get a power of ten, 1.2·10⁻¹³; NaN is a dash. With ``sign``,
-    positive numbers get a plus sign. With ``padded``, which suits columns, zeros at the end stay.
+    Those from 10⁵ on and small ones get a power of ten, 1.2·10⁻¹³; NaN is a dash, and what has no
+    bound is ∞. With ``sign``, positive numbers get a plus sign. With ``padded``, which suits
+    columns, zeros at the end stay.
     """
     if math.isnan(value):
         return NONE
+    if math.isinf(value):
+        return ("+∞" if sign else "∞") if value > 0 else "−∞"
     text = _plain(value, digits, ("+" if sign else "") + ("#" if padded else ""))
     mantissa, e, exponent = text.partition("e")
     mantissa = mantissa.removesuffix(".")
@@ -83,9 +86,12 @@ def read_number(text: str) -> float | None:
 
 
 def fixed(value: float, decimals: int) -> str:
-    """Return a number with a fixed count of decimals, a true minus sign and no negative zero."""
-    if math.isnan(value):
-        return NONE
+    """Return a number with a fixed count of decimals, a true minus sign and no negative zero.
+
+    NaN is a dash, and what has no bound is ∞.
+    """
+    if not math.isfinite(value):
+        return number(value)
     text = f"{value:.{decimals}f}"
     if float(text) == 0:
         text = text.lstrip("-")

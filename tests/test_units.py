@@ -126,6 +126,7 @@ def test_changes_are_percentages_of_the_value_before(
     [
         (0.0, "0"), (-0.0, "0"), (-12.5, "−12.5"), (1000.0, "1000"), (1e-7, "1·10⁻⁷"),
         (0.1 + 0.2, "0.3"), (123456.0, "1.235·10⁵"), (np.nan, "–"),
+        (np.inf, "∞"), (-np.inf, "−∞"),
     ],
 )  # fmt: skip
 def test_numbers_are_short_with_a_true_minus_sign(value: float, text: str) -> None:
@@ -152,10 +153,12 @@ def test_numbers_below_a_hundred_thousand_have_no_exponent() -> None:
 
 def test_numbers_with_a_sign() -> None:
     assert [number(value, 3, sign=True) for value in (1.5, -1.5, 0.0)] == ["+1.5", "−1.5", "0"]
+    assert number(np.inf, sign=True) == "+∞"
 
 
 def test_fixed_decimals_have_no_negative_zero() -> None:
     assert [fixed(value, 2) for value in (-0.001, -1.005, np.nan)] == ["0.00", "−1.00", "–"]
+    assert [fixed(value, 2) for value in (np.inf, -np.inf)] == ["∞", "−∞"]
     assert power_of_ten(-3) == "10⁻³"
 
 

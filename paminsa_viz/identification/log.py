@@ -173,13 +173,13 @@ def _check_numbers(t: Array, position: Array, torque: Array, rows: NDArray[np.in
         kind = "is there twice" if t[row] == t[row - 1] else f"follows {t[row - 1]:.9g} s"
         raise InvalidLog(f"times have to increase, and {t[row]:.9g} s {kind}", int(rows[row]), "t")
     for column, (most, hint) in enumerate(
-        [(2 * np.pi, "angles beyond a full turn; if they are degrees, say so (theta1_deg)")] * 3
-        + [(20.0, "a lift beyond 20 m; if it is in millimeters, say so (Z_mm)")]
+        [(2 * np.pi, "rad is beyond a full turn; a column in degrees is theta1_deg")] * 3
+        + [(20.0, "m is beyond 20 m; a column in millimeters is Z_mm")]
     ):
         far = np.flatnonzero(np.abs(position[:, column]) > most)
         if far.size:
             value = position[far[0], column]
-            raise InvalidLog(f"{value:.6g}: {hint}", int(rows[far[0]]), _NAMES[column])
+            raise InvalidLog(f"{value:.6g} {hint}", int(rows[far[0]]), _NAMES[column])
 
 
 def _check_steps(
