@@ -191,9 +191,14 @@ class SynthesisState(TaskState[SynthesisJob, SearchResult]):
         return None if self.result is None else self.result.front
 
     @property
+    def answers(self) -> tuple[SynthesisResult, ...]:
+        """The answers that can be shown: of the points of a front, else the one of the search."""
+        if self.result is None:
+            return ()
+        points = () if self.front is None else self.front.points
+        return tuple(point.result for point in points) or (self.result.answer,)
+
+    @property
     def answer(self) -> SynthesisResult | None:
         """The answer that is shown: of the chosen point of a front, else of the search."""
-        if self.result is None:
-            return None
-        points = () if self.front is None else self.front.points
-        return points[self.point].result if 0 <= self.point < len(points) else self.result.answer
+        return self.answers[self.point] if self.answers else None

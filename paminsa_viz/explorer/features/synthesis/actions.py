@@ -62,10 +62,12 @@ def receive(state: State, outcome: SearchOutcome) -> State:
 
 
 def _again(state: State, outcome: SearchOutcome) -> SynthesisJob:
-    """Return the search anew; a robot that it found and is worked on by now is no other one."""
-    found, job, document = state.synthesis.answer, outcome.job, state.document
+    """Return the search anew; a robot that it found, at any point of a front, and that is worked on
+    by now is no other one."""
+    job, document = outcome.job, state.document
     requirements = document.requirements
-    if found is not None and document.design == found.design:
+    found = next((one for one in state.synthesis.answers if one.design == document.design), None)
+    if found is not None:
         if requirements.workspace == found.workspace:
             requirements = replace(requirements, workspace=job.case.requirements.workspace)
         changed = replace(document, design=job.reference, requirements=requirements)

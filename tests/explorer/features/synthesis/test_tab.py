@@ -166,6 +166,7 @@ def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
     opened = actions.open_result(chosen)
     assert opened.document.design == points[1].result.design
     assert "Changed since" not in text.result_html(compute(opened))
+    assert "Changed since" not in text.result_html(compute(actions.choose_point(opened, 2)))
     assert actions.SEARCH.changes(designs.vary(opened, {"gravity": 9.0})) != ()
     other = chosen.updated("synthesis.settings", seed=5)
     assert "Changed since: seed." in text.result_html(compute(other))
