@@ -20,6 +20,7 @@ from paminsa_viz.model.design import Design, stated_parameters
 from paminsa_viz.quantities.requirement_text import requirement_label, requirement_text
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis import (
+    BoundOutcome,
     Buildability,
     ObjectiveLimit,
     SynthesisCase,
@@ -70,7 +71,7 @@ def synthesis_blocks(result: SynthesisResult, text: BoundText = bound_label) -> 
         blocks = [Note("No robot meets all requirements; below is the nearest one.", "bad")]
     blocks.append(effort_note(result))
     blocks += refused_notes(result)
-    if any(math.isfinite(item.value) for item in result.outcomes):
+    if any(math.isfinite(item.value) for item in _required(result)):
         blocks.append(outcomes_table(result, text))
     blocks += relaxed_blocks(result, text)
     blocks += buildability_blocks(result)
@@ -111,6 +112,14 @@ def refused_notes(result: SynthesisResult) -> list[Note]:
     ]
 
 
+def _required(result: SynthesisResult) -> list[BoundOutcome]:
+    """Return the outcomes of what was required: without limits that are none."""
+    return [
+        one for one in result.outcomes
+        if not isinstance(one.bound, ObjectiveLimit) or one.bound.is_limit
+    ]  # fmt: skip
+
+
 def outcomes_table(result: SynthesisResult, text: BoundText = bound_label) -> Table:
     """Return the requirements at a robot with their worst values and margins."""
     found = tuple(
@@ -122,7 +131,7 @@ def outcomes_table(result: SynthesisResult, text: BoundText = bound_label) -> Ta
             # One before it is broken already where there is no margin.
             level="none" if math.isnan(one.margin) else "ok" if one.margin >= 0 else "bad",
         )
-        for one in result.outcomes
+        for one in _required(result)
     )  # fmt: skip
     caption = "Requirements at the best robot that was found; active ones decide it."
     return Table(("Requirement", "Decides", "Worst value", "Margin"), found, caption, words=2)
@@ -358,7 +367,7 @@ def synthesis_data(result: SynthesisResult, seconds: float) -> dict[str, Any]:
                 "text": bound_text(item.bound), "worst": item.value,
                 **record(item, "margin", "active"),
             }
-            for item in result.outcomes
+            for item in _required(result)
         ],
         "relaxed": [
             {"text": bound_text(item.bound)} | record(item, "nearest", "change")

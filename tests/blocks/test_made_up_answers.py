@@ -34,7 +34,7 @@ from paminsa_viz.synthesis.answer.engine_check import MujocoCheck, MujocoRow
 from paminsa_viz.synthesis.answer.prices import RequirementPrice
 from paminsa_viz.synthesis.proof.evidence import Evidence, Proof, Verdict
 from paminsa_viz.synthesis.proof.families import Method
-from paminsa_viz.synthesis.search.case import ObjectiveLimit
+from paminsa_viz.synthesis.search.case import UNLIMITED, ObjectiveLimit
 from paminsa_viz.synthesis.search.case_conflict import CaseConflict
 from paminsa_viz.synthesis.search.result import BoundOutcome, RelaxedBound
 from paminsa_viz.synthesis.volume.check import Over
@@ -305,7 +305,9 @@ def test_how_an_answer_meets_its_bounds() -> None:
         BoundOutcome(TORQUE, 14.5, 0.5, False), BoundOutcome(RADIUS, 0.578, 0.0, True),
         BoundOutcome(CONDITION, 9.0, -1.0, False), BoundOutcome(STIFF, math.nan, math.nan, False),
     )  # fmt: skip
-    table = outcomes_table(answer(outcomes=outcomes))
+    free = (ObjectiveLimit("moving_mass", UNLIMITED), ObjectiveLimit("volume", -UNLIMITED))
+    values = tuple(BoundOutcome(one, 0.03, one.margin(0.03), False) for one in free)
+    table = outcomes_table(answer(outcomes=(*outcomes, *values)))
     assert [row[1:] for row in cells(table)] == [
         ("", "14.5 N·m", "0.5 N·m"), ("active", "578 mm", "0 mm"), ("", "9", "−1"),
         ("", NONE, NONE),

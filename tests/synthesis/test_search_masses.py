@@ -13,10 +13,10 @@ from paminsa_viz.model import static_torques
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis import Density
 from paminsa_viz.synthesis.masses.case import InnerCase, MassFactor
-from paminsa_viz.synthesis.search.case import ObjectiveLimit, Regime, SynthesisCase
+from paminsa_viz.synthesis.search.case import UNLIMITED, ObjectiveLimit, Regime, SynthesisCase
 from paminsa_viz.synthesis.search.evaluation import Evaluator
 from paminsa_viz.synthesis.search.trial import Poses, Robots
-from paminsa_viz.synthesis.search.trial_masses import UNLIMITED, trial_program
+from paminsa_viz.synthesis.search.trial_masses import trial_program
 from paminsa_viz.trajectory import analyze, check_path
 from paminsa_viz.trajectory.planners import arch, round_trip
 from tests.synthesis.search_cases import CYLINDER, arch_case

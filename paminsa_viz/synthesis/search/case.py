@@ -91,6 +91,10 @@ class SearchRange:
             raise InvalidInput(self.path, f"the least value has to be above 0, not {self.low!r}")
 
 
+UNLIMITED = 1e12
+"""A limit that is none, so that a search returns an objective's value next to another."""
+
+
 @dataclass(frozen=True)
 class ObjectiveLimit:
     """The largest value that an objective may have, next to the one that is minimized.
@@ -110,6 +114,11 @@ class ObjectiveLimit:
         find_objective(self.objective)
         if not math.isfinite(self.most):
             raise InvalidInput(self.objective, f"a finite limit is needed, not {self.most!r}")
+
+    @property
+    def is_limit(self) -> bool:
+        """Whether it is a limit, not only there for its objective's value."""
+        return abs(self.most) < UNLIMITED
 
     def margin(self, value: float) -> float:
         """Return how far a value is inside the limit, negative outside [SI]."""

@@ -19,12 +19,11 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.studies.executors import Workers, here
-from paminsa_viz.synthesis.search.case import ObjectiveLimit, SynthesisCase
+from paminsa_viz.synthesis.search.case import UNLIMITED, ObjectiveLimit, SynthesisCase
 from paminsa_viz.synthesis.search.objectives import find_objective
 from paminsa_viz.synthesis.search.outer import RegimeState, cloud, numbers_of
 from paminsa_viz.synthesis.search.result import SynthesisResult
 from paminsa_viz.synthesis.search.solve import synthesize
-from paminsa_viz.synthesis.search.trial_masses import UNLIMITED
 
 MOST_POINTS = 200
 """Most searches of a front."""

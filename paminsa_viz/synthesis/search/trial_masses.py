@@ -16,9 +16,6 @@ from paminsa_viz.synthesis.search.trial import TrialRobot
 SPARE = 2e-9
 """By how much of itself (or of 1) a bound is tightened, against the solver's rounding."""
 
-UNLIMITED = 1e12
-"""A limit that is none, so that a search returns an objective's value next to another."""
-
 ENOUGH = 1e-7
 """Gap to close, as a share of the goal: far below what a search tells apart."""
 
@@ -52,7 +49,7 @@ def trial_program(
     for index, item in enumerate(whole.limits, len(bounds)):
         if item.objective in GOALS and index == relaxed:
             goal = item.objective
-        elif item.objective in GOALS and item.most < UNLIMITED:
+        elif item.objective in GOALS and item.is_limit:
             by = tighter[index] if index < len(tighter) else 0.0
             most.append((item.objective, item.most - by - SPARE * max(1.0, abs(item.most))))
     center = np.array(trial.workspace.center, np.float64)
