@@ -21,6 +21,7 @@ from paminsa_viz.explorer.features.pose.tab import (
 from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Html
 from paminsa_viz.explorer.kit.robot_texts import of_pose
 from paminsa_viz.explorer.kit.text import note
+from paminsa_viz.explorer.state.balance import BalanceKind
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.units import fixed
 
@@ -60,12 +61,21 @@ def strip_html(frame: Frame) -> str:
     return f'<div class="pv-strip">{"".join(parts)}</div>'
 
 
+BALANCE_TASKS = {
+    BalanceKind.OPTIMUM: "Balance",
+    BalanceKind.FRONT: "Pareto front",
+    BalanceKind.SENSITIVITY: "Sensitivity",
+}
+"""Labels of the tasks of the balance that can be started again."""
+
+
 def restartable(state: State) -> dict[str, Effect]:
     """Return a button for each task that a reload has ended, and one to leave them."""
     if not state.ended:
         return {}
     # Late: it loads SciPy.
-    from paminsa_viz.explorer.features.balance.actions import OPTIMUM
+    from paminsa_viz.explorer.features.balance import actions as balancing
+    from paminsa_viz.explorer.features.identification.actions import SEARCH as EXCITATION
     from paminsa_viz.explorer.features.requirements.actions import LARGEST
     from paminsa_viz.explorer.features.synthesis.actions import SEARCH
     from paminsa_viz.explorer.features.synthesis.actions import start as search
@@ -73,12 +83,15 @@ def restartable(state: State) -> dict[str, Effect]:
     tasks: dict[str, tuple[str, Action]] = {
         SEARCH.place.path: ("Search for a robot", search),
         LARGEST.place.path: ("Largest workspace", LARGEST.start),
-        OPTIMUM.place.path: ("Balance", OPTIMUM.start),
+        EXCITATION.place.path: ("Motion for a log", EXCITATION.start),
     }
+    for kind, label in BALANCE_TASKS.items():
+        name = tab_store.task_name(balancing.OPTIMUM.place.path, kind.name)
+        tasks[name] = label, partial(balancing.start, task=kind)
     found: dict[str, Effect] = {
         label: partial(_again, start=start)
-        for path, (label, start) in tasks.items()
-        if path in state.ended
+        for name, (label, start) in tasks.items()
+        if name in state.ended
     }
     return {**found, "Leave it": _leave} if found else {}
 

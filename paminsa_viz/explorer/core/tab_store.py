@@ -56,9 +56,17 @@ TASKS = tuple(place for place, part in _parts(initial_state()) if isinstance(par
 """Places of all tasks of the state."""
 
 
+def task_name(place: str, kind: str) -> str:
+    """Return what a task is kept by: its place, and its kind where there are several."""
+    return f"{place} {kind}".rstrip()
+
+
 def running_tasks(state: State) -> Iterator[str]:
-    """Yield the places of the tasks that run."""
-    return (place for place in TASKS if attrgetter(place)(state).running is not None)
+    """Yield the names of the tasks that run."""
+    for place in TASKS:
+        part = attrgetter(place)(state)
+        if part.running is not None:
+            yield task_name(place, part.kind)
 
 
 LONGEST_OFFER = 20_000

@@ -256,6 +256,11 @@ class BalanceState(TaskState[BalanceJob, Balanced]):
     output: int = 0
 
     @property
+    def kind(self) -> str:
+        """What is computed."""
+        return "" if self.running is None else self.running.task.name
+
+    @property
     def points(self) -> tuple[Design, ...]:
         """Designs of the points of the last front."""
         found = None if self.front is None else self.front.result

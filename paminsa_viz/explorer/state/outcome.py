@@ -59,6 +59,11 @@ class TaskState(Generic[Job, Result]):
         """What the last job found, or None."""
         return None if self.outcome is None else self.outcome.result
 
+    @property
+    def kind(self) -> str:
+        """Which of several kinds of jobs runs; empty at a place for jobs of one kind."""
+        return ""
+
     def runs(self, ticket: int) -> bool:
         """Whether a run is the one that is wanted."""
         return self.running is not None and self.ticket == ticket

@@ -1,0 +1,45 @@
+"""The strip above all tabs: what it offers to start again after a reload."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from paminsa_viz.explorer.core import tab_store
+from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.features.identification import actions as identification
+from paminsa_viz.explorer.state.balance import BalanceKind
+from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.strip import restartable
+
+
+def reloaded(state: State) -> State:
+    """Return the state of a page that is loaded again."""
+    return tab_store.restore(initial_state(), tab_store.dump(state))
+
+
+def started_again(state: State, label: str) -> State:
+    """Return the state after the only task that is offered, which has a label, was started."""
+    choices = restartable(state)
+    assert list(choices) == [label, "Leave it"]
+    again: Any = choices[label]
+    return again(state)
+
+
+def test_a_task_of_the_balance_is_started_again_as_the_one_that_ran() -> None:
+    labels = {"OPTIMUM": "Balance", "FRONT": "Pareto front", "SENSITIVITY": "Sensitivity"}
+    for name, label in labels.items():
+        running = balancing.start(initial_state(), BalanceKind[name])
+        again = started_again(reloaded(running), label)
+        assert again.balance.running is not None, name
+        assert again.balance.running.task is BalanceKind[name], name
+        assert again.ended == (), name
+
+
+def test_the_search_for_a_motion_to_record_is_offered_again() -> None:
+    running = identification.SEARCH.start(initial_state())
+    again = started_again(reloaded(running), "Motion for a log")
+    assert identification.SEARCH.runs(again)
+
+
+def test_without_anything_that_ran_nothing_is_offered() -> None:
+    assert restartable(reloaded(initial_state())) == {}
