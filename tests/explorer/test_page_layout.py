@@ -34,6 +34,7 @@ from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.stiffness import ElasticJob
 from paminsa_viz.explorer.state.synthesis import SearchResult
 from paminsa_viz.explorer.tabs import WORKSPACES, answers, sections
+from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.synthesis.answer.prices import RequirementPrice
 from paminsa_viz.synthesis.search.case import Regime
@@ -219,11 +220,16 @@ def test_no_text_or_table_is_wider_than_the_narrowest_dock(browser: Browser) -> 
         start=(0.03, 0.02, 0.8, -0.5), goal=(0.03, 0.02, 1.75, -0.5), timing=Timing.SHORTEST,
         cross=True,
     )  # fmt: skip
+    design, reference = (
+        replace(one, name=letter * NAME_CHARACTERS)
+        for one, letter in ((state.document.design, "W"), (state.document.reference, "M"))
+    )
+    named = actions.change_document(state, design=design, reference=reference)
     missing = {answer.key for _, answer in answers() if not answer.exists(state)}
     assert missing == {"balance.tornado_answer", "identify.excited_answer"}  # a line and a chart
     tables = {path: section.entries() for path, section in sections().items()}
     texts = {}
-    for name, shown in (("all", state), ("crossed", crossed)):
+    for name, shown in (("all", state), ("crossed", crossed), ("named", named)):
         frame = compute(shown)
         for path, entries in (*tables.items(), ("comparison", [COMPARISON])):
             texts[f"{path}, {name}"] = "".join(
