@@ -9,12 +9,16 @@ import msgspec
 from paminsa_viz.explorer.state.settings import changed_data
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.units import format_value
 
 MOST_REQUIREMENTS = 24
 """Most bounds on quantities of a document."""
 
 FARTHEST = 1e3
 """Largest size and coordinate of a workspace, and largest angle [m, rad]."""
+
+DIGITS = 6
+"""Digits of what is refused, and of the largest angle, which is not rounded up."""
 
 
 def asked(requirements: Requirements) -> bool:
@@ -30,16 +34,25 @@ def require_possible(requirements: Requirements) -> None:
     """
     if len(requirements.bounds) > MOST_REQUIREMENTS:
         raise InvalidInput("requirements", f"at most {MOST_REQUIREMENTS} are possible here")
-    workspace = requirements.workspace
-    numbers = [*requirements.theta]
-    for bound in requirements.bounds:
-        numbers += [*(bound.theta or ()), *(bound.z or ())]
+    workspace, own = requirements.workspace, requirements.bounds
+    _require_near("θ", "rad", requirements.theta, *(bound.theta or () for bound in own))
+    _require_near("z", "m", *(bound.z or () for bound in own))
     if workspace is not None:
-        numbers += [*workspace.size, *(place for place in workspace.center if place is not None)]
-    if any(abs(value) > FARTHEST for value in numbers):
-        raise InvalidInput(
-            "requirements", f"sizes, heights and angles up to {FARTHEST:g} are possible"
-        )
+        _require_near("workspace size", "m", workspace.size)
+        center = tuple(place for place in workspace.center if place is not None)
+        _require_near("workspace center", "m", center)
+
+
+def _require_near(name: str, unit: str, *parts: tuple[float, ...]) -> None:
+    """Check numbers of one kind [SI].
+
+    Raises:
+        InvalidInput: If one is larger than `FARTHEST`.
+    """
+    for value in (value for part in parts for value in part):
+        if abs(value) > FARTHEST:
+            limit, held = (format_value(number, unit, DIGITS) for number in (FARTHEST, value))
+            raise InvalidInput(name, f"at most {limit} in size is possible, not {held}")
 
 
 def requirements_data(requirements: Requirements) -> dict[str, Any]:

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from paminsa_viz.explorer.core import persistence
-from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS, requirements_data
+from paminsa_viz.explorer.core.saved_requirements import (
+    MOST_REQUIREMENTS,
+    require_possible,
+    requirements_data,
+)
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.quantities.requirements import (
@@ -58,3 +63,21 @@ def test_impossible_requirements_are_refused(changed: dict[str, Any]) -> None:
     data["requirements"] |= changed
     with pytest.raises(InvalidInput):
         persistence.load(json.dumps(data))
+
+
+def test_what_is_too_large_is_named_in_the_unit_that_is_seen() -> None:
+    far, turned = (-5000.0, 0.0), (0.0, 7.5e4 * math.pi / 180)
+    box, bound = Workspace(WorkspaceShape.BOX, (0.6, 0.5, 0.3)), ALL.bounds[0]
+    for name, limit, held, wrong in (
+        ("θ", "57295.8°", "75000°", Requirements(theta=turned)),
+        ("θ", "57295.8°", "75000°", Requirements((replace(bound, theta=turned),))),
+        ("z", "1·10⁶ mm", "−5·10⁶ mm", Requirements((replace(bound, z=far),))),
+        ("workspace size", "1·10⁶ mm", "2·10⁶ mm",
+         Requirements(workspace=replace(box, size=(0.6, 2e3, 0.3)))),
+        ("workspace center", "1·10⁶ mm", "−5·10⁶ mm",
+         Requirements(workspace=replace(box, center=(None, *far)))),
+    ):  # fmt: skip
+        with pytest.raises(InvalidInput) as caught:
+            require_possible(wrong)
+        problem = f"at most {limit} in size is possible, not {held}"
+        assert (caught.value.argument, caught.value.problem) == (name, problem)
