@@ -89,19 +89,13 @@ def restartable(state: State) -> dict[str, Effect]:
         name = tab_store.task_name(balancing.OPTIMUM.place.path, kind.name)
         tasks[name] = label, partial(balancing.start, task=kind)
     found: dict[str, Effect] = {
-        label: partial(_again, start=start)
-        for name, (label, start) in tasks.items()
-        if name in state.ended
+        label: start for name, (label, start) in tasks.items() if name in state.ended
     }
     return {**found, "Leave it": _leave} if found else {}
 
 
 def _leave(state: State) -> State:
     return replace(state, ended=())
-
-
-def _again(state: State, start: Action) -> State:
-    return _leave(start(state))
 
 
 STRIP = (

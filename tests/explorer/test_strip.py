@@ -41,5 +41,13 @@ def test_the_search_for_a_motion_to_record_is_offered_again() -> None:
     assert identification.SEARCH.runs(again)
 
 
+def test_a_task_that_is_started_is_offered_no_more_and_the_others_still_are() -> None:
+    running = balancing.start(initial_state(), BalanceKind.FRONT)
+    both = reloaded(identification.SEARCH.start(running))
+    assert list(restartable(both)) == ["Motion for a log", "Pareto front", "Leave it"]
+    started = identification.SEARCH.start(both)  # as the button of its section does
+    assert list(restartable(started)) == ["Pareto front", "Leave it"]
+
+
 def test_without_anything_that_ran_nothing_is_offered() -> None:
     assert restartable(reloaded(initial_state())) == {}

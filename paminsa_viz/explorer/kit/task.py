@@ -19,6 +19,7 @@ from paminsa_viz.explorer.core import threads
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.session import IDLE_DELAY, Session
+from paminsa_viz.explorer.core.tab_store import task_name
 from paminsa_viz.explorer.kit.changes import changed_names, sentence
 from paminsa_viz.explorer.kit.entries import Button, Given, ProgressBar, Worker, given
 from paminsa_viz.explorer.kit.text import status
@@ -64,7 +65,10 @@ class Task(Generic[Job, Result]):
         Raises:
             PaminsaError: If there is none.
         """
-        return self.place.write(state, self._at(state).started(self.job(state)))
+        started = self.place.write(state, self._at(state).started(self.job(state)))
+        name = task_name(self.place.path, self._at(started).kind)
+        # It is offered no more, or a press would start it once more from its beginning.
+        return replace(started, ended=tuple(one for one in state.ended if one != name))
 
     def stop(self, state: State) -> State:
         """End the run, without an outcome."""
