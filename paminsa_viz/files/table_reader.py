@@ -215,13 +215,12 @@ def open_table(path: str | os.PathLike[str]) -> TextIO:
         TableFileError: If it cannot be opened.
     """
     try:
-        with open(path, "rb") as file:
-            mark = file.read(2)
-        lines = open(  # noqa: SIM115  the caller closes it
-            path, encoding="utf-8-sig", errors="surrogateescape", newline=""
-        )
+        # Opened once: what is read of a pipe is gone.
+        file = open(path, "rb")  # noqa: SIM115  the caller closes it
+        mark = file.peek(2)[:2]
     except (OSError, ValueError) as error:
         raise as_file_error(os.fspath(path), error, "read", TableFileError) from error
+    lines = io.TextIOWrapper(file, encoding="utf-8-sig", errors="surrogateescape", newline="")
     if mark in _UTF_16:
         lines.close()
         raise TableFileError(os.fspath(path), _IS_UTF_16)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -200,6 +202,19 @@ def test_a_byte_order_mark_is_no_part_of_the_first_column(tmp_path) -> None:
     path.write_bytes(b"\xef\xbb\xbf" + HEAD.encode())
     with open_table(path) as lines:
         assert TableReader(lines, POSES, "in.csv").header == POSE
+
+
+@pytest.mark.skipif(not Path("/dev/fd").exists(), reason="open pipes have no paths here")
+def test_a_pipe_is_read_from_its_first_byte(tmp_path: Path) -> None:
+    text = f"{TIMED}\n" + "".join(f"{t},0.01,0,0,-0.5\n" for t in range(1000))  # over one buffer
+    (tmp_path / "whole.csv").write_text(text)
+    end, start = os.pipe()
+    os.write(start, text.encode())
+    os.close(start)
+    piped, whole = read_trajectory(f"/dev/fd/{end}"), read_trajectory(tmp_path / "whole.csv")
+    os.close(end)
+    np.testing.assert_array_equal(piped.t, whole.t)
+    np.testing.assert_array_equal(piped.pose, whole.pose)
 
 
 @pytest.mark.parametrize("reader", [open_table, read_trajectory])
