@@ -84,16 +84,16 @@ class Calibrate(JsonFlags, DesignFlags):
         except InvalidMeasurement as error:
             row = table.first_row + error.index
             raise TableFileError(str(self.log), error.problem, row=row) from error
+        written = []
+        if self.out is not None and found.improved:
+            comment = f"Calibrated by {MADE_BY} with {self.log.name}."
+            written = [save_changed(found.design, self.out, comment=comment)]
         if self.json:
             print_json(calibration_data(found, str(self.log)))
         else:
             print_heading(found.start)
             print_blocks(calibration_blocks(found, None if self.all else MOST_COMBINATIONS))
-        if self.out is not None and found.improved:
-            comment = f"Calibrated by {MADE_BY} with {self.log.name}."
-            path = save_changed(found.design, self.out, comment=comment)
-            if not self.json:
-                print_written([path])
+            print_written(written)
         return 0 if found.improved else 1
 
     def _propose(self, poses: int) -> int:

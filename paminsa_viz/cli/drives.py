@@ -92,17 +92,17 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
             cycle, catalog, order=self.order, inertia_ratio=self._inertia_ratio, same=self.same
         )
         advice = tuple(found.advice(j) for j in range(4))
+        written = []
+        if self.save is not None and found.feasible:
+            comment = f"Drives by {MADE_BY} from {catalog.name}."
+            written = [save_changed(found.design(design), self.save, comment=comment)]
         if self.json:
             data = selection_data(design, catalog, found, self.rows, advice)
             print_json(data | {"order": self.order})
         else:
             print_heading(design, f"catalog {catalog.name}: {cycle_text(cycle)}\n")
             print_blocks(selection_blocks(design, found, self.rows, advice))
-        if self.save is not None and found.feasible:
-            comment = f"Drives by {MADE_BY} from {catalog.name}."
-            path = save_changed(found.design(design), self.save, comment=comment)
-            if not self.json:
-                print_written([path])
+            print_written(written)
         return 0 if found.feasible else 1
 
     def _check(self) -> None:

@@ -86,8 +86,6 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
     def _write(self, table: DataTable) -> None:
         for path in self.out:
             save_table(table, path)
-        if not self.json:
-            print_written(self.out)
 
     def _pose(self, design: Design) -> int:
         pose = np.array(self.given_pose or home_pose(design.geometry))
@@ -98,15 +96,16 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
             print_error(PaminsaError(f"there are no joint forces in this pose: {word}"))
             return 1
         sideways = sideways_forces(design, pose)
+        if self.bar is not None:
+            self._write(bar_table(forces, pose, self.bar))
+        elif self.out:
+            self._write(joint_table(forces, pose, sideways.force))
         if self.json:
             print_json(pose_data(design, pose, forces, sideways))
         else:
             print_heading(design, format_pose(pose))
             print_blocks(pose_blocks(forces, sideways))
-        if self.bar is not None:
-            self._write(bar_table(forces, pose, self.bar))
-        elif self.out:
-            self._write(joint_table(forces, pose, sideways.force))
+            print_written(self.out)
         return 0
 
     def _motion(self, design: Design) -> int:
@@ -116,14 +115,15 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
             if first is not None:
                 print_error(ImpossibleTrajectory(first))
             return 1
+        if self.out:
+            self._write(bearing_table(found) if self.bearings else motion_loads_table(found))
         if self.json:
             print_json(motion_data(found))
         else:
             t = found.trajectory
             print_heading(design, f'motion "{t.name}"', f"{number(t.t[-1] - t.t[0], 3)} s")
             print_blocks(motion_blocks(found))
-        if self.out:
-            self._write(bearing_table(found) if self.bearings else motion_loads_table(found))
+            print_written(self.out)
         if first is not None:
             print_error(ImpossibleTrajectory(first))
         return 0 if first is None else 1

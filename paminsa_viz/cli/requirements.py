@@ -246,17 +246,16 @@ class CheckRequirements(JsonFlags, RequirementFlags):
         conflict = None
         if volume is not None and not found.holds:
             conflict = smallest_conflict(volume, requirements.workspace)
+        if volume is not None:
+            files = [(path, volume_bytes(volume, path.suffix.lower()[1:])) for path in self.out]
+            for path, content in files:
+                write_bytes(path, content)
         if self.json:
             print_json(check_data(design, requirements, found, conflict))
         else:
             print_heading(design)
             print_blocks(check_blocks(requirements, found, conflict, requirement_text))
-        if volume is not None:
-            files = [(path, volume_bytes(volume, path.suffix.lower()[1:])) for path in self.out]
-            for path, content in files:
-                write_bytes(path, content)
-            if not self.json:
-                print_written(self.out)
+            print_written(self.out)
         return 0 if found.holds else 1
 
 

@@ -203,24 +203,16 @@ class Synthesize(AnswerFlags, JsonFlags):
             )  # fmt: skip
             seconds = time.monotonic() - started
             checks = self.checks(result, workers)
+        written = [_save(result, self.out)] if self.out is not None and result.feasible else []
         if self.json:
             print_json(synthesis_data(result, seconds) | checks_data(result, checks))
         else:
             print(f"{case.name}: {seconds:.1f} s, seed {case.seed}")
             print_blocks([*synthesis_blocks(result, bound_text), *answer_blocks(result, checks)])
-        if self.out is not None and result.feasible:
-            self._save(result, self.out)
+            print_written(written)
         if self.report is not None and result.feasible:
             self._report(result, self.report)
         return 0 if result.feasible else 1
-
-    def _save(self, result: SynthesisResult, path: Path) -> None:
-        saved = save_design(
-            _named(result), path, requirements=_requirements(result),
-            comment=f"Made by {MADE_BY}: {command_line.get()}",
-        )  # fmt: skip
-        if not self.json:
-            print_written([saved])
 
     def _report(self, result: SynthesisResult, path: Path) -> None:
         design = _named(result)
@@ -245,14 +237,16 @@ class Synthesize(AnswerFlags, JsonFlags):
                 progress=show,
             )  # fmt: skip
         seconds = time.monotonic() - started
+        written = []
+        if self.out is not None:
+            for number, point in enumerate(front.points, 1):
+                written.append(_save(point.result, _numbered(self.out, number)))
         if self.json:
             print_json(front_data(case, front, seconds))
         else:
             print(f"{case.name}: {seconds:.1f} s, seed {case.seed}")
             print_blocks(front_blocks(case, front))
-        for number, point in enumerate(front.points, 1):
-            if self.out is not None:
-                self._save(point.result, _numbered(self.out, number))
+            print_written(written)
         return 0 if front.points else 1
 
     def _case(self) -> SynthesisCase:
@@ -273,6 +267,13 @@ class Synthesize(AnswerFlags, JsonFlags):
 
 
 FLAGS = Synthesize
+
+
+def _save(result: SynthesisResult, path: Path) -> Path:
+    return save_design(
+        _named(result), path, requirements=_requirements(result),
+        comment=f"Made by {MADE_BY}: {command_line.get()}",
+    )  # fmt: skip
 
 
 def _requirements(result: SynthesisResult) -> Requirements:

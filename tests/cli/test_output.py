@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import json
+import os
+import sys
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
@@ -13,6 +16,7 @@ import pytest
 
 from paminsa_viz.blocks import Note, Row, Table
 from paminsa_viz.blocks.data import UNITS, record
+from paminsa_viz.cli import main
 from paminsa_viz.cli.output import ascii_numbers, print_blocks, print_json
 
 
@@ -69,3 +73,37 @@ def test_blocks_are_lines_with_columns_and_marks(capsys: Any) -> None:
 @pytest.mark.parametrize(("text", "printed"), [("θ = 3°", "theta = 3°"), ("θ̇² ≥ θ̇ₖ²", "θ̇² >= θ̇ₖ²")])
 def test_a_letter_with_a_dot_above_stays_a_letter(text, printed) -> None:
     assert ascii_numbers(text) == printed
+
+
+class Gone(io.StringIO):
+    """An output whose reader has gone away."""
+
+    def write(self, text: str) -> int:
+        raise BrokenPipeError
+
+    def fileno(self) -> int:
+        return os.open(os.devnull, os.O_WRONLY)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "words",
+    [
+        "loads --bar b4 --out",
+        "loads --preset arch --out",
+        "calibrate poses.csv --out",
+        "drives --save",
+        "balance --out",
+        "trajectory --out",
+        "requirements check --volume --coarse --out",
+        "synthesize cylinder --generations 2 --out",
+    ],
+)
+def test_files_are_written_though_nobody_reads_what_is_printed(
+    monkeypatch: pytest.MonkeyPatch, words: str
+) -> None:
+    assert main(["calibrate", "--propose", "40", "--out", "poses.csv"]) == 0
+    table = words.startswith(("loads", "trajectory", "requirements"))
+    monkeypatch.setattr(sys, "stdout", Gone())
+    assert main([*words.split(), "out.csv" if table else "out.toml"]) == 1
+    assert list(Path().glob("out*"))
