@@ -349,8 +349,8 @@ def _poses(design: Design) -> Array:
 
 
 def _plain(text: str) -> str:
-    """Return a name that a C comment can hold."""
-    return re.sub(r"[^ -~]", "?", text).replace("*/", "* /")
+    """Return a name that a C comment can hold: it neither ends there nor seems to begin again."""
+    return re.sub(r"(?<=\*)(?=/)|(?<=/)(?=\*)", " ", re.sub(r"[^ -~]", "?", text))
 
 
 def _commented(lines: list[str]) -> str:

@@ -355,11 +355,11 @@ def test_the_header_needs_no_memory_no_globals_and_only_math_h() -> None:
 
 
 def test_names_from_outside_cannot_leave_their_comment() -> None:
-    design = replace(APPENDIX_4, name='*/ int x; /* "\n\\u00e9')
-    text = controller_kit(design)["design.h"]
-    first = text.splitlines()[0]
-    assert first.count("*/") == 1
-    assert first.endswith("*/")
+    for name in ('*/ int x; /* "\n\\u00e9', "a/*/*b", "*//**/"):
+        first = controller_kit(replace(APPENDIX_4, name=name))["design.h"].splitlines()[0]
+        assert first.count("*/") == 1
+        assert first.endswith("*/")
+        assert first.count("/*") == 1  # compilers warn of a comment that begins within another
 
 
 def test_tolerances_grow_as_the_last_place_of_a_number_does() -> None:
