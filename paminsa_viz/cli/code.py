@@ -14,6 +14,7 @@ from paminsa_viz.cli.output import print_written
 from paminsa_viz.codegen.fmu import fmu_folder
 from paminsa_viz.codegen.kit import controller_kit
 from paminsa_viz.files.atomic import write_folder
+from paminsa_viz.model.accuracy import NO_DEVIATIONS
 
 DESCRIPTION = """\
 Write a robot as C code for its controller: kinematics, statics and dynamics in one header.
@@ -51,6 +52,8 @@ class Code(DesignFlags):
         if self.fmu:
             kit |= fmu_folder(design, self.fmu)
         print_written(write_folder(self.out, kit))
+        if design.deviations != NO_DEVIATIONS:
+            print("the design's deviations of single legs are not in it: the code has equal legs")
         return 0
 
 

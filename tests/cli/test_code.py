@@ -33,6 +33,14 @@ def test_float_writes_no_double(capsys) -> None:
     assert "float px;" in Path("c/paminsa.h").read_text()
 
 
+def test_deviations_that_the_code_leaves_out_are_named(capsys) -> None:
+    save_design(APPENDIX_4.vary({"leg2.bar_94": 1e-4}), "d.toml")
+    code, out, err = run("code", capsys, "--out", "c", "--design", "d.toml")
+    assert (code, err) == (0, "")
+    assert out.splitlines()[-1].startswith("the design's deviations of single legs are not in it")
+    assert "deviations of single legs" in Path("c/README.md").read_text()
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
