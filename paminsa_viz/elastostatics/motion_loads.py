@@ -124,17 +124,17 @@ def motion_loads(analysis: TrajectoryAnalysis) -> MotionLoads | None:
     """Return the loads of an analyzed motion up to its first failure; None if it has no start.
 
     The motion's own load acts on top of the design's. Where the motion crosses a singularity as
-    planned, samples too near to it for a number are left out.
+    planned, samples too near to it for a number are left out. A single sample is no motion.
     """
     until = analysis.check.until
-    if until == 0:
+    if until < 2:
         return None
     part = analysis.trajectory.take(np.arange(until))
     forces = joint_forces(
         analysis.design, part.pose, part.velocity, part.acceleration, load=part.load
     )
     good = np.flatnonzero(forces.status == 0)
-    if not len(good):
+    if len(good) < 2:
         return None
     if len(good) < until:
         part = part.take(good)

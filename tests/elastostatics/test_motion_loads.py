@@ -24,7 +24,7 @@ from paminsa_viz.model.grids import Grid, solve_field
 from paminsa_viz.model.load import LoadCase
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.quantities import QUANTITIES, families
-from paminsa_viz.trajectory import PRESET, analyze
+from paminsa_viz.trajectory import PRESET, Trajectory, analyze
 from tests import oracle
 
 
@@ -137,6 +137,16 @@ def test_a_motions_own_load_acts_and_a_failing_motion_ends_early() -> None:
     assert motion_loads(analyze(APPENDIX_4, replace(far, pose=far.pose + 9.0))) is None
 
 
+@pytest.mark.parametrize("until", [1, 2])
+def test_one_sample_that_can_be_taken_is_no_motion(until: int) -> None:
+    pose = np.tile([0.0, 0.0, 0.0, -0.5], (until + 1, 1))
+    pose[-1, 0] = 9.0  # out of reach
+    still = np.zeros_like(pose)
+    analysis = analyze(APPENDIX_4, Trajectory(np.arange(until + 1.0), pose, still, still))
+    assert analysis.check.until == until
+    assert (motion_loads(analysis) is None) is (until == 1)
+
+
 def test_samples_without_a_force_are_left_out(
     moved: MotionLoads, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -158,6 +168,8 @@ def test_samples_without_a_force_are_left_out(
     every = joint_forces(APPENDIX_4, *states).magnitude
     np.testing.assert_allclose(found.magnitude, every[kept], rtol=1e-12)
     lost = trajectory.pose
+    assert motion_loads(analysis) is None
+    lost = trajectory.pose[1:]
     assert motion_loads(analysis) is None
 
 
