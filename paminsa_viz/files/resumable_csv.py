@@ -131,7 +131,7 @@ class ResumableCsv:
 
     def _row_error(self, problem: str) -> TableFileError:
         """Return the error of the row that is being read, with what can be done about it."""
-        problem += "; restore it, cut the file off before it, or begin again"
+        problem += "; restore it, cut the file off before it, or begin again with restart"
         return TableFileError(self._source, problem, row=self._head_lines + self.rows + 1)
 
     def append(self, rows: Iterable[Sequence[str]]) -> None:
@@ -178,7 +178,7 @@ class ResumableCsv:
             else:
                 break
         other = _difference(found, head, identity)
-        problem = f"holds {other}; take another name, or begin again"
+        problem = f"holds {other}; take another name, or begin again with restart"
         raise TableFileError(self._source, problem)
 
     def _heading(self) -> str:

@@ -134,7 +134,7 @@ def test_any_changed_byte_is_refused_with_its_row(whole, tmp_path) -> None:
                 grow(path)
             assert caught.value.row == 1 + whole.count(b"\n", 0, place)
             assert str(caught.value).endswith(
-                "restore it, cut the file off before it, or begin again"
+                "restore it, cut the file off before it, or begin again with restart"
             )
 
 
