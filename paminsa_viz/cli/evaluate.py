@@ -40,7 +40,7 @@ Columns of IN.csv, in any order, SI units:
   acceleration   ax_m_s2,ay_m_s2,alpha_rad_s2,az_m_s2      (optional; 0 if left out)
   load           Fx_N,Fy_N,Fz_N,Mx_Nm,My_Nm,Mz_Nm          (any of them; 0 if left out)
 
-OUT.csv repeats them, row by row, and adds
+OUT.csv repeats them, row by row, below the lines that begin with # before their header, and adds
   theta1_rad,theta2_rad,theta3_rad,Z_m,tau1_Nm,tau2_Nm,tau3_Nm,f4_N,status
 
 The status is ok, or the reason why a row has no numbers: stretched, folded, guide or axis with the
@@ -90,6 +90,7 @@ def evaluate_table(
     with open_table(source) as lines:
         table = TableReader(lines, POSES, os.fspath(source))
         with open_atomically(target) as file:
+            file.writelines(f"{line}\n" for line in table.comments)
             file.write(header_lines({}, (*table.header, *ACTUATORS, *TORQUES, STATUS)))
             for block in table.blocks():
                 results, words = evaluate_block(block, design)

@@ -66,7 +66,8 @@ class TableReader:
     Attributes:
         header: Names of all columns.
         columns: The columns that are read.
-        facts: What lines ``# key: value`` before the header say.
+        comments: The lines before the header, without their ends, as text that can be written.
+        facts: What lines ``# key: value`` of them say.
     """
 
     def __init__(
@@ -85,6 +86,7 @@ class TableReader:
         """
         self._source = source
         self._row = 1
+        self.comments: list[str] = []
         self.facts: dict[str, str] = {}
         text = self._lines(lines, timeout)
         self._records = csv.reader(chain(self._after_comments(text), text), strict=True)
@@ -158,6 +160,8 @@ class TableReader:
             for line in text:
                 if not line.startswith("#"):
                     return [line]
+                # bytes that are no UTF-8 came as surrogates, which no file takes
+                self.comments.append(line.rstrip("\r\n").encode(errors="replace").decode())
                 key, _, value = line[1:].partition(":")
                 self.facts[key.strip()] = value.strip()
                 self._row += 1

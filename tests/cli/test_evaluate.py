@@ -119,6 +119,19 @@ def test_a_table_may_be_replaced_by_its_result(folder, capsys) -> None:
     assert sorted(path.name for path in folder.iterdir()) == ["in.csv", "out.csv"]
 
 
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_lines_before_the_header_are_kept(capsys, end: str) -> None:
+    Path("in.csv").write_text(GOOD)
+    evaluate(capsys)
+    notes = "# rig 2: measured by hand", "#", "# 60\u00b0"
+    Path("in.csv").write_bytes(end.join(["# 60\xb0", ""]).encode("latin-1"))
+    with Path("in.csv").open("ab") as file:
+        file.write(end.join([*notes, *GOOD.splitlines()]).encode())
+    evaluate(capsys, out="in.csv")
+    kept = Path("in.csv").read_bytes().decode()
+    assert kept == "\n".join(["# 60?", *notes, Path("out.csv").read_text()])
+
+
 def test_the_length_of_the_blocks_changes_nothing(monkeypatch) -> None:
     write(POSE, random_states(np.random.default_rng(3), APPENDIX_4, 23)[0])
     evaluate_table("in.csv", "whole.csv")
