@@ -34,7 +34,7 @@ from paminsa_viz.model.reach import Limit, status_words
 DESCRIPTION = """\
 Compute the actuators' positions and torques for every row of a table of poses.
 
-Columns of IN.csv, in any order, SI units:
+Columns of IN.csv, in any order; other units are written as x_mm or theta_deg:
   pose           x_m,y_m,theta_rad,z_m
   velocity       vx_m_s,vy_m_s,omega_rad_s,vz_m_s          (optional; 0 if left out)
   acceleration   ax_m_s2,ay_m_s2,alpha_rad_s2,az_m_s2      (optional; 0 if left out)

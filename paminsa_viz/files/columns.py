@@ -42,14 +42,14 @@ class TableKind:
         needed: Columns that have to be there.
         groups: Columns that come together: name of the group, its columns, and those that have to
             be there if any of them is.
-        any_unit: Whether names may carry other units than SI. Columns of results are then left out
-            instead of refused, so that a written table can be read again.
+        reads_back: Whether columns of results are left out instead of refused, so that a written
+            table can be read again.
     """
 
     name: str
     needed: tuple[str, ...]
     groups: tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...]
-    any_unit: bool
+    reads_back: bool
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -65,7 +65,7 @@ POSES = TableKind(
         ("acceleration", ACCELERATION, ACCELERATION),
         ("load", LOAD, ()),
     ),
-    any_unit=False,
+    reads_back=False,
 )
 TRAJECTORY = TableKind(
     "a trajectory",
@@ -75,13 +75,13 @@ TRAJECTORY = TableKind(
         ("acceleration", ACCELERATION, VELOCITY + ACCELERATION),
         ("load", LOAD, ()),
     ),
-    any_unit=True,
+    reads_back=True,
 )
 PUBLISHED = TableKind(
-    "a table of torques over time", (TIME,), (("torque", TORQUES, ()),), any_unit=True
+    "a table of torques over time", (TIME,), (("torque", TORQUES, ()),), reads_back=True
 )
 PUBLISHED_MAP = TableKind(
-    "a table of torques over positions", ("x_m", "y_m"), (("torque", TORQUES, ()),), any_unit=True
+    "a table of torques over positions", ("x_m", "y_m"), (("torque", TORQUES, ()),), reads_back=True
 )
 MEASURED = ("torque1_Nm", "torque2_Nm", "torque3_Nm", "force4_N")
 CURRENTS = ("current1_A", "current2_A", "current3_A", "current4_A")
@@ -89,11 +89,11 @@ LOG = TableKind(
     "a log",
     (TIME, *ACTUATORS),
     (("torque", MEASURED, MEASURED), ("current", CURRENTS, CURRENTS)),
-    any_unit=True,
+    reads_back=True,
 )
 TILT = ("tiltx_rad", "tilty_rad")
 MEASUREMENTS = TableKind(
-    "a measured pose", (*POSE, *ACTUATORS), (("tilt", TILT, TILT),), any_unit=True
+    "a measured pose", (*POSE, *ACTUATORS), (("tilt", TILT, TILT),), reads_back=True
 )
 
 
@@ -119,7 +119,7 @@ def match_columns(
 ) -> tuple[Column, ...]:
     """Return the columns of a header that are read.
 
-    Where other units than SI are allowed, a name is written ``x_mm``, ``x [mm]``, ``vx [mm/s]``.
+    A name has the unit that the file has the numbers in: ``x_m``, ``x_mm``, ``vx [mm/s]``.
 
     Raises:
         TableFileError: If a column is unknown, without a name or unit, there twice, or missing.
@@ -135,7 +135,7 @@ def match_columns(
     for place, text in enumerate(header):
         if not text:
             raise refused(f"column {place + 1} has no name")
-        if text in RESULTS and kind.any_unit and text not in kind.columns:
+        if text in RESULTS and kind.reads_back and text not in kind.columns:
             continue
         column = _column(place, text, kind)
         if isinstance(column, str):
@@ -154,8 +154,6 @@ def match_columns(
 
 def _column(place: int, text: str, kind: TableKind) -> Column | str:
     """Return the column of a header cell, or what is wrong with its unit, empty if unknown."""
-    if not kind.any_unit:
-        return Column(place, text, text) if text in kind.columns else ""
     name, unit = _split(text)
     for column in kind.columns:
         start, _, si = column.partition("_")

@@ -72,6 +72,18 @@ def test_numbers_are_those_of_first_principles(capsys, knee) -> None:
     np.testing.assert_allclose(positions, 0, atol=1e-12)
 
 
+def test_columns_may_have_any_unit(capsys) -> None:
+    pose, velocity, acceleration = random_states(np.random.default_rng(8), APPENDIX_4, 5)
+    write(MOTION, np.concatenate([pose, velocity, acceleration], axis=-1))
+    evaluate(capsys)
+    expected = numbers(read(), RESULTS)
+    header = [*"x_mm,y [mm],theta_deg,z_m,vx_mm_s,vy_m_s,omega [deg/s],vz_m_s".split(",")]
+    scale = [1e3, 1e3, np.degrees(1), 1, 1e3, 1, np.degrees(1), 1, 1, 1, 1, 1]
+    write([*header, *ACCELERATION], scale * np.concatenate([pose, velocity, acceleration], -1))
+    evaluate(capsys)
+    np.testing.assert_allclose(numbers(read(), RESULTS), expected, rtol=1e-9, atol=1e-9)
+
+
 @pytest.mark.parametrize("moving", [False, True])
 def test_rates_that_are_left_out_are_zero(capsys, moving) -> None:
     pose, _, acceleration = random_states(np.random.default_rng(2), APPENDIX_4, 5)
