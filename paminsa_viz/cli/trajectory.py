@@ -133,7 +133,7 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
     """Let the motion through --waypoints pass type-2 singularities: its time law is planned such
     that torques stay bounded there, and within the limits --max-torque and --max-force, and
     --max-speed and --max-turn-speed if given. In the shortest time, or with --duration in that
-    time."""
+    time. Friction adds to these torques, and limits of drives are not kept."""
     rate: Annotated[OrNone[float], tyro.conf.arg(metavar="HZ")] = None
     """Samples a second; 1000 for planned motions, and as they are for a table."""
 

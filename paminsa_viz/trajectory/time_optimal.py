@@ -10,7 +10,7 @@ where there is none, another one tells by what factor the torque limits are too 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +21,8 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.dynamics import friction_torque
+from paminsa_viz.model.jacobians import actuator_velocity
 from paminsa_viz.model.reach import Limit, reach_status
 from paminsa_viz.model.singularity import escape_twist
 from paminsa_viz.model.statics import static_torques
@@ -45,6 +47,7 @@ from paminsa_viz.trajectory.limits import MotionLimits
 from paminsa_viz.trajectory.paths import Path, TimedPath
 from paminsa_viz.trajectory.plan import Plan
 from paminsa_viz.trajectory.sampled import Passage
+from paminsa_viz.units import format_value
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -58,6 +61,10 @@ STANDSTILL = 1e-9
 LEAST_SHARE = 1e-3
 """Least share of the largest s'^2 in a motion of a given duration; that of the least s'^2 alone may
 take for ever."""
+
+
+LOOKED_AT = 1001
+"""Instants of a motion at which its friction is looked at."""
 
 
 @dataclass(frozen=True)
@@ -86,8 +93,8 @@ class PlannedCrossing:
     def explanation(self) -> str:
         """Text of the crossing."""
         return (
-            f"crosses the {self.crossing.locus.label} at {self.t:.4g} s; actuators have no "
-            "authority there along the escape twist"
+            f"It crosses the {self.crossing.locus.label} at {self.t:.4g} s; actuators have no "
+            "authority there along the escape twist."
         )
 
 
@@ -131,7 +138,8 @@ def time_optimal(
     It may cross singularities. On a path without, `shortest_motion` keeps every other limit, too.
 
     Args:
-        design: The robot; its friction at the actuators is not counted in the limits.
+        design: The robot; its friction at the actuators is not counted in the limits, and the
+            plan's notes say how much it adds. Limits of its drives are not kept.
         path: The path; it may cross no singularity at all.
         limits: Of torque, force, speed and turn_speed; others are not supported here.
         duration: [s]; the shortest by default.
@@ -174,8 +182,24 @@ def time_optimal(
     kind = "through singularities" if passages else "minimum time"
     notes = tuple(item.explanation for item in planned)
     plan = Plan(curve, curve.duration, name, kind, notes, passages)
+    plan = replace(plan, notes=(*notes, *_friction_notes(design, plan)))
     return TimeOptimalPlan(
         plan, curve, planned, (shortest, longest), program.spline(slow), program.spline(fast)
+    )
+
+
+def _friction_notes(design: Design, plan: Plan) -> tuple[str, ...]:
+    """Return how much friction adds to the torques that were limited; nothing without friction."""
+    friction = design.actuator_friction
+    if friction.zero:
+        return ()
+    motion = plan.at(np.linspace(0.0, plan.duration, LOOKED_AT))
+    speed = actuator_velocity(design, motion.pose, motion.velocity)
+    added = np.abs(friction_torque(friction, speed)).max(axis=0)
+    rotary, linear = format_value(added[:3].max(), "N m"), format_value(added[3], "N")
+    return (
+        "Friction at the actuators is not counted in the limits: it adds up to "
+        f"{rotary} to M1 to M3 and {linear} to M4.",
     )
 
 
