@@ -7,6 +7,9 @@ the duration (Verscheure et al. 2009): the integral of d with d c >= 1 and c <= 
 Viscous friction and the fall of a torque with the speed go with s' = sqrt(z). Where they leave less
 room they are not convex; there the tangent at the law before is taken, which lies above: every law
 of the series keeps the limits and is at least as fast as the one before it.
+
+Coulomb friction is counted in full wherever an actuator moves. At a stop the acceleration of a law
+jumps while friction goes to zero, so that there the limits hold without friction as well.
 """
 
 from __future__ import annotations
@@ -95,6 +98,8 @@ class LawProgram:
     ) -> None:
         self._path, self._limits, self._design, self._unit = path, limits, design, unit
         self._driven = drives and any(design.drives)
+        # Beside a stop friction fades, and a law that brakes by its help would need it in full.
+        self._rubs = not design.actuator_friction.zero
         self._places = np.sort(np.concatenate([[0.0, 1.0], knots, knots[bends]]))
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
         steps = np.diff(knots)[:, None]
@@ -183,10 +188,24 @@ class LawProgram:
         """Return the linear limits, A and b of A x <= b; x has coefficients, c, d."""
         from scipy import sparse
 
+        left, right = self._rows_of(self._design, before, z, dz)
+        if self._rubs:
+            bare, room = self._rows_of(self._design.without_friction(), before, z, dz)
+            resting = self._resting(self.points)
+            left += [rows[resting] for rows in bare]
+            right += [row[resting] for row in room]
+        return sparse.vstack(left), np.concatenate(right)
+
+    def _rows_of(
+        self, design: Design, before: Law, z: Any, dz: Any
+    ) -> tuple[list[Any], list[Array]]:
+        """Return the linear limits of a robot at all points, one matrix and vector a limit."""
+        from scipy import sparse
+
         s, timed = self.points, len(self._weights)
         law, slope = before(s)
         tangent = np.sqrt(np.maximum(law, _SLOWEST))[:, None]
-        terms = self._terms(s, law, slope)
+        terms = self._terms(s, law, slope, design)
         eased = terms.rate <= 0.0
         above = np.where(eased, 0.0, terms.rate)
         square = terms.square + above / (2.0 * tangent)
@@ -197,11 +216,17 @@ class LawProgram:
                     sparse.diags(terms.growth[:, j]) @ dz + sparse.diags(square[:, j]) @ z,
                     sparse.diags(np.where(eased[:, j], terms.rate[:, j], 0.0) * tangent[:, 0]),
                     sparse.csr_matrix((len(s), timed)),
-                ]
+                ],
+                "csr",
             )
             for j in range(right.shape[1])
         ]
-        return sparse.vstack(left), right.T.ravel()
+        return left, list(right.T)
+
+    def _resting(self, s: Array) -> NDArray[np.bool_]:
+        """Return which places (n,) are at a stop."""
+        away = np.abs(s[:, None] - self._path.place(self._path.rests)).min(axis=1)
+        return np.asarray(away < _AT_REST * self._longest)
 
     def _cones(self, z: Any, dz: Any, others: int) -> list[tuple[Any, Array]]:
         """Return the limits of the acceleration's length as cones of four rows each."""
@@ -219,8 +244,12 @@ class LawProgram:
             rows.append((sparse.hstack([-row, none]), np.zeros(len(s))))
         return [_interleaved(rows)]
 
-    def _terms(self, s: Array, law: Array, slope: Array) -> Terms:
-        """Return the limits at places (n,), where the law before has z and dz (n,)."""
+    def _terms(self, s: Array, law: Array, slope: Array, design: Design | None = None) -> Terms:
+        """Return the limits at places (n,), where the law before has z and dz (n,).
+
+        ``design`` is another robot than that of the program.
+        """
+        design = self._design if design is None else design
         along = self._path(s, 1)
         rates = self._limits.rates[:2] * self._unit ** np.array([[1.0], [2.0]])
         none = np.zeros_like(s)
@@ -234,9 +263,9 @@ class LawProgram:
             turn, bent = 0.5 * along[:, 2] / most, self._path(s, 2)[:, 2] / most
             found += [(turn, bent, none, none), (-turn, -bent, none, none)]
         if self._limits.needs_torques:
-            found += self._torque_terms(s, self._design, self._limits.actuators)
+            found += self._torque_terms(s, design, self._limits.actuators)
         if self._driven:
-            found += self._drive_terms(s, law, slope)
+            found += self._drive_terms(s, law, slope, design)
         if not found:
             found.append((none, none, none, none))
         return Terms(*(np.stack(column, axis=1) for column in zip(*found, strict=True)))
@@ -263,18 +292,16 @@ class LawProgram:
         ]
 
     def _drive_terms(
-        self, s: Array, law: Array, slope: Array
+        self, s: Array, law: Array, slope: Array, design: Design
     ) -> list[tuple[Array, Array, Array, Array]]:
         """Return the limits of the drives: top speeds and lines of torque-speed envelopes."""
-        design, unit = self._design, self._unit
+        unit, resting = self._unit, self._resting(s)
         pose, along, bent = (self._path(s, order) for order in range(3))
         speed = actuator_velocity(design, pose, along)
         pushed = actuator_acceleration(design.geometry, pose, np.zeros_like(along), along)
         turned = actuator_acceleration(design.geometry, pose, along, bent)
         load = self._torque_parts(s, replace(design, drives=NO_DRIVES))
         none = np.zeros_like(s)
-        away = np.abs(s[:, None] - self._path.place(self._path.rests)).min(axis=1)
-        resting = away < _AT_REST * self._longest
         found: list[tuple[Array, Array, Array, Array]] = []
         for j, drive in enumerate(design.drives):
             if drive is None:
@@ -322,7 +349,16 @@ class LawProgram:
         share = np.concatenate([[_INSIDE], (np.arange(count) + 0.5) / count, [1.0 - _INSIDE]])
         u = breaks[:-1, None] + np.diff(breaks)[:, None] * share
         durations = needed_durations(curve, self._limits, self._design, self._driven)
-        each = durations(u.ravel()) / curve.duration
+        each = durations(u.ravel())
+        if self._rubs:
+            bare = self._design.without_friction()
+            durations = needed_durations(curve, self._limits, bare, self._driven)
+            stops = self._resting(curve.place_at(breaks * curve.duration))
+            beside = np.zeros(u.shape, dtype=bool)
+            beside[:, 0], beside[:, -1] = stops[:-1], stops[1:]
+            beside = beside.ravel()
+            each[beside] = np.maximum(each[beside], durations(u.ravel()[beside]))
+        each /= curve.duration
         return u, each.max(axis=1).reshape(u.shape), each.argmax(axis=1).reshape(u.shape)
 
     def tighten(self, curve: TimedPath, tolerance: float) -> bool:

@@ -89,7 +89,7 @@ def shortest_motion(
     The path, and where the motion stops on it, stay. The acceleration of the best law jumps, so
     where a jerk is limited the motion's own law is stretched instead (`shortest_stretch`), also
     where speeds alone are; `ShortestMotion.note` says so. Coulomb friction is counted in full
-    wherever an actuator moves.
+    wherever an actuator moves; at a stop limits hold without friction as well.
 
     Args:
         plan: The motion; its duration does not matter.

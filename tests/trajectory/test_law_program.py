@@ -186,7 +186,8 @@ def test_rows_are_the_terms_at_the_law_before_and_no_less_strict_elsewhere(desig
             terms.growth * law_dz[:, None] + terms.square * law_z[:, None]
             + terms.rate * np.sqrt(law_z)[:, None] + terms.constant - 1.0
         )  # fmt: skip
-        return left.reshape(-1, len(s)).T, sums
+        # those without friction, beside stops, come after them
+        return left[: sums.size].reshape(-1, len(s)).T, sums
 
     by_rows, by_terms = exceeded(z, dz, coefficients)
     np.testing.assert_allclose(by_rows, by_terms, atol=1e-9 * np.abs(by_terms).max())
@@ -301,17 +302,23 @@ def test_what_the_solver_finds_keeps_its_limits_and_no_small_change_is_faster(
     x = made.solve(before).c[made._free]
     rows, slopes = (part.toarray() for part in made._rows(s))
     z, dz = rows @ x, slopes @ x
-    terms = made._terms(s, *before(s))
     tangent = np.sqrt(before(s)[0])[:, None]
-    above = np.maximum(terms.rate, 0.0)  # in place of a root: its tangent at the law before
-    square, constant = terms.square + above / (2 * tangent), terms.constant + 0.5 * above * tangent
-    rate = np.minimum(terms.rate, 0.0)
-    used = terms.growth * dz[:, None] + square * z[:, None] + rate * np.sqrt(z)[:, None] + constant
-    change = (
-        terms.growth[..., None] * slopes[:, None]
-        + (square + 0.5 * rate / np.sqrt(z)[:, None])[..., None] * rows[:, None]
-    )
-    used, change = used.ravel(), change.reshape(-1, len(x))
+    uses, changes = [], []
+    # beside stops the limits hold without friction as well
+    for robot, at in ((design, s == s), (design.without_friction(), made._resting(s))):
+        terms = made._terms(s, *before(s), robot)
+        above = np.maximum(terms.rate, 0.0)  # in place of a root: its tangent at the law before
+        square = terms.square + above / (2 * tangent)
+        constant = terms.constant + 0.5 * above * tangent
+        rate = np.minimum(terms.rate, 0.0)
+        sums = terms.growth * dz[:, None] + square * z[:, None] + rate * np.sqrt(z)[:, None]
+        slope = (
+            terms.growth[..., None] * slopes[:, None]
+            + (square + 0.5 * rate / np.sqrt(z)[:, None])[..., None] * rows[:, None]
+        )
+        uses.append((sums + constant)[at].ravel())
+        changes.append(slope[at].reshape(-1, len(x)))
+    used, change = np.concatenate(uses), np.concatenate(changes)
     most = limits.rates[1, 0] * UNIT**2
     if np.isfinite(most):
         along, bent = (PATH(s, order)[:, [0, 1, 3]] / most for order in (1, 2))

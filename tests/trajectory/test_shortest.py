@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BSpline
 
-from paminsa_viz.model import APPENDIX_4, InvalidInput
+from paminsa_viz.model import APPENDIX_4, InvalidInput, inverse_dynamics
 from paminsa_viz.trajectory import (
     PRESET,
     ImpossibleTrajectory,
@@ -120,6 +120,26 @@ def test_torques_and_rates_of_the_samples_keep_their_limits(number: int) -> None
     share[:, [4, 5]] = 0.0  # the jerk
     assert share.max() <= 1.0 + HELD
     assert np.mean(share.max(axis=1) > 0.97) > 0.8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["paper-like", "arch", "waypoints"])
+def test_friction_that_brakes_exceeds_no_limit_where_it_fades_at_a_stop(name: str) -> None:
+    """By inverse dynamics of the first and the last instants, ends among them."""
+    rough = APPENDIX_4.vary(
+        {
+            "friction.coulomb_rotary": 3.0,
+            "friction.viscous_rotary": 1.0,
+            "friction.coulomb_linear": 20.0,
+        }
+    )
+    plan = PRESET[name].build(rough.geometry)
+    found = shortest_motion(plan, MotionLimits(torque=14.0, force=450.0), rough).plan
+    beside = 1e-3 * np.linspace(0.0, 1.0, 501)
+    states = found.at(found.duration * np.concatenate([beside, 1.0 - beside]))
+    torque = inverse_dynamics(rough, *states).torque
+    assert np.abs(torque[:, :3]).max() <= 14.0 * (1.0 + HELD)
+    assert np.abs(torque[:, 3]).max() <= 450.0 * (1.0 + HELD)
 
 
 @pytest.mark.slow
