@@ -130,8 +130,8 @@ def build(
     def announce() -> None:
         if restartable(session.state):
             session.notify(
-                "A search was ended by the reload",
-                "What is set was kept. Above the tabs it can be started again.",
+                "A reload keeps no results of searches",
+                "What is set was kept. Above the tabs, what ran or was found can be started again.",
             )
         if session.state.offered:
             session.notify(

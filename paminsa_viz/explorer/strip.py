@@ -70,7 +70,7 @@ BALANCE_TASKS = {
 
 
 def restartable(state: State) -> dict[str, Effect]:
-    """Return a button for each task that a reload has ended, and one to leave them."""
+    """Return a button for each task that a reload has ended or lost, and one to leave them."""
     if not state.ended:
         return {}
     # Late: it loads SciPy.
@@ -109,7 +109,7 @@ STRIP = (
         hint="What this tab has kept from before its reload; opening it can be undone",
     ),
     ButtonGroup(
-        "ended", "Ended by reload", choices=restartable,
-        hint="Starts again, from its beginning, what ran when the page was loaded again",
+        "ended", "Lost by reload", choices=restartable,
+        hint="Starts again, from its beginning, what ran or was found before the page was reloaded",
     ),
 )  # fmt: skip

@@ -142,7 +142,7 @@ def test_search_that_a_reload_has_ended_is_offered_again(tab: Tab) -> None:
     tab.dispatch(searching)
     tab.wait_saved()
     tab.reload()
-    tab.page.get_by_text("Ended by reload").wait_for()
+    tab.page.get_by_text("Lost by reload").wait_for()
     again = tab.page.get_by_role("button", name="Search for a robot", exact=True)
     again.wait_for()
     tab.click("Leave it")

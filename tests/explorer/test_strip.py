@@ -8,8 +8,10 @@ from paminsa_viz.explorer.core import tab_store
 from paminsa_viz.explorer.features.balance import actions as balancing
 from paminsa_viz.explorer.features.identification import actions as identification
 from paminsa_viz.explorer.state.balance import BalanceKind
+from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.strip import restartable
+from paminsa_viz.model import InvalidInput
 
 
 def reloaded(state: State) -> State:
@@ -47,6 +49,15 @@ def test_a_task_that_is_started_is_offered_no_more_and_the_others_still_are() ->
     assert list(restartable(both)) == ["Motion for a log", "Pareto front", "Leave it"]
     started = identification.SEARCH.start(both)  # as the button of its section does
     assert list(restartable(started)) == ["Pareto front", "Leave it"]
+
+
+def test_a_search_whose_result_is_lost_is_offered_again() -> None:
+    """One that has failed is not: nothing is lost with it."""
+    start = initial_state()
+    found = start.updated("requirements.largest", outcome=Outcome(job=None, result=object()))
+    assert list(restartable(reloaded(found))) == ["Largest workspace", "Leave it"]
+    failed = Outcome[Any, Any](job=None, error=InvalidInput("requirements", "there are none"))
+    assert restartable(reloaded(start.updated("requirements.largest", outcome=failed))) == {}
 
 
 def test_without_anything_that_ran_nothing_is_offered() -> None:

@@ -61,11 +61,11 @@ def task_name(place: str, kind: str) -> str:
     return f"{place} {kind}".rstrip()
 
 
-def running_tasks(state: State) -> Iterator[str]:
-    """Yield the names of the tasks that run."""
+def unkept_tasks(state: State) -> Iterator[str]:
+    """Yield the names of the tasks that a reload ends, or whose results it loses."""
     for place in TASKS:
         part = attrgetter(place)(state)
-        if part.running is not None:
+        if part.running is not None or part.result is not None:
             yield task_name(place, part.kind)
 
 
@@ -112,8 +112,7 @@ def _present(place: str) -> str:
 def dump(state: State) -> str:
     """Write what a tab keeps of a state."""
     view = {}
-    # A reload ends what runs now.
-    ended = tuple(dict.fromkeys((*state.ended, *running_tasks(state))))[:MOST_ENDED]
+    ended = tuple(dict.fromkeys((*state.ended, *unkept_tasks(state))))[:MOST_ENDED]
     state = replace(state, ended=ended)
     for name in VIEW:
         part = attrgetter(name)(state)

@@ -71,7 +71,7 @@ class State:
         camera: Where a person has put the camera, None for a preset. These four are no difference
             of two states.
         offered: What the tab has kept from before, if it came after something was set; else empty.
-        ended: Names of the tasks that a reload has ended, which can be started again.
+        ended: Names of the tasks that a reload has ended, or whose results it lost.
         steps: What can be undone and redone; no difference of two states.
     """
 
