@@ -12,7 +12,6 @@ import html
 import importlib
 import inspect
 import re
-import textwrap
 import types
 import typing
 from collections.abc import Iterator
@@ -25,6 +24,7 @@ import tyro
 
 from paminsa_viz import cli
 from paminsa_viz.cli import flags, motion_flags
+from paminsa_viz.cli.help import flag_texts
 from paminsa_viz.files.design_schema import (
     CHOICE_MEANINGS,
     CHOICES,
@@ -247,7 +247,7 @@ def _flags(kind: type) -> Iterator[tuple[type, tuple[str, str, str]]]:
 
     Each is with the class that decides it, the last one that says it.
     """
-    said, hints = _said(kind), typing.get_type_hints(kind, include_extras=True)
+    said, hints = flag_texts(kind), typing.get_type_hints(kind, include_extras=True)
     for item in fields(kind):
         hint = hints[item.name]
         marks = typing.get_args(hint)[1:] if hasattr(hint, "__metadata__") else ()
@@ -281,20 +281,6 @@ def _default(value: Any) -> str:
     if value is None or value is False or value == ():
         return ""
     return f"`{' '.join(map(str, value)) if isinstance(value, tuple) else value}`"
-
-
-def _said(kind: type) -> dict[str, str]:
-    """Return the text below each field of a dataclass, inherited ones included."""
-    found: dict[str, str] = {}
-    for owner in reversed(kind.__mro__[:-1]):
-        body = ast.parse(textwrap.dedent(inspect.getsource(owner))).body[0]
-        assert isinstance(body, ast.ClassDef)
-        for item, after in pairwise(body.body):
-            if isinstance(item, ast.AnnAssign) and isinstance(item.target, ast.Name):
-                assert isinstance(after, ast.Expr)
-                assert isinstance(after.value, ast.Constant)
-                found[item.target.id] = " ".join(str(after.value.value).split())
-    return found
 
 
 # ----------------------------------------------------------------------------- the Python API

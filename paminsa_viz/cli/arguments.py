@@ -52,7 +52,10 @@ def parse(kind: Any, words: Sequence[str], program: str, description: str) -> An
     words = flags_of_today(list(words))
     message = io.StringIO()
     if not {"-h", "--help"}.isdisjoint(words):
+        from paminsa_viz.cli.help import described
+
         print(f"{description}\n")  # tyro would run its lines together
+        kind = described(kind)
     try:
         with redirect_stderr(message):
             found = tyro.cli(

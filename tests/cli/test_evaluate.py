@@ -77,7 +77,9 @@ def test_columns_may_have_any_unit(capsys) -> None:
     write(MOTION, np.concatenate([pose, velocity, acceleration], axis=-1))
     evaluate(capsys)
     expected = numbers(read(), RESULTS)
-    header = [*"x_mm,y [mm],theta_deg,z_m,vx_mm_s,vy_m_s,omega [deg/s],vz_m_s".split(",")]
+    header = [
+        *["x_mm", "y [mm]", "theta_deg", "z_m", "vx_mm_s", "vy_m_s", "omega [deg/s]", "vz_m_s"]
+    ]
     scale = [1e3, 1e3, np.degrees(1), 1, 1e3, 1, np.degrees(1), 1, 1, 1, 1, 1]
     write([*header, *ACCELERATION], scale * np.concatenate([pose, velocity, acceleration], -1))
     evaluate(capsys)

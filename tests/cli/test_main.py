@@ -54,6 +54,19 @@ def test_help_goes_to_the_screen_and_starts_nothing(started, capsys, words) -> N
             assert text in printed.out
 
 
+@pytest.mark.slow
+def test_help_runs_a_text_on_and_lists_only_what_can_be_chosen(capsys, monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "400")
+    for words in (["map"], ["requirements", "prove"], ["design", "diff"], ["evaluate"]):
+        with pytest.raises(SystemExit):
+            main([*words, "--help"])
+        printed = capsys.readouterr().out
+        assert "None" not in printed, words
+        if words != ["design", "diff"]:
+            assert "{lower,upper}" in printed, words
+            assert "its mirror image; by default the design's own." in printed, words
+
+
 @pytest.mark.parametrize(
     ("error", "code", "line"),
     [
