@@ -328,8 +328,7 @@ def proof_blocks(
     ]
     if proof.pose is not None:
         blocks.append(Note(f"broken at {format_pose(proof.pose)}"))
-    effort = f"{proof.boxes:,} boxes, {proof.seconds:.1f} s; {len(proof.remaining):,} open"
-    return [*blocks, Note(effort)]
+    return [*blocks, Note(f"{_effort(proof)}; {len(proof.remaining):,} open")]
 
 
 def largest_blocks(
@@ -349,12 +348,16 @@ def largest_blocks(
         Note(f"{design.name}, {what}: {place}", "warn" if sampled else "ok"),
         Note(f"gap {format_value(found.gap, 'm', 3)} to {limit}{_cause(found, text)}"),
         evidence_table(found.proof, text),
-        Note(f"{found.boxes:,} boxes, {found.seconds:.1f} s"),
+        Note(_effort(found)),
     ]
     if sampled:
         doubt = "what is only sampled is not proven: a pose between samples may break it"
         blocks.append(Note(f"{doubt}, whatever the gap", "warn"))
     return blocks
+
+
+def _effort(found: Proof | LargestWorkspace) -> str:
+    return f"{found.boxes:,} box{'es' * (found.boxes != 1)}, {found.seconds:.1f} s"
 
 
 def _place(requirements: Requirements) -> str:

@@ -155,7 +155,7 @@ def verification_data(found: Verification) -> dict[str, Any]:
             for check in found.engines
         ],
         "missing_engines": found.missing,
-        "as_printed": {
+        "as_published": {
             misprint_name(item): compared.summary() for item, compared in found.published.items()
         },
         "simulation": _simulation_data(found),

@@ -84,7 +84,7 @@ def analysis_table(analysis: TrajectoryAnalysis) -> DataTable:
         },
         "first failure": first.explanation if first else "none",
         **robot_facts(analysis.design),
-        "formulae": f"as printed: {', '.join(published)}" if published else "corrected",
+        "formulas": f"as published: {', '.join(published)}" if published else "corrected",
         **parameter_facts(analysis.design),
     }
     return DataTable(columns | {STATUS: analysis.check.words()}, provenance(FORMAT, facts))

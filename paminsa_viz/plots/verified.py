@@ -81,9 +81,9 @@ def verification_figures(found: Verification) -> list[VerificationFigure]:
     for check, misprints in compared:
         analysis = analyze(found.design, found.trajectory, misprints=misprints)
         other = EngineTorques(f"{check.engine} {check.version}", check.dynamic.reference)
-        stem, title = "formulae", "Formulas"
+        stem, title = "formulas", "Formulas"
         if misprints is not Misprint.NONE:
-            stem, title = "formulae_as_printed", "Formulas as published"
+            stem, title = "formulas_as_published", "Formulas as published"
         figures.append(
             VerificationFigure(
                 f"{stem}_{check.engine.lower()}",

@@ -271,6 +271,7 @@ def test_the_largest_workspace_and_what_ends_it() -> None:
     )  # fmt: skip
     assert notes[1][0].startswith("gap 12.3 mm to box 400 × 200 × 600 mm about x 10 mm")
     assert notes[2:] == [("1,500 boxes, 2.2 s", "plain")]
+    assert text(workspace=PLACE, boxes=1)[2][0] == "1 box, 2.2 s"
     sampled = SimpleNamespace(**vars(proof) | {"sampled": (CONDITION,)})
     head, kind = text(workspace=PLACE, proof=sampled)[0]
     assert head.startswith("Appendix 4, largest workspace by proof and samples: box 200")

@@ -460,7 +460,7 @@ def test_formulas_beside_engines() -> None:
     assert data["simulation"]["stray_m"] == pytest.approx(2.4e-5)
     assert (data["static_poses"], data["dynamic_states"]) == (7, 25)
     assert data["engines"][0]["passed"]
-    assert list(data["as_printed"]) == ["APP3_MC4", "ALL"]
+    assert list(data["as_published"]) == ["APP3_MC4", "ALL"]
 
 
 def test_the_verdict_of_a_verification_in_a_word() -> None:

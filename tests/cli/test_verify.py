@@ -54,7 +54,7 @@ def test_json_holds_the_same(capsys) -> None:
     assert (found["static_poses"], found["dynamic_states"], found["seed"]) == (9, 31, 5)
     assert [row["actuator"] for row in found["engines"][0]["dynamic"]][3] == "F_4"
     assert found["worst_relative"] < 1e-10
-    assert found["as_printed"]["ALL"][0]["max_relative"] > 1e-3
+    assert found["as_published"]["ALL"][0]["max_relative"] > 1e-3
 
 
 def test_another_design_with_the_upper_knee_passes(capsys) -> None:
@@ -87,9 +87,9 @@ def test_a_model_with_meshes_can_be_checked_too(capsys) -> None:
 def test_figures_are_written_into_their_folder(capsys) -> None:
     found = run_json(capsys, *QUICK, "--figures", "a/b", "--format", "svg")
     names = {path.name for path in Path("a/b").iterdir()}
-    assert {"formulae_mujoco.svg", "formulae_as_printed_mujoco.svg"} <= names
+    assert {"formulas_mujoco.svg", "formulas_as_published_mujoco.svg"} <= names
     assert {Path(path).name for path in found["figures"]} == names
-    assert b"<svg" in Path("a/b/formulae_mujoco.svg").read_bytes()
+    assert b"<svg" in Path("a/b/formulas_mujoco.svg").read_bytes()
 
 
 def test_without_the_engine_the_line_says_how_to_install_it(capsys, monkeypatch) -> None:

@@ -243,7 +243,7 @@ def test_the_result_is_json_and_repeatable() -> None:
     assert not np.array_equal(one.poses, other.poses)
     assert (said["static_poses"], said["dynamic_states"]) == (20, one.trajectory.size)
     assert said["worst_relative"] == one.worst
-    assert set(said["as_printed"]) == {misprint_name(item) for item in EVERY_MISPRINT}
+    assert set(said["as_published"]) == {misprint_name(item) for item in EVERY_MISPRINT}
 
 
 def test_long_trajectories_are_thinned(monkeypatch: pytest.MonkeyPatch) -> None:

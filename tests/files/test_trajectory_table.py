@@ -202,7 +202,7 @@ def test_columns_and_provenance_of_a_written_table() -> None:
     head_values = dict(line[2:].split(": ", 1) for line in comments)
     assert head_values["design"] == "Appendix 4"
     assert (head_values["note 1"], head_values["note 2"]) == noted.notes
-    assert head_values["formulae"] == "as printed: APP3_MC4"
+    assert head_values["formulas"] == "as published: APP3_MC4"
     assert head_values["design links.b3 [kg]"] == "0.406"
     assert "singular pose" in head_values["first failure"]
     for row, torque, word in zip(rows, found.torque, found.check.words(), strict=True):

@@ -42,12 +42,12 @@ def test_a_verification_has_a_figure_for_each_engine_and_for_the_published_formu
     found = verify(APPENDIX_4, MOTION, poses=5, misprints=())
     figures = verification_figures(found)
     assert len(figures) == len(found.engines) + 1
-    assert figures[0].stem == "formulae_mujoco"
-    assert figures[-1].stem == "formulae_as_printed_mujoco"
+    assert figures[0].stem == "formulas_mujoco"
+    assert figures[-1].stem == "formulas_as_published_mujoco"
     for figure in figures:
         own, other = figure.data.panels[0].traces
         assert np.array_equal(other.values, found.engines[0].dynamic.reference[:, 0]) == (
             "mujoco" in figure.stem
         )
         apart = np.abs(own.values - other.values).max()
-        assert (apart > 1e-3) == ("printed" in figure.stem)
+        assert (apart > 1e-3) == ("published" in figure.stem)
