@@ -48,6 +48,7 @@ def crossing_html(frame: Frame) -> str:
     loads = crossings_table(frame.analysis)
     if loads.rows:
         blocks += [loads, Note(loads.caption)]
+    blocks += map(Note, plan.plan.notes[count:])  # those before are of the crossings
     narrow = [_turned(one) if isinstance(one, Table) else one for one in blocks]
     return title + blocks_html("motion-passages", *narrow)
 

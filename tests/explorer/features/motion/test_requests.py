@@ -266,6 +266,9 @@ def test_motion_passes_singularities_on_request(turning: State) -> None:
     assert trajectory(longer).duration == pytest.approx(1.0, rel=1e-6)
     heavier = actions.vary(state, {"links.b4": 0.9})
     assert trajectory(heavier).duration != trajectory(state).duration
+    assert "Friction" not in text
+    rubbing = actions.vary(state, {"friction.coulomb_rotary": 3.0})
+    assert "it adds up to 3 N·m to M1 to M3" in crossing_html(compute(rubbing))
 
 
 @pytest.mark.slow
