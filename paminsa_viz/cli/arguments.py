@@ -158,7 +158,13 @@ _TYPES = {
     ),
     r"Could not parse arguments \[(.*)\] into tuple type tuple\[(.*)\]": r"\2 is needed, not \1",
     r"Error parsing [A-Za-z]+: (.*)": r"\1",
+    r"Error parsing (\S+: )": r"\1",
+    r"Missing value for argument '(.*)'\. Expected 1 values": r"\1: a value is needed",
+    r"Missing value for argument '(.*)'\. Expected (\d+) values": r"\1: \2 values are needed",
     r"invalid literal for int\(\) with base 10: (.*)": r"a whole number is needed, not \1",
     r"could not convert string to float: (.*)": r"a number is needed, not \1",
+    r"(?<=: )INT is needed": "a whole number is needed",
+    r"(?<=: )FLOAT is needed": "a number is needed",
+    r" is needed, not $": " is needed",
 }
 """Errors of tyro and Python about a value of another type, and the text shown instead."""

@@ -13,7 +13,10 @@ from tests.support.commands import check_refused
 pytestmark = pytest.mark.slow
 
 WRONG_WORDS = """
-start --port x                                      | Error parsing --port
+start --port x                                      | --port: a whole number is needed, not 'x'
+sweep --out a.csv --random a                        | --random: a whole number is needed, not 'a'
+stiffness --pose                                    | --pose: 4 numbers are needed; see
+report --out                                        | --out: a value is needed; see
 start --port 65536                                  | --port: 65536 is not from 0 to 65535
 start --prot 1                                      | --prot
 start here                                          | Unrecognized options: here
