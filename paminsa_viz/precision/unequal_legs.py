@@ -3,7 +3,8 @@
 With locked actuators the nine closure equations have nine unknowns: x, y, theta, z, the tilt
 (t_x, t_y) and the sliders' places s_1..s_3. Ball joints assemble without strain. For a wanted
 (x, y, theta, z) the tilt, the sliders and the actuators are unknown. Both are solved by Newton's
-method from the nominal robot; derivatives by all lengths and actuators follow from the same matrix.
+method from the nominal robot, in stages where bars do not meet there; derivatives by all lengths
+and actuators follow from the same matrix.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.robot import platform_determinant
 from paminsa_viz.model.status import Status, WithStatus
 from paminsa_viz.precision.closure_equations import ACTUATORS, SLIDES, STATE, closure_equations
-from paminsa_viz.precision.leg_lengths import INDEX, as_lengths
+from paminsa_viz.precision.leg_lengths import INDEX, as_lengths, nominal_lengths
 
 SIX_COORDINATES = (*COORDINATES, "tilt_x", "tilt_y")
 """Names of the platform's six coordinates [m, m, rad, m, rad, rad]."""
@@ -38,6 +39,9 @@ _LAST_STEP = 1e-9
 
 _LARGEST_STEP = 0.1
 """Largest step [m, rad]: farther away than that the equations are other ones."""
+
+_SHORTEST_STAGE = 2.0**-8
+"""Share of a robot's deviations by which a stage is given up."""
 
 _MOST_CONDITION = 1e13
 """Condition number of a pose that counts as singular: rounding decides over what is found."""
@@ -95,12 +99,10 @@ def solve_pose(
         InvalidInput: If a shape is unusable.
     """
     lengths, actuators, near = _together(lengths, actuators=actuators, near=near)
-    state = _start(geometry, near)
-    state[..., ACTUATORS] = actuators
     x, y, theta, _ = np.moveaxis(near, -1, 0)
     # The determinant of the nine equations has the sign of the platform's own.
     side = np.sign(platform_determinant(mechanism(geometry), x, y, np.cos(theta)))
-    return _solve(geometry, lengths, state, _FORWARD, side)
+    return _solve(geometry, lengths, _start(geometry, near), actuators, _FORWARD, side)
 
 
 @of_geometry
@@ -111,7 +113,8 @@ def solve_actuators(geometry: Geometry, lengths: ArrayLike, pose: ArrayLike) -> 
     """
     lengths, pose = _together(lengths, pose=pose)
     # It is positive wherever no leg is stretched or on its axis.
-    return _solve(geometry, lengths, _start(geometry, pose), _INVERSE, np.ones(pose.shape[:-1]))
+    side = np.ones(pose.shape[:-1])
+    return _solve(geometry, lengths, _start(geometry, pose), pose, _INVERSE, side)
 
 
 class Sensitivities(NamedTuple):
@@ -185,22 +188,81 @@ def _state(pose: Array, found: Configuration, geometry: Geometry) -> Array:
 
 
 def _solve(
-    geometry: Geometry, lengths: Array, start: Array, unknown: NDArray[np.intp], side: Array
+    geometry: Geometry,
+    lengths: Array,
+    start: Array,
+    given: Array,
+    unknown: NDArray[np.intp],
+    side: Array,
 ) -> UnequalPose:
-    """Solve for some entries of the state by Newton's method, all of a batch at once.
+    """Solve for some entries of the state, all of a batch at once.
 
+    ``start`` (..., 13) is the nominal robot, ``given`` (..., 4) are the entries that are known, and
     ``side`` (...) is the sign of the determinant on the nominal robot's side of the singularities.
     """
     shape = start.shape[:-1]
     lengths = lengths.reshape(-1, *lengths.shape[-2:])
-    state = start.reshape(-1, STATE).copy()
+    start, side = start.reshape(-1, STATE), side.reshape(-1)
+    known = np.setdiff1d(np.arange(STATE), unknown)
+    wanted = start.copy()
+    wanted[:, known] = given.reshape(-1, len(known))
+    state, status = _newton(geometry, lengths, wanted, unknown, side)
+    # Near the end of their reach, bars may meet for other places of the sliders than the nominal.
+    late = np.flatnonzero((status == Closure.OPEN) & np.isfinite(start).all(axis=-1))
+    state[late] = _in_stages(
+        geometry, lengths[late], start[late], wanted[late], unknown, side[late]
+    )
+    status[late[np.isfinite(state[late]).all(axis=-1)]] = Closure.OK
+    state = state.reshape(*shape, STATE)
+    return UnequalPose(
+        state[..., :4], state[..., 4:6], state[..., SLIDES], state[..., ACTUATORS],
+        status.reshape(shape),
+    )  # fmt: skip
+
+
+def _in_stages(
+    geometry: Geometry,
+    lengths: Array,
+    start: Array,
+    wanted: Array,
+    unknown: NDArray[np.intp],
+    side: Array,
+) -> Array:
+    """Return solutions (n, 13) that are followed from the nominal robot; NaN where that fails.
+
+    A stage takes a share more of what lengths and known entries differ by; if it fails, half of it.
+    """
+    nominal = nominal_lengths(geometry)
+    known = np.setdiff1d(np.arange(STATE), unknown)
+    reached = start.copy()
+    done, stage = np.zeros(len(start)), np.full(len(start), 0.5)
+    live = np.arange(len(start))
+    while live.size:
+        share = np.minimum(done[live] + stage[live], 1.0)
+        trial = reached[live]
+        first, last = start[np.ix_(live, known)], wanted[np.ix_(live, known)]
+        trial[:, known] = first + share[:, None] * (last - first)
+        legs = nominal + share[:, None, None] * (lengths[live] - nominal)
+        found, status = _newton(geometry, legs, trial, unknown, side[live])
+        fine = status == Closure.OK
+        reached[live[fine]], done[live[fine]] = found[fine], share[fine]
+        stage[live] *= np.where(fine, 2.0, 0.5)
+        live = live[(done[live] < 1.0) & (stage[live] >= _SHORTEST_STAGE)]
+    reached[done < 1.0] = np.nan
+    return reached
+
+
+def _newton(
+    geometry: Geometry, lengths: Array, start: Array, unknown: NDArray[np.intp], side: Array
+) -> tuple[Array, NDArray[np.uint8]]:
+    """Return states (n, 13), NaN without a solution, and their status (n,), by Newton's method."""
+    state = start.copy()
     status = np.full(len(state), Closure.DIVERGED, np.uint8)
     given = np.setdiff1d(np.arange(STATE), unknown)
     usable = np.isfinite(state[:, given]).all(axis=-1) & np.isfinite(lengths).all(axis=(-1, -2))
     status[~usable] = Closure.NOT_FINITE
     status[usable & ~np.isfinite(state).all(axis=-1)] = Closure.OPEN
     live = np.flatnonzero(status == Closure.DIVERGED)
-    side = side.reshape(-1)
     behind = np.sign(state[:, SLIDES])
     step = np.zeros((len(state), len(unknown)))
     flipped = np.zeros(len(state), np.bool_)
@@ -233,11 +295,7 @@ def _solve(
         live = live[status[live] == Closure.DIVERGED]
     status[(status == Closure.DIVERGED) & flipped] = Closure.SINGULAR
     state[status != Closure.OK] = np.nan
-    state = state.reshape(*shape, STATE)
-    return UnequalPose(
-        state[..., :4], state[..., 4:6], state[..., SLIDES], state[..., ACTUATORS],
-        status.reshape(shape),
-    )  # fmt: skip
+    return state, status
 
 
 def _newton_step(matrix: Array, gap: Array) -> tuple[Array, Array]:

@@ -25,6 +25,7 @@ from paminsa_viz.precision.leg_lengths import (
 )
 from paminsa_viz.precision.unequal_legs import (
     Closure,
+    nominal_pose,
     sensitivities,
     solve_actuators,
     solve_pose,
@@ -211,6 +212,41 @@ def test_poses_near_limits_are_found_on_the_robot_s_side_or_not_at_all() -> None
     state = np.concatenate([found.coordinates, found.slides, found.actuators], axis=-1)[found.ok]
     closed = closure_equations(lengths[found.ok], state, g.knee.sign)
     assert np.abs(closed.gap).max() < 1e-12
+
+
+def test_bars_that_do_not_meet_at_the_nominal_sliders_are_followed_from_the_nominal_robot() -> None:
+    """2 mm before the nominal pantographs are stretched, in 1000 small steps by Newton's method."""
+    g, n, steps = APPENDIX_4.geometry, 40, 1000
+    pose = np.array([0.0, 0.0, 0.0, -1.00611])
+    start, nominal_legs = nominal_pose(g, pose), nominal_lengths(g)
+    deviations = random_deviations(0, 5e-4, n)
+    found = solve_pose(g, nominal_legs + deviations, start.actuators, pose)
+    inverse = solve_actuators(g, nominal_legs + deviations, pose)
+
+    def followed(unknown: slice) -> Any:
+        """States (n, 13), NaN from where bars do not meet or the determinant changes its sign."""
+        now = np.tile(np.concatenate([start.coordinates, start.slides, start.actuators]), (n, 1))
+        before, side = now.copy(), None
+        for share in np.linspace(0.0, 1.0, steps + 1):
+            trial, matrix = 2.0 * now - before, np.eye(9)
+            for _ in range(4):
+                closure = closure_equations(nominal_legs + share * deviations, trial, g.knee.sign)
+                matrix = closure.by_state[:, :, unknown]
+                lost = ~np.isfinite(matrix).all(axis=(1, 2))
+                trial[lost], matrix[lost], closure.gap[lost] = np.nan, np.eye(9), np.nan
+                trial[:, unknown] -= np.linalg.solve(matrix, closure.gap[..., None])[..., 0]
+            sign = np.sign(np.linalg.det(matrix))
+            side = sign if side is None else side
+            trial[(sign != side) | (np.abs(trial - now).max(axis=1) > 0.01)] = np.nan
+            before, now = now, trial
+        return now
+
+    for solution, unknown in ((found, slice(0, 9)), (inverse, slice(4, 13))):
+        expected = followed(unknown)
+        closes = np.isfinite(expected).all(axis=1)
+        assert closes.sum() >= 3
+        assert np.array_equal(solution.ok, closes)
+        assert np.allclose(solution.coordinates[closes], expected[closes, :6], rtol=0.0, atol=1e-10)
 
 
 def test_starts_some_way_off_lead_to_the_same_pose() -> None:
