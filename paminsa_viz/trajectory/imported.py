@@ -98,14 +98,16 @@ def from_samples(
 
 
 def _spline(t: Array, values: Array, rest: bool) -> BSpline:
+    """Return a spline with the rates of the values, exactly zero for those that stay."""
     from scipy.interpolate import make_interp_spline  # slow to load
 
+    change = values - values[0]
     if rest:
         still = np.zeros(4)
         ends = [(1, still), (2, still)]
-        return make_interp_spline(t, values, k=5, bc_type=(ends, ends))
+        return make_interp_spline(t, change, k=5, bc_type=(ends, ends))
     degree = 5 if len(t) > 5 else 3 if len(t) > 3 else len(t) - 1
-    return make_interp_spline(t, values, k=degree)
+    return make_interp_spline(t, change, k=degree)
 
 
 def _rounding(t: Array, pose: Array) -> list[str]:

@@ -69,16 +69,13 @@ def spline_path(poses: ArrayLike) -> Path:
     Raises:
         InvalidInput: If neighbors are the same or a number is not finite.
     """
-    from scipy.interpolate import make_interp_spline  # slow to load
-
     waypoints = as_vectors(poses, "poses")
     if waypoints.ndim != 2 or len(waypoints) < 2 or not np.isfinite(waypoints).all():
         raise InvalidInput("poses", "at least two finite poses (n, 4) are needed")
     s = shared_time(waypoints)
     if len(s) == 2:
         return straight_path(*waypoints)
-    free = [(3, np.zeros(4)), (4, np.zeros(4))]
-    return Spline(make_interp_spline(s, waypoints, k=5, bc_type=(free, free)), s)
+    return Spline.through(waypoints, s, (3, 4))
 
 
 @dataclass(frozen=True, eq=False)

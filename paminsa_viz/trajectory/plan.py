@@ -130,19 +130,31 @@ class Arc:
 
 @dataclass(frozen=True, eq=False)
 class Spline:
-    """A spline of the pose with values (4,) on [0, 1], of a degree above 4, at rest at both ends.
+    """A quintic spline of the pose, (4,) on [0, 1].
 
     Attributes:
-        spline: The spline.
+        start: The first pose (4,). Counted from it, a coordinate that stays has rates of exactly 0.
+        change: The spline of the difference from it.
         breaks: The instants of its waypoints.
     """
 
-    spline: BSpline
+    start: Array
+    change: BSpline
     breaks: Array
     bounded_jerk: bool = True
 
+    @classmethod
+    def through(cls, poses: Array, u: Array, orders: tuple[int, int]) -> Spline:
+        """Return the spline through poses (n, 4) at u (n,); two derivatives are 0 at both ends."""
+        from scipy.interpolate import make_interp_spline  # slow to load
+
+        ends = [(order, np.zeros(4)) for order in orders]
+        change = make_interp_spline(u, poses - poses[0], k=5, bc_type=(ends, ends))
+        return cls(poses[0], change, u)
+
     def __call__(self, u: Array, order: int = 0) -> Array:
-        return self.spline(np.asarray(u, dtype=np.float64), order)
+        value: Array = self.change(np.asarray(u, dtype=np.float64), order)
+        return value if order else self.start + value
 
 
 @dataclass(frozen=True, eq=False)

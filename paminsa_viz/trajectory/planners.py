@@ -182,8 +182,6 @@ def via_points(
         InvalidInput: If there are fewer than two poses, two neighbors are the same, or times do
             not increase.
     """
-    from scipy.interpolate import make_interp_spline  # slow to load
-
     waypoints = as_vectors(poses, "poses")
     if waypoints.ndim != 2 or len(waypoints) < 2:
         raise InvalidInput("poses", f"at least two poses (n, 4) are needed; got {waypoints.shape}")
@@ -196,10 +194,7 @@ def via_points(
             raise InvalidInput("times", "the times have to increase")
         duration = float(given[-1] - given[0]) if duration is None else duration
         ends = (given - given[0]) / (given[-1] - given[0])
-    still = np.zeros(4)
-    rest = [(1, still), (2, still)]
-    spline = make_interp_spline(ends, waypoints, k=5, bc_type=(rest, rest))
-    curve = Spline(spline, ends)
+    curve = Spline.through(waypoints, ends, (1, 2))
     return Plan(curve, 1.0 if duration is None else duration, name, "waypoints, quintic spline")
 
 

@@ -15,17 +15,20 @@ from hypothesis import strategies as st
 from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch
 from paminsa_viz.trajectory import (
     PRESET,
+    MotionLimits,
     Plan,
     TimeLaw,
     arch,
     chain,
     check_path,
     circle,
+    from_samples,
     line,
     paper_like,
     point_to_point,
     preset_center,
     round_trip,
+    shortest_stretch,
     via_points,
 )
 from paminsa_viz.trajectory.paths import spline_path, straight_path
@@ -151,6 +154,33 @@ def test_two_waypoints_make_the_quintic_move() -> None:
     t = np.linspace(0, 1, 11)
     for way, direct in zip(via_points([A, B]).at(t), point_to_point(A, B).at(t), strict=True):
         np.testing.assert_allclose(way, direct, atol=1e-11)
+
+
+@pytest.mark.parametrize("still", range(4))
+def test_a_coordinate_that_stays_has_rates_of_exactly_zero(still: int) -> None:
+    """Else rounding gives an actuator that stands still a direction, and with it Coulomb friction
+    and losses."""
+    poses = np.array([A, B, C, 0.5 * (A + C), A, B, C])
+    poses[:, still] = poses[0, still]
+    u = np.linspace(0.0, 1.0, 101)
+    imported = (from_samples(np.arange(7.0), poses, rest=rest) for rest in (False, True))
+    rates = [
+        *(curve(u, order) for curve in (via_points(poses).curve, spline_path(poses))
+          for order in (1, 2)),
+        *(rate for motion in imported for rate in (motion.velocity, motion.acceleration)),
+    ]  # fmt: skip
+    for rate in rates:
+        moves = np.abs(rate).max(axis=0) > 0.0
+        assert np.array_equal(moves, np.arange(4) != still)
+
+
+def test_an_actuator_that_stands_still_has_no_friction() -> None:
+    """M4 holds 240 N at a constant height; its 20 N of friction would be beyond the limit."""
+    robot = APPENDIX_4.vary({"friction.coulomb_linear": 20.0})
+    plan = via_points(np.array([A, B, C]) * [1.0, 1.0, 1.0, 0.0] + [0.0, 0.0, 0.0, -0.6])
+    limits = MotionLimits(torque=14.0, force=250.0)
+    expected = shortest_stretch(plan, limits, APPENDIX_4).plan.duration
+    assert shortest_stretch(plan, limits, robot).plan.duration == expected
 
 
 def test_chain_and_back() -> None:
