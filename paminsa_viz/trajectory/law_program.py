@@ -8,8 +8,8 @@ Viscous friction and the fall of a torque with the speed go with s' = sqrt(z). W
 room they are not convex; there the tangent at the law before is taken, which lies above: every law
 of the series keeps the limits and is at least as fast as the one before it.
 
-Coulomb friction is counted in full wherever an actuator moves. At a stop the acceleration of a law
-jumps while friction goes to zero, so that there the limits hold without friction as well.
+Coulomb friction fades with the speed. Limits hold with all of it, wherever an actuator moves, and
+with that of the law before: a law brakes by no more than there is.
 """
 
 from __future__ import annotations
@@ -31,7 +31,13 @@ from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.limits import MotionLimits
 from paminsa_viz.trajectory.paths import TimedPath, TracedPath
 from paminsa_viz.trajectory.planners import PLACE
-from paminsa_viz.trajectory.timing import drive_lines, needed_durations, torque_parts
+from paminsa_viz.trajectory.timing import (
+    coulomb_friction,
+    coulomb_share,
+    drive_lines,
+    needed_durations,
+    torque_parts,
+)
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -98,8 +104,7 @@ class LawProgram:
     ) -> None:
         self._path, self._limits, self._design, self._unit = path, limits, design, unit
         self._driven = drives and any(design.drives)
-        # Beside a stop friction fades, and a law that brakes by its help would need it in full.
-        self._rubs = not design.actuator_friction.zero
+        self._rubs = any(design.actuator_friction.coulomb)
         self._places = np.sort(np.concatenate([[0.0, 1.0], knots, knots[bends]]))
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
         steps = np.diff(knots)[:, None]
@@ -188,24 +193,13 @@ class LawProgram:
         """Return the linear limits, A and b of A x <= b; x has coefficients, c, d."""
         from scipy import sparse
 
-        left, right = self._rows_of(self._design, before, z, dz)
-        if self._rubs:
-            bare, room = self._rows_of(self._design.without_friction(), before, z, dz)
-            resting = self._resting(self.points)
-            left += [rows[resting] for rows in bare]
-            right += [row[resting] for row in room]
-        return sparse.vstack(left), np.concatenate(right)
-
-    def _rows_of(
-        self, design: Design, before: Law, z: Any, dz: Any
-    ) -> tuple[list[Any], list[Array]]:
-        """Return the linear limits of a robot at all points, one matrix and vector a limit."""
-        from scipy import sparse
-
         s, timed = self.points, len(self._weights)
         law, slope = before(s)
         tangent = np.sqrt(np.maximum(law, _SLOWEST))[:, None]
-        terms = self._terms(s, law, slope, design)
+        terms = self._terms(s, law, slope)
+        if self._rubs:
+            faded = self._terms(s, law, slope, faded=True)
+            terms = Terms(*(np.hstack(pair) for pair in zip(terms, faded, strict=True)))
         eased = terms.rate <= 0.0
         above = np.where(eased, 0.0, terms.rate)
         square = terms.square + above / (2.0 * tangent)
@@ -221,7 +215,7 @@ class LawProgram:
             )
             for j in range(right.shape[1])
         ]
-        return left, list(right.T)
+        return sparse.vstack(left), right.T.ravel()
 
     def _resting(self, s: Array) -> NDArray[np.bool_]:
         """Return which places (n,) are at a stop."""
@@ -244,12 +238,15 @@ class LawProgram:
             rows.append((sparse.hstack([-row, none]), np.zeros(len(s))))
         return [_interleaved(rows)]
 
-    def _terms(self, s: Array, law: Array, slope: Array, design: Design | None = None) -> Terms:
+    def _terms(self, s: Array, law: Array, slope: Array, *, faded: bool = False) -> Terms:
         """Return the limits at places (n,), where the law before has z and dz (n,).
 
-        ``design`` is another robot than that of the program.
+        ``faded`` is with the Coulomb friction of the law before, instead of all of it.
         """
-        design = self._design if design is None else design
+        duration = None
+        if faded:
+            slowness = self._unit / np.sqrt(np.maximum(law, _SLOWEST))
+            duration = np.where(self._resting(s), np.inf, slowness)[:, None]
         along = self._path(s, 1)
         rates = self._limits.rates[:2] * self._unit ** np.array([[1.0], [2.0]])
         none = np.zeros_like(s)
@@ -263,16 +260,22 @@ class LawProgram:
             turn, bent = 0.5 * along[:, 2] / most, self._path(s, 2)[:, 2] / most
             found += [(turn, bent, none, none), (-turn, -bent, none, none)]
         if self._limits.needs_torques:
-            found += self._torque_terms(s, design, self._limits.actuators)
+            found += self._torque_terms(s, duration)
         if self._driven:
-            found += self._drive_terms(s, law, slope, design)
+            found += self._drive_terms(s, law, slope, duration)
         if not found:
             found.append((none, none, none, none))
         return Terms(*(np.stack(column, axis=1) for column in zip(*found, strict=True)))
 
-    def _torque_parts(self, s: Array, design: Design) -> tuple[Array, Array, Array, Array]:
-        """Return the torques' factors of dz, z and sqrt(z), and their constants, (n, 4) each."""
+    def _torque_parts(
+        self, s: Array, design: Design, duration: Array | None
+    ) -> tuple[Array, Array, Array, Array]:
+        """Return the torques' factors of dz, z and sqrt(z), and their constants, (n, 4) each.
+
+        Coulomb friction is that of durations (n, 1) of the path, see `coulomb_friction`.
+        """
         constant, rate, square = torque_parts(self._path, design, Misprint.NONE, s)
+        constant = constant + coulomb_friction(self._path, design, s, duration)
 
         def pushed(places: Array, order: int) -> Array:
             return self._path(places, 1 if order == 2 else order) * (order != 1)
@@ -281,10 +284,11 @@ class LawProgram:
         return growth / self._unit**2, square / self._unit**2, rate / self._unit, constant
 
     def _torque_terms(
-        self, s: Array, design: Design, most: Array
+        self, s: Array, duration: Array | None
     ) -> list[tuple[Array, Array, Array, Array]]:
         """Return the limits of torques on both sides, those that are finite."""
-        parts = self._torque_parts(s, design)
+        most = self._limits.actuators
+        parts = self._torque_parts(s, self._design, duration)
         return [
             tuple(sign * part[:, j] / most[j] for part in parts)  # type: ignore[misc]
             for j in np.flatnonzero(np.isfinite(most))
@@ -292,15 +296,16 @@ class LawProgram:
         ]
 
     def _drive_terms(
-        self, s: Array, law: Array, slope: Array, design: Design
+        self, s: Array, law: Array, slope: Array, duration: Array | None
     ) -> list[tuple[Array, Array, Array, Array]]:
         """Return the limits of the drives: top speeds and lines of torque-speed envelopes."""
-        unit, resting = self._unit, self._resting(s)
+        design, unit, resting = self._design, self._unit, self._resting(s)
         pose, along, bent = (self._path(s, order) for order in range(3))
         speed = actuator_velocity(design, pose, along)
         pushed = actuator_acceleration(design.geometry, pose, np.zeros_like(along), along)
         turned = actuator_acceleration(design.geometry, pose, along, bent)
-        load = self._torque_parts(s, replace(design, drives=NO_DRIVES))
+        load = self._torque_parts(s, replace(design, drives=NO_DRIVES), duration)
+        acting = coulomb_share(design, speed, duration)
         none = np.zeros_like(s)
         found: list[tuple[Array, Array, Array, Array]] = []
         for j, drive in enumerate(design.drives):
@@ -313,7 +318,7 @@ class LawProgram:
             inertia = drive.reflected_inertia / unit**2
             own = (
                 0.5 * inertia * pushed[:, j], inertia * turned[:, j],
-                viscous * speed[:, j] / unit, coulomb * np.sign(speed[:, j]),
+                viscous * speed[:, j] / unit, coulomb * acting[:, j],
             )  # fmt: skip
             factors = [part[:, j] for part in load]
             now = factors[0] * slope + factors[1] * law + factors[2] * np.sqrt(law) + factors[3]
@@ -348,16 +353,7 @@ class LawProgram:
         breaks = curve.breaks
         share = np.concatenate([[_INSIDE], (np.arange(count) + 0.5) / count, [1.0 - _INSIDE]])
         u = breaks[:-1, None] + np.diff(breaks)[:, None] * share
-        durations = needed_durations(curve, self._limits, self._design, self._driven)
-        each = durations(u.ravel())
-        if self._rubs:
-            bare = self._design.without_friction()
-            durations = needed_durations(curve, self._limits, bare, self._driven)
-            stops = self._resting(curve.place_at(breaks * curve.duration))
-            beside = np.zeros(u.shape, dtype=bool)
-            beside[:, 0], beside[:, -1] = stops[:-1], stops[1:]
-            beside = beside.ravel()
-            each[beside] = np.maximum(each[beside], durations(u.ravel()[beside]))
+        each = needed_durations(curve, self._limits, self._design, self._driven)(u.ravel())
         each /= curve.duration
         return u, each.max(axis=1).reshape(u.shape), each.argmax(axis=1).reshape(u.shape)
 

@@ -88,8 +88,8 @@ def shortest_motion(
 
     The path, and where the motion stops on it, stay. The acceleration of the best law jumps, so
     where a jerk is limited the motion's own law is stretched instead (`shortest_stretch`), also
-    where speeds alone are; `ShortestMotion.note` says so. Coulomb friction is counted in full
-    wherever an actuator moves; at a stop limits hold without friction as well.
+    where speeds alone are; `ShortestMotion.note` says so. Coulomb friction that adds to a torque is
+    counted in full; of one that takes some off, as much as there is at the speed of the law.
 
     Args:
         plan: The motion; its duration does not matter.

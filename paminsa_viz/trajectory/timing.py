@@ -6,8 +6,10 @@ jerks by T^3. The actuators' torques are exactly
     Q(u; T) = gravity(u) + friction(u; T) + dynamic(u) / T^2,
 
 where gravity includes the design's load, the dynamic part holds inertia and velocity terms, both of
-second order in 1/T, and viscous friction is of first order. So every instant u has its own shortest
-duration in closed form, and that of the motion is the largest of them.
+second order in 1/T, and viscous friction is of first order. So with a given Coulomb friction every
+instant u has its own shortest duration in closed form, and that of the motion is the largest of
+them. Coulomb friction fades with the speed (`Friction.transition_speed`): where it adds to a torque
+it is counted in full, where it takes some off, as much as there is in that duration.
 """
 
 from __future__ import annotations
@@ -113,6 +115,11 @@ def _best(values: Array, u: Array) -> Supremum:
 # -------------------------------------------------------------------------- durations within limits
 
 _ROUNDING = 1e-12  # share by which a duration is longer than required, against rounding
+_FADED = 8
+"""Times that friction is worked out for the duration it leaves, the first without any."""
+
+_INSTANT = 1e-300
+"""Least duration that a speed is divided by."""
 
 
 @dataclass(frozen=True)
@@ -184,9 +191,9 @@ def shortest_stretch(
 ) -> ShortestStretch:
     """Return a motion in the shortest duration that keeps all limits; every longer one does too.
 
-    One of the limits is reached, to rounding, and none exceeded, at any instant. Coulomb friction
-    is counted in full wherever an actuator moves, so where it matters at a near standstill the
-    torque stays a little below its limit.
+    One of the limits is reached, to rounding, and none exceeded, at any instant. Where Coulomb
+    friction adds to a torque it is counted in full, so that near a standstill the torque stays a
+    little below its limit.
 
     Args:
         plan: The motion; its duration does not matter.
@@ -221,6 +228,8 @@ def shortest_stretch(
     if not np.isfinite(needed.value) and design is not None:
         at = np.array([needed.u])
         held = torque_parts(curve, design, misprints, at)[0][0]
+        moved = held + coulomb_friction(curve, design, at)[0]
+        held = np.where(np.abs(moved) > np.abs(held), moved, held)
         bounds = limits.actuators
         if needed.column >= FIRST_OF_DRIVES:
             bounds = np.array([one.peak for one in design.output_limits])
@@ -292,17 +301,52 @@ def _rate_durations(curve: UnitCurve, limits: Array, u: Array) -> Array:
 def torque_parts(
     curve: Callable[[Array, int], Array], design: Design, misprints: Misprint, u: Array
 ) -> tuple[Array, Array, Array]:
-    """Return the torques' parts of order 0, 1 and 2 in 1/T along a curve, each (n, 4)."""
-    friction = design.actuator_friction
+    """Return the torques' parts of order 0, 1 and 2 in 1/T along a curve, each (n, 4).
+
+    They are without Coulomb friction.
+    """
     plain = design.without_friction()
     pose, rate, growth = curve(u, 0), curve(u, 1), curve(u, 2)
     still = np.zeros_like(pose)
     gravity = inverse_dynamics(plain, pose, still, still, misprints).torque
     weightless = replace(plain, gravity=0.0, load=NO_LOAD)
     dynamic = inverse_dynamics(weightless, pose, rate, growth, misprints).torque
-    speed = actuator_velocity(design, pose, rate)
-    coulomb, viscous = np.array(friction.coulomb), np.array(friction.viscous)
-    return gravity + coulomb * np.sign(speed), viscous * speed, dynamic
+    viscous = np.array(design.actuator_friction.viscous)
+    return gravity, viscous * actuator_velocity(design, pose, rate), dynamic
+
+
+def coulomb_friction(
+    curve: Callable[[Array, int], Array], design: Design, u: Array, duration: Array | None = None
+) -> Array:
+    """Return Coulomb friction along a curve that takes durations (n, 1) or (n, 4), as (n, 4).
+
+    Without a duration it is counted in full wherever an actuator moves.
+    """
+    friction = design.actuator_friction
+    speed = actuator_velocity(design, curve(u, 0), curve(u, 1))
+    return np.array(friction.coulomb) * coulomb_share(design, speed, duration)
+
+
+def coulomb_share(design: Design, speed: Array, duration: Array | None) -> Array:
+    """Return the share of Coulomb friction that acts, -1 to 1, see `coulomb_friction`."""
+    if duration is None:
+        return np.sign(speed)
+    return np.tanh(speed / np.maximum(duration * design.friction.transition_speed, _INSTANT))
+
+
+def _where_friction_fades(needed: Callable[[Array | None], Array], design: Design) -> Array:
+    """Return the durations that are needed with the friction that there is in them.
+
+    ``needed`` gives those (n, columns), M1 to M4 first, with the friction of durations (n, 4). A
+    longer duration has less of it, so that from those without friction on each is one that will do.
+    """
+    full = needed(None)
+    if not any(design.actuator_friction.coulomb):
+        return full
+    longest = np.full_like(full, np.inf)
+    for _ in range(_FADED):
+        longest = np.maximum(full, needed(longest[:, :4]))
+    return longest
 
 
 FIRST_OF_DRIVES = LIMITED.index("torque-speed envelope of M1")
@@ -331,18 +375,26 @@ def _drive_durations(
     speeds = np.array([one.speed for one in design.output_limits])
 
     def durations(u: Array) -> Array:
-        load = torque_parts(curve, plain, misprints, u)
+        still, *others = torque_parts(curve, plain, misprints, u)
         pose, rate, growth = curve(u), curve(u, 1), curve(u, 2)
         speed = actuator_velocity(design, pose, rate)
         turned = actuator_acceleration(design.geometry, pose, rate, growth)
-        found = np.zeros((len(u), 8))
+
+        def needed(duration: Array | None) -> Array:
+            load = (still + coulomb_friction(curve, plain, u, duration), *others)
+            return with_friction(load, speed, turned, coulomb_share(design, speed, duration))
+
+        return _where_friction_fades(needed, design)
+
+    def with_friction(load: tuple[Array, ...], speed: Array, turned: Array, acting: Array) -> Array:
+        found = np.zeros((len(speed), 8))
         found[:, 4:] = np.abs(speed) / speeds
         for j, drive in enumerate(design.drives):
             if drive is None:
                 continue
             viscous, coulomb = drive.reflected_friction
             inertia = drive.reflected_inertia * turned[:, j]
-            own = (coulomb * np.sign(speed[:, j]), viscous * speed[:, j], inertia)
+            own = (coulomb * acting[:, j], viscous * speed[:, j], inertia)
             for limit, fall, lossy, counted in drive_lines(drive, speed[:, j]):
                 for sign in (1.0, -1.0):
                     needed = []
@@ -399,9 +451,14 @@ def _torque_durations(
     With w = 1/T a torque is constant + first w + second w^2. It starts within its limit at w = 0
     and first leaves it at the smallest positive root w of limit -+ torque = 0; T = 1/w.
     """
-    constant, first, second = torque_parts(curve, design, misprints, u)
-    longest = np.zeros_like(constant)
-    for sign in (1.0, -1.0):
-        needed = _longest(limits - sign * constant, sign * first, sign * second)
-        longest = np.maximum(longest, np.where(np.isinf(limits), 0.0, needed))
-    return longest
+    still, first, second = torque_parts(curve, design, misprints, u)
+
+    def needed(duration: Array | None) -> Array:
+        constant = still + coulomb_friction(curve, design, u, duration)
+        longest = np.zeros_like(constant)
+        for sign in (1.0, -1.0):
+            each = _longest(limits - sign * constant, sign * first, sign * second)
+            longest = np.maximum(longest, np.where(np.isinf(limits), 0.0, each))
+        return longest
+
+    return _where_friction_fades(needed, design)

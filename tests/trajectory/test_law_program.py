@@ -186,7 +186,7 @@ def test_rows_are_the_terms_at_the_law_before_and_no_less_strict_elsewhere(desig
             terms.growth * law_dz[:, None] + terms.square * law_z[:, None]
             + terms.rate * np.sqrt(law_z)[:, None] + terms.constant - 1.0
         )  # fmt: skip
-        # those without friction, beside stops, come after them
+        # those with friction that fades come after them
         return left[: sums.size].reshape(-1, len(s)).T, sums
 
     by_rows, by_terms = exceeded(z, dz, coefficients)
@@ -304,9 +304,9 @@ def test_what_the_solver_finds_keeps_its_limits_and_no_small_change_is_faster(
     z, dz = rows @ x, slopes @ x
     tangent = np.sqrt(before(s)[0])[:, None]
     uses, changes = [], []
-    # beside stops the limits hold without friction as well
-    for robot, at in ((design, s == s), (design.without_friction(), made._resting(s))):
-        terms = made._terms(s, *before(s), robot)
+    # the limits hold with all of Coulomb friction, and with what the law before has of it
+    for faded in (False, True):
+        terms = made._terms(s, *before(s), faded=faded)
         above = np.maximum(terms.rate, 0.0)  # in place of a root: its tangent at the law before
         square = terms.square + above / (2 * tangent)
         constant = terms.constant + 0.5 * above * tangent
@@ -316,8 +316,8 @@ def test_what_the_solver_finds_keeps_its_limits_and_no_small_change_is_faster(
             terms.growth[..., None] * slopes[:, None]
             + (square + 0.5 * rate / np.sqrt(z)[:, None])[..., None] * rows[:, None]
         )
-        uses.append((sums + constant)[at].ravel())
-        changes.append(slope[at].reshape(-1, len(x)))
+        uses.append((sums + constant).ravel())
+        changes.append(slope.reshape(-1, len(x)))
     used, change = np.concatenate(uses), np.concatenate(changes)
     most = limits.rates[1, 0] * UNIT**2
     if np.isfinite(most):

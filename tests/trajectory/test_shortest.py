@@ -123,20 +123,25 @@ def test_torques_and_rates_of_the_samples_keep_their_limits(number: int) -> None
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["paper-like", "arch", "waypoints"])
-def test_friction_that_brakes_exceeds_no_limit_where_it_fades_at_a_stop(name: str) -> None:
-    """By inverse dynamics of the first and the last instants, ends among them."""
+@pytest.mark.parametrize(
+    ("name", "transition"),
+    [("paper-like", 1e-3), ("arch", 1e-3), ("waypoints", 1e-3), ("arch", 0.2)],
+)
+def test_friction_that_brakes_exceeds_no_limit_where_it_fades(name: str, transition: float) -> None:
+    """By inverse dynamics, close to the ends and in between, where actuators turn around."""
     rough = APPENDIX_4.vary(
         {
             "friction.coulomb_rotary": 3.0,
             "friction.viscous_rotary": 1.0,
             "friction.coulomb_linear": 20.0,
+            "friction.transition_speed": transition,
         }
     )
     plan = PRESET[name].build(rough.geometry)
     found = shortest_motion(plan, MotionLimits(torque=14.0, force=450.0), rough).plan
     beside = 1e-3 * np.linspace(0.0, 1.0, 501)
-    states = found.at(found.duration * np.concatenate([beside, 1.0 - beside]))
+    between = np.linspace(0.0, 1.0, 10_001)
+    states = found.at(found.duration * np.concatenate([beside, 1.0 - beside, between]))
     torque = inverse_dynamics(rough, *states).torque
     assert np.abs(torque[:, :3]).max() <= 14.0 * (1.0 + HELD)
     assert np.abs(torque[:, 3]).max() <= 450.0 * (1.0 + HELD)

@@ -132,6 +132,26 @@ def test_coulomb_friction_is_never_underestimated(plan: Plan) -> None:
     assert 0.995 < top <= 1 + ROUNDING
 
 
+@pytest.mark.parametrize("transition", [1e-3, 0.05, 0.3])
+@pytest.mark.parametrize("law", LAWS, ids=["quintic", "trapezoid", "s-curve"])
+def test_friction_that_brakes_is_counted_as_far_as_there_is_any(
+    law: TimeLaw, transition: float
+) -> None:
+    """M4 lowers the platform and stops it by 300 N, 20 N of friction less, but none at the end."""
+    rough = APPENDIX_4.vary(
+        {"friction.coulomb_linear": 20.0, "friction.transition_speed": transition}
+    )
+    plan = point_to_point([0.0, 0.0, 0.2, -0.45], [0.0, 0.0, 0.2, -0.6], law=law)
+    limits = MotionLimits(force=300.0)
+    found = shortest_stretch(plan, limits, rough)
+    assert used(found.plan, dense(found.plan), limits, rough).max() == pytest.approx(1.0, abs=1e-4)
+    bare, full = (
+        shortest_stretch(plan, limits, APPENDIX_4.vary({"friction.coulomb_linear": size}))
+        for size in (0.0, 20.0)
+    )
+    assert full.plan.duration <= found.plan.duration <= bare.plan.duration
+
+
 @pytest.mark.slow
 @given(cases(), st.sampled_from(LAWS), st.floats(1.05, 5.0))
 def test_random_robots(case: Case, law: TimeLaw, spare: float) -> None:
