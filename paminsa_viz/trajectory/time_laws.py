@@ -85,7 +85,9 @@ class TimeLaw:
         inside = _derivatives(self.profile, self.ramp, self.blend)[order](np.clip(u, 0.0, 1.0))
         if order == 0:
             return inside
-        return np.where((u < 0.0) | (u > 1.0), 0.0, inside)
+        # The speed at the end is zero but for rounding, which would be a motion with a direction.
+        resting = (u < 0.0) | (u >= 1.0 if order == 1 else u > 1.0)
+        return np.where(resting, 0.0, inside)
 
 
 @lru_cache(maxsize=256)

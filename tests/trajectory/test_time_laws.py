@@ -23,7 +23,7 @@ def between(law: TimeLaw, count: int = 9) -> np.ndarray:
 def test_from_rest_at_zero_to_rest_at_one(law: TimeLaw) -> None:
     ends = np.array([0.0, 1.0])
     np.testing.assert_allclose(law(ends), ends, atol=1e-14)
-    np.testing.assert_allclose(law(ends, 1), 0.0, atol=1e-12)
+    assert not law(ends, 1).any()
     if law.bounded_jerk:
         np.testing.assert_allclose(law(ends, 2), 0.0, atol=1e-10)
     assert (np.diff(law(np.linspace(0, 1, 500))) > 0).all()
