@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -12,6 +13,7 @@ from paminsa_viz.elastostatics.beams import TubeFit
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
 from paminsa_viz.elastostatics.leg_frame import contacts
 from paminsa_viz.elastostatics.stiffness import (
+    ALIKE,
     SHARE_LABELS,
     SHARES,
     Compensation,
@@ -70,8 +72,7 @@ def stiffness_blocks(
     return [
         directions_table(design, found),
         Note(
-            f"The softest horizontal direction is {softest_text(found)}. "
-            f"{_ellipsoid_text(design, found)}"
+            f"Least horizontal stiffness: {softest_text(found)}. {_ellipsoid_text(design, found)}"
         ),
         *_loaded(design, found.pose, shear=shear),
         *_vibration(design, found.pose, shear=shear),
@@ -150,17 +151,18 @@ def _direction(name: str, unit: str, value: float, key: str, rigid: str = "") ->
 
 def softest_text(found: PlatformStiffness) -> str:
     """Return the direction in which the robot is softest in the plane."""
+    if math.isnan(found.softest_direction):
+        return "the same in all directions"
     return f"{format_value(float(found.softest_direction), 'rad', 3)} from x"
 
 
 def _ellipsoid_text(design: Design, found: PlatformStiffness) -> str:
     """Return the ellipsoid of compliance, and which bars would touch."""
     axes, directions = found.ellipsoid()
-    softest = ", ".join(f"{value:.2f}" for value in directions[:, -1])
-    text = (
-        f"Compliance ellipsoid: {', '.join(f'{MM * axis:.3g}' for axis in axes)} mm/N, softest "
-        f"along ({softest})."
-    )
+    text = f"Compliance ellipsoid: {', '.join(f'{MM * axis:.3g}' for axis in axes)} mm/N"
+    if axes[-1] - axes[-2] > ALIKE * axes[-1]:  # else rounding would choose the direction
+        text += f", softest along ({', '.join(f'{value:.2f}' for value in directions[:, -1])})"
+    text += "."
     if touching := contacts(design, found.pose).touching():
         text += (
             f" Center lines in one plane: {', '.join(touching)} would touch and are let through."

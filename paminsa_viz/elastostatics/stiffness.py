@@ -35,6 +35,9 @@ from paminsa_viz.model.jacobians import inverse_jacobian
 from paminsa_viz.model.load import center_wrench
 from paminsa_viz.model.reach import Limit, OfLimits
 
+ALIKE = 1e-9
+"""Compliances whose difference is a smaller part of them are the same but for rounding."""
+
 # --------------------------------------------------------- compliance of a leg, by the force method
 # A leg carries a force along w and one along z at joint 5, and none along u. Besides them, five
 # redundants X act: the arm's force S along w and moment about u on the shaft at joint 2, and, where
@@ -186,10 +189,15 @@ class PlatformStiffness(OfLimits):
 
     @property
     def softest_direction(self) -> Array:
-        """Softest horizontal direction, its angle from x in [0, pi) (...) [rad]."""
+        """Softest horizontal direction, its angle from x in [0, pi) (...) [rad].
+
+        NaN where all are alike, as in the middle of the workspace: there rounding would choose one.
+        """
         block = self.compliance[..., :2, :2]
-        angle = 0.5 * np.arctan2(2 * block[..., 0, 1], block[..., 0, 0] - block[..., 1, 1])
-        return np.mod(angle, np.pi)
+        shear, normal = 2 * block[..., 0, 1], block[..., 0, 0] - block[..., 1, 1]
+        angle = np.mod(0.5 * np.arctan2(shear, normal), np.pi)
+        alike = np.hypot(shear, normal) <= ALIKE * np.trace(block, axis1=-2, axis2=-1)
+        return np.where(alike, np.nan, angle)
 
     @property
     def tilt(self) -> Array:

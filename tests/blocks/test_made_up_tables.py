@@ -440,6 +440,9 @@ def test_tubes_and_the_ellipsoid_of_compliance() -> None:
         "Compliance ellipsoid: 0.001, 0.002, 0.003 mm/N, softest along (2.00, 5.00, 8.00)."
     )
     assert stiffness.softest_text(found) == "7.07° from x"
+    middle = stiffness.platform_stiffness(APPENDIX_4, np.array([0, 0, 0, POSE[3]]))
+    assert stiffness.softest_text(middle) == "the same in all directions"
+    assert "softest" not in stiffness._ellipsoid_text(APPENDIX_4, middle)
     real = stiffness.platform_stiffness(APPENDIX_4, POSE)
     stated = stiffness.stiffness_data(APPENDIX_4, real, shear=False)["stiffness"]
     alike = [real.along(axis) for axis in range(6)]

@@ -281,6 +281,13 @@ def test_maps_of_joint5_are_transposed_equilibrium() -> None:
         np.testing.assert_allclose(g.T @ force, [*world, *np.cross(frame.platform[leg], world)])
 
 
+def test_no_direction_is_softest_in_the_middle_where_three_legs_are_alike() -> None:
+    poses = np.array([POSE, [0.0, 0.0, 0.0, POSE[3]]])
+    np.testing.assert_array_equal(
+        np.isnan(platform_stiffness(APPENDIX_4, poses).softest_direction), [False, True]
+    )
+
+
 def test_softest_directions_are_the_least_of_all_and_axes_lie_between() -> None:
     found = platform_stiffness(APPENDIX_4, POSE)
     angle = np.linspace(0, np.pi, 2001)
