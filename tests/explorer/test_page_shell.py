@@ -223,6 +223,24 @@ def test_docks_follow_the_window(tab: Tab) -> None:
     assert tab.state.docks.left.folded is None
 
 
+RIGHT_ENDS = """() => ["[data-floating-window]", "canvas[data-engine]"].map(
+  (place) => document.querySelector(place).getBoundingClientRect().right)"""
+
+
+def test_folded_panel_of_the_view_stays_between_the_docks(tab: Tab) -> None:
+    tab.page.set_viewport_size({"width": 900, "height": 600})
+    tab.wait_frames(1500)
+    tab.click("compare")  # unfolds the left dock
+    tab.page.get_by_text("No number differs.").wait_for()
+
+    def between() -> bool:
+        panel, view = tab.page.evaluate(RIGHT_ENDS)
+        return view < 600 and panel <= view
+
+    until(between, "the panel is as narrow as the view", 10)
+    assert tab.page.get_by_text("View", exact=True).first.is_visible()
+
+
 def test_example_opens_with_what_makes_it_true_and_where_it_is_seen(tab: Tab) -> None:
     tab.open_tab("File")
     example = tab.page.get_by_role("button", name="Compact robot")

@@ -122,6 +122,9 @@
     };
     const now = JSON.stringify(widths);
     const steady = now === docks; // not while one is dragged
+    if (!steady) { // for the bar of the panel View, which lies between the docks; see view.css
+      document.documentElement.style.setProperty("--pv-view-width", `${place.width}px`);
+    }
     docks = now;
     const known = !isWhole || now === reportedDocks;
     if (steady && !known && send("docks", widths)) reportedDocks = now;
