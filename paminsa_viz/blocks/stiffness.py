@@ -138,7 +138,7 @@ def directions_table(design: Design, found: PlatformStiffness) -> Table:
             rigid = shown(1 / alone[place, place], unit, DIGITS)
         rows.append(_direction(name, unit, float(found.along(axis)), key, rigid))
     rows.append(_direction("Softest horizontal", "N/m", float(found.horizontal), "horizontal"))
-    rows.append(_direction("softest tilt", "N m/rad", float(found.tilt), "tilt"))
+    rows.append(_direction("Softest tilt", "N m/rad", float(found.tilt), "tilt"))
     caption = "Stiffness at the pose, motors locked: of the whole robot, and with rigid bars."
     return Table(("Stiffness", "Whole robot", "Drives alone"), tuple(rows), caption)
 
