@@ -129,7 +129,7 @@ BAD: dict[str, tuple[list[str], str]] = {
     "empty": ([""], "t_s"),
     "missing column": ([line.rpartition(",")[0] for line in text_of()], "force4_N"),
     "degrees as radians": (
-        [text_of()[0].replace("_deg", "_rad"), *text_of()[1:]], "if they are degrees, say so",
+        [text_of()[0].replace("_deg", "_rad"), *text_of()[1:]], "a column in degrees is theta1_deg",
     ),
     "not a number": (changed(7, "torque1_Nm", "nan"), "row 8, column torque1_Nm"),
     "reversed time": (changed(7, "t_s", "0.001"), "row 8, column t_s: times have to increase"),

@@ -122,9 +122,11 @@
     };
     const now = JSON.stringify(widths);
     const steady = now === docks; // not while one is dragged
-    if (!steady) { // for the bar of the panel View, which lies between the docks; see view.css
-      document.documentElement.style.setProperty("--pv-view-width", `${place.width}px`);
-    }
+    const folded = document.querySelector("[data-floating-window] [data-dock-collapsed]");
+    const widest = folded ? `${Math.round(place.width) - 20}px` : "none";
+    const { style } = document.documentElement; // see view.css
+    if (style.getPropertyValue("--pv-widest-panel") !== widest)
+      style.setProperty("--pv-widest-panel", widest);
     docks = now;
     const known = !isWhole || now === reportedDocks;
     if (steady && !known && send("docks", widths)) reportedDocks = now;
