@@ -66,7 +66,6 @@ class TableReader:
     Attributes:
         header: Names of all columns.
         columns: The columns that are read.
-        comments: The lines before the header, without their ends, as text that can be written.
         facts: What lines ``# key: value`` of them say.
     """
 
@@ -86,7 +85,7 @@ class TableReader:
         """
         self._source = source
         self._row = 1
-        self.comments: list[str] = []
+        self._comments: list[str] = []
         self.facts: dict[str, str] = {}
         text = self._lines(lines, timeout)
         self._records = csv.reader(chain(self._after_comments(text), text), strict=True)
@@ -97,6 +96,13 @@ class TableReader:
             raise TableFileError(source, f"is empty; a header row with {needed} is needed")
         self.header = tuple(name.strip() for name in header[0])
         self.columns: tuple[Column, ...] = match_columns(self.header, kind, source, head_row)
+
+    @property
+    def comments(self) -> list[str]:
+        """The lines before the header, without their ends, as text that can be written."""
+        # bytes that are no UTF-8 came as surrogates, which no file takes
+        lines = (line.rstrip("\r\n") for line in self._comments)
+        return [line.encode(errors="replace").decode() for line in lines]
 
     def blocks(self, rows_at_once: int = ROWS_AT_ONCE) -> Iterator[TableBlock]:
         """Yield the rows in their order, at most ``rows_at_once`` in a block.
@@ -160,8 +166,7 @@ class TableReader:
             for line in text:
                 if not line.startswith("#"):
                     return [line]
-                # bytes that are no UTF-8 came as surrogates, which no file takes
-                self.comments.append(line.rstrip("\r\n").encode(errors="replace").decode())
+                self._comments.append(line)
                 key, _, value = line[1:].partition(":")
                 self.facts[key.strip()] = value.strip()
                 self._row += 1
