@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import io
-import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from paminsa_viz.explorer.core.persistence import open_share_code, share_code
 from paminsa_viz.explorer.features.one_file import one_file
@@ -25,7 +21,6 @@ from paminsa_viz.model import (
     KneeBranch,
     LoadCase,
     LoadFrame,
-    PaminsaError,
     backend,
     check_reach,
     inverse_kinematics,
@@ -35,20 +30,11 @@ from paminsa_viz.model import (
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_imbalance
-from paminsa_viz.palette import LIGHT, rgb
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.trajectory import PRESET
-from paminsa_viz.webpage import code_page
-from tests.explorer.test_page_access import CHECK, RULES
-from tests.support.chromium import until, watch_errors
+from tests.explorer.features.one_file.opened import OTHER, START, Opened
+from tests.support.chromium import until
 from tests.support.samples import random_design, random_poses
-
-START = Document(design=APPENDIX_4, pose=(0.08, 0.05, np.pi / 3, -0.55))
-OTHER = Document(
-    design=replace(APPENDIX_4.vary({"links.b3": 0.777, "payload.mass": 3.0}), name="Light, 3 kg"),
-    pose=(0.05, -0.03, 0.4, -0.55),
-    reference=APPENDIX_4,
-)
 
 
 def test_what_the_page_does_not_know_is_refused() -> None:
@@ -65,60 +51,6 @@ def test_text_of_a_design_does_not_become_script() -> None:
     text = one_file(replace(START, design=replace(APPENDIX_4, name=name)))
     assert text.count("</script>") == 1
     assert len(text.encode()) < 1_500_000
-
-
-class Opened:
-    """The page in a browser, opened from a file, and what happened in it."""
-
-    def __init__(self, browser: Any, path: Path) -> None:
-        self.context = browser.new_context(accept_downloads=True)
-        self.page = self.context.new_page()
-        self.requests: list[str] = []
-        self.page.on("request", lambda request: self.requests.append(request.url))
-        self.errors = watch_errors(self.page)
-        self.address = path.as_uri()
-        self.open("")
-
-    def open(self, link: str) -> None:
-        self.page.goto("about:blank")
-        self.page.goto(f"{self.address}#{link}".rstrip("#"))
-        self.wait_drawn()
-
-    def wait_drawn(self) -> None:
-        """Wait for the first picture."""
-        drawn = "document.documentElement.dataset.drawn"
-        until(lambda: self.page.evaluate(drawn), "the page is drawn")
-
-    def code(self) -> str:
-        return self.page.evaluate("location.hash").removeprefix("#")
-
-    def document(self) -> Document | None:
-        """Return what the address says, None while it is no code."""
-        try:
-            return open_share_code(self.code())
-        except PaminsaError:
-            return None
-
-    def wait(self, true_of: Callable[[Document], Any]) -> Document:
-        """Wait until something is true of what the address says, and return that."""
-        return until(
-            lambda: (found := self.document()) and true_of(found) and found, "the address follows"
-        )
-
-    def text(self, name: str) -> str:
-        return self.page.get_by_test_id(name).inner_text()
-
-
-@pytest.fixture(scope="module")
-def opened(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Opened]:
-    path = tmp_path_factory.mktemp("page") / "explorer.html"
-    path.write_text(code_page(share_code(START)), encoding="utf-8")
-    page = Opened(browser, path)
-    yield page
-    page.context.close()
-    own = (page.address, "about:blank", "data:", "blob:")
-    assert all(url.startswith(own) for url in page.requests)
-    assert page.errors == []
 
 
 SOLVE = """async (rows) => {
@@ -278,83 +210,6 @@ def test_click_on_a_map_goes_there_and_the_knee_is_mirrored(opened: Opened) -> N
 
 @pytest.mark.browser
 @pytest.mark.slow
-def test_all_pictures_fit_any_window_and_paper_has_all_controls(opened: Opened) -> None:
-    opened.open(share_code(START))
-    page = opened.page
-    before = page.viewport_size
-    fits = "document.querySelector('#hover').getBoundingClientRect().bottom <= innerHeight"
-    for width, height in ((1920, 1080), (1366, 650), (1000, 1200), (1280, 600)):
-        page.set_viewport_size({"width": width, "height": height})
-        until(lambda: page.evaluate(fits), f"maps are seen, {width} x {height}")
-        stage = page.locator("#stage").bounding_box()
-        assert stage["height"] > 0.35 * height
-    page.emulate_media(media="print")
-    cut = "(({clientHeight, scrollHeight}) => scrollHeight - clientHeight)"
-    assert page.locator("#controls").evaluate(cut) <= 1
-    page.emulate_media(media="screen")
-    page.set_viewport_size(before)
-
-
-COLORED = """async (canvas) => {
-  await new Promise(requestAnimationFrame);
-  const picture = document.createElement("canvas");
-  [picture.width, picture.height] = [90, 60];
-  const draw = picture.getContext("2d");
-  // A drawing buffer holds its picture until it is shown.
-  document.querySelector("#floor").dispatchEvent(new Event("change"));
-  await new Promise((done) => requestAnimationFrame(() => {
-    draw.drawImage(canvas, 0, 0, 90, 60);
-    done();
-  }));
-  const parts = draw.getImageData(0, 0, 90, 60).data;
-  return parts.filter((part, index) => index % 4 === 3 && part > 0).length / 5400;
-}"""
-
-
-@pytest.mark.browser
-@pytest.mark.slow
-def test_robot_is_drawn_and_moves_with_its_handle(opened: Opened) -> None:
-    opened.open(share_code(START))
-    page = opened.page
-    page.get_by_label("Floor map").select_option("1")
-    canvas = page.locator("#robot")
-    assert 0.05 < canvas.evaluate(COLORED) < 0.9
-    assert "x 80.0 mm, y 50.0 mm" in (canvas.get_attribute("aria-label") or "")
-    box = canvas.bounding_box()
-
-    def drag(keys: str, dx: float, dy: float) -> None:
-        u, v = page.evaluate("window.paminsaPage.view.handlePlace()")
-        x, y = box["x"] + u * box["width"], box["y"] + v * box["height"]
-        if keys:
-            page.keyboard.down(keys)
-        page.mouse.move(x, y)
-        page.mouse.down()
-        page.mouse.move(x + dx, y + dy, steps=3)
-        page.mouse.up()
-        if keys:
-            page.keyboard.up(keys)
-
-    def look(name: str) -> None:
-        before = canvas.evaluate(COLORED)
-        page.get_by_role("button", name=name).click()
-        until(lambda: canvas.evaluate(COLORED) != before, "the view has changed")
-
-    look("Top")
-    drag("", 20, 0)
-    moved = opened.wait(lambda found: found.pose[0] > START.pose[0] + 0.01)
-    assert moved.pose[1:] == pytest.approx(START.pose[1:], abs=1e-3)
-    page.get_by_role("button", name="Undo").click()  # a drag is one step
-    opened.wait(lambda found: found == START)
-    look("Front")
-    drag("Shift", 0, -15)
-    moved = opened.wait(lambda found: found.pose[3] > START.pose[3] + 0.01)
-    assert moved.pose[:3] == START.pose[:3]
-    page.get_by_role("button", name="Undo").click()
-    opened.wait(lambda found: found == START)
-
-
-@pytest.mark.browser
-@pytest.mark.slow
 def test_presets_play_with_torques_by_cause_in_one_step(opened: Opened) -> None:
     opened.open(share_code(OTHER))
     page = opened.page
@@ -381,60 +236,6 @@ def test_presets_play_with_torques_by_cause_in_one_step(opened: Opened) -> None:
         assert ends == pytest.approx(limits[index])
     margins = check_reach(OTHER.design.geometry, state.pose).margins
     assert f"{1e3 * margins.ravel()[0]:.1f}" in opened.text("margins")
-
-
-@pytest.mark.browser
-@pytest.mark.slow
-def test_maps_show_the_difference_from_the_pinned_design(opened: Opened) -> None:
-    opened.open(share_code(OTHER))
-    page = opened.page
-    page.get_by_label("Maps", exact=True).select_option("difference")
-    canvas = page.locator("#maps canvas").first
-    box = canvas.bounding_box()
-    canvas.hover(position={"x": 0.5 * box["width"], "y": 0.5 * box["height"]})
-    text = until(
-        lambda: (t := page.locator("#hover").inner_text()) and "Δτ₁" in t and t, "it is said"
-    )
-    x, y = (float(n.replace("−", "-")) / 1e3 for n in re.findall(r"[xy] ([−\d.]+) mm", text))
-    pose = (x, y, *OTHER.pose[2:])
-    wanted = static_torques(OTHER.design, pose)[0] - static_torques(APPENDIX_4, pose)[0]
-    shown = float(text.split("τ₁ ")[1].removesuffix(" N·m").replace("−", "-"))
-    assert shown == pytest.approx(wanted, abs=2e-3)
-
-
-@pytest.mark.browser
-@pytest.mark.slow
-def test_saved_maps_are_light_and_say_what_they_are_of(opened: Opened) -> None:
-    opened.open(share_code(OTHER))
-    page = opened.page
-    written = """(() => {
-      const write = CanvasRenderingContext2D.prototype.fillText;
-      window.written = [];
-      CanvasRenderingContext2D.prototype.fillText = function (text, ...rest) {
-        window.written.push(text);
-        write.call(this, text, ...rest);
-      };
-    })()"""
-    page.evaluate(written)
-    saved = []
-    for _ in range(2):
-        with page.expect_download() as waiting:
-            page.get_by_role("button", name="Maps as PNG").click()
-        saved.append(Path(waiting.value.path()).read_bytes())
-        page.get_by_role("button", name="Light / dark").click()
-    assert saved[0] == saved[1]
-    corner = np.asarray(Image.open(io.BytesIO(saved[0])).convert("RGB"))[40, 20]
-    assert tuple(corner) == rgb(LIGHT.reachless)
-    text = "\n".join(page.evaluate("window.written"))
-    for part in (
-        "“Light, 3 kg”",
-        "lower knee",
-        "θ = 22.92°",
-        "z = −550.0 mm",
-        "x = 50.0 mm",
-        "N·m",
-    ):
-        assert part in text
 
 
 @pytest.mark.browser
@@ -484,24 +285,6 @@ def test_a_number_that_is_rounded_to_zero_has_no_sign(opened: Opened) -> None:
 
 @pytest.mark.browser
 @pytest.mark.slow
-def test_without_webgl_a_line_says_so(opened: Opened) -> None:
-    page = opened.context.new_page()
-    errors = watch_errors(page)
-    page.add_init_script("""HTMLCanvasElement.prototype.getContext = ((made) =>
-      function (kind, ...rest) {
-        return kind === "webgl2" ? null : made.call(this, kind, ...rest);
-      })(HTMLCanvasElement.prototype.getContext)""")
-    page.goto(opened.address)
-    line = page.get_by_text("The robot is not drawn: this browser has no WebGL2")
-    until(line.is_visible, "it is said")
-    assert not page.locator("#robot").is_visible()
-    assert "N·m" in page.get_by_test_id("actuators").inner_text()
-    page.close()
-    assert errors == []
-
-
-@pytest.mark.browser
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("link", "says"),
     [
@@ -530,41 +313,3 @@ def test_documents_pass_through_the_page_unchanged(opened: Opened, other: Docume
     found = open_share_code(opened.page.evaluate(run, share_code(other)))
     assert found == other
     assert found.design.name == other.design.name
-
-
-@pytest.mark.browser
-@pytest.mark.slow
-def test_contrast_names_and_roles(opened: Opened) -> None:
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
-    opened.open(share_code(OTHER))
-    page = opened.page
-    page.evaluate("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
-    page.evaluate(axe.axe_script)
-    for _ in range(2):
-        found = page.evaluate(CHECK, RULES)["violations"]
-        assert [(each["id"], each["nodes"][0]["html"]) for each in found] == []
-        page.get_by_role("button", name="Light / dark").click()
-
-
-@pytest.mark.browser
-@pytest.mark.slow
-def test_maps_follow_a_drag_of_theta(opened: Opened) -> None:
-    opened.open(share_code(START))
-    slider = opened.page.get_by_label("θ  [°], slider")
-    before = opened.page.locator("#maps figcaption").first.inner_text()
-    drawn = slider.evaluate("""async (slider) => {
-      const drawn = () => Number(document.documentElement.dataset.drawn);
-      const first = drawn();
-      for (let step = 0; step < 40; step++) {
-        slider.value = 10 + step;
-        slider.dispatchEvent(new Event("input"));
-        await new Promise(requestAnimationFrame);
-      }
-      slider.dispatchEvent(new Event("change"));
-      return drawn() - first;
-    }""")
-    assert drawn > 4  # of 40 steps, each with a frame of the browser: none waits for the end
-    assert opened.page.locator("#maps figcaption").first.inner_text() != before
-    opened.wait(lambda found: abs(found.pose[2] - np.radians(49.0)) < 1e-9)
-    opened.page.get_by_role("button", name="Undo").click()
-    opened.wait(lambda found: found == START)
