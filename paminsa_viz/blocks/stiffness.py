@@ -199,7 +199,7 @@ def modes_table(frequencies: Sequence[float] | Array, alone: Sequence[float] | A
         "Natural frequencies at the pose, motors locked: of the whole robot, and with rigid bars "
         "and elastic drives."
     )
-    head = (heading("Natural frequency", "Hz"), "Whole robot", "Drives alone")
+    head = (heading("Mode", "Hz"), "Whole robot", "Drives alone")
     return Table(head, tuple(rows), caption)
 
 
