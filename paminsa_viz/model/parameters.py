@@ -8,7 +8,8 @@ groups themselves refuse what is outside: no formula then overflows or loses all
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
+from dataclasses import Field, dataclass, field, fields
+from functools import cache
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -191,9 +192,11 @@ class Group:
 
     def __post_init__(self) -> None:
         # Whole numbers become floats, or each of them would have the formulas compiled again.
-        for item in fields(self):  # type: ignore[arg-type]
+        for item, least, most in _numbers(type(self)):
             value = getattr(self, item.name)
-            if "unit" in item.metadata and not (value is None and item.default is None):
+            if type(value) is float and least <= value <= most:  # a search makes many thousands
+                continue
+            if not (value is None and item.default is None):
                 path = f"{self._path}.{item.name}"
                 number = checked_number(value, path, self._limits, **item.metadata)
                 object.__setattr__(self, item.name, number)
@@ -201,6 +204,18 @@ class Group:
     def in_force(self, name: str) -> float:
         """Return a number as it counts, also where it is left to follow from others."""
         return float(getattr(self, name))
+
+
+@cache
+def _numbers(group: type[Group]) -> tuple[tuple[Field[Any], float, float], ...]:
+    """Return the numbers of a group, each with the ends of a range in which all are possible."""
+    found = []
+    for item in fields(group):  # type: ignore[arg-type]
+        if "unit" in item.metadata:
+            unit, positive = item.metadata["unit"], item.metadata["positive"]
+            least, most = group._limits or possible_range(unit, positive)
+            found.append((item, -most if item.metadata["signed"] else least, most))
+    return tuple(found)
 
 
 BAR_ENDS: dict[str, tuple[int, int]] = {"b3": (4, 7), "b4": (9, 5), "b7": (8, 7), "b8": (8, 9)}
