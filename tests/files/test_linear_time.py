@@ -1,4 +1,7 @@
-"""No reader takes more than a second of processor time, whatever a megabyte repeats."""
+"""No reader takes more than some seconds of processor time, whatever a megabyte repeats.
+
+The slowest takes half a second; one whose time grew with the square of the length, minutes.
+"""
 
 from __future__ import annotations
 
@@ -26,14 +29,16 @@ pytestmark = pytest.mark.slow
 
 REPEATED = '([{"=.,#< \t\na1_-\\é\0'
 MEGABYTE = 1_000_000
+LIMIT = 4.0
+"""Most processor time of a reader, also on a slow or busy machine [s]."""
 
 
 @contextmanager
-def within_a_second() -> Iterator[None]:
+def within_limit() -> Iterator[None]:
     start = time.process_time()
     with suppress(PaminsaError):
         yield
-    assert time.process_time() - start < 1.0
+    assert time.process_time() - start < LIMIT
 
 
 def contents(character: str, size: int) -> list[str]:
@@ -98,5 +103,5 @@ READERS: dict[str, Callable[[str], object]] = {
 def test_time_is_in_proportion_to_the_length(reader, character, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     for content in contents(character, MEGABYTE):
-        with within_a_second():
+        with within_limit():
             READERS[reader](content)
