@@ -158,23 +158,31 @@ class InfeasibleMotion(PaminsaError):
         actuator: Index of the actuator, 0 to 3.
         share: Where along the motion, 0 at its start and 1 at its end, in time.
         pose: The pose there (4,) [m, m, rad, m].
-        needed: Required by gravity, with Coulomb friction, there [N m or N].
+        needed: Required there by gravity, and by Coulomb friction where that adds [N m or N].
         limit: What the actuator may give [N m or N].
+        friction: Whether Coulomb friction is part of what is needed.
     """
 
     def __init__(
-        self, actuator: int, share: float, pose: tuple[float, ...], needed: float, limit: float
+        self,
+        actuator: int,
+        share: float,
+        pose: tuple[float, ...],
+        needed: float,
+        limit: float,
+        friction: bool = False,
     ) -> None:
         self.actuator = actuator
         self.share = share
         self.pose = pose
         self.needed = needed
         self.limit = limit
+        self.friction = friction
         name, unit = LIMITED[6 + actuator], UNITS[6 + actuator]
+        what = "gravity and Coulomb friction take" if friction else "gravity takes"
         super().__init__(
-            f"no duration is long enough: at {100 * share:.3g} % of the motion gravity (with "
-            f"Coulomb friction, if there is any) takes {abs(needed):.4g} {unit}, and the {name} "
-            f"is limited to {limit:.4g} {unit}"
+            f"no duration is long enough: at {100 * share:.3g} % of the motion {what} "
+            f"{abs(needed):.4g} {unit}, and the {name} is limited to {limit:.4g} {unit}"
         )
 
 
@@ -229,14 +237,17 @@ def shortest_stretch(
         at = np.array([needed.u])
         held = torque_parts(curve, design, misprints, at)[0][0]
         moved = held + coulomb_friction(curve, design, at)[0]
-        held = np.where(np.abs(moved) > np.abs(held), moved, held)
+        adds = np.abs(moved) > np.abs(held)
+        held = np.where(adds, moved, held)
         bounds = limits.actuators
         if needed.column >= FIRST_OF_DRIVES:
             bounds = np.array([one.peak for one in design.output_limits])
         worst = int(np.argmax(np.abs(held) / bounds))
         pose = tuple(map(float, curve(at)[0]))
         most = float(bounds[worst])
-        raise InfeasibleMotion(worst, needed.u, pose, float(held[worst]), most)
+        raise InfeasibleMotion(
+            worst, needed.u, pose, float(held[worst]), most, friction=bool(adds[worst])
+        )
     if needed.value <= 0:
         raise InvalidInput("limits", "nothing that moves is limited")
     duration = needed.value * (1.0 + _ROUNDING)

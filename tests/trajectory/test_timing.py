@@ -207,8 +207,22 @@ def test_actuator_too_weak_for_gravity_is_reported() -> None:
     # held at rest, but not against Coulomb friction as well
     sticky = APPENDIX_4.vary({"friction.coulomb_linear": 50.0})
     shortest_stretch(point_to_point(A, B), MotionLimits(force=260.0), APPENDIX_4)
-    with pytest.raises(InfeasibleMotion, match="Coulomb"):
+    with pytest.raises(InfeasibleMotion, match="gravity and Coulomb friction take") as caught:
         shortest_stretch(point_to_point(A, B), MotionLimits(force=260.0), sticky)
+    assert caught.value.friction
+
+
+def test_friction_is_named_only_where_it_adds_to_gravity() -> None:
+    sticky = APPENDIX_4.vary({"friction.coulomb_linear": 50.0})
+    low, high = (0.0, 0.0, 0.0, -0.75), (0.0, 0.0, 0.0, -0.5)
+    for start, end, force, adds in ((low, high, 260.0, True), (high, low, 200.0, False)):
+        with pytest.raises(InfeasibleMotion) as caught:
+            shortest_stretch(point_to_point(start, end), MotionLimits(force=force), sticky)
+        error = caught.value
+        held = inverse_dynamics(APPENDIX_4, error.pose, [0] * 4, [0] * 4).torque[3]
+        assert error.friction == adds
+        assert ("Coulomb" in str(error)) == adds
+        assert error.needed == pytest.approx(held + 50.0 * adds, rel=1e-12)
 
 
 def test_what_gravity_takes_is_in_the_unit_of_the_actuator() -> None:
