@@ -31,10 +31,10 @@ from paminsa_viz.identification.filtering import (
 from paminsa_viz.identification.log import InvalidLog, Log
 from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.identification.results import (
-    NEGATIVE_WEIGHT,
     Estimate,
     Identification,
     Identity,
+    problem_of,
 )
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
@@ -122,8 +122,8 @@ def identify(
     )
     if log.duration < 0.99 * FEW_SECONDS:
         notes.append(f"the log is {log.duration:.3g} s long; {FEW_SECONDS:g} s or more are advised")
-    if estimates[0].high < 0:
-        notes.append(NEGATIVE_WEIGHT)
+    if problem := problem_of(estimates):
+        notes.append(problem)
     if settings.robustness:
         notes += _moves(log, solved, design, settings, estimates, values, error)
     return Identification(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,13 @@ IDENTITY_Z = 3.0
 
 
 NEGATIVE_WEIGHT = "the weight is negative: the sign of force4, or of its gain, is wrong"
+
+WRONG_UNIT = 30.0
+"""Factor between base parameters and the design's above which a unit or gain is suspected.
+
+Units of torque that are taken for N m lie further off, as mN m, kN m, N mm and N cm do; a robot as
+much heavier or lighter than its design is another one.
+"""
 
 
 @dataclass(frozen=True)
@@ -61,6 +69,35 @@ class Estimate:
         if not np.isfinite(self.half_width):
             return f"the motion does not excite it; {motion}"
         return f"the interval is wider than ± {self.parameter.most:.3g}; {motion}"
+
+
+def problem_of(estimates: Sequence[Estimate]) -> str:
+    """Return why no robot has these numbers, however well they fit; empty if one may.
+
+    Args:
+        estimates: The base parameters first, with M_p2 as the first of all.
+    """
+    if estimates[0].high < 0:
+        return NEGATIVE_WEIGHT
+    base = [item for item in estimates if item.parameter.kind == "base"]
+    most = np.array([item.parameter.most for item in base])
+    design = np.array([item.parameter.design for item in base]) / most
+    value = np.array([item.value for item in base]) / most
+    width = np.array([item.half_width for item in base]) / most
+    # least squares through the origin; what a motion does not excite has no weight in it
+    lever = design / (1.0 + np.where(np.isfinite(width), width, np.inf)) ** 2
+    total = float(lever @ design)
+    if total <= 0:
+        return ""
+    gain = float(lever @ value) / total
+    error = float(np.abs(lever) @ np.where(lever == 0, 0.0, width)) / total
+    if gain + error >= 1 / WRONG_UNIT and gain - error <= WRONG_UNIT:
+        return ""
+    factor = float(f"{gain:.1g}")
+    return (
+        f"all of it is about {factor:g} times as large as in the design: check the units of the "
+        "torques [N m] and of force4 [N], or the gains"
+    )
 
 
 @dataclass(frozen=True)
@@ -138,7 +175,7 @@ class Identification:
     @property
     def problem(self) -> str:
         """Why no robot has these numbers, however well they fit; empty if one may."""
-        return NEGATIVE_WEIGHT if self.estimates[0].high < 0 else ""
+        return problem_of(self.estimates)
 
     @property
     def advice(self) -> str:

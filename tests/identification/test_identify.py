@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.errors import PaminsaError
+from paminsa_viz.files.example_designs import ExampleDesign, example_design
 from paminsa_viz.identification import (
     BASE_SYMBOLS,
     IdentificationSettings,
@@ -111,6 +112,7 @@ def test_a_motion_along_z_leaves_the_legs_masses_unknown() -> None:
     assert found.estimate("b_1").known
     assert "horizontal accelerations would tell it" in found.estimate("b_6").reason()
     assert "b_6 (horizontal accelerations)" in found.advice
+    assert not found.problem
     assert "\n" not in found.advice
 
 
@@ -365,6 +367,24 @@ def test_logs_with_wrong_torques_are_refused_or_noted() -> None:
         assert (found.estimates[0].high < 0) == wrong
         assert found.estimates[0].high < 1
         assert found.estimates[1].high < 0
+
+
+def test_torques_of_another_unit_are_suspected_and_robots_of_another_weight_are_not() -> None:
+    log = simulated(1, RUBBING, rate=200.0)
+    for factor, suspected in ((1e-3, True), (0.01, True), (0.1, False), (1.0, False), (10.0, False),
+                              (100.0, True), (1e3, True)):  # fmt: skip
+        scaled = make_log(log.t, log.position, factor * log.torque)
+        found = identify(APPENDIX_4, scaled, QUICK)
+        assert ("N m" in found.problem) == suspected, factor
+        assert (f"about {factor:g} times" in found.problem) == suspected, factor
+        assert (found.problem in found.notes) == suspected, factor
+    # a weight where the design is balanced is no other unit, nor is noise
+    noise = np.random.default_rng(0).standard_normal(log.torque.shape) * log.torque.std(axis=0)
+    for torque in (log.torque, log.torque + 3 * noise):
+        found = identify(
+            example_design(ExampleDesign.BALANCED), make_log(log.t, log.position, torque), QUICK
+        )
+        assert not found.problem
 
 
 def test_a_torque_that_changes_less_than_sensors_resolve_never_changes() -> None:
