@@ -20,6 +20,8 @@ TORQUES = ("tau1_Nm", "tau2_Nm", "tau3_Nm", "f4_N")
 POWERS = ("power1_W", "power2_W", "power3_W", "power4_W")
 PARTS = ("gravity", "inertial", "velocity", "friction", "load")
 STATUS = "status"
+WANTED = ("wanted_x_m", "wanted_y_m", "wanted_theta_rad", "wanted_z_m")
+ENERGIES = ("work_J", "friction_loss_J", "energy_drift_J")
 
 
 def part_columns(part: str) -> tuple[str, ...]:
@@ -28,8 +30,11 @@ def part_columns(part: str) -> tuple[str, ...]:
 
 
 RESULTS = frozenset(
-    [*ACTUATORS, *SPEEDS, *TORQUES, *POWERS, STATUS, *(c for p in PARTS for c in part_columns(p))]
-)
+    [
+        *ACTUATORS, *SPEEDS, *TORQUES, *POWERS, STATUS, *WANTED, *ENERGIES,
+        *(c for p in PARTS for c in part_columns(p)),
+    ]
+)  # fmt: skip
 """Columns that are computed; tables hold them next to those that are read."""
 
 

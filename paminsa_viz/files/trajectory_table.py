@@ -20,6 +20,7 @@ from paminsa_viz.errors import InvalidInput, TableFileError, printable
 from paminsa_viz.files.columns import (
     ACCELERATION,
     ACTUATORS,
+    ENERGIES,
     LOAD,
     PARTS,
     POSE,
@@ -30,6 +31,7 @@ from paminsa_viz.files.columns import (
     TORQUES,
     TRAJECTORY,
     VELOCITY,
+    WANTED,
     part_columns,
 )
 from paminsa_viz.files.errors import shown
@@ -51,8 +53,6 @@ SIMULATION_FORMAT = "paminsa_viz simulation 1"
 
 _CROSSING = "planned crossing"
 """What the header calls each passage of a singularity: ``# planned crossing 1: 0.2 s, ...``."""
-
-_DESIRED = ("wanted_x_m", "wanted_y_m", "wanted_theta_rad", "wanted_z_m")
 
 
 @kinds_checked
@@ -95,9 +95,9 @@ def simulation_table(simulation: Simulation) -> DataTable:
     """Return a simulated motion as a table."""
     s = simulation
     columns = {TIME: s.t}
-    columns |= _named(POSE, s.pose) | _named(VELOCITY, s.velocity) | _named(_DESIRED, s.wanted.pose)
+    columns |= _named(POSE, s.pose) | _named(VELOCITY, s.velocity) | _named(WANTED, s.wanted.pose)
     columns |= _named(TORQUES, s.torque)
-    columns |= {"work_J": s.work, "friction_loss_J": s.loss, "energy_drift_J": s.energy_drift}
+    columns |= dict(zip(ENERGIES, (s.work, s.loss, s.energy_drift), strict=True))
     facts = {
         "controller": s.controller.control.value,
         "bandwidth [Hz]": repr(float(s.controller.bandwidth)),

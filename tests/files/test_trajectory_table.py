@@ -16,12 +16,14 @@ from paminsa_viz.elastostatics.joint_forces import JOINTS, joint_forces
 from paminsa_viz.errors import TableFileError
 from paminsa_viz.files.columns import (
     ACCELERATION,
+    ENERGIES,
     LOAD,
     POSE,
     RESULTS,
     TORQUES,
     TRAJECTORY,
     VELOCITY,
+    WANTED,
     match_columns,
     part_columns,
 )
@@ -194,7 +196,8 @@ def test_columns_and_provenance_of_a_written_table() -> None:
     found = analyze(APPENDIX_4, noted, misprints=Misprint.APP3_MC4)
     table = analysis_table(found)
     loads = {*LOAD, *part_columns("load")}  # only where there is one
-    assert set(table.columns) == {*TRAJECTORY.columns, *RESULTS} - loads
+    simulated = {*WANTED, *ENERGIES}
+    assert set(table.columns) == {*TRAJECTORY.columns, *RESULTS} - loads - simulated
     text = table_csv(table).decode()
     comments = [line for line in text.splitlines() if line.startswith("# ")]
     head, *rows = [line.split(",") for line in text.splitlines() if not line.startswith("#")]
@@ -238,6 +241,10 @@ def test_a_simulation_as_a_table() -> None:
     assert table.provenance["stopped"] == "at the end"
     assert len(table_csv(table).decode().splitlines()) == len(table.provenance) + 1 + SAMPLES.size
     assert "status" not in np.load(io.BytesIO(table_npz(table)))
+    back = parse_trajectory(io.StringIO(table_csv(table).decode(), newline=""), "run.csv")
+    np.testing.assert_array_equal(back.t, found.t)
+    np.testing.assert_array_equal(back.pose, found.pose)
+    np.testing.assert_array_equal(back.velocity, found.velocity)
 
 
 def test_hostile_names_stay_on_one_line() -> None:
