@@ -111,7 +111,7 @@ def global_indices(keys: Sequence[str]) -> tuple[Metric[RegionResults], ...]:
     kinds: tuple[tuple[str, str, Callable[[Array], Any]], ...] = (
         ("mean", "mean", np.mean),
         ("min", "least", np.min),
-        ("spread", "standard deviation of", np.std),
+        ("spread", "standard deviation of", _deviation),
     )
 
     def metric(quantity: Quantity, kind: str, words: str, of: Callable[[Array], Any]) -> Metric:
@@ -124,6 +124,11 @@ def global_indices(keys: Sequence[str]) -> tuple[Metric[RegionResults], ...]:
         return Metric(f"{kind}_{quantity.key}", unit, meaning, value)
 
     return tuple(metric(quantity, *kind) for quantity in find(keys) for kind in kinds)
+
+
+def _deviation(values: Array) -> Any:
+    """Return the standard deviation of values (n,), exactly 0 where all are the same."""
+    return np.std(values - values.flat[0])  # a mean of equal values may differ from them
 
 
 @of_design

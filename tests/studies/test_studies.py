@@ -34,7 +34,7 @@ from paminsa_viz.studies import (
     processes,
     run_study,
 )
-from paminsa_viz.studies.metrics import RUNS, measure_motion
+from paminsa_viz.studies.metrics import RUNS, global_indices, measure_motion
 from paminsa_viz.studies.region import RegionResults
 from paminsa_viz.trajectory import analyze
 from tests.studies.studies import GRID, MOTION, MOVED, NAMES, RANDOM, SMALL
@@ -217,6 +217,16 @@ def test_global_indices_are_mean_least_and_spread_over_the_region() -> None:
     assert study.columns[: len(SMALL.columns)] == SMALL.columns
     assert study.fingerprint != SMALL.fingerprint
     pickle.loads(pickle.dumps(study)).row(0)
+
+
+def test_what_is_the_same_everywhere_has_no_spread() -> None:
+    found = RegionResults(APPENDIX_4, default_region(APPENDIX_4))
+    values = found.values(QUANTITIES["selective_z"])
+    assert np.ptp(values) == 0
+    mean, least, spread = (metric.value(found) for metric in global_indices(["selective_z"]))
+    assert mean == pytest.approx(1 / APPENDIX_4.geometry.magnification)
+    assert least == values[0]
+    assert spread == 0
 
 
 def test_a_load_that_varies_is_one_more_axis() -> None:
