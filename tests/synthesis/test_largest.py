@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from paminsa_viz.synthesis.proof.bisection import Gauge
 from paminsa_viz.synthesis.proof.certificate import prove, region_of
 from paminsa_viz.synthesis.proof.evidence import Verdict
 from paminsa_viz.synthesis.proof.families import Method
-from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace
+from paminsa_viz.synthesis.proof.largest import GrowingRegion, LargestWorkspace, largest_workspace
 from paminsa_viz.synthesis.proof.regions import Growth
 from paminsa_viz.synthesis.volume.check import check_requirements
 from tests.synthesis.certificate_robots import random_poses
@@ -191,6 +192,22 @@ def test_without_time_the_answer_is_open_or_smaller() -> None:
     assert found.gap > 0.02
     if found.workspace is None:
         assert found.proof.verdict is Verdict.UNDECIDED
+
+
+def test_samples_before_the_proof_end_with_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    sample, sampled = GrowingRegion._sampled, []
+
+    def counted(*given: Any) -> bool:
+        sampled.append(given)
+        return sample(*given)
+
+    monkeypatch.setattr(GrowingRegion, "_sampled", counted)
+    stiff = replace(NEEDED, bounds=(*NEEDED.bounds, Requirement("stiffness_z", low=1e3)))
+    found = largest_workspace(APPENDIX_4, stiff, CYLINDER, progress=lambda _: len(sampled) == 2)
+    assert len(sampled) == 2
+    assert found.workspace is None
+    assert found.proof.verdict is Verdict.UNDECIDED
+    assert found.cause == "stiffness_z"
 
 
 def test_numbers_that_are_not_possible_are_refused() -> None:

@@ -148,7 +148,7 @@ class GrowingRegion:
         """Lower the upper bound to where samples break a requirement that cannot be proven."""
         for requirement in self.requirements.bounds:
             if method(requirement) is Method.SAMPLED and not self.control.over:
-                self._bisect_samples(requirement, self.upper)
+                self._bisect_samples(requirement, self.upper, hurry=True)
 
     def _sample_inside(self) -> None:
         """Shrink what is proven until no sample in it breaks a requirement."""
@@ -160,15 +160,20 @@ class GrowingRegion:
             for requirement in sampled:
                 self.lower = self._bisect_samples(requirement, self.lower)
 
-    def _bisect_samples(self, requirement: Requirement, scale: float) -> float:
+    def _bisect_samples(
+        self, requirement: Requirement, scale: float, *, hurry: bool = False
+    ) -> float:
         """Return a scale up to another at which no sample breaks a requirement, to the tolerance.
 
-        The upper bound follows to the least scale of a sample that breaks it.
+        The upper bound follows to the least scale of a sample that breaks it. It holds wherever
+        the search ends, which is with the time if there is a hurry; the scale may then be 0.
         """
         if scale <= NOTHING or not self._sampled(requirement, scale):
             return scale
         low, high = 0.0, min(scale, self.upper)
         while (high - low) * self._extent > self._tolerance and high > NOTHING:
+            if hurry and self.control.over:
+                break
             middle = 0.5 * (low + high)
             if self._sampled(requirement, middle):
                 high = min(middle, self.upper)
