@@ -95,8 +95,8 @@ def problem_of(estimates: Sequence[Estimate]) -> str:
         return ""
     factor = float(f"{gain:.1g}")
     return (
-        f"all of it is about {factor:g} times as large as in the design: check the units of the "
-        "torques [N m] and of force4 [N], or the gains"
+        f"the masses come out at about {factor:g} times those of the design: check the units of "
+        "the torques [N m] and of force4 [N], or the gains"
     )
 
 
