@@ -195,16 +195,51 @@ def test_samples_limit_both_bounds(made_up: Any, monkeypatch: pytest.MonkeyPatch
     region.run(1e-3)
     # the nearest sample that breaks it is at half of all, then halfway between what holds and it
     assert asked[:3] == pytest.approx([1.5, 0.375, 0.5625])
-    # down to the tolerance, which is 1 mm of the diameter, and once more where that ends
+    # down to the tolerance, which is 1 mm of the diameter
     step = 1e-3 / (2 * HALF[0])
     assert region.lower <= 0.7 < region.upper <= region.lower + step
-    assert asked[-1] == pytest.approx(region.lower * (1 - 1e-9), rel=1e-12)
-    assert len(asked) < 40
+    assert len(asked) < 20
     assert (region.cause, region.requirement) == ("transmission", SAMPLED)
-    over = growing(SAMPLED, control=SimpleNamespace(**{**vars(Clock), "over": True}))
+
+
+def test_no_samples_are_taken_twice_and_none_for_the_evidence(
+    made_up: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[float] = []
+    monkeypatch.setattr(largest, "sample_requirement", sampled_at(0.7, asked))
+    region = growing(CONDITION, SAMPLED)
+    region.run(1e-3)
+    assert len(set(asked)) == len(asked)
+    inside = pytest.approx(region.lower * (1 - 1e-9), rel=1e-12)
+    assert [share for share in asked if share == inside]
+    count = len(asked)
+    found = region.evidence(region.found)
+    assert len(asked) == count
+    assert (found[-1].key, found[-1].verdict) == (SAMPLED, Verdict.SAMPLED)
+    assert found[-1].margin == pytest.approx(0.7 - region.lower, abs=1e-8)
+
+
+def test_samples_end_at_the_first_that_hold_when_the_time_is_over(
+    made_up: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[float] = []
+    monkeypatch.setattr(largest, "sample_requirement", sampled_at(0.7, asked))
+    control = Clock()
+    control.over = True
+    region = growing(SAMPLED, control=control)
+    region.run(1e-3)
+    # what breaks it at 1.5 is at 0.75 or more; half of that holds
+    assert asked == pytest.approx([1.5, 0.375])
+    assert region.lower == pytest.approx(0.375)
+    assert 0.7 < region.upper <= 0.75 + 1e-9
+    # what was found before the time was over is as fine as it was then
+    known = growing(SAMPLED)
+    known._sample()
+    known.lower, known.control = 1.4, control
     asked.clear()
-    over._sample()
-    assert not asked
+    known._sample_inside()
+    assert 0.69 < known.lower <= 0.7
+    assert len(asked) <= 1
 
 
 def test_a_sample_that_just_holds_breaks_nothing(

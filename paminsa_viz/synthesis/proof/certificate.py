@@ -136,14 +136,19 @@ def sampled_evidence(
     for requirement in requirements.bounds:
         if method(requirement) is not Method.SAMPLED:
             continue
-        poses, margins = sample_requirement(design, requirements, requirement, region)
-        margin, pose = np.inf, None
-        if len(margins):
-            worst = int(np.argmin(np.nan_to_num(margins, nan=-np.inf)))
-            margin, pose = float(margins[worst]), poses[worst]
-        verdict = Verdict.SAMPLED if margin >= 0.0 else Verdict.REFUTED
-        found.append(Evidence.of(requirement, Method.SAMPLED, verdict, margin, pose))
+        samples = sample_requirement(design, requirements, requirement, region)
+        found.append(evidence_of_samples(requirement, *samples))
     return found
+
+
+def evidence_of_samples(requirement: Requirement, poses: Array, margins: Array) -> Evidence:
+    """Return what sample poses (n, 4) say of a requirement with margins (n,) there."""
+    margin, pose = np.inf, None
+    if len(margins):
+        worst = int(np.argmin(np.nan_to_num(margins, nan=-np.inf)))
+        margin, pose = float(margins[worst]), poses[worst]
+    verdict = Verdict.SAMPLED if margin >= 0.0 else Verdict.REFUTED
+    return Evidence.of(requirement, Method.SAMPLED, verdict, margin, pose)
 
 
 def sample_requirement(

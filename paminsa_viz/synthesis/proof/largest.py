@@ -20,7 +20,11 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge, Nearest, nearest_violation
-from paminsa_viz.synthesis.proof.certificate import region_of, sample_requirement, sampled_evidence
+from paminsa_viz.synthesis.proof.certificate import (
+    evidence_of_samples,
+    region_of,
+    sample_requirement,
+)
 from paminsa_viz.synthesis.proof.evidence import (
     Evidence,
     Pose,
@@ -86,6 +90,8 @@ class GrowingRegion:
         self._gauge = Gauge(self.region, self.grows)
         self._groups = groups(self.design, self.requirements)
         self._nearest: list[Nearest | None] = [None] * len(self._groups)
+        # the scale at which a requirement was last found to hold at all samples, and what they say
+        self._holds: dict[Requirement, tuple[float, Evidence]] = {}
         self._tolerance = TOLERANCE
         self._extent = 2.0 * max(np.extract(self.grows, self.region.half).tolist())
         if len(home_path(self.design.geometry, self.region)):
@@ -165,14 +171,17 @@ class GrowingRegion:
     ) -> float:
         """Return a scale up to another at which no sample breaks a requirement, to the tolerance.
 
-        The upper bound follows to the least scale of a sample that breaks it. It holds wherever
-        the search ends, which is with the time if there is a hurry; the scale may then be 0.
+        The upper bound follows to the least scale of a sample that breaks it, and holds wherever
+        the search ends. When the time is over that is at the first scale at which it holds, and if
+        there is a hurry at once, with the scale 0 if none is known.
         """
-        if scale <= NOTHING or not self._sampled(requirement, scale):
+        low = self._holds[requirement][0] if requirement in self._holds else 0.0
+        if scale <= NOTHING or scale == low or not self._sampled(requirement, scale):
             return scale
-        low, high = 0.0, min(scale, self.upper)
+        high = min(scale, self.upper)
+        low = low if low < high else 0.0
         while (high - low) * self._extent > self._tolerance and high > NOTHING:
-            if hurry and self.control.over:
+            if self.control.over and (hurry or low > 0.0):
                 break
             middle = 0.5 * (low + high)
             if self._sampled(requirement, middle):
@@ -185,12 +194,14 @@ class GrowingRegion:
         """Say whether a sample of a scale breaks a requirement; the upper bound then follows."""
         whole = self.region.scaled(scale * _INSIDE, self.grows)
         poses, margins = sample_requirement(self.design, self.requirements, requirement, whole)
-        poses = poses[~(margins >= 0.0)]
-        if len(poses):
-            scales = self._gauge.of_poses(poses)
-            row = int(np.argmin(scales))
-            self._lower(float(scales[row]), poses[row], requirement)
-        return len(poses) > 0
+        breaking = poses[~(margins >= 0.0)]
+        if not len(breaking):
+            self._holds[requirement] = scale, evidence_of_samples(requirement, poses, margins)
+            return False
+        scales = self._gauge.of_poses(breaking)
+        row = int(np.argmin(scales))
+        self._lower(float(scales[row]), breaking[row], requirement)
+        return True
 
     @property
     def found(self) -> PoseRegion | None:
@@ -210,8 +221,8 @@ class GrowingRegion:
                     found[requirement] = Evidence.of(
                         requirement, Method.BISECTION, Verdict.PROVEN, margin, boxes=nearest.boxes
                     )
-        sampled = sampled_evidence(self.design, self.requirements, region)
-        return in_order(found | {item.key: item for item in sampled}, self.requirements)
+        found |= {requirement: evidence for requirement, (_, evidence) in self._holds.items()}
+        return in_order(found, self.requirements)
 
 
 @dataclass(frozen=True, eq=False)
