@@ -6,24 +6,39 @@ import numpy as np
 
 from paminsa_viz.model.arrays import Array
 
+SHORTEST = 0.5
+"""Length of a neighboring step, over a step's own, from which on a parabola is drawn through it.
+
+With r the step over its neighbor, the instant beyond the neighbor counts as 2 + 3 r - r^3 at the
+least, which is negative beyond r = 2.
+"""
+
 
 def running_integral(t: Array, values: Array) -> Array:
     """Return the integral of values (n, ...) over t (n,) from the first sample to each.
 
-    Over a step it is the mean of the two parabolas through the step's ends and one neighbor. The
-    error falls with the fourth power of the step where values are smooth, with the first where
-    they jump.
+    Over a step it is the mean of the two parabolas through the step's ends and one neighbor,
+    without those whose neighbor is nearer than `SHORTEST`, and a trapezium if both are: two
+    instants close together may stand for a jump, which a parabola would carry on over the whole
+    step. So no value counts negatively. The error falls with the fourth power of even steps where
+    values are smooth, with the first where they jump.
     """
     total = np.zeros_like(values)
     if len(t) < 2:
         return total
     h = np.diff(t).reshape(-1, *[1] * (values.ndim - 1))
-    if len(t) == 2:
-        total[1] = 0.5 * h[0] * (values[0] + values[1])
-        return total
-    ahead = _first_step(h[:-1], h[1:], values[:-2], values[1:-1], values[2:])
-    behind = _first_step(h[1:], h[:-1], values[2:], values[1:-1], values[:-2])
-    steps = np.concatenate([ahead[:1], 0.5 * (ahead[1:] + behind[:-1]), behind[-1:]])
+    parabolas, count = np.zeros_like(values[1:]), np.zeros_like(h)
+    first, middle, last = values[:-2], values[1:-1], values[2:]
+    before, after = slice(None, -1), slice(1, None)
+    for own, next_, ends in (
+        (before, after, (first, middle, last)),
+        (after, before, (last, middle, first)),
+    ):
+        apart = h[next_] >= SHORTEST * h[own]
+        parabolas[own] += np.where(apart, _first_step(h[own], h[next_], *ends), 0.0)
+        count[own] += apart
+    trapezia = 0.5 * h * (values[:-1] + values[1:])
+    steps = np.where(count > 0, parabolas / np.maximum(count, 1), trapezia)
     np.cumsum(steps, axis=0, out=total[1:])
     return total
 
@@ -45,22 +60,14 @@ def rms(t: Array, values: Array) -> Array:
 def time_weights(t: Array) -> Array:
     """Return the weights (n,) with which samples at times t add up to an integral [s].
 
-    Those of `running_integral` unless a very uneven step makes one negative, which would not be
-    convex; then those of trapezia.
+    Those of `running_integral`, at least 0.
     """
-    step = np.diff(t)
-    weights = np.zeros(len(t))
-    weights[:-1] += 0.5 * step
-    weights[1:] += 0.5 * step
-    if len(t) > 2:
-        # a step's parabolas reach four samples, so samples six apart can share a run
-        fine = np.empty(len(t))
-        for first in range(6):
-            comb = np.zeros(len(t))
-            comb[first::6] = 1.0
-            total = running_integral(t, comb)
-            for i in range(first, len(t), 6):
-                fine[i] = total[min(i + 2, len(t) - 1)] - total[max(i - 3, 0)]
-        if (fine >= 0).all():
-            return fine
-    return weights
+    weights = np.empty(len(t))
+    # a step's parabolas reach four samples, so samples six apart can share a run
+    for first in range(6):
+        comb = np.zeros(len(t))
+        comb[first::6] = 1.0
+        total = running_integral(t, comb)
+        for i in range(first, len(t), 6):
+            weights[i] = total[min(i + 2, len(t) - 1)] - total[max(i - 3, 0)]
+    return np.maximum(weights, 0.0)  # against rounding
