@@ -37,7 +37,7 @@ class DriveFigures:
         drive: The drive.
         feasible: Whether it keeps all limits.
         use: Largest share of a limit; 1 less it is the margin.
-        limit: That limit, one of `sizing.LIMITS`.
+        limit: That limit, one of `sizing.LIMITS`; empty if it uses none.
         rms, peak: Torque of the motor [N m].
         top_speed: Of the motor [rad/s].
         top_power: Largest mechanical power of the motor, in size [W].

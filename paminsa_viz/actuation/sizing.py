@@ -295,8 +295,9 @@ class Sizing:
         return np.asarray(self.use <= 1.0)
 
     def limit(self, index: int) -> str:
-        """Return the limit that a drive uses most, one of `LIMITS`."""
-        return LIMITS[int(self.shares[index].argmax())]
+        """Return the limit that a drive uses most, one of `LIMITS`; empty if it uses none."""
+        shares = self.shares[index]
+        return LIMITS[int(shares.argmax())] if shares.any() else ""
 
     def ordered(self, order: Order = "mass") -> NDArray[np.intp]:
         """Return the feasible drives in an order, see `ordered`."""

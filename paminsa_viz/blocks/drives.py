@@ -167,15 +167,18 @@ def figure_cells(one: DriveFigures, *, good: CellKind = "plain") -> tuple[str, .
     """Return the cells of `FIGURES_HEAD` after the first; ``good`` is a margin that there is."""
     drive = one.drive
     return (
-        drive.name or drive.summary, f"{drive.gear_ratio:g}", margin_text(one, good), one.limit,
+        drive.name or drive.summary, f"{drive.gear_ratio:g}", margin_text(one, good),
+        one.limit or NONE,
         number(one.rms, 3), number(one.peak, 3), f"{one.top_speed * RPM:.0f}",
         number(one.top_power, 3), number(one.inertia_ratio, 3), winding_text(one),
         *(NONE if value is None else f"{value:g}" for value in (drive.mass, drive.cost)),
     )  # fmt: skip
 
 
-def margin_text(one: DriveFigures, good: CellKind) -> Cell:
+def margin_text(one: DriveFigures, good: CellKind) -> str:
     """Return what is left of the limit that is used most, as a percentage of it."""
+    if not one.limit:
+        return NONE
     return Cell(f"{fixed(100 * (1 - one.use), 0)} %", kind=good if one.feasible else "bad")
 
 

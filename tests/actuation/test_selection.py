@@ -71,6 +71,14 @@ def test_figures_are_those_of_the_motors_own_torque_and_speed() -> None:
                 assert np.isnan(given.ratios).all()
 
 
+def test_a_drive_without_limits_names_none() -> None:
+    load = cycle().loads[0]
+    free = figures(size_drives(load, drive_table([Drive(rotor_inertia=1e-5, gear_ratio=20.0)])), 0)
+    assert (free.feasible, free.use, free.limit) == (True, 0.0, "")
+    peak = Drive(rotor_inertia=1e-5, gear_ratio=20.0, peak_torque=9.0)
+    assert figures(size_drives(load, drive_table([peak])), 0).limit == "torque-speed envelope"
+
+
 def test_figures_of_a_load_turned_around_are_the_same() -> None:
     """The largest torque, speed and power may be negative."""
     drive = combined(SERVO, replace(GEAR, coulomb=1e-3))

@@ -70,6 +70,11 @@ def test_figures_of_a_drive_stand_below_their_headings() -> None:
     assert (name, winding, mass, cost) == (nameless.summary, NONE, NONE, NONE)
 
 
+def test_a_drive_without_limits_has_no_margin_and_no_limit_that_decides() -> None:
+    ((_, _, _, margin, limit, *_),) = cells(figures_table("", [("", on_a_load(use=0.0, limit=""))]))
+    assert (margin, limit) == (NONE, NONE)
+
+
 def test_own_drives_are_there_or_not_on_a_load_or_without() -> None:
     screw = replace(MOTOR, name="", transmission="screw", lead=0.02)
     design = replace(APPENDIX_4, drives=(MOTOR, None, MOTOR, screw))
