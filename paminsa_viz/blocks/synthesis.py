@@ -137,7 +137,7 @@ def outcomes_table(result: SynthesisResult, text: BoundText = bound_label) -> Ta
     return Table(("Requirement", "Decides", "Worst value", "Margin"), found, caption, words=2)
 
 
-def inner_blocks(result: SynthesisResult, text: BoundText = bound_label) -> list[Block]:
+def inner_blocks(result: SynthesisResult) -> list[Block]:
     """Return the masses and springs that were chosen for the lengths; nothing where none were."""
     if result.inner is None:
         return []

@@ -73,7 +73,7 @@ def frame_bodies(design: Design) -> Iterator[Body]:
         yield fixed(f"m{leg}", f"M{leg}", *_motor(g.base_radius, float(angle), upper))
     yield fixed("m4", "M4", *_lift(g, place))
     yield fixed("column", "the guide of M4", *_column(place, upper))
-    yield fixed("mast", "the mast", *_mast(place, upper))
+    yield fixed("mast", "the mast", *_mast(place))
     yield fixed("ground", "the plinth", *_plinth(g, place))
 
 
@@ -197,7 +197,7 @@ def _column(place: FrameLayout, upper: bool) -> Iterator[Primitive]:
         yield rod(at.ROD_RADIUS, low, high, polar(at.ROD_CIRCLE, angle))
 
 
-def _mast(place: FrameLayout, upper: bool) -> Iterator[Primitive]:
+def _mast(place: FrameLayout) -> Iterator[Primitive]:
     low, top, where = place.ground, place.mast_top, polar(place.mast_radius, MAST_ANGLE)
     more, above = size.MAST_CAP
     shapes = (

@@ -226,15 +226,6 @@ def sections() -> dict[str, Section]:
     return {one.path(section): section for one in WORKSPACES for section in one.sections}
 
 
-def path_of(name: str) -> str:
-    """Return the path of the tab of a section.
-
-    Raises:
-        StopIteration: If there is none of the name.
-    """
-    return next(path for path, section in sections().items() if section.name == name)
-
-
 EARLIER = {
     "Design": "Robot/Masses", "Motion": "Motion/Path", "Accuracy": "Strength/Errors",
     "Identify": "Built/Logs", "Identification": "Built/Logs", "Synthesize": "Optimize/Synthesis",

@@ -153,7 +153,7 @@ def robot_files(text: str, design: Design, configuration: Configuration) -> dict
             ET.SubElement(element[carrier], "geom", attributes)
     for looks, color in colors.items():
         assets.append(_material(looks, color))
-    _light(root, design, configuration)
+    _light(root, design)
     ET.indent(root)
     return {"robot.xml": (ET.tostring(root, encoding="unicode") + "\n").encode(), **files}
 
@@ -194,7 +194,7 @@ def _shapes(
         yield PLATFORM, "payload", drum, ""
 
 
-def _light(root: ET.Element, design: Design, configuration: Configuration) -> None:
+def _light(root: ET.Element, design: Design) -> None:
     """Set light and view for the whole machine; capsules bear darker light than meshes."""
     visual, statistic = root.find("visual"), root.find("statistic")
     if visual is not None:

@@ -301,7 +301,7 @@ def simulate(
     t, states = solution.t, solution.y.T
     stopped = None
     if solution.status != 0:
-        stopped, t, states = _end(trajectory, solution, margins, check.windows)
+        stopped, t, states = _end(solution, margins, check.windows)
     return Simulation(
         design, controller, t, states[:, :4], states[:, 4:8], torques(t, states),
         trajectory.at(t), states[:, 8], states[:, 9], states[:, 10:].sum(axis=1), stopped,
@@ -310,7 +310,6 @@ def simulate(
 
 
 def _end(
-    trajectory: Trajectory,
     solution: Any,
     margins: Callable[[float, Array], Array],
     windows: tuple[PassageWindow, ...] = (),

@@ -316,8 +316,7 @@ def test_a_motion_ends_at_its_event_once_also_where_a_sample_stands(end: float, 
     def room(least: float):  # type: ignore[no-untyped-def]
         return lambda t, pose: np.r_[np.full(13, 1.0), least]
 
-    trajectory = point_to_point(HOME, ASIDE).sample(100)
-    event, t, found = simulation._end(trajectory, solution, room(0.0))
+    event, t, found = simulation._end(solution, room(0.0))
     assert t.tolist() == [0.1, 0.2, end][:kept]
     assert len(found) == kept
     np.testing.assert_array_equal(found[-1], last)
@@ -325,11 +324,11 @@ def test_a_motion_ends_at_its_event_once_also_where_a_sample_stands(end: float, 
     solution.status = -1
     for least, fails in ((0.0099, False), (0.0101, True)):
         if not fails:
-            event, t, _ = simulation._end(trajectory, solution, room(least))
+            event, t, _ = simulation._end(solution, room(least))
             assert (event.t, t.tolist()) == (0.2, [0.1, 0.2])
             continue
         with pytest.raises(SimulationFailed, match="too stiff"):
-            simulation._end(trajectory, solution, room(least))
+            simulation._end(solution, room(least))
 
 
 @pytest.mark.parametrize(("begin", "end", "crosses"), [(0.1, 0.3, True), (0.3, 0.4, False)])
@@ -340,11 +339,10 @@ def test_solver_that_gives_up_in_a_planned_crossing_stops_there(
         t=np.array([0.1, 0.2]), y=np.tile([*HOME, 0, 0, 0, 0, 0, 0], (2, 1)).T, status=-1,
         message="step size is less than spacing between numbers",
     )  # fmt: skip
-    trajectory = point_to_point(HOME, ASIDE).sample(100)
     windows = (PassageWindow(Passage(0.25, Locus.ROTATION), begin, end),)
 
     def ended() -> Any:
-        return simulation._end(trajectory, solution, lambda t, pose: np.ones(14), windows)
+        return simulation._end(solution, lambda t, pose: np.ones(14), windows)
 
     if not crosses:
         with pytest.raises(SimulationFailed, match="spacing"):
