@@ -69,7 +69,7 @@ def _compile() -> Any:
     digest = register(function, inline=False)
 
     @kernel(**OPTIONS)
-    def least(s, position, quaternion, first, second, slot, distance, nearest, points):  # type: ignore[no-untyped-def]
+    def least(s, position, quaternion, first, second, slot, distance, nearest, points):
         _ = digest
         function(s, position, quaternion, first, second, slot, distance, nearest, points)
 

@@ -162,7 +162,7 @@ def over_poses(formula: Callable[..., Any], count: int) -> tuple[Any, Any]:
     digest = register(formula)
 
     @kernel(**OPTIONS)
-    def over_grid(m, outer, inner, along_x, out):  # type: ignore[no-untyped-def]
+    def over_grid(m, outer, inner, along_x, out):
         """Poses outer[i] + inner[:, j]; theta is the outer's alone, so its part is hoisted.
 
         ``along_x`` says that x alone varies in the inner part: then most of the formula's parts in
@@ -184,7 +184,7 @@ def over_poses(formula: Callable[..., Any], count: int) -> tuple[Any, Any]:
                         out[i, n, j] = values[n]
 
     @kernel(**OPTIONS)
-    def over_list(m, pose, out):  # type: ignore[no-untyped-def]
+    def over_list(m, pose, out):
         _ = digest
         w = np.empty((5 + count, _BLOCK))
         for start in range(0, len(pose), _BLOCK):
@@ -221,7 +221,7 @@ def _motion_kernels(digest: str) -> tuple[Any, Any]:
     """Compile inverse dynamics and the mass matrix over lists of states."""
 
     @kernel(**OPTIONS)
-    def inverse_dynamics_kernel(m, e, gravity, pose, c, s, velocity, acceleration, out):  # type: ignore[no-untyped-def]
+    def inverse_dynamics_kernel(m, e, gravity, pose, c, s, velocity, acceleration, out):
         _ = digest
         w = np.empty((22, _BLOCK))
         for start in range(0, c.size, _BLOCK):
@@ -245,7 +245,7 @@ def _motion_kernels(digest: str) -> tuple[Any, Any]:
                     out[start + j, i] = w[14 + i, j]
 
     @kernel(**OPTIONS)
-    def mass_matrix(m, e, pose, c, s, out):  # type: ignore[no-untyped-def]
+    def mass_matrix(m, e, pose, c, s, out):
         _ = digest
         w = np.empty((16, _BLOCK))
         for start in range(0, c.size, _BLOCK):
@@ -284,7 +284,7 @@ def _regressor_kernel(digest: str) -> Any:
     """
 
     @kernel(**OPTIONS)
-    def regressor(m, gravity, pose, c, s, velocity, acceleration, terms, coefficients, factors, y):  # type: ignore[no-untyped-def]
+    def regressor(m, gravity, pose, c, s, velocity, acceleration, terms, coefficients, factors, y):
         """Fill ``y`` (n, 4, coefficients).
 
         Energy term ``terms[i]`` adds ``factors[i]`` times its torque to ``coefficients[i]``.

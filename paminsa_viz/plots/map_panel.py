@@ -150,7 +150,7 @@ class MapPanel:
         if data.margin is not None:
             area = contours.reached_area(data)
             outline = Path(np.zeros((1, 2))) if area is None else Path(*area)
-            cells.set_clip_path(PathPatch(outline, transform=self.axes.transData))  # type: ignore[arg-type]
+            cells.set_clip_path(PathPatch(outline, transform=self.axes.transData))
         if data.outside is not None:
             add_outside(self.axes, data.outside, data.x, data.y, self._em)
 

@@ -35,10 +35,10 @@ to_fixed_tuple: Any = None
 
 
 # Not inside `_compiled`: a local function would be part of the cache key, another in each process.
-def _unpack(robot):  # type: ignore[no-untyped-def]
+def _unpack(robot):
     rest = robot[_LENGTHS + _TERMS :]
     return (
-        Mechanism(*to_fixed_tuple(robot, _LENGTHS)),  # type: ignore[call-arg]
+        Mechanism(*to_fixed_tuple(robot, _LENGTHS)),
         EnergyTerms(*to_fixed_tuple(robot[_LENGTHS:], _TERMS)),
         plant.Drivetrain(rest[0], rest[1], rest[2:6], rest[6:10], rest[10:14], rest[14:]),
     )
@@ -58,12 +58,12 @@ def _compiled() -> tuple[Callable[..., Array], Callable[..., Array]]:
     register_jitable(_unpack)
 
     @kernel(**OPTIONS)
-    def derivative(t, state, robot, model, gains, times, states):  # type: ignore[no-untyped-def]
+    def derivative(t, state, robot, model, gains, times, states):
         _ = key
         return plant.derivative(t, state, _unpack(robot), _unpack(model), gains, times, states)
 
     @kernel(**OPTIONS)
-    def commanded(t, state, model, gains, times, states):  # type: ignore[no-untyped-def]
+    def commanded(t, state, model, gains, times, states):
         _ = key
         return plant.commanded(t, state, _unpack(model), gains, times, states)
 

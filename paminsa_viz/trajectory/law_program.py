@@ -290,7 +290,7 @@ class LawProgram:
         most = self._limits.actuators
         parts = self._torque_parts(s, self._design, duration)
         return [
-            tuple(sign * part[:, j] / most[j] for part in parts)  # type: ignore[misc]
+            tuple(sign * part[:, j] / most[j] for part in parts)
             for j in np.flatnonzero(np.isfinite(most))
             for sign in (1.0, -1.0)
         ]

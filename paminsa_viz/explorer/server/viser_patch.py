@@ -165,7 +165,7 @@ def _separate_pages(server: viser.ViserServer) -> None:
 
     # viser awaits async callbacks in the order of registration: this one comes before the page's.
     @server.on_client_connect
-    async def find_inputs(client: viser.ClientHandle) -> None:  # pyright: ignore[reportUnusedFunction]
+    async def find_inputs(client: viser.ClientHandle) -> None:
         connection = connections.get(client.client_id)
         if isinstance(connection, GuardedConnection):
             connection.filter.inputs = _inputs(client.gui)
@@ -189,7 +189,7 @@ def _wake_on_loop(buffer: Any, loop: asyncio.AbstractEventLoop) -> None:
         if asyncio._get_running_loop() is loop:
             set_event()
 
-    event.set = set_on_loop  # pyright: ignore[reportAttributeAccessIssue]
+    event.set = set_on_loop
 
 
 def log_failures(loop: asyncio.AbstractEventLoop) -> None:

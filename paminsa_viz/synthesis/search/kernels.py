@@ -33,7 +33,7 @@ def _conditions(strict: Any, register: Any) -> Any:
     digest = register(measures.dexterity)
 
     @strict
-    def conditions(m, xy, turns, z):  # type: ignore[no-untyped-def]
+    def conditions(m, xy, turns, z):
         """Return the least and largest condition number over all xy (n, 2) and turns (k, 2)."""
         _ = digest
         least, most = np.inf, 0.0
@@ -52,7 +52,7 @@ def _torques(strict: Any, register: Any) -> Any:
     digest = register(robot.unit_torques, kinematic_formulas.wrench_torques)
 
     @strict
-    def torques(m, imbalance, lift, wrench, xy, turns, z, out):  # type: ignore[no-untyped-def]
+    def torques(m, imbalance, lift, wrench, xy, turns, z, out):
         """Fill ``out`` (2, 6) with the least and largest of `TORQUE_COLUMNS` over all poses.
 
         Args: M_p2, the constant part of F_4, the load's (f_x, f_y, m_z) at each turn (k, 3),
@@ -95,7 +95,7 @@ def _radii(strict: Any, register: Any) -> Any:
     axes = tuple(zip(robot.AXIS_X, robot.AXIS_Y, strict=True))
 
     @strict
-    def radii(m, guide, xy, turns, z, out):  # type: ignore[no-untyped-def]
+    def radii(m, guide, xy, turns, z, out):
         """Fill ``out`` (4,) with the largest radii about z of joints 5, 8, 9 and the guide's end.
 
         Squares of them [m^2].
@@ -158,7 +158,7 @@ def _plate(strict: Any, register: Any) -> Any:
     golden = 0.5 * (np.sqrt(5.0) - 1.0)
 
     @strict
-    def plate(m, layer, radius, corners, low, top, enough, xy, turns, z):  # type: ignore[no-untyped-def]
+    def plate(m, layer, radius, corners, low, top, enough, xy, turns, z):
         """Return the least distance of B4's tube from the platform's plate over all poses [m].
 
         Negative where they overlap; ``enough`` where it is more than that.
