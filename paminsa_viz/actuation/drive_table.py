@@ -10,10 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.drive import Drive
-
-ROUNDING = 1e-12
-"""Relative rise of a slope that still counts as concave."""
+from paminsa_viz.model.drive import ROUNDING, Drive
 
 
 @dataclass(frozen=True, eq=False)

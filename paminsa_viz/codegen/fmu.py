@@ -25,6 +25,7 @@ from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.files.archives import zipped
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.version import MADE_BY
@@ -129,7 +130,6 @@ def _platform() -> str:
 _POSE = (("x", "m"), ("y", "m"), ("theta", "rad"), ("z", "m"))
 _ACTUATORS = (("theta_1", "rad"), ("theta_2", "rad"), ("theta_3", "rad"), ("lift", "m"))
 _TORQUES = (("tau_1", "N.m"), ("tau_2", "N.m"), ("tau_3", "N.m"), ("F_4", "N"))
-_OF_ACTUATOR = ("M1", "M2", "M3", "M4")
 
 
 def _variables(design: Design, kind: FmuKind) -> _Variables:
@@ -150,14 +150,14 @@ def _variables(design: Design, kind: FmuKind) -> _Variables:
     def actuators(what: str, after: str = "", per: str = "") -> list[Variable]:
         return [
             Variable(name + after, unit + per, f"{what} of {motor}")
-            for (name, unit), motor in zip(_ACTUATORS, _OF_ACTUATOR, strict=True)
+            for (name, unit), motor in zip(_ACTUATORS, ACTUATORS, strict=True)
         ]
 
     def torques(start: list[float] | None = None) -> list[Variable]:
         starts = start or [None] * 4
         return [
             Variable(name, unit, f"{'Force' if unit == 'N' else 'Torque'} of {motor}", value)
-            for (name, unit), motor, value in zip(_TORQUES, _OF_ACTUATOR, starts, strict=True)
+            for (name, unit), motor, value in zip(_TORQUES, ACTUATORS, starts, strict=True)
         ]
 
     payload = [

@@ -17,7 +17,12 @@ import numpy as np
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.kinematics import HEADINGS
 from paminsa_viz.precision.leg_lengths import INDEX
-from paminsa_viz.precision.leg_plane import PLANE_INPUTS, joint_5_derivatives, solve_leg
+from paminsa_viz.precision.leg_plane import (
+    PLANE_COLUMN,
+    PLANE_INPUTS,
+    joint_5_derivatives,
+    solve_leg,
+)
 
 STATE = 13
 """Numbers of a state."""
@@ -65,13 +70,13 @@ def closure_equations(lengths: Array, state: Array, root: float) -> ClosureEquat
     tilted = turn[:, None] @ _cross_matrix(joint) @ _right_jacobian(state[:, 4:6])[:, None]
     by_state[..., 4:6] = tilted[..., :2]
     for leg in range(3):
-        by_state[:, leg, :, 6 + leg] = moved[:, leg, :, _PLANE["slide"]]
+        by_state[:, leg, :, 6 + leg] = moved[:, leg, :, PLANE_COLUMN["slide"]]
         by_state[:, leg, :, 9 + leg] = around[:, leg]
-    by_state[..., 12] = moved[..., _PLANE["lift"]]
+    by_state[..., 12] = moved[..., PLANE_COLUMN["lift"]]
 
     by_length = np.zeros((n, 3, 3, len(INDEX)))
     for name in _OF_PLANE:
-        by_length[..., INDEX[name]] = moved[..., _PLANE[name]]
+        by_length[..., INDEX[name]] = moved[..., PLANE_COLUMN[name]]
     by_length[..., INDEX["joint_height"]] = -turn[:, None, :, 2]
     by_length[..., INDEX["axis_radius"]] = outward
     by_length[..., INDEX["axis_angle"]] = length["axis_radius"] * _left(outward)
@@ -83,7 +88,6 @@ def closure_equations(lengths: Array, state: Array, root: float) -> ClosureEquat
 
 
 _UP = np.array([0.0, 0.0, 1.0])
-_PLANE = {name: index for index, name in enumerate(PLANE_INPUTS)}
 _OF_PLANE = tuple(name for name in PLANE_INPUTS if name in INDEX)
 
 

@@ -22,7 +22,8 @@ PLANE_INPUTS = (
 )  # fmt: skip
 """What joint 5 depends on in the leg's plane, in the order of `joint_5_derivatives`."""
 
-_COLUMN = {name: index for index, name in enumerate(PLANE_INPUTS)}
+PLANE_COLUMN = {name: index for index, name in enumerate(PLANE_INPUTS)}
+"""Places of `PLANE_INPUTS` by name."""
 
 
 class LegPlane(NamedTuple):
@@ -87,22 +88,22 @@ def joint_5_derivatives(lengths: Array, plane: LegPlane) -> Array:
     length = {name: lengths[..., index, None] for name, index in INDEX.items()}
     shape = (*plane.joint_5.shape, len(PLANE_INPUTS))
     at_8, at_3, loop_7, loop_9, moved = (np.zeros(shape) for _ in range(5))
-    at_8[..., 0, _COLUMN["slide"]] = at_8[..., 1, _COLUMN["guide_height"]] = 1.0
-    at_3[..., 1, _COLUMN["lift"]] = 1.0
-    at_3[..., 1, _COLUMN["shaft"]] = -1.0
+    at_8[..., 0, PLANE_COLUMN["slide"]] = at_8[..., 1, PLANE_COLUMN["guide_height"]] = 1.0
+    at_3[..., 1, PLANE_COLUMN["lift"]] = 1.0
+    at_3[..., 1, PLANE_COLUMN["shaft"]] = -1.0
     # 8 + l_87 u_87 = 3 + l_37 u_43
     loop_7 += at_3 - at_8
-    loop_7[..., _COLUMN["bar_37"]] += plane.bar_43
-    loop_7[..., _COLUMN["bar_87"]] -= plane.bar_87
+    loop_7[..., PLANE_COLUMN["bar_37"]] += plane.bar_43
+    loop_7[..., PLANE_COLUMN["bar_87"]] -= plane.bar_87
     turned_87 = length["bar_87"] * _left(plane.bar_87)
     turned_37 = length["bar_37"] * _left(plane.bar_43)
     _, turn_43 = _solve_pair(turned_87, -turned_37, loop_7)
     # 8 + l_89 u_89 + l_94 u_94 + l_43 u_43 = 3
     turned_43 = length["bar_43"] * _left(plane.bar_43)
     loop_9 += at_3 - at_8 - turned_43[..., None] * turn_43[..., None, :]
-    loop_9[..., _COLUMN["bar_89"]] -= plane.bar_89
-    loop_9[..., _COLUMN["bar_94"]] -= plane.bar_94
-    loop_9[..., _COLUMN["bar_43"]] -= plane.bar_43
+    loop_9[..., PLANE_COLUMN["bar_89"]] -= plane.bar_89
+    loop_9[..., PLANE_COLUMN["bar_94"]] -= plane.bar_94
+    loop_9[..., PLANE_COLUMN["bar_43"]] -= plane.bar_43
     turned_89 = length["bar_89"] * _left(plane.bar_89)
     turned_94 = _left(plane.bar_94)
     turn_89, turn_94 = _solve_pair(turned_89, length["bar_94"] * turned_94, loop_9)
@@ -110,9 +111,9 @@ def joint_5_derivatives(lengths: Array, plane: LegPlane) -> Array:
     whole = (length["bar_94"] + length["bar_45"]) * turned_94
     moved += at_8 + turned_89[..., None] * turn_89[..., None, :]
     moved += whole[..., None] * turn_94[..., None, :]
-    moved[..., _COLUMN["bar_89"]] += plane.bar_89
-    moved[..., _COLUMN["bar_94"]] += plane.bar_94
-    moved[..., _COLUMN["bar_45"]] += plane.bar_94
+    moved[..., PLANE_COLUMN["bar_89"]] += plane.bar_89
+    moved[..., PLANE_COLUMN["bar_94"]] += plane.bar_94
+    moved[..., PLANE_COLUMN["bar_45"]] += plane.bar_94
     return moved
 
 

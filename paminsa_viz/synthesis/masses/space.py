@@ -18,14 +18,14 @@ from paminsa_viz.balancing.changes import MassSpace, mass_space
 from paminsa_viz.balancing.convex import ConvexTerm, MaxAbs
 from paminsa_viz.balancing.program import Levers
 from paminsa_viz.balancing.springs import spring_variable, springs_of, unit_spring_torques
-from paminsa_viz.balancing.terms import trajectory_rows
+from paminsa_viz.balancing.terms import MP1, MP2, MP3, PLATFORM, trajectory_rows
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.jacobians import inverse_jacobian
 from paminsa_viz.model.leg import mechanism
-from paminsa_viz.model.lumped import COEFFICIENTS, Misprint
+from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.reach import LEAST_MARGIN, Limit, decode
 from paminsa_viz.model.regressor import torque_regressor
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
@@ -42,8 +42,6 @@ ACTUATORS_OF: dict[str, tuple[int, ...]] = {
 
 ALL = (0, 1, 2, 3)
 """M1..M4."""
-
-MP1, MP2, MP3, PLATFORM = (COEFFICIENTS.index(name) for name in ("Mp1", "Mp2", "Mp3", "m_pl"))
 
 
 @dataclass(frozen=True, eq=False)
