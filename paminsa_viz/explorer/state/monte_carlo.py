@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from paminsa_viz.blocks.accuracy import ERRORS, ORDER
 from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.settings import Settings, setting
@@ -15,11 +16,8 @@ from paminsa_viz.units import symbol_text
 MOST_ROBOTS = 200_000
 """Most robots of a job: some twenty seconds."""
 
-NAMES = ("x", "y", "θ", "z", "tilt about x", "tilt about y")
-"""Names of `unequal_legs.COORDINATES`."""
-
-SHOWN = (0, 1, 3, 2, 4, 5)
-"""The order that they are shown in."""
+NAMES = tuple(name for name, _, _ in ERRORS)
+"""Names of `unequal_legs.SIX_COORDINATES`."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +43,7 @@ class MonteCarloSettings(Settings):
 
     Attributes:
         robots, seed: Of the next job.
-        coordinate: Index in `unequal_legs.COORDINATES` whose shares are shown.
+        coordinate: Index in `unequal_legs.SIX_COORDINATES` whose shares are shown.
         leg, length: Which deviation is shown, by their indices.
     """
 
@@ -53,7 +51,7 @@ class MonteCarloSettings(Settings):
     seed: int = setting(0, "Seed", "The same seed draws the same robots", range=(0.0, 1e9))
     coordinate: int = setting(
         0, "Shares in", "Which lengths the error of a coordinate comes from",
-        options={NAMES[i]: i for i in SHOWN},
+        options={NAMES[i]: i for i in ORDER},
     )  # fmt: skip
     leg: int = setting(0, "Leg", options={f"leg {i + 1}": i for i in range(3)})
     length: int = setting(

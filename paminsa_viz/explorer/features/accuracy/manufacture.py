@@ -8,13 +8,12 @@ from paminsa_viz.blocks.accuracy import own_legs, shares_table, tolerance_blocks
 from paminsa_viz.blocks.kinds import Table
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.features.accuracy.monte_carlo import MONTE_CARLO, shown_lengths
+from paminsa_viz.explorer.features.accuracy.monte_carlo import MONTE_CARLO, setting, shown_lengths
 from paminsa_viz.explorer.kit.design_numbers import set_value
 from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Number, Slider
-from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import blocks_html, render
-from paminsa_viz.explorer.state.monte_carlo import NAMES, MonteCarloSettings
+from paminsa_viz.explorer.state.monte_carlo import NAMES
 from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.kept import kept
@@ -119,14 +118,12 @@ def _slider(name: str) -> Slider:
     return error_slider(path, _LABELS[name], high, step)
 
 
-_setting = SettingInputs("manufacture", "monte_carlo.settings", MonteCarloSettings)
-
 MANUFACTURE = (
     Answer(
         "manufacture.answer", "Errors by manufacture", always=True,
         entries=(
             Html("manufacture.errors", content=tolerances_html, idle=True),
-            _setting("coordinate"),
+            setting("coordinate"),
             Html("manufacture.shares", content=shares_html, idle=True),
             Html("manufacture.own", content=legs_html, idle=True),
         ),
@@ -144,8 +141,8 @@ MANUFACTURE = (
     Folder(
         "manufacture.legs", "Deviations of each leg", open=False,
         entries=(
-            _setting("leg"),
-            _setting("length"),
+            setting("leg"),
+            setting("length"),
             Number(
                 "manufacture.deviation", _deviation_label, range=(-100.0, 100.0), step=0.01,
                 hint="Actual minus nominal",

@@ -65,11 +65,12 @@ def monte_carlo_html(frame: Frame) -> str:
     return blocks_html("manufacture-robots", *found, stale=DRAW.stale_text(frame.state))
 
 
-_setting = SettingInputs("manufacture", "monte_carlo.settings", MonteCarloSettings)
+setting = SettingInputs("manufacture", "monte_carlo.settings", MonteCarloSettings)
+"""Inputs of the settings, those of tolerances among them."""
 
 MONTE_CARLO: tuple[Entry, ...] = (
-    _setting("robots", undo=False),
-    _setting("seed", undo=False),
+    setting("robots", undo=False),
+    setting("seed", undo=False),
     *DRAW.buttons(
         Button(
             "manufacture.start", "Run Monte Carlo", icon=Icon.DICE, effect=DRAW.start, undo=False,
