@@ -192,3 +192,14 @@ def test_names_in_docstrings_exist() -> None:
                     used += [(name_of(path), name) for name in found]
     for place, name in used:
         assert known.issuperset(name.split(".")), f"{place} names {name}"
+
+
+def test_architecture_names_every_feature_and_every_section() -> None:
+    text = (DOCS / "architecture.md").read_text(encoding="utf-8")
+    features = text.split("\nfeatures/")[1].split("\nscene/")[0]
+    folders = (ROOT / "paminsa_viz/explorer/features").glob("*/__init__.py")
+    missing = {one.parent.name for one in folders} - set(re.findall(r"\w+", features))
+    assert not missing
+    rows = dict(re.findall(r"(?m)^\| (\w+) \| [^|]+\? \| ([^|]+) \|", text))
+    named = {f"{space}/{name}" for space, names in rows.items() for name in names.split(", ")}
+    assert named == set(sections())
