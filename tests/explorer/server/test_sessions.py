@@ -7,6 +7,7 @@ import socket
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -246,6 +247,11 @@ def test_silent_web_socket_is_closed(
     silent.send(b"not a message of a page")
     _wait_until_closed(silent)
     guarded.still_answers(page, inputs)
+
+
+def test_documentation_says_when_a_silent_web_socket_is_closed() -> None:
+    text = (Path(__file__).parents[3] / "docs" / "network.md").read_text("utf-8")
+    assert f"says nothing is closed after {Limits().first_message:g} s" in " ".join(text.split())
 
 
 @pytest.mark.slow
