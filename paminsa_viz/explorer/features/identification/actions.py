@@ -14,7 +14,7 @@ from paminsa_viz.explorer.state.identification import EXPORT_RATE, ExcitationJob
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.example_logs import ExampleLog, example_log
-from paminsa_viz.identification import Log
+from paminsa_viz.identification import Excitation, Log
 from paminsa_viz.identification.findings import Findings
 from paminsa_viz.model import InvalidInput
 
@@ -89,11 +89,19 @@ def use_log_motion(state: State) -> State:
     return motions.play(motions.use_table(state, findings(state).motion))
 
 
+def excitation(state: State) -> Excitation:
+    """Return the motion that the last search found.
+
+    Raises:
+        InvalidInput: If there is none.
+    """
+    return SEARCH.required(state, "motion", "none has been found yet")
+
+
 def use_excitation(state: State) -> State:
     """Make the motion that was found the current one.
 
     Raises:
         InvalidInput: If there is none.
     """
-    found = SEARCH.required(state, "motion", "none has been found yet")
-    return motions.use_table(state, found.plan.sample(EXPORT_RATE))
+    return motions.use_table(state, excitation(state).plan.sample(EXPORT_RATE))

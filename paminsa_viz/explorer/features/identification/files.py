@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from paminsa_viz.explorer.features.identification.actions import SEARCH, excitation, findings
 from paminsa_viz.explorer.kit.downloads import File, plain
 from paminsa_viz.explorer.state.identification import EXPORT_RATE
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.identification_table import estimate_table, excitation_table, residual_table
 from paminsa_viz.files.tables import table_bytes
-from paminsa_viz.model import InvalidInput
 
 
 def identification_table(state: State, kind: str) -> File:
@@ -16,9 +16,7 @@ def identification_table(state: State, kind: str) -> File:
     Raises:
         InvalidInput: If nothing has been identified.
     """
-    found = state.identification.result
-    if found is None:
-        raise InvalidInput("log", "nothing has been identified yet")
+    found = findings(state)
     table = estimate_table(found) if kind == "parameters" else residual_table(found)
     name = f"paminsa_{kind}_{plain(found.identification.log.name)}.csv"
     return File(name, table_bytes(table, "csv"))
@@ -30,8 +28,7 @@ def excitation_csv(state: State) -> File:
     Raises:
         InvalidInput: If there is none.
     """
-    outcome = state.identification.excitation.outcome
-    if outcome is None or outcome.result is None:
-        raise InvalidInput("motion", "none has been found yet")
-    table = excitation_table(outcome.job.design, outcome.result, EXPORT_RATE)
+    found, outcome = excitation(state), SEARCH.outcome(state)
+    assert outcome is not None
+    table = excitation_table(outcome.job.design, found, EXPORT_RATE)
     return File("paminsa_excitation.csv", table_bytes(table, "csv"))
