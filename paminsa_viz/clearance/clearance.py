@@ -139,6 +139,9 @@ def nearest_points(
     """Return the two nearest bodies in one pose (4,), None if it cannot be taken.
 
     Arguments as in `clearance`.
+
+    Raises:
+        InvalidInput: If the pose is not one of shape (4,) or not real, or a group is unknown.
     """
     found = clearance(design, pose, pairs)
     if found.least.shape != ():

@@ -76,6 +76,7 @@ def build_fmu(design: Design, kind: FmuKind) -> bytes:
         kind: ``plant`` or ``inverse``.
 
     Raises:
+        InvalidInput: If there is no such kind.
         NoCompiler: If there is no C compiler (``cc``, ``gcc``, ``clang``, or ``CC`` of the
             environment), or it fails.
         UnreachablePose: If the design has no regular configuration at the center, where it starts.

@@ -170,7 +170,11 @@ def shifted(signals: Signals, lag: float) -> Signals:
 
 
 def require_motion(signals: Signals) -> None:
-    """Refuse a log in which nothing moves, or an actuator's torque stays what it is."""
+    """Refuse a log in which nothing moves, or an actuator's torque stays what it is.
+
+    Raises:
+        InvalidLog: If the robot hardly moves, or a torque never changes.
+    """
     travel = np.ptp(signals.samples.position, axis=0)
     if travel[:3].max() < 0.01 and travel[3] < 1e-3:
         raise InvalidLog(

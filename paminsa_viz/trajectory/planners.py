@@ -236,7 +236,11 @@ def round_trip(plan: Plan) -> Plan:
 
 
 def shared_time(waypoints: Array) -> Array:
-    """Return instants in [0, 1] for waypoints (n, 4), by the roots of their distances."""
+    """Return instants in [0, 1] for waypoints (n, 4), by the roots of their distances.
+
+    Raises:
+        InvalidInput: If two waypoints in a row are the same.
+    """
     steps = np.diff(waypoints, axis=0)
     length = np.hypot(np.linalg.norm(steps[:, PLACE], axis=1), TURN_LENGTH * steps[:, 2])
     if not length.all():

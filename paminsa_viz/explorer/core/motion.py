@@ -52,7 +52,11 @@ def change(state: State, **changes: Any) -> State:
 
 
 def choose_preset(state: State, key: str) -> State:
-    """Choose a preset, in its own duration unless a shortest one is chosen."""
+    """Choose a preset, in its own duration unless a shortest one is chosen.
+
+    Raises:
+        InvalidInput: If there is no preset with this key.
+    """
     if key not in PRESET:
         raise InvalidInput("motion", f"one of {', '.join(PRESET)} is needed")
     motion = state.document.motion
@@ -130,7 +134,11 @@ def show_time(state: State, time: float) -> State:
 
 
 def scrub(state: State, time: float) -> State:
-    """Go to an instant of the motion [s], and let the robot go there; playing stops."""
+    """Go to an instant of the motion [s], and let the robot go there; playing stops.
+
+    Raises:
+        InvalidInput: If the time is not finite.
+    """
     if not math.isfinite(time):
         raise InvalidInput("time", "a finite time is needed")
     time = min(max(time, 0.0), duration(state))
