@@ -121,21 +121,18 @@ def ascii_numbers(text: str) -> str:
     return re.sub("θ(?![\u0300-\u036f])", "theta", text)  # a word has no place for a dot above
 
 
-def _print_rows(
-    rows: Sequence[tuple[str, ...]], *, indent: int = 0, words: int | None = None
-) -> None:
+def _print_rows(rows: Sequence[tuple[str, ...]], words: int) -> None:
     """Print rows with columns in line.
 
     Args:
         rows: Rows of as many cells each.
-        indent: Spaces before each row.
         words: How many columns from the left hold words; the others hold numbers, which are
-            aligned to the right. None if all are words.
+            aligned to the right.
     """
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         cells = [
-            cell.ljust(width) if words is None or place < words else cell.rjust(width)
+            cell.ljust(width) if place < words else cell.rjust(width)
             for place, (cell, width) in enumerate(zip(row, widths, strict=True))
         ]
-        print((" " * indent + "  ".join(cells)).rstrip())
+        print("  ".join(cells).rstrip())
