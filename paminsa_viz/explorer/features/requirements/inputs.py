@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from paminsa_viz.explorer.features.requirements import actions
 from paminsa_viz.explorer.features.requirements.actions import Side, selected, side_of
 from paminsa_viz.explorer.features.requirements.texts import names
@@ -13,7 +11,7 @@ from paminsa_viz.explorer.state.settings import MILLIMETERS
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.quantities import families
 from paminsa_viz.quantities.requirements import Range, Requirement
-from paminsa_viz.units import display_unit
+from paminsa_viz.units import DisplayUnit, display_unit
 
 DEGREES = display_unit("rad")
 
@@ -34,7 +32,7 @@ def _side(state: State) -> Side:
     return side_of(_edited(state))
 
 
-def _own(name: str, label: str, unit_label: str, unit: Any, step: float) -> tuple[Input, Input]:
+def _own(name: str, label: str, unit_label: str, unit: DisplayUnit) -> tuple[Input, Input]:
     """Return the switch and the ends of a range that the selected requirement has of its own."""
 
     def has(state: State) -> bool:
@@ -50,7 +48,7 @@ def _own(name: str, label: str, unit_label: str, unit: Any, step: float) -> tupl
             apply=lambda state, on: actions.set_own_range(state, name, on),
         ),
         Pair(
-            f"requirements.{name}", unit_label, visible=has, units=(unit, unit), step=step,
+            f"requirements.{name}", unit_label, visible=has, units=(unit, unit), step=1.0,
             ordered=True, read=read, hint="From, to",
             apply=lambda state, ends: actions.edit(state, **{name: ends}),
         ),
@@ -72,6 +70,6 @@ EDIT = (
         "requirements.side", "Bound", options={side.value: side for side in Side},
         read=_side, apply=actions.choose_side,
     ),
-    *_own("theta", "Own θ range", "θ [°]", DEGREES, 1.0),
-    *_own("z", "Own z range", "z [mm]", MILLIMETERS, 1.0),
+    *_own("theta", "Own θ range", "θ [°]", DEGREES),
+    *_own("z", "Own z range", "z [mm]", MILLIMETERS),
 )  # fmt: skip
