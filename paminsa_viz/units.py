@@ -103,6 +103,11 @@ def power_of_ten(exponent: int) -> str:
     return f"10{str(exponent).translate(_SUPERSCRIPTS)}"
 
 
+def counted(count: int, noun: str, plural: str = "") -> str:
+    """Return a count with its noun, ``1 row`` or ``3 rows``; a plural without s has to be given."""
+    return f"{count} {noun if count == 1 else plural or f'{noun}s'}"
+
+
 def percent_change(before: float, after: float) -> str:
     """Return a change as a percentage of the value before."""
     if not (math.isfinite(before) and math.isfinite(after)):

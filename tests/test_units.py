@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from paminsa_viz.model import APPENDIX_4, PARAMETER
 from paminsa_viz.units import (
     NONE,
+    counted,
     display_unit,
     fixed,
     format_ascii,
@@ -23,6 +24,11 @@ from paminsa_viz.units import (
     symbols_html,
     unit_text,
 )
+
+
+def test_one_is_no_plural() -> None:
+    assert [counted(n, "row") for n in (0, 1, 2)] == ["0 rows", "1 row", "2 rows"]
+    assert [counted(n, "body", "bodies") for n in (1, 2)] == ["1 body", "2 bodies"]
 
 
 @pytest.mark.parametrize(

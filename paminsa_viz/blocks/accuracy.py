@@ -32,7 +32,7 @@ from paminsa_viz.precision.manufacture import (
 )
 from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
 from paminsa_viz.studies.region import Region, RegionResults
-from paminsa_viz.units import format_value
+from paminsa_viz.units import counted, format_value
 
 ERRORS = (
     ("x", "m:um", "x"), ("y", "m:um", "y"), ("θ", "rad:arcsec", "theta"), ("z", "m:um", "z"),
@@ -216,7 +216,7 @@ def robots_blocks(robots: MonteCarlo) -> list[Table | Note]:
         values = (part[index] for part in (half, most, nearly_all, robots.rms))
         rows.append(_row(name, unit, values))
     count, lost = len(robots.errors), int((~robots.ok).sum())
-    head = (f"{count} robots, seed {robots.seed}", "50 %", "95 %", "99.7 %", "RMS")
+    head = (f"{counted(count, 'robot')}, seed {robots.seed}", "50 %", "95 %", "99.7 %", "RMS")
     caption = "Errors of robots drawn at random within the tolerances."
     blocks: list[Table | Note] = [
         Table(head, tuple(rows), caption),

@@ -18,7 +18,7 @@ from paminsa_viz.model.design import APPENDIX_4, PARAMETER, Design, stated_param
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.parameters import Parameter
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.units import NONE, format_value, number, percent_change
+from paminsa_viz.units import NONE, counted, format_value, number, percent_change
 
 GROUPS: dict[str, str] = {
     "geometry": "Lengths",
@@ -81,7 +81,7 @@ def _summary(design: Design, changed: int) -> str:
         f"{changed} value{' differs' if changed == 1 else 's differ'} from the paper's Appendix 4"
     )
     if extra:
-        text += f"; every leg carries {extra} counterweight{'' if extra == 1 else 's'}"
+        text += f"; every leg carries {counted(extra, 'counterweight')}"
     return text + ("; it has drives." if driven else ".")
 
 

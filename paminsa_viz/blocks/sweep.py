@@ -11,7 +11,7 @@ from paminsa_viz.blocks.kinds import Block, Note, Table, rows
 from paminsa_viz.studies import StudySummary
 from paminsa_viz.studies.metrics import RUNS
 from paminsa_viz.studies.study import OK
-from paminsa_viz.units import NONE, number
+from paminsa_viz.units import NONE, counted, number
 
 
 def sweep_blocks(path: Path, summary: StudySummary, seconds: float) -> list[Block]:
@@ -24,12 +24,12 @@ def sweep_blocks(path: Path, summary: StudySummary, seconds: float) -> list[Bloc
     others = _others(summary.status, OK)
     blocks: list[Block] = [
         Table(("", "Least", "In row", "Largest", "In row"), rows(*cells)),
-        Note(f"{path}: {summary.rows} designs{before}{others}, {seconds:.1f} s"),
+        Note(f"{path}: {counted(summary.rows, 'design')}{before}{others}, {seconds:.1f} s"),
     ]
     motion = summary.study.trajectory
     if motion is not None:
         run = summary.motion.get(RUNS, 0)
-        text = f"{motion.name}: {run} designs can run it{_others(summary.motion, RUNS)}"
+        text = f"{motion.name}: {counted(run, 'design')} can run it{_others(summary.motion, RUNS)}"
         blocks += [Note(text), *(Note(f"  {note}") for note in motion.notes)]
     return blocks
 

@@ -22,7 +22,7 @@ from paminsa_viz.engines.verification import Comparison, Verification
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.plots.series_builders import SYMBOLS
 from paminsa_viz.plots.verified import VerificationFigure, verification_figures
-from paminsa_viz.units import NONE, format_value, number
+from paminsa_viz.units import NONE, counted, format_value, number
 
 
 def verification_blocks(found: Verification) -> list[Block]:
@@ -37,8 +37,8 @@ def verification_blocks(found: Verification) -> list[Block]:
     method = Note(
         "The engines get the bodies, joints and loop closures, and the joints' positions, which "
         "the closures confirm; they know none of the formulas. "
-        f"Compared are {len(found.poses)} random poses at rest and {found.trajectory.size} states "
-        "of the trajectory, without joint friction."
+        f"Compared are {counted(len(found.poses), 'random pose')} at rest and "
+        f"{found.trajectory.size} states of the trajectory, without joint friction."
     )
     blocks: list[Block] = [verdict, method]
     head = ("", "Largest torque", "Largest difference", "RMS", "Relative, largest", "Relative, RMS")

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
+from paminsa_viz.units import counted
 
 LONGEST_STEP = 1.5
 """Longest time between two rows, in sample times; more is a gap."""
@@ -144,7 +145,7 @@ def make_log(
     _check_steps(t, position, rows, gaps)
     starts, notes = (0, *(int(gap) for gap in gaps)), []
     if gaps.size:
-        notes.append(f"split at {gaps.size} gap{'s' if gaps.size > 1 else ''}")
+        notes.append(f"split at {counted(gaps.size, 'gap')}")
     ends = (*starts[1:], t.size)
     worst = max(_unevenness(t[a:b], step) for a, b in zip(starts, ends, strict=True))
     if worst > EVEN:

@@ -94,6 +94,8 @@ def test_robots_drawn_at_random_and_those_that_cannot_be_assembled() -> None:
     assert said(blocks)[-1] == ("2 of 10 robots cannot be assembled.", "bad")
     drawn.ok = np.ones(10, bool)
     assert len(accuracy.robots_blocks(drawn)) == 2  # type: ignore
+    drawn.errors, drawn.ok = errors[:1], np.ones(1, bool)
+    assert accuracy.robots_blocks(drawn)[0].head[0] == "1 robot, seed 7"  # type: ignore
 
 
 def test_what_the_drives_errors_are_made_of() -> None:

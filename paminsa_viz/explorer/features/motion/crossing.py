@@ -12,7 +12,7 @@ from paminsa_viz.explorer.kit.text import blocks_html, render, status
 from paminsa_viz.kept import kept
 from paminsa_viz.model import Design
 from paminsa_viz.trajectory import TimeOptimalPlan
-from paminsa_viz.units import format_value
+from paminsa_viz.units import counted, format_value
 
 
 def chart_html(frame: Frame) -> str:
@@ -41,7 +41,7 @@ def crossing_html(frame: Frame) -> str:
     far = format_value(planned.deviation, "m", 3)
     title = status(
         "motion-crossing", "warn" if count else "plain",
-        f"Passes {count} singularit{'y' if count == 1 else 'ies'}",
+        f"Passes {counted(count, 'singularity', 'singularities')}",
         f"path changed by up to {far} along the escape twist" if planned.deviation else "",
     )  # fmt: skip
     blocks = list(passages(frame.state.document.design, plan))
