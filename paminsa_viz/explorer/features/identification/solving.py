@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from paminsa_viz.actuation import actuator_limits
+from paminsa_viz.explorer.state.identification import ExcitationJob, IdentifyJob
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.progress import Canceled, Progress
 
 if TYPE_CHECKING:  # a page waits for none of it at its start
     from paminsa_viz.identification import Excitation
     from paminsa_viz.identification.findings import Findings
-from paminsa_viz.explorer.state.identification import ExcitationJob, IdentifyJob
 
 
 def identify_logs(job: IdentifyJob, progress: Progress) -> Findings:
