@@ -216,7 +216,8 @@ class Pair(Input):
 
     Attributes:
         precision: Decimals that are shown; two more than the step has if None.
-        ordered: Whether the second number is at least the first one.
+        ordered: Whether the second number is at least the first one, which goes along with it, as
+            it does with the first, where one of them is changed past the other.
     """
 
     _: KW_ONLY
@@ -231,11 +232,15 @@ class Pair(Input):
         return first, second
 
     def is_shown(self, state: State, value: Any) -> bool:
+        return all(self._unchanged(state, value))
+
+    def _unchanged(self, state: State, value: Any) -> list[bool]:
+        """Return which of two numbers as shown are those of a state."""
         places = decimals(given(self.step, state))
         if self.precision is not None:
             places = self.precision(state)
         pairs = zip(value, self.shown(state), strict=True)
-        return all(same_digits(a, b, places) for a, b in pairs)
+        return [same_digits(a, b, places) for a, b in pairs]
 
     def parse(self, state: State, value: Any) -> tuple[float, float]:
         if not isinstance(value, (tuple, list)) or len(value) != 2:
@@ -245,6 +250,12 @@ class Pair(Input):
             for one, ends, unit in zip(value, self.range, self.units, strict=True)
         )
         if self.ordered and first > second:
+            # typed from left to right: the end that was not typed goes along
+            match self._unchanged(state, value):
+                case [False, True]:
+                    return first, first
+                case [True, False]:
+                    return second, second
             needed = f"the least and then the largest is needed, not {value[0]:g} and {value[1]:g}"
             raise self.refusal(state, needed)
         return first, second

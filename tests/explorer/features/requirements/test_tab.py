@@ -79,9 +79,26 @@ def test_marks_of_the_strip_are_gray_until_the_next_check(asked: State) -> None:
 def test_ends_in_the_wrong_order_are_refused_as_they_were_typed(desk: Desk, asked: State) -> None:
     before = asked.document.requirements.theta
     desk.dispatch(lambda state: replace(state, document=asked.document))
-    desk.set("requirements.headings", [40.0, 30.0])
-    desk.noticed("θ [°]: the least and then the largest is needed, not 40 and 30")
+    desk.set("requirements.headings", [40.0, 35.0])
+    desk.noticed("θ [°]: the least and then the largest is needed, not 40 and 35")
     assert desk.state.document.requirements.theta == before
+
+
+@pytest.mark.slow
+def test_the_end_that_is_passed_by_the_other_one_goes_along(desk: Desk, asked: State) -> None:
+    desk.dispatch(lambda state: replace(state, document=asked.document))
+    low, high = np.rad2deg(asked.document.requirements.theta).tolist()
+    for typed, taken in (
+        ((high + 5, high), (high + 5, high + 5)),
+        ((high + 5, high + 20), (high + 5, high + 20)),
+        ((high + 5, low), (low, low)),
+    ):
+        desk.set("requirements.headings", list(typed))
+        ends = np.deg2rad(taken)
+        desk.until(lambda ends=ends: np.allclose(desk.state.document.requirements.theta, ends))
+        desk.until(
+            lambda taken=taken: np.allclose(desk.handle("requirements.headings").value, taken)
+        )
 
 
 def test_a_worst_value_leads_to_its_pose(asked: State) -> None:
