@@ -30,18 +30,9 @@ from paminsa_viz.precision.manufacture import (
     manufactured_pose,
     tolerance_errors,
 )
-from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
+from paminsa_viz.precision.unequal_legs import ERRORS, ORDER, SIX_COORDINATES
 from paminsa_viz.studies.region import Region, RegionResults
 from paminsa_viz.units import counted, format_value
-
-ERRORS = (
-    ("x", "m:um", "x"), ("y", "m:um", "y"), ("θ", "rad:arcsec", "theta"), ("z", "m:um", "z"),
-    ("tilt about x", "rad:arcsec", ""), ("tilt about y", "rad:arcsec", ""),
-)  # fmt: skip
-"""Names and units of `unequal_legs.SIX_COORDINATES`, and endings of the keys of quantities."""
-
-ORDER = (0, 1, 3, 2, 4, 5)
-"""The order that they are shown in: lengths, then angles."""
 
 LEAST_SHARE = 0.005
 """Smallest share in a variance that is shown."""

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.blocks.accuracy import ERRORS, ORDER
 from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, rows, shown
 from paminsa_viz.model.accuracy import LEG_NAMES
@@ -17,7 +16,7 @@ from paminsa_viz.precision.calibration_plan import CalibrationPlan
 from paminsa_viz.precision.calibration_problem import COUNT
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
 from paminsa_viz.precision.measurements import PredictionErrors
-from paminsa_viz.precision.unequal_legs import SIX_COORDINATES
+from paminsa_viz.precision.unequal_legs import ERRORS, ORDER, SIX_COORDINATES
 from paminsa_viz.units import MM, display_unit, fixed, format_value, interval_text, number
 
 MOST_COMBINATIONS = 10

@@ -30,6 +30,15 @@ from paminsa_viz.precision.leg_lengths import INDEX, as_lengths, nominal_lengths
 SIX_COORDINATES = (*COORDINATES, "tilt_x", "tilt_y")
 """Names of the platform's six coordinates [m, m, rad, m, rad, rad]."""
 
+ERRORS = (
+    ("x", "m:um", "x"), ("y", "m:um", "y"), ("θ", "rad:arcsec", "theta"), ("z", "m:um", "z"),
+    ("tilt about x", "rad:arcsec", ""), ("tilt about y", "rad:arcsec", ""),
+)  # fmt: skip
+"""Names and units of errors in `SIX_COORDINATES`, and endings of the keys of quantities."""
+
+ORDER = (0, 1, 3, 2, 4, 5)
+"""The order that they are shown in: lengths, then angles."""
+
 _FORWARD = np.arange(9, dtype=np.intp)
 _INVERSE = np.arange(4, 13, dtype=np.intp)
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from paminsa_viz.blocks.accuracy import ERRORS, ORDER
 from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.settings import Settings, setting
 from paminsa_viz.model import Design
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import MonteCarlo
+from paminsa_viz.precision.unequal_legs import ERRORS, ORDER
 from paminsa_viz.units import symbol_text
 
 MOST_ROBOTS = 200_000
