@@ -25,6 +25,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("mine.csv").write_text(MOTORS)
 
 
+@pytest.mark.slow
 def test_generic_drives_fit_the_default_motion(capsys) -> None:
     found = run_json("drives", capsys, "--rows", "2")
     assert found["feasible"]

@@ -180,6 +180,7 @@ def test_causes_are_about_the_leg_and_in_the_unit_that_their_labels_say() -> Non
     assert len({cause.label for cause in causes}) == len(causes) == 12 + 4 + 1 + 4 + 4 + 4 + 1
 
 
+@pytest.mark.slow
 def test_plausible_sizes_are_those_of_the_documentation() -> None:
     """A length of 5 mm reads 5e-3, an angle of one degree pi / 180."""
     sizes: dict[str, list[float]] = {}

@@ -369,6 +369,7 @@ def test_logs_with_wrong_torques_are_refused_or_noted() -> None:
         assert found.estimates[1].high < 0
 
 
+@pytest.mark.slow
 def test_torques_of_another_unit_are_suspected_and_robots_of_another_weight_are_not() -> None:
     log = simulated(1, RUBBING, rate=200.0)
     for factor, suspected in ((1e-3, True), (0.01, True), (0.1, False), (1.0, False), (10.0, False),

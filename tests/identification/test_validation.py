@@ -50,6 +50,7 @@ def test_another_motion_is_predicted_almost_as_well_as_its_own_fit(
     )
 
 
+@pytest.mark.slow
 def test_another_robot_is_not_validated(identified: Any) -> None:
     heavier = DESIGN.vary({"links.b4": 0.8})
     assert not validate(identified, simulated(2, heavier)).holds

@@ -64,6 +64,7 @@ def test_bodies_stand_where_the_mechanism_is_with_y_up(posed: bytes) -> None:
     assert scene.bounds[0, 1] == pytest.approx(layout(LOADED.geometry).ground - 0.02, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_file_carries_pose_and_design(posed: bytes) -> None:
     extras = tree(posed)["scenes"][0]["extras"]
     assert extras["design"] == "Appendix 4"

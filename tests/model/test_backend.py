@@ -151,6 +151,7 @@ def test_what_is_compiled_is_told_apart_by_the_text_of_its_file(tmp_path: Path) 
     assert digest("no file", texts[0]) == digest("no file", texts[1]) != found[0]
 
 
+@pytest.mark.slow
 def test_kernels_are_compiled_ahead_of_their_first_call(monkeypatch: pytest.MonkeyPatch) -> None:
     for loop in compiled.over_poses(ROTARY_TORQUES.function, ROTARY_TORQUES.results):
         assert len(loop.signatures) == 1

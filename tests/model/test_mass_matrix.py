@@ -26,6 +26,7 @@ from tests.model import paper
 from tests.support.cases import BY_HAND, PROTOTYPES, Case, assert_close, cases
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_it_is_symmetric_and_positive_definite(case: Case) -> None:
     matrix = mass_matrix(case.design, case.poses(64))
@@ -51,6 +52,7 @@ def test_it_is_so_at_every_pose_that_can_be_taken(design: Design) -> None:
     assert (np.linalg.eigvalsh(matrix) > 0).all()
 
 
+@pytest.mark.slow
 @given(case=cases())
 def test_it_has_the_kinetic_energy_of_the_bodies(case: Case) -> None:
     """T = v.M v/2 = Eqs. 12-14 with Appendix 3 = the sum over rigid bodies."""

@@ -64,6 +64,7 @@ def test_shared_or_own_color_axes() -> None:
     assert used == ["coloraxis", "coloraxis2", "coloraxis3"]
 
 
+@pytest.mark.slow
 def test_the_marker_is_at_the_pose_in_every_panel() -> None:
     dots = [t for t in traces(interactive_map(made_up(), SCALE), "scatter") if t.mode == "markers"]
     assert {t.xaxis for t in dots} == {"x", "x2", "x3"}

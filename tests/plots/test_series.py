@@ -267,6 +267,7 @@ def test_an_impossible_figure_names_its_argument(field, kind, more, analysis) ->
     assert caught.value.argument == field
 
 
+@pytest.mark.slow
 def test_another_motion_is_refused(analysis, failing, everything) -> None:
     run = everything["simulation"]
     late = np.append(run.t[:-1], run.t[-1] + 0.01)

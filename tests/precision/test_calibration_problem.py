@@ -110,6 +110,7 @@ def test_a_fit_within_a_basis_is_the_least_of_its_squares(
     assert np.abs(slope).max() > 1e-3 * size
 
 
+@pytest.mark.slow
 def test_lengths_that_cannot_be_assembled_miss_by_ten_meters() -> None:
     problem = CalibrationProblem(APPENDIX_4, level(POSES))
     open_bars = np.zeros((3, 14))

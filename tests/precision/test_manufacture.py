@@ -165,6 +165,7 @@ def test_random_robots_report_progress_and_can_be_canceled() -> None:
     assert not late.canceled  # nothing was left to leave out
 
 
+@pytest.mark.slow
 def test_robots_without_a_solution_are_counted() -> None:
     loose = replace(APPENDIX_4, tolerances=replace(NO_TOLERANCES, bar=0.05))
     near = np.array([0.0, 0.0, 0.0, -0.95])

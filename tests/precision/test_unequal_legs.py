@@ -214,6 +214,7 @@ def test_poses_near_limits_are_found_on_the_robot_s_side_or_not_at_all() -> None
     assert np.abs(closed.gap).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_bars_that_do_not_meet_at_the_nominal_sliders_are_followed_from_the_nominal_robot() -> None:
     """2 mm before the nominal pantographs are stretched, in 1000 small steps by Newton's method."""
     g, n, steps = APPENDIX_4.geometry, 40, 1000

@@ -35,6 +35,7 @@ from tests.precision.deviations import nominal_slopes, random_deviations, reason
 from tests.support.cases import BY_HAND
 
 
+@pytest.mark.slow
 def test_what_has_no_solution_says_why() -> None:
     g = APPENDIX_4.geometry
     pose = BY_HAND[0]
@@ -135,6 +136,7 @@ def test_bad_deviations_are_refused() -> None:
         solve_pose(APPENDIX_4.geometry, np.zeros((5, 3, 14)), np.zeros((4, 4)), np.zeros(4))
 
 
+@pytest.mark.slow
 def test_batches_of_lengths_and_poses_are_solved_one_by_one() -> None:
     """With one that cannot be closed among them; sensitivities as well."""
     g = APPENDIX_4.geometry

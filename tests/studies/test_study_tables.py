@@ -128,6 +128,7 @@ def test_a_cluster_without_workers_is_refused() -> None:
         pass
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense", "http://x"])
 def test_missing_scheduler_is_named(monkeypatch, address) -> None:
     pytest.importorskip("distributed")

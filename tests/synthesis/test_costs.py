@@ -362,6 +362,7 @@ def test_distances_are_looked_at_where_a_trial_may_become_the_best(
     assert found.feasible
 
 
+@pytest.mark.slow
 def test_a_batch_is_judged_as_each_by_itself() -> None:
     """Lengths that are no robot, out of reach, singular, near and fine, in any order."""
     bounds = (Requirement("condition", high=10.0), Requirement("clearance", low=0.001))

@@ -194,6 +194,7 @@ def test_without_time_the_answer_is_open_or_smaller() -> None:
         assert found.proof.verdict is Verdict.UNDECIDED
 
 
+@pytest.mark.slow
 def test_samples_before_the_proof_end_with_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
     sample, sampled = GrowingRegion._sampled, []
 

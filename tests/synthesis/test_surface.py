@@ -73,6 +73,7 @@ def test_surface_of_a_body_that_the_grid_ends_is_closed_there(volume: Volume) ->
     assert all(same)
 
 
+@pytest.mark.slow
 def test_margin_of_what_cuts_is_zero_at_the_surface(volume: Volume, surface: VolumeSurface) -> None:
     for index in range(3):
         code = next(c.code for c in volume.causes if c.requirement == index)

@@ -168,6 +168,7 @@ def test_torques_go_to_their_limit_and_keep_theirs(planned: tuple[Design, TimeOp
     assert crossing.speed == pytest.approx(np.sqrt(z))
 
 
+@pytest.mark.slow
 def test_a_plan_passes_its_loci_when_it_crosses_them_and_says_how_it_was_made() -> None:
     found = shortest(BALANCED, LINE, TEN)
     (crossing,), plan = found.crossings, found.plan

@@ -159,6 +159,7 @@ def test_terms_of_drives_are_shares_of_their_envelopes(
     assert all(np.isfinite(part).all() for part in made._terms(S, *law(S)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("design", [APPENDIX_4, driven(SERVO)], ids=["", "driven"])
 def test_rows_are_the_terms_at_the_law_before_and_no_less_strict_elsewhere(design: Design) -> None:
     """Rows on (z's coefficients, c, d), with c = 1 where z is that of the law before."""

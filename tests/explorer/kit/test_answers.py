@@ -96,6 +96,7 @@ def test_narrow_window_says_where_the_answer_is_and_keeps_its_dock_folded(
     assert opened == [("Answer", False)]
 
 
+@pytest.mark.slow
 def test_section_shows_its_answer_and_one_without_keeps_the_last(
     desk: tuple[Desk, list[tuple[str, bool]]], monkeypatch: pytest.MonkeyPatch
 ) -> None:

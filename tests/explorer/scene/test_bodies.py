@@ -123,6 +123,7 @@ def test_other_knee_remakes_the_frame_upside_down(scene: Scene) -> None:
     assert scene.world("/robot/platform")[2, 3] == pytest.approx(0.4)
 
 
+@pytest.mark.slow
 def test_fine_bodies_are_a_layer(scene: Scene) -> None:
     scene.draw()
     bar = scene.nodes["/robot/leg1/slider/b8/b4"]

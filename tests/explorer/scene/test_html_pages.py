@@ -108,6 +108,7 @@ def test_failing_motion_is_played_up_to_its_failure() -> None:
         motion_html(APPENDIX_4, nowhere)
 
 
+@pytest.mark.slow
 def test_names_are_escaped_and_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
     trajectory = replace(planned("line", 50), name=NAME)
     page = motion_html(replace(APPENDIX_4, name=NAME), trajectory).decode()

@@ -134,6 +134,7 @@ def test_a_deviation_is_set_in_its_unit_saved_and_tilts_the_platform(moved: Stat
     )
 
 
+@pytest.mark.slow
 def test_legs_that_cannot_close_say_so(moved: State) -> None:
     state = deviation().apply(moved.updated("monte_carlo.settings", leg=0, length=5), 900.0)
     assert "have no position: the bars" in panel.legs_html(compute(state))

@@ -82,6 +82,7 @@ def test_lengths_become_the_designs_own_and_its_files(calibrated: State) -> None
     assert set(given(panel._use_choices, calibrated)) == {"Use as design", "Design TOML"}
 
 
+@pytest.mark.slow
 def test_lengths_of_another_design_are_refused(calibrated: State) -> None:
     other = poses.vary(calibrated, {"geometry.base_radius": 0.36})
     assert actions.CALIBRATE.is_stale(other)

@@ -127,6 +127,7 @@ def test_the_piece_of_time_that_is_plotted_stands_out_if_its_motion_is_in_the_cy
     assert all(time is None for trace in other for time in trace.get("customdata", ()))
 
 
+@pytest.mark.slow
 def test_a_catalog_without_a_feasible_drive_shows_the_nearest_and_advice() -> None:
     catalog = read_catalog(WEAK, "weak.csv")
     state = searched(initial_state().updated("drives.settings", catalog=catalog))

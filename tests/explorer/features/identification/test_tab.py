@@ -92,6 +92,7 @@ def test_gaps_between_pieces_are_not_drawn_over() -> None:
     assert np.all(np.diff(torque.t) > 0)
 
 
+@pytest.mark.slow
 def test_numbers_and_residuals_are_exported(found: State) -> None:
     numbers = exports.identification_table(found, "parameters")
     assert numbers.name == "paminsa_parameters_example-log.csv"

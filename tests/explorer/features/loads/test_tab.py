@@ -84,6 +84,7 @@ def test_a_motion_that_is_followed_shows_its_instant() -> None:
     assert instant(moved).time is None
 
 
+@pytest.mark.slow
 def test_motion_played_for_ever_takes_numbers_and_charts_along(server: viser.ViserServer) -> None:
     """What waits for an idle page follows the motion, the design and the theme all the same."""
     drawn: list[str] = []

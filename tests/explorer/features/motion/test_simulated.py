@@ -75,6 +75,7 @@ def test_crossing_that_is_not_followed_stops_the_simulation_and_is_played_so_far
     assert "spacing" not in text
 
 
+@pytest.mark.slow
 def test_a_simulation_that_failed_is_not_offered_to_be_played(simulated: State) -> None:
     (switch,) = (entry for entry in SIMULATING if entry.key == "simulation.shown")
     assert switch.visible is not None
@@ -113,6 +114,7 @@ def test_motion_is_shown_where_the_simulation_is_not(simulated: State) -> None:
     assert wanted_pose(actions.move(state, x=0.0)) is None
 
 
+@pytest.mark.slow
 def test_ghost_is_drawn_at_the_wanted_pose(server: viser.ViserServer, simulated: State) -> None:
     page = RawPage(server)
     scene = page.client.scene

@@ -79,6 +79,7 @@ def test_a_new_animation_waits_until_nothing_is_dragged(
     assert "mode 2" in scene.nodes["/elastic/mode_label"].text
 
 
+@pytest.mark.slow
 def test_ellipsoid_is_where_a_force_of_one_size_moves_the_platform(
     scene: Scene, outcome: ElasticOutcome
 ) -> None:

@@ -173,6 +173,7 @@ def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
     assert actions.choose_point(state, 99) is state
 
 
+@pytest.mark.slow
 def test_adopted_robot_is_said_to_have_the_design_of_the_start_as_reference(
     desk: Desk, asked: State
 ) -> None:
@@ -188,6 +189,7 @@ def test_adopted_robot_is_said_to_have_the_design_of_the_start_as_reference(
     assert desk.state.document.reference == job.reference == APPENDIX_4
 
 
+@pytest.mark.slow
 def test_answer_stays_and_can_be_opened_while_another_search_runs(asked: State) -> None:
     started = actions.start(asked)
     job = started.synthesis.running
