@@ -10,11 +10,10 @@ import tyro
 
 from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags
-from paminsa_viz.cli.output import print_written
+from paminsa_viz.cli.output import print_left_out, print_written
 from paminsa_viz.codegen.fmu import fmu_folder
 from paminsa_viz.codegen.kit import controller_kit
 from paminsa_viz.files.atomic import write_folder
-from paminsa_viz.model.accuracy import NO_DEVIATIONS
 
 DESCRIPTION = """\
 Write a robot as C code for its controller: kinematics, statics and dynamics in one header.
@@ -52,8 +51,7 @@ class Code(DesignFlags):
         if self.fmu:
             kit |= fmu_folder(design, self.fmu)
         print_written(write_folder(self.out, kit))
-        if design.deviations != NO_DEVIATIONS:
-            print("the design's deviations of single legs are not in it: the code has equal legs")
+        print_left_out(design)
         return 0
 
 

@@ -11,7 +11,7 @@ import tyro
 
 from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, PoseFlags, check_output
-from paminsa_viz.cli.output import print_written
+from paminsa_viz.cli.output import print_left_out, print_written
 from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.exports import TARGETS
@@ -92,6 +92,7 @@ class Export(PoseFlags, DesignFlags):
         print_written(list(files))
         if parts:
             print(f"{self.meshes}: written, {len(parts)} files")
+        print_left_out(design)
         return 0
 
     def _meshes(self, design: Design, pose: Array) -> dict[str, bytes]:

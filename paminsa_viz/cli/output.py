@@ -15,6 +15,7 @@ from paminsa_viz.blocks.kinds import Block, Note, Table
 from paminsa_viz.errors import one_line
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.files.design_file import save_design
+from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.design import Design
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.units import NONE
@@ -30,6 +31,12 @@ def print_written(paths: Iterable[object]) -> None:
     """Print which files are written."""
     for path in paths:
         print(f"{path}: written")
+
+
+def print_left_out(design: Design) -> None:
+    """Print what files for other programs leave out of a design, if it has it."""
+    if note := equal_legs_note(design.deviations):
+        print(note)
 
 
 def write_report(request: ReportRequest, path: Path) -> None:

@@ -23,6 +23,7 @@ from paminsa_viz.codegen.kit import design_header, header, template
 from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.files.archives import zipped
+from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
@@ -105,7 +106,10 @@ def fmu_sources(design: Design, kind: FmuKind) -> dict[str, str]:
     }
     guid = uuid.uuid5(uuid.NAMESPACE_URL, repr((name, variables, sources)))
     sources["model.h"] = _model_header(variables, f"{{{guid}}}")
-    described = _description(kind, variables, f"{{{guid}}}", list(sources))
+    about = [DESCRIPTIONS[kind]]
+    if note := equal_legs_note(design.deviations):
+        about.append(note)
+    described = _description(kind, "; ".join(about), variables, f"{{{guid}}}", list(sources))
     return {
         "modelDescription.xml": described,
         **{f"sources/{name}": text for name, text in sources.items()},
@@ -205,12 +209,14 @@ _UNITS: dict[str, dict[str, int]] = {
 """Exponents of the base units."""
 
 
-def _description(kind: FmuKind, variables: _Variables, guid: str, sources: list[str]) -> str:
+def _description(
+    kind: FmuKind, about: str, variables: _Variables, guid: str, sources: list[str]
+) -> str:
     """Return modelDescription.xml."""
     name = f"paminsa_{kind}"
     root = ET.Element(
         "fmiModelDescription", fmiVersion="2.0", modelName=name, guid=guid,
-        description=DESCRIPTIONS[kind], generationTool=MADE_BY, variableNamingConvention="flat",
+        description=about, generationTool=MADE_BY, variableNamingConvention="flat",
     )  # fmt: skip
     cosimulation = ET.SubElement(
         root, "CoSimulation", modelIdentifier=name, canHandleVariableCommunicationStepSize="true",

@@ -34,6 +34,7 @@ from paminsa_viz.meshes.part import (
     glb_bytes,
 )
 from paminsa_viz.meshes.solids import Array
+from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Configuration
@@ -87,6 +88,7 @@ def assemble_glb(design: Design, configuration: Configuration, *, ground: bool =
             n: float(v) for n, v in zip(("x", "y", "theta", "z"), configuration.pose, strict=True)
         },
         units="m, rad",
+        **({"legs": note} if (note := equal_legs_note(design.deviations)) else {}),
         up="y (the node paminsa turns the base frame, in which z is up)",
     )
     scene.graph.update(frame_to="paminsa", frame_from=scene.graph.base_frame, matrix=Z_UP)

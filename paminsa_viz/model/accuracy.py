@@ -154,6 +154,14 @@ Deviations = tuple[LegDeviations, LegDeviations, LegDeviations]
 NO_DEVIATIONS: Deviations = (Leg1Deviations(), Leg2Deviations(), Leg3Deviations())
 """Deviations of a robot as it was drawn."""
 
+
+def equal_legs_note(deviations: Deviations) -> str:
+    """Return what a file says that takes all legs as equal; "" of a design whose legs are."""
+    if deviations == NO_DEVIATIONS:
+        return ""
+    return "legs are equal, the design's deviations of single legs are left out"
+
+
 LEG_NAMES = ("leg1", "leg2", "leg3")
 """Names of the legs in paths and files, `Design.leg1` and so on."""
 

@@ -11,6 +11,7 @@ import pytest
 from paminsa_viz.codegen import controller_kit
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, backend
+from paminsa_viz.model.accuracy import equal_legs_note
 from tests.support.commands import check_refused, run
 
 
@@ -34,11 +35,13 @@ def test_float_writes_no_double(capsys) -> None:
 
 
 def test_deviations_that_the_code_leaves_out_are_named(capsys) -> None:
-    save_design(APPENDIX_4.vary({"leg2.bar_94": 1e-4}), "d.toml")
+    deviating = APPENDIX_4.vary({"leg2.bar_94": 1e-4})
+    save_design(deviating, "d.toml")
     code, out, err = run("code", capsys, "--out", "c", "--design", "d.toml")
     assert (code, err) == (0, "")
-    assert out.splitlines()[-1].startswith("the design's deviations of single legs are not in it")
-    assert "deviations of single legs" in Path("c/README.md").read_text()
+    assert out.splitlines()[-1] == equal_legs_note(deviating.deviations)
+    for name in ("README.md", "design.h"):
+        assert "deviations of single legs" in Path("c", name).read_text()
 
 
 @pytest.mark.parametrize(

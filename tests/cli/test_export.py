@@ -86,6 +86,20 @@ def test_usd_urdf_and_dxf_at_a_pose(capsys) -> None:
     assert Path("r.dxf").read_text() == dxf_text(design, pose=pose)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("deviation", [0.0, 1e-4])
+def test_every_file_says_what_it_leaves_out_of_the_legs(deviation: float, capsys) -> None:
+    design = APPENDIX_4.vary({"leg2.bar_94": deviation})
+    save_design(design, "d.toml")
+    words = "--glb r.glb --mjcf r.xml --usd r.usda --urdf r.urdf --dxf r.dxf --design d.toml"
+    code, out, _ = run("export", capsys, *words.split())
+    assert code == 0
+    note = "legs are equal, the design's deviations of single legs are left out"
+    assert (out.splitlines()[-1] == note) == (deviation != 0)
+    for name in ("r.glb", "r.xml", "r.usda", "r.urdf", "r.dxf"):
+        assert (note.encode() in Path(name).read_bytes()) == (deviation != 0), name
+
+
 def test_motors_leave_usd_without_servos(capsys) -> None:
     assert run("export", capsys, "--usd", "r.usda", "--motors")[0] == 0
     assert Path("r.usda").read_text() == exported_usd(APPENDIX_4, servos=False)

@@ -45,6 +45,14 @@ def described(design: Design, kind: FmuKind) -> ET.Element:
 
 
 @pytest.mark.parametrize("kind", KINDS)
+def test_description_says_what_is_left_out_of_the_legs(kind: FmuKind) -> None:
+    plain = described(DRIVEN, kind).attrib["description"]
+    note = described(DRIVEN.vary({"leg1.bar_43": 2e-4}), kind).attrib["description"]
+    assert "legs" not in plain
+    assert note == f"{plain}; legs are equal, the design's deviations of single legs are left out"
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_variables_have_references_starts_and_roles(kind: FmuKind) -> None:
     """Inputs, payload and fixed numbers first, with starts; a plant starts where it is held."""
     design = DRIVEN

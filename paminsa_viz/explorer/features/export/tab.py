@@ -23,6 +23,7 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.view import Appearance
 from paminsa_viz.exports import CODE, TARGETS, Target
 from paminsa_viz.files.tables import TABLE_FORMATS
+from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.plots.animations import ANIMATION_FORMATS
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.quantities import QUANTITIES
@@ -162,12 +163,7 @@ def export_entries(
             | {"Copy": copy_run("Maps", partial(exports.maps_table, store=store))},
             hint="SI units, with every number of the design; Copy: for a spreadsheet",
         ),
-        Html(
-            "export.robot_heading",
-            content=render(
-                "export/heading.j2", title="Robot", text="in its current pose",
-            ),
-        ),
+        Html("export.robot_heading", content=_robot_heading),
         Dropdown(
             "export.view_size", "view size", options=VIEW_SIZES,
             hint="Size of the picture of the 3D view [pixels]",
@@ -272,6 +268,13 @@ def _maps_heading(frame: Frame) -> str:
     minus = ", minus the reference" if shows_difference(state) else ""
     text = f"{FULL} × {FULL} cells, colors as shown{minus}; the single map is: {quantity}"
     return render("export/heading.j2", title="Maps", text=text)
+
+
+def _robot_heading(frame: Frame) -> str:
+    about = ["in its current pose"]
+    if note := equal_legs_note(frame.state.document.design.deviations):
+        about.append(note)
+    return render("export/heading.j2", title="Robot", text="; ".join(about))
 
 
 def _volume_heading(frame: Frame) -> str:

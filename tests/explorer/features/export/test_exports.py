@@ -300,6 +300,8 @@ def test_registered_table_format_has_a_button(
 def test_latest_state_is_exported(desk: Desk) -> None:
     desk.dispatch(lambda s: actions.move(s, theta=0.7).updated("map_view", quantity="tau_3"))
     desk.until(lambda: "τ₃" in desk.handle("export.maps_heading").content)
+    desk.dispatch(lambda state: actions.vary(state, {"leg1.bar_43": 2e-4}))
+    desk.until(lambda: "legs are equal" in desk.handle("export.robot_heading").content)
     desk.set("export.single", "single map")
     desk.until(lambda: desk.state.export.single)
     desk.set("export.table", "NPZ")
