@@ -34,12 +34,14 @@ class Target:
         use: What it is for, in a few words.
         make: Makes the contents of a design at a pose (4,) [m, m, rad, m]; position servos about
             the pose, or plain motors, where the format has actuators.
+        posed: Whether the pose is in the contents.
     """
 
     label: str
     endings: tuple[str, ...]
     use: str
     make: Callable[[Design, Array, bool], Files]
+    posed: bool = True
 
     def files(self, design: Design, pose: Array, *, servos: bool = True) -> Files:
         """Return the contents of the file and of those beside it, by their endings.
@@ -110,20 +112,28 @@ TARGETS: Mapping[str, Target] = {
         "MJCF", (".xml", ".mjcf"), "MuJoCo, Pinocchio: all masses, loops, actuators", _mjcf
     ),
     "usd": Target("USD", (".usda",), "Isaac Sim, Newton: bodies, loops, drives", _usd),
-    "urdf": Target("URDF", (".urdf",), "ROS: a tree, with a table of its loops beside it", _urdf),
+    "urdf": Target(
+        "URDF",
+        (".urdf",),
+        "ROS: a tree, with a table of its loops beside it",
+        _urdf,
+        posed=False,
+    ),
     "dxf": Target("DXF", (".dxf",), "CAD: center lines from above and in the legs' planes", _dxf),
 }
 """Kinds of files by the flag of the command."""
 
 CODE: Mapping[str, Target] = {
-    "controller": Target("C", (".zip",), "controllers: kinematics and dynamics in one header", _c),
+    "controller": Target(
+        "C", (".zip",), "controllers: kinematics and dynamics in one header", _c, posed=False
+    ),
     "plant": Target(
         "FMU plant", (".fmu",), "Simulink, Modelica: torques in, motion out",
-        partial(_fmu, kind="plant"),
+        partial(_fmu, kind="plant"), posed=False,
     ),
     "inverse": Target(
         "FMU inverse", (".fmu",), "the same: a motion in, torques out",
-        partial(_fmu, kind="inverse"),
+        partial(_fmu, kind="inverse"), posed=False,
     ),
 }  # fmt: skip
 """What is made of the design's formulas, by name."""

@@ -7,7 +7,7 @@ import math
 import unicodedata
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.kit.entries import ButtonGroup, Run
@@ -26,20 +26,25 @@ class File(NamedTuple):
     content: bytes
 
 
-def file_name(state: State, what: str, ending: str, at_pose: bool = False) -> str:
+Place = Literal["pose", "map", ""]
+"""What of the pose a file is of: all of the last reachable one, theta and z of maps, or nothing."""
+
+
+def file_name(state: State, what: str, ending: str, place: Place) -> str:
     """Return a file name that says what, of which design, and where; plain letters only.
 
     Args:
         state: What is saved.
         what: Kind of content, such as ``torque-maps``.
         ending: Ending of the name, without the dot.
-        at_pose: Whether x and y belong to it, as they do for the robot but not for maps.
+        place: As above.
     """
     document = state.document
-    x, y, theta, z = state.last_reachable.pose if at_pose else document.pose
-    place = [f"x{round(1e3 * x)}", f"y{round(1e3 * y)}"] if at_pose else []
-    place += [f"theta{round(math.degrees(theta))}", f"z{round(1e3 * z)}"]
-    parts = ["paminsa", plain(document.design.name), what, *place]
+    x, y, theta, z = state.last_reachable.pose if place == "pose" else document.pose
+    where = [f"x{round(1e3 * x)}", f"y{round(1e3 * y)}"] if place == "pose" else []
+    if place:
+        where += [f"theta{round(math.degrees(theta))}", f"z{round(1e3 * z)}"]
+    parts = ["paminsa", plain(document.design.name), what, *where]
     return "_".join(part for part in parts if part) + f".{ending}"
 
 

@@ -69,7 +69,7 @@ def _quantities(state: State) -> tuple[str, ...]:
 def _maps_name(state: State, kind: str) -> str:
     single = state.export.single
     what = state.map_view.quantity.replace("_", "-") if single else "torque-maps"
-    return file_name(state, f"{what}-difference" if shows_difference(state) else what, kind)
+    return file_name(state, f"{what}-difference" if shows_difference(state) else what, kind, "map")
 
 
 def robot(state: State) -> File:
@@ -91,7 +91,8 @@ def program(state: State, target: Target, what: str) -> File:
     """
     design, configuration = _posed(state)
     (ending, content), *beside = target.files(design, configuration.pose).items()
-    name = file_name(state, what, "zip" if beside else ending[1:], at_pose=True)
+    place = "pose" if target.posed else ""
+    name = file_name(state, what, "zip" if beside else ending[1:], place)
     if not beside:
         return File(name, content)
     stem = name.removesuffix(".zip")
@@ -118,7 +119,7 @@ def mujoco_model(state: State, meshes: bool) -> File:
 
     design, configuration = _posed(state)
     text = exported_mjcf(design, pose=configuration.pose.tolist())
-    name = file_name(state, "mujoco", "zip", at_pose=True)
+    name = file_name(state, "mujoco", "zip", "pose")
     files = robot_files(text, design, configuration)
     return File(name, zipped(files, name.removesuffix(".zip")))
 

@@ -71,4 +71,4 @@ def view(state: State, client: viser.ClientHandle, legend: Legend = NO_LEGEND) -
     size = state.export.view_size or (camera.image_width, camera.image_height)
     stream = io.BytesIO()
     Image.fromarray(picture(client, size, legend)).save(stream, format="png")
-    return File(file_name(state, "view", "png", at_pose=True), stream.getvalue())
+    return File(file_name(state, "view", "png", "pose"), stream.getvalue())

@@ -131,7 +131,7 @@ def file(state: State, name: str) -> exports.File:
     time = instant(state).time
     if at_pose and time is not None:
         what += f"_t{round(1e3 * time)}ms"
-    file_name = exports.file_name(state, what, "csv", at_pose=at_pose)
+    file_name = exports.file_name(state, what, "csv", "pose" if at_pose else "")
     return exports.File(file_name, table_bytes(_table(state, name), "csv"))
 
 

@@ -25,7 +25,7 @@ from paminsa_viz.explorer.core.maps import FULL, MapStore
 from paminsa_viz.explorer.features.export import exports, pictures
 from paminsa_viz.explorer.features.export.tab import export_entries
 from paminsa_viz.explorer.kit import downloads
-from paminsa_viz.explorer.kit.downloads import LONGEST_NAME, File, file_name
+from paminsa_viz.explorer.kit.downloads import LONGEST_NAME, File, Place, file_name
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.exports import CODE, TARGETS
 from paminsa_viz.files.design_file import save_design
@@ -46,17 +46,19 @@ def arrays_of(file: File) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("content", "at_pose", "name"),
+    ("content", "place", "name"),
     [
-        ("torque-maps", False, "paminsa_appendix-4_torque-maps_theta60_z-500.png"),
-        ("robot", True, "paminsa_appendix-4_robot_x30_y0_theta60_z-500.png"),
+        ("torque-maps", "map", "paminsa_appendix-4_torque-maps_theta60_z-500.png"),
+        ("robot", "pose", "paminsa_appendix-4_robot_x30_y0_theta60_z-500.png"),
+        ("bearings", "", "paminsa_appendix-4_bearings.png"),
     ],
 )
 def test_file_name_has_design_content_and_last_reachable_pose(
-    content: str, at_pose: bool, name: str
+    content: str, place: Place, name: str
 ) -> None:
-    state = actions.move(state_at(x=0.03, theta=np.pi / 3, z=-0.5), x=9.0 if at_pose else 0.03)
-    assert file_name(state, content, "png", at_pose=at_pose) == name
+    state = state_at(x=0.03, theta=np.pi / 3, z=-0.5)
+    state = actions.move(state, x=9.0 if place == "pose" else 0.03)
+    assert file_name(state, content, "png", place) == name
 
 
 @pytest.mark.parametrize(
@@ -185,18 +187,23 @@ def test_programs_get_what_the_command_writes(name: str, mirrored: State) -> Non
     file = exports.program(mirrored, TARGETS[name], name)
     design = mirrored.shown_design
     wanted = TARGETS[name].files(design, np.array(mirrored.last_reachable.pose))
+    elsewhere = TARGETS[name].files(design, np.array([0.0, 0.0, 0.1, 0.5]))
+    assert (elsewhere != wanted) == TARGETS[name].posed
     if name != "urdf":
         assert file.name.endswith(f"_{name}_x40_y-20_theta29_z497{TARGETS[name].endings[0]}")
         assert [file.content] == list(wanted.values())
         return
     stem = file.name.removesuffix(".zip")
+    assert stem.endswith("_urdf")
     assert zip_of(file) == {f"{stem}/{stem}{end}": content for end, content in wanted.items()}
 
 
 @pytest.mark.slow
 def test_code_is_the_designs(mirrored: State) -> None:
     design = mirrored.shown_design
-    inside = zip_of(exports.program(mirrored, CODE["controller"], "controller"))
+    kit = exports.program(mirrored, CODE["controller"], "controller")
+    assert kit.name.endswith("_controller.zip")
+    inside = zip_of(kit)
     assert inside["controller/design.h"].decode() == controller_kit(design)["design.h"]
     if shutil.which("cc"):
         unit = exports.program(mirrored, CODE["inverse"], "inverse")
