@@ -110,7 +110,10 @@ def test_click_on_a_map_moves_the_robot_there(tab: Tab) -> None:
     picture = tab.page.locator("[data-paminsa-picture][src]:visible").first
     picture.wait_for()
     tab.click_in(picture, 0.36, 0.24)  # above and to the right of the middle of the first map
-    until(lambda: tab.state.last_reachable.pose[0] > 0.02, "the robot moves to the right")
+    until(
+        lambda: tab.state.last_reachable.pose[0] > 0.02,
+        lambda: f"right of {tab.state.last_reachable.pose}; the page says {tab.last_messages()}",
+    )
     assert tab.state.last_reachable.pose[1] > 0.01
 
 

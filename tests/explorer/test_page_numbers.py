@@ -108,7 +108,7 @@ def test_pose_takes_the_number_that_is_typed_and_shows_it(
         until(lambda w=wanted: abs(tab.state.document.pose[index] - w) < 1e-12, text)
         until(
             lambda s=shown: field.input_value() == s,
-            f"{text} is shown as {shown}, not {field.input_value()}",
+            lambda t=text, s=shown: f"{t} is shown as {s}, not {field.input_value()}",
         )
     for text in ("abc", "", "1,234", "1.2.3"):
         typed(tab, field, text)

@@ -146,7 +146,7 @@ def test_click_on_the_floor_map_moves_the_robot_there(tab: Tab) -> None:
     tab.page.mouse.click(*on_screen(tab, "/robot/base", (*goal, ground)))
     until(
         lambda: np.allclose(tab.state.last_reachable.pose[:2], goal, atol=0.01),
-        f"the robot moves to {goal}; it is at {tab.state.last_reachable.pose}",
+        lambda: f"the robot moves to {goal}; it is at {tab.state.last_reachable.pose}",
     )
 
 

@@ -79,8 +79,15 @@ CLOSE_NOTICE = "document.querySelector('#webgl-software-rendering button')?.clic
 """Closes viser's notice of software WebGL, which would stay over the view."""
 
 
-def until(condition: Callable[[], Any], what: str, timeout: float = TIMEOUT) -> Any:
+def until(
+    condition: Callable[[], Any], what: str | Callable[[], str], timeout: float = TIMEOUT
+) -> Any:
     """Return the first true value of a condition.
+
+    Args:
+        condition: As above.
+        what: What is waited for, or a function that says it with how things are at the end.
+        timeout: How long [s].
 
     Raises:
         AssertionError: If it does not come true in time.
@@ -90,7 +97,9 @@ def until(condition: Callable[[], Any], what: str, timeout: float = TIMEOUT) -> 
         value = condition()
         if value:
             return value
-        assert time.monotonic() < end, f"not within {timeout:.0f} s: {what}"
+        if time.monotonic() >= end:
+            said = what if isinstance(what, str) else what()
+            raise AssertionError(f"not within {timeout:.0f} s: {said}")
         time.sleep(0.03)
 
 
@@ -319,11 +328,15 @@ class Tab:
         x, y, z, _, _, k, w = place
         return np.array([x, y, 2 * np.arctan2(k, w), z])
 
+    def last_messages(self) -> str:
+        """Return the last messages of the page's script, as they came."""
+        return self.session.bridge._inbox.value
+
     def wait_pose(self, index: int, value: float) -> None:
         """Wait until the last reachable pose has a coordinate."""
         until(
             lambda: abs(self.state.last_reachable.pose[index] - value) < 1e-6,
-            f"coordinate {index} = {value}; it is {self.state.last_reachable.pose}",
+            lambda: f"coordinate {index} = {value}; it is {self.state.last_reachable.pose}",
         )
 
     def wait_platform(self, pose: Any = None) -> None:
