@@ -21,7 +21,7 @@ from paminsa_viz.explorer.state.motion import Timing
 from paminsa_viz.files.design_file import read_design
 from paminsa_viz.files.tables import table_text
 from paminsa_viz.model import APPENDIX_4
-from tests.support.chromium import Tab, until
+from tests.support.chromium import PIXEL, Tab, until
 
 pytestmark = pytest.mark.browser
 
@@ -107,14 +107,12 @@ def test_design_file_restores_a_design_and_a_broken_one_changes_nothing(tab: Tab
 
 def test_click_on_a_map_moves_the_robot_there(tab: Tab) -> None:
     tab.open_tab("Torque maps")
-    picture = tab.page.locator("[data-paminsa-picture][src]:visible").first
-    picture.wait_for()
-    tab.click_in(picture, 0.36, 0.24)  # above and to the right of the middle of the first map
+    tab.page.locator("[data-paminsa-picture][src]:visible").first.wait_for()
+    tab.click_map(0.12, 0.08)
     until(
-        lambda: tab.state.last_reachable.pose[0] > 0.02,
-        lambda: f"right of {tab.state.last_reachable.pose}; the page says {tab.last_messages()}",
+        lambda: tab.state.last_reachable.pose[:2] == pytest.approx((0.12, 0.08), abs=PIXEL),
+        lambda: f"it is at {tab.state.last_reachable.pose}; the page says {tab.last_messages()}",
     )
-    assert tab.state.last_reachable.pose[1] > 0.01
 
 
 def test_an_example_is_one_click_and_one_key_press(tab: Tab) -> None:

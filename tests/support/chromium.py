@@ -41,6 +41,9 @@ FLAGS_OF_TESTS = [
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 
+PIXEL = 0.008
+"""More than a pixel of a map in a dock that is as wide as at first [m]."""
+
 TIMEOUT = 60.0
 """How long a slow machine may take to show something [s]."""
 
@@ -61,6 +64,20 @@ NODE_PLACE = """name => {
   return node ? node.position.toArray().concat(node.quaternion.toArray()) : null;
 }"""
 
+
+MAP_PLACE = """([x, y]) => {
+  const all = [...document.querySelectorAll("[data-paminsa-frame]")];
+  const marks = all.find((one) => one.offsetParent);
+  if (!marks) return null;
+  const { edges: [left, right, bottom, top], panels: [[start, head, width, height]] } =
+    JSON.parse(marks.dataset.paminsaFrame);
+  const box = marks.getBoundingClientRect();
+  return [
+    box.left + box.width * (start + width * (1e3 * x - left) / (right - left)),
+    box.top + box.height * (head + height * (top - 1e3 * y) / (top - bottom)),
+  ];
+}"""
+"""Where a place (x, y) [m] of the first map is on the page [px]."""
 
 UNDRAWN = """(() => {
   const draws = Object.getOwnPropertyNames(WebGL2RenderingContext.prototype)
@@ -250,6 +267,10 @@ class Tab:
         x, y = box["x"] + right * box["width"], box["y"] + down * box["height"]
         self.page.mouse.click(x, y)
 
+    def click_map(self, x: float, y: float) -> None:
+        """Click on the first map that is seen, at a place [m], once the map stays as it is."""
+        self.page.mouse.click(*self._steady(lambda: self.page.evaluate(MAP_PLACE, [x, y]), "map"))
+
     def upload(self, button: str, name: str, content: bytes) -> None:
         """Press an upload button, and give it a file."""
         with self.page.expect_file_chooser() as asked:
@@ -272,13 +293,17 @@ class Tab:
 
     def steady_box(self, place: Any) -> Any:
         """Return where an element is, once it stays there: what comes above moves it."""
+        return self._steady(place.bounding_box, "element")
+
+    def _steady(self, measure: Callable[[], Any], what: str) -> Any:
+        """Return where something is, once it is there and stays."""
 
         def steady() -> Any:
-            before = place.bounding_box()
+            before = measure()
             self.wait_frames(150)
-            return before if before == place.bounding_box() else None
+            return before if before == measure() else None
 
-        return until(steady, "the element stays where it is")
+        return until(steady, f"the {what} stays where it is")
 
     def is_open(self, name: str) -> bool:
         """Whether a section, or another tab of a panel, is what the page shows."""
