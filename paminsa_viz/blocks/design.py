@@ -77,12 +77,14 @@ def _summary(design: Design, changed: int) -> str:
     if not changed and not extra:
         text = "All values are those of the paper's Appendix 4"
         return f"{text}{', which has no drives' if driven else ''}."
-    text = (
-        f"{changed} value{' differs' if changed == 1 else 's differ'} from the paper's Appendix 4"
-    )
+    text = f"{_differing(changed)} from the paper's Appendix 4"
     if extra:
         text += f"; every leg carries {counted(extra, 'counterweight')}"
     return text + ("; it has drives." if driven else ".")
+
+
+def _differing(count: int) -> str:
+    return counted(count, "value differs", "values differ")
 
 
 def _row(design: Design, key: DesignKey, differs: bool) -> Row:
@@ -113,7 +115,7 @@ def changes_text(design: Design) -> str:
     count += sum(drive is not None for drive in design.drives)
     if not count:
         return "as Appendix 4"
-    return f"{count} value{' differs' if count == 1 else 's differ'} from Appendix 4"
+    return f"{_differing(count)} from Appendix 4"
 
 
 def values_table(design: Design) -> Table:

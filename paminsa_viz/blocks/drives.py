@@ -77,9 +77,13 @@ def cycle_text(cycle: DutyCycle) -> str:
     """Return the motions of a duty cycle, how often each is made, and the waiting after it."""
     return ", ".join(
         f"{duty.trajectory.name} ({number(duty.trajectory.duration, 3)} s, "
-        f"{number(duty.repeats, 6)} times, dwell {number(duty.dwell, 3)} s)"
+        f"{_often(duty.repeats)}, dwell {number(duty.dwell, 3)} s)"
         for duty in cycle.duties
     )
+
+
+def _often(repeats: float) -> str:
+    return "once" if repeats == 1.0 else f"{number(repeats, 6)} times"
 
 
 def selection_blocks(

@@ -9,7 +9,7 @@ from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table
 from paminsa_viz.identification.excitation import Excitation, KeptLimit
 from paminsa_viz.model.design import Design
-from paminsa_viz.units import NONE, format_value, number
+from paminsa_viz.units import NONE, counted, format_value, number
 
 
 def excitation_blocks(found: Excitation) -> list[Block]:
@@ -17,8 +17,9 @@ def excitation_blocks(found: Excitation) -> list[Block]:
     settings = found.settings
     return [
         Note(
-            f"{settings.periods} periods of {number(settings.period)} s, {settings.harmonics} "
-            f"harmonics; {found.evaluations} evaluations in {number(found.seconds, 3)} s."
+            f"{counted(settings.periods, 'period')} of {number(settings.period)} s, "
+            f"{settings.harmonics} harmonics; {counted(found.evaluations, 'evaluation')} in "
+            f"{number(found.seconds, 3)} s."
         ),
         Note(information_text(found)),
         limits_table(found),

@@ -32,7 +32,7 @@ from paminsa_viz.synthesis.answer.engine_check import MujocoCheck
 from paminsa_viz.synthesis.answer.prices import RequirementPrice
 from paminsa_viz.synthesis.search.case_conflict import CaseConflict
 from paminsa_viz.synthesis.search.front import DesignFront
-from paminsa_viz.units import NONE, format_ascii, format_value, number
+from paminsa_viz.units import NONE, counted, format_ascii, format_value, number
 
 OVERLAP_ALLOWED = "Overlap was allowed: the robot need not be one that can be built as it is drawn."
 """What marks an answer for which it was not required that the bodies do not overlap."""
@@ -93,7 +93,7 @@ def objective_text(key: str, value: float, digits: int = 4) -> str:
 def effort_note(result: SynthesisResult) -> Note:
     """Return how an answer was searched and verified, and what that does not prove."""
     low, high = (format_value(end, "rad") for end in result.case.requirements.theta)
-    text = f"The search tried {result.trials} robots"
+    text = f"The search tried {counted(result.trials, 'robot')}"
     if result.canceled:
         text += " before it was stopped"
     if result.feasible:
@@ -251,8 +251,9 @@ def front_blocks(case: SynthesisCase, front: DesignFront) -> list[Block]:
         for place, point in enumerate(front.points, 1)
     )
     text = (
-        f"{len(front.points)} robots of which none is better in all, by {front.searches} searches; "
-        f"{front.dominated} dominated, {front.failed} without a robot."
+        f"{counted(len(front.points), 'robot')} than which no other is better in all, by "
+        f"{counted(front.searches, 'search', 'searches')}; {front.dominated} dominated, "
+        f"{front.failed} without a robot."
     )
     head = ("", *(entry.label for entry in entries), *(path.partition(".")[2] for path in paths))
     blocks: list[Block] = [Table(head, rows(*cells), text)]

@@ -37,7 +37,7 @@ from paminsa_viz.trajectory import (
     payload_drift,
     unplanned_torque,
 )
-from paminsa_viz.units import NONE, format_value, number
+from paminsa_viz.units import NONE, counted, format_value, number
 
 if TYPE_CHECKING:
     from paminsa_viz.plots.series import FigureKind
@@ -266,8 +266,8 @@ def published_notes(analysis: TrajectoryAnalysis, table: PublishedTorques) -> li
             format_value(row[key], TORQUE_UNITS[j], 3)
             for key in ("largest_difference", "rms_difference", "largest_published")
         )
-        text = f"computed off by at most {largest}, RMS {rms}, of {size} at {row['rows']} times"
-        notes.append(Note(f"{name}: {text}"))
+        text = f"computed off by at most {largest}, RMS {rms}, of {size}"
+        notes.append(Note(f"{name}: {text} at {counted(row['rows'], 'time')}"))
     return notes
 
 

@@ -51,7 +51,7 @@ from paminsa_viz.synthesis.search.case_file import EXAMPLES, load_case
 from paminsa_viz.synthesis.search.checkpoint import Checkpoint
 from paminsa_viz.synthesis.search.front import design_front
 from paminsa_viz.synthesis.search.objectives import OBJECTIVES
-from paminsa_viz.units import format_ascii
+from paminsa_viz.units import counted, format_ascii
 from paminsa_viz.version import MADE_BY
 
 DESCRIPTION = """\
@@ -304,7 +304,7 @@ def _progress_line(
                 best = format_ascii(objective.sign * state.cost, objective.unit)
             status.update(
                 f"{state.regime.value}: generation {state.generation}, "
-                f"{state.trials} robots, {objective.label} {best}"
+                f"{counted(state.trials, 'robot')}, {objective.label} {best}"
             )
 
         yield show

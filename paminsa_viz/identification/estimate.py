@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.identification.log import InvalidLog
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.units import counted
 
 CONFIDENCE = 0.95
 """Coverage of the intervals."""
@@ -90,9 +91,11 @@ def block_numbers(t: Array, segment: NDArray[np.int64], length: float) -> NDArra
         found[part] = following + np.minimum((times / length + 1e-9).astype(np.int64), count - 1)
         following += count
     if following < FEWEST_BLOCKS:
+        size = f"of {length:g} s"
+        left = counted(following, f"block {size} is", f"blocks {size} are")
         raise InvalidLog(
-            f"{following} blocks of {length:g} s are left after filtering; intervals need "
-            f"{FEWEST_BLOCKS}, and 20 s or more are advised"
+            f"{left} left after filtering; intervals need {FEWEST_BLOCKS}, and 20 s or more are "
+            "advised"
         )
     return found
 

@@ -12,6 +12,7 @@ import numpy as np
 from paminsa_viz.checks import require_seed
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import PARAMETER, Design, no_value
+from paminsa_viz.units import counted
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class DesignAxis:
     @property
     def words(self) -> str:
         """Its values in short, for the head of a table."""
-        return f"{len(self.values)} values, {min(self.values)!r} to {max(self.values)!r}"
+        return f"{counted(len(self.values), 'value')}, {min(self.values)!r} to {max(self.values)!r}"
 
 
 @dataclass(frozen=True)

@@ -244,7 +244,7 @@ def test_motions_of_a_cycle() -> None:
         for name, t, n, d in (("a", 1.5, 1.0, 0.0), ("b", 2.0, 3.0, 0.25))
     ]
     cycle: Any = SimpleNamespace(duties=motions)
-    assert cycle_text(cycle) == ("a (1.5 s, 1 times, dwell 0 s), b (2 s, 3 times, dwell 0.25 s)")
+    assert cycle_text(cycle) == ("a (1.5 s, once, dwell 0 s), b (2 s, 3 times, dwell 0.25 s)")
 
 
 def test_limits_are_those_of_drives_or_the_default_and_the_nearest_one_is_named(

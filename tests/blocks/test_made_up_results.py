@@ -290,7 +290,7 @@ def test_computed_torques_beside_a_published_table() -> None:
     assert notes[1][0] == (
         "published other, M2: computed off by at most 0.5 N·m, RMS 0.381 N·m, of 6 N·m at 2 times"
     )
-    assert notes[3][0].endswith("of 4 N at 1 times")
+    assert notes[3][0].endswith("of 4 N at 1 time")
 
 
 def test_a_simulated_robot_off_its_motion() -> None:

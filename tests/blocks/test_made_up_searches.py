@@ -124,6 +124,7 @@ def test_an_answer_says_what_it_is_and_how_it_was_found() -> None:
         ("The search tried 1234 robots before it was stopped.", "muted"),
         (f"{Regime.LARGER.value} is excluded: why.", "plain"),
     ]
+    assert synthesis.effort_note(answer(trials=1)).text.startswith("The search tried 1 robot and")
     assert synthesis.objective_text("footprint", 0.123456) == "footprint radius 123.5 mm"
     assert synthesis.objective_text("footprint", 0.123456, 3) == "footprint radius 123 mm"
 
@@ -256,7 +257,8 @@ def test_robots_of_a_front_with_the_lengths_that_may_change() -> None:
     first, second = (synthesis.find_objective(name).label for name in front.objectives)
     assert table.head == ("", first, second, "base_radius")  # type: ignore
     assert table.caption == (  # type: ignore
-        "2 robots of which none is better in all, by 9 searches; 3 dominated, 4 without a robot."
+        "2 robots than which no other is better in all, by 9 searches; 3 dominated, 4 without a "
+        "robot."
     )
     assert said(rest) == [("Robot 1", "plain"), ("Robot 2", "plain")]
     assert len(rest) == 4
@@ -270,6 +272,10 @@ def test_robots_of_a_front_with_the_lengths_that_may_change() -> None:
         "objectives": ("footprint", "moving_mass"), "dominated": 3, "searches": 9, "failed": 4,
         "canceled": False,
     }  # fmt: skip
+    front.points, front.searches = points[:1], 1
+    assert synthesis.front_blocks(case, front)[0].caption.startswith(  # type: ignore
+        "1 robot than which no other is better in all, by 1 search; "
+    )
 
 
 # ---------------------------------------------------------------------------------- a volume
@@ -370,6 +376,10 @@ def test_how_an_exciting_motion_was_found() -> None:
          "−9.8: intervals narrower by 1.39 on average.", "plain"),
     ]  # fmt: skip
     assert cells(table) == [("force", "2.35 N", "≤ 4.57 N", "0.123 s", "51 %")]
+    found.settings.periods = found.evaluations = 1
+    once = "1 period of 12.5 s, 5 harmonics; 1 evaluation in 4.57 s."
+    assert said(excitation_blocks(found)[:1]) == [(once, "plain")]
+    found.settings.periods, found.evaluations = 3, 200
     found.plan = SimpleNamespace(duration=37.5)
     assert excitation_data(APPENDIX_4, found) == {
         "design": APPENDIX_4.name, "period_s": 12.5, "harmonics": 5, "duration_s": 37.5,

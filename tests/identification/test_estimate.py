@@ -70,6 +70,8 @@ def test_too_few_blocks_are_refused() -> None:
     assert block_numbers(t, everywhere, 1.0)[-1] == 4
     with pytest.raises(ValueError, match=r"^4 blocks of 1\.1 s are left .* intervals need 5"):
         block_numbers(t, everywhere, 1.1)
+    with pytest.raises(ValueError, match=r"^1 block of 4 s is left "):
+        block_numbers(t, everywhere, 4.0)
 
 
 @pytest.mark.parametrize("seed", range(3))

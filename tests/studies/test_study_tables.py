@@ -26,6 +26,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.studies import (
+    DesignAxis,
     DesignGrid,
     Workers,
     cluster,
@@ -234,6 +235,7 @@ def test_the_head_of_a_table_says_what_the_rows_follow_from() -> None:
     head = replace(SMALL, scale_bars=True).provenance()
     assert (head["designs"], head["scale bars"]) == ("grid", "yes")
     assert head["vary geometry.coupler_length [m]"] == "3 values, 0.1 to 0.63"
+    assert DesignAxis("links.b3", (1.0,)).words == "1 value, 1.0 to 1.0"
     assert "command" not in head
     assert "motion" not in head
     assert all(metric.meaning == head[metric.column] for metric in SMALL.metrics)

@@ -27,6 +27,7 @@ def css_color(color: str) -> Markup:
 
 
 _ENVIRONMENT.filters |= {
+    "counted": units.counted,
     "css_color": css_color,
     "fixed": units.fixed,
     "number": units.number,

@@ -38,7 +38,7 @@ _FULL = """\
 <!doctype html><html lang="en"><head><meta charset="utf-8"><meta http-equiv="refresh" content="3">
 <title>PAMINSA explorer: waiting</title></head>
 <body style="font: 16px system-ui, sans-serif; margin: 15vh auto; max-width: 32em">
-<h1 style="font-size: 20px">All {count} places are taken</h1>
+<h1 style="font-size: 20px">All places are taken: {count}</h1>
 <p>This page tries again every three seconds and opens as soon as another one is closed. More places
 are an option of the program: <code>--pages</code>.</p></body></html>
 """

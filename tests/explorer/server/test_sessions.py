@@ -8,6 +8,8 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from urllib.error import HTTPError
+from urllib.request import urlopen
 
 import pytest
 from hypothesis import given
@@ -216,6 +218,9 @@ def test_page_without_a_place_waits_for_one(
     assert waiting.status == 503
     assert waiting.headers["Retry-After"] == "3"
     assert waiting.headers["Content-Type"].startswith("text/html")
+    with pytest.raises(HTTPError) as refused:
+        urlopen(f"http://127.0.0.1:{guarded.port}/")
+    assert b">All places are taken: 1<" in refused.value.read()
     first.socket.close()
     eventually(lambda: get(guarded.port).status == 200)
 

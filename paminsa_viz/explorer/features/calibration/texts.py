@@ -20,7 +20,7 @@ from paminsa_viz.explorer.kit.text import blocks_html, render, status
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.precision.calibration import KNOWN
 from paminsa_viz.precision.calibration_problem import COUNT
-from paminsa_viz.units import MM, display_unit, number
+from paminsa_viz.units import MM, counted, display_unit, number
 
 
 def measured_html(frame: Frame) -> str:
@@ -44,8 +44,8 @@ def proposal_status_html(frame: Frame) -> str:
     title = f"{known} of {COUNT} combinations of lengths would be known to {number(KNOWN * MM)} mm"
     return status(
         "calibrate-proposed", "ok" if known == shown else "warn", title,
-        f"95 % intervals from ± {best} to ± {worst}; {alone} lengths by themselves, the others in "
-        "sums",
+        f"95 % intervals from ± {best} to ± {worst}; "
+        f"{counted(alone, 'length by itself', 'lengths by themselves')}, the others in sums",
         "" if known == shown else f"{shown - known} more show, but not so well: measure more "
         "poses, or with less uncertainty",
         PROPOSE.stale_text(state),
@@ -91,7 +91,7 @@ def status_html(frame: Frame) -> str:
     old, new = (found.before_held, found.after_held) if held else (found.before, found.after)
     kind = "held-back" if held else "fitted"
     change = f"{_length(_position(old.rms))} → {_length(_position(new.rms))}"
-    lines = [f"Position of {new.poses} {kind} poses, RMS: {change}"]
+    lines = [f"Position of {counted(new.poses, f'{kind} pose')}, RMS: {change}"]
     if held:
         change = f"{_length(_position(found.before.rms))} → {_length(_position(found.after.rms))}"
         lines.append(f"of the {found.after.poses} fitted ones: {change}")

@@ -19,6 +19,7 @@ from paminsa_viz.explorer.kit.text import blocks_html, note, render
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Design, static_imbalance, static_torques
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.units import counted
 
 PIN: Mapping[str, Effect] = {"Pin current design": actions.pin_reference}
 
@@ -65,8 +66,7 @@ def differences_html(design: Design, reference: Design, title: str) -> str:
     table = changes_table(reference, design, (title, "current"))
     if not table.rows:
         return note("differences", "No number differs.", muted=True)
-    count = len(table.rows)
-    head = f"{count} number{' differs' if count == 1 else 's differ'}"
+    head = counted(len(table.rows), "number differs", "numbers differ")
     shown = replace(table.columns(0, 3, 4, 5, hint=1), head=(head, title, "current", "change"))
     return blocks_html("differences", shown, bold=[2])
 

@@ -391,6 +391,8 @@ def test_a_search_without_a_robot_so_far_is_stopped_at_once(asked: State) -> Non
     started = actions.start(asked)
     assert actions.stop(started).synthesis.running is None
     found = started.updated("synthesis", best=BestSoFar(feasible=True))
+    tried = found.updated("synthesis", best=BestSoFar(trials=1))
+    assert "1 robot tried;" in text.best_html(compute(tried))
     once = actions.stop(found)
     assert once.synthesis.running is found.synthesis.running
     assert "Stopping" in text.best_html(compute(once))
