@@ -13,7 +13,7 @@ from paminsa_viz.explorer.state.motion import FIGURES, SIMULATED
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.exports import TARGETS, Target
 from paminsa_viz.files.archives import zipped
-from paminsa_viz.files.tables import TABLE_FORMATS, DataTable, table_bytes
+from paminsa_viz.files.tables import DataTable, table_bytes
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.model import Configuration, Design, InvalidInput, inverse_kinematics
 from paminsa_viz.plots.map_table import map_table
@@ -22,9 +22,8 @@ from paminsa_viz.plots.series import FigureKind, SeriesSources
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_figure import render_series
 from paminsa_viz.quantities import TORQUES
-
-VOLUME_KINDS = ("stl", "glb", *TABLE_FORMATS)
-"""Endings of the files, see `synthesis.volume.surface.VOLUME_FORMATS`."""
+from paminsa_viz.synthesis.volume.solve import solve_volume
+from paminsa_viz.synthesis.volume.surface import volume_bytes
 
 
 def figure(state: State, store: MapStore, kind: str) -> File:
@@ -133,12 +132,13 @@ def _posed(state: State) -> tuple[Design, Configuration]:
 def volume_file(state: State, kind: str) -> File:
     """Write the volume where all requirements hold, finely sampled.
 
-    Raises:
-        InvalidInput: If it is empty and has no surface to write.
-    """
-    from paminsa_viz.synthesis.volume.solve import solve_volume
-    from paminsa_viz.synthesis.volume.surface import volume_bytes  # loads SciPy
+    Args:
+        state: What to save.
+        kind: One of `VOLUME_FORMATS`.
 
+    Raises:
+        InvalidInput: If there is no such kind, or the volume is empty and has no surface to write.
+    """
     document, known = state.document, state.requirements.fine
     if known is not None and known.result is not None and known.job.serves(document):
         volume = known.result.volume

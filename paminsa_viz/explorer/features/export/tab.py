@@ -27,6 +27,7 @@ from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.plots.animations import ANIMATION_FORMATS
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.quantities import QUANTITIES
+from paminsa_viz.synthesis.volume.surface import VOLUME_FORMATS
 
 Make = Callable[..., File]
 
@@ -105,7 +106,7 @@ def volume_choices() -> dict[str, Run]:
         kind.upper(): export(
             f"the volume as {kind.upper()}", partial(exports.volume_file, kind=kind)
         )
-        for kind in exports.VOLUME_KINDS
+        for kind in VOLUME_FORMATS
     }
 
 
