@@ -14,7 +14,7 @@ from paminsa_viz.clearance.shapes import ALL_PAIRS, FRAMES, PairGroup, Shapes, s
 from paminsa_viz.dimensions.placement import BODIES, place_parts
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
-from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.arrays import Array, as_pose, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.units import format_ascii
@@ -143,9 +143,7 @@ def nearest_points(
     Raises:
         InvalidInput: If the pose is not one of shape (4,) or not real, or a group is unknown.
     """
-    found = clearance(design, pose, pairs)
-    if found.least.shape != ():
-        raise InvalidInput("pose", f"one pose (4,) is needed; got {np.shape(pose)}")
+    found = clearance(design, as_pose(pose), pairs)
     if found.pair < 0:
         return None
     i, j = found.shapes.pairs[int(found.pair)]

@@ -14,6 +14,7 @@ from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.files.atomic import check_writable
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.tables import table_endings
+from paminsa_viz.model.arrays import Pose
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.load import WRENCH, LoadFrame
 from paminsa_viz.plots.formats import figure_endings
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 NEEDS_FIGURE = f"--out with {', '.join(figure_endings()[:-1])} or {figure_endings()[-1]}"
 """What flags of figures need."""
 
-Pose: TypeAlias = tuple[float, float, float, float]
 Point: TypeAlias = tuple[float, float, float]
 Wrench: TypeAlias = tuple[float, float, float, float, float, float]
 

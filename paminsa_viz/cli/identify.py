@@ -11,7 +11,7 @@ import tyro
 
 from paminsa_viz.blocks.identification import identification_blocks, identification_data
 from paminsa_viz.cli.arguments import OrNone, UsageError
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Pose, pose_si
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, pose_si
 from paminsa_viz.cli.output import (
     print_blocks,
     print_heading,
@@ -26,6 +26,7 @@ from paminsa_viz.files.tables import save_table
 from paminsa_viz.identification.columns import IdentificationSettings
 from paminsa_viz.identification.findings import Findings, investigate
 from paminsa_viz.identification.log import Log
+from paminsa_viz.model.arrays import Pose
 
 DESCRIPTION = """\
 Find masses, balance and friction of the built robot from a log of positions and torques.

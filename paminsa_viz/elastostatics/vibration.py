@@ -31,7 +31,7 @@ from paminsa_viz.elastostatics.leg_model import RETAINED
 from paminsa_viz.elastostatics.modes import Modes, natural_modes
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
-from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.arrays import Array, as_pose, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import check_reach
 
@@ -197,9 +197,7 @@ def robot_modes(
         InvalidInput: If it is not one pose, arm or shaft has no length, or ``count`` or
             ``divisions`` is not possible.
     """
-    pose = as_vectors(pose, "pose")
-    if pose.ndim > 1:
-        raise InvalidInput("pose", f"one pose (4,) is needed; got {pose.shape}")
+    pose = as_pose(pose)
     if count < 1:
         raise InvalidInput("count", f"at least one mode is needed, not {count}")
     matrices = leg_matrices(design, divisions, shear)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.errors import InvalidInput
 
 Array = NDArray[np.float64]
+
+Pose: TypeAlias = tuple[float, float, float, float]
+"""(x, y, theta, z) as plain numbers, [m, m, rad, m] where nothing else is said."""
 
 
 def as_vectors(values: ArrayLike, argument: str, size: int = 4) -> Array:
@@ -25,6 +28,18 @@ def as_vectors(values: ArrayLike, argument: str, size: int = 4) -> Array:
             argument, f"the last axis has to have {size} entries; the shape is {array.shape}"
         )
     return array
+
+
+def as_pose(values: ArrayLike, argument: str = "pose") -> Array:
+    """Return one pose as float64, (4,).
+
+    Raises:
+        InvalidInput: If the values are no real numbers, or not one pose.
+    """
+    pose = as_vectors(values, argument)
+    if pose.ndim > 1:
+        raise InvalidInput(argument, f"one pose (4,) is needed; got {pose.shape}")
+    return pose
 
 
 def as_numbers(values: ArrayLike, argument: str) -> Array:

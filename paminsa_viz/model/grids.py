@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import backend, robot
 from paminsa_viz.model.arguments import of_design, of_geometry
-from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
+from paminsa_viz.model.arrays import Array, as_numbers, as_pose
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematic_formulas import wrench_torques
@@ -62,11 +62,8 @@ class Grid:
             made[name] = as_numbers(values, name)
             if made[name].ndim != 1 or made[name].size == 0:
                 raise InvalidInput(name, f"one axis of values is needed; got {made[name].shape}")
-        pose = as_vectors(self.fixed, "fixed")
-        if pose.shape != (4,):
-            raise InvalidInput("fixed", f"one pose (4,) is needed; got {pose.shape}")
         object.__setattr__(self, "axes", tuple(made.items()))
-        object.__setattr__(self, "fixed", pose)
+        object.__setattr__(self, "fixed", as_pose(self.fixed, "fixed"))
 
     @classmethod
     def over(cls, fixed: ArrayLike, **axes: ArrayLike) -> Grid:

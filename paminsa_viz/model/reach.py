@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.errors import UnreachablePose
 from paminsa_viz.model import backend, measures, robot
 from paminsa_viz.model.arguments import of_geometry
-from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.arrays import Array, Pose, as_vectors
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.status import Status, WithStatus
@@ -176,7 +176,7 @@ def workspace_height(geometry: Geometry) -> float:
 
 
 @of_geometry
-def home_pose(geometry: Geometry) -> tuple[float, float, float, float]:
+def home_pose(geometry: Geometry) -> Pose:
     """Return a pose (x, y, theta, z) at the center, far from all limits [m, m, rad, m]."""
     bars = geometry.crank_length + geometry.coupler_length
     drop = min(HOME_DROP * bars, 0.75 * workspace_height(geometry))

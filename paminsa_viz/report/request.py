@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from paminsa_viz.blocks.kinds import Block
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arrays import Pose
 
 if TYPE_CHECKING:
     from paminsa_viz.identification.log import Log
@@ -55,7 +56,7 @@ class ReportRequest:
     """
 
     design: Design
-    pose: tuple[float, float, float, float]
+    pose: Pose
     trajectory: Trajectory
     made: datetime
     command: str

@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from paminsa_viz.explorer.state.motion import MOST_SAMPLES, Kind, Motion, Pose, Timing
+from paminsa_viz.explorer.state.motion import MOST_SAMPLES, Kind, Motion, Timing
 from paminsa_viz.kept import kept
 from paminsa_viz.model import Design, Geometry, InvalidInput, PaminsaError, check_reach
+from paminsa_viz.model.arrays import Pose
 from paminsa_viz.trajectory import (
     PRESET,
     DeformedPlan,

@@ -8,9 +8,9 @@ import numpy as np
 
 from paminsa_viz.explorer.core.planning import planned, pose_at
 from paminsa_viz.explorer.state.document import Document
-from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.simulation import SimulationState
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model.arrays import Pose
 from paminsa_viz.trajectory import Simulation
 
 

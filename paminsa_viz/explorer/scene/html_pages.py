@@ -37,7 +37,7 @@ from paminsa_viz.explorer.server.viser_patch import quiet
 from paminsa_viz.explorer.state.document import LastReachable
 from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.explorer.state.state import initial_state
-from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.arrays import Array, as_pose
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
 from paminsa_viz.model.reach import require_reachable
@@ -92,9 +92,7 @@ def robot_html(design: Design, pose: ArrayLike) -> bytes:
         UnreachablePose: If the robot cannot take it.
         CannotListen: If no port is left for the server.
     """
-    place = as_vectors(pose, "pose")
-    if place.shape != (4,):
-        raise InvalidInput("pose", f"one pose (4,) is needed; got {place.shape}")
+    place = as_pose(pose)
     require_reachable(design.geometry, place)
     configuration = inverse_kinematics(design.geometry, place)
     with robot_scene(design, configuration) as (_, _, page):

@@ -13,9 +13,9 @@ import viser
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.context import SceneContext
-from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.model.arrays import Pose
 
 
 class PoseHandle(ABC):

@@ -22,6 +22,7 @@ from paminsa_viz.explorer.state.outcome import Outcome, TaskState
 from paminsa_viz.explorer.state.plane import PlaneJob
 from paminsa_viz.explorer.state.settings import PERCENT, Settings, setting
 from paminsa_viz.model import Design, InvalidInput
+from paminsa_viz.model.arrays import Pose
 from paminsa_viz.trajectory import Trajectory
 
 
@@ -206,7 +207,7 @@ class WeightClearance:
 
     distance: float
     names: tuple[str, str]
-    pose: tuple[float, float, float, float]
+    pose: Pose
     touching: float
     poses: int
 

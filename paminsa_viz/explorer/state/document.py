@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from paminsa_viz.explorer.state.motion import Motion, Pose
+from paminsa_viz.explorer.state.motion import Motion
 from paminsa_viz.model import APPENDIX_4, Design, Geometry
+from paminsa_viz.model.arrays import Pose
 from paminsa_viz.quantities.requirements import Requirements
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.settings import Settings, setting
 from paminsa_viz.model import Design
+from paminsa_viz.model.arrays import Pose
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import MonteCarlo
 from paminsa_viz.precision.unequal_legs import ERRORS, ORDER

@@ -17,6 +17,7 @@ from paminsa_viz.explorer.state.settings import (
     setting_fields,
 )
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.model.arrays import Pose
 from paminsa_viz.plots.series import FigureKind, SeriesKind
 from paminsa_viz.trajectory import (
     PRESET,
@@ -25,9 +26,6 @@ from paminsa_viz.trajectory import (
     Profile,
     Trajectory,
 )
-
-Pose = tuple[float, float, float, float]
-"""(x, y, theta, z) [m, m, rad, m]."""
 
 MOST_WAYPOINTS = 40
 LENGTHS = (1e-4, 10.0)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.settings import Settings
 from paminsa_viz.model import PARAMETER, Design
+from paminsa_viz.model.arrays import Pose
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirements import Requirement
 

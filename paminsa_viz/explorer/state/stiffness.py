@@ -13,11 +13,10 @@ from paminsa_viz.elastostatics.stiffness import (
     StrainShares,
     load_wrench,
 )
-from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.settings import Settings, setting
 from paminsa_viz.model import Design
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.arrays import Array, Pose
 from paminsa_viz.model.elastic import BARS
 
 MODE_NODE = "/elastic/mode"

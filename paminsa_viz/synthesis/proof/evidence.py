@@ -9,7 +9,7 @@ from itertools import pairwise, permutations
 
 import numpy as np
 
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.arrays import Array, Pose
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities.requirements import Requirement, Requirements
@@ -23,8 +23,6 @@ from paminsa_viz.synthesis.proof.regions import (
     lowest,
     region_margins,
 )
-
-Pose = tuple[float, float, float, float]
 
 
 class Verdict(Enum):

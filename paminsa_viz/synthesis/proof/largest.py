@@ -15,7 +15,7 @@ import numpy as np
 from paminsa_viz.checks import require_positive
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.arrays import Array, Pose
 from paminsa_viz.model.design import Design
 from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
@@ -27,7 +27,6 @@ from paminsa_viz.synthesis.proof.certificate import (
 )
 from paminsa_viz.synthesis.proof.evidence import (
     Evidence,
-    Pose,
     Proof,
     Verdict,
     home_path,

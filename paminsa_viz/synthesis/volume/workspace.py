@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.arrays import Array, Pose
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import LEAST_MARGIN, MARGINS, Limit
 from paminsa_viz.quantities.requirement_text import requirement_label
@@ -178,8 +178,6 @@ def _candidates(workspace: Workspace, volume: Volume) -> list[NDArray[np.intp]]:
         for axis, place in zip((volume.x, volume.y, volume.z), workspace.center, strict=True)
     ]
 
-
-Pose = tuple[float, float, float, float]
 
 _FINE_HEADINGS = 181
 """Headings among which the worst one for reach is looked for; whether it holds is exact."""

@@ -14,10 +14,9 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.curves import segments
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import Node, label, lines, mesh
-from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.kept import kept
 from paminsa_viz.model import DriveAccuracy, Geometry, jacobian
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.arrays import Array, Pose
 from paminsa_viz.precision.drive_errors import DriveErrors, drive_errors
 from paminsa_viz.units import display_unit, number
 

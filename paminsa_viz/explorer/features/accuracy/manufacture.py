@@ -14,11 +14,11 @@ from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Folder
 from paminsa_viz.explorer.kit.inputs import Number, Slider
 from paminsa_viz.explorer.kit.text import blocks_html, render
 from paminsa_viz.explorer.state.monte_carlo import NAMES
-from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.kept import kept
 from paminsa_viz.model import PARAMETER, Design
 from paminsa_viz.model.accuracy import LEG_NAMES, NO_DEVIATIONS, NO_TOLERANCES, Tolerances
+from paminsa_viz.model.arrays import Pose
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import ToleranceErrors, tolerance_errors
 from paminsa_viz.units import display_unit

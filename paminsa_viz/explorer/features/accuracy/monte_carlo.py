@@ -15,9 +15,9 @@ from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.kit.text import blocks_html
 from paminsa_viz.explorer.state.monte_carlo import MonteCarloJob, MonteCarloSettings
-from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Design
+from paminsa_viz.model.arrays import Pose
 from paminsa_viz.precision.leg_lengths import lengths_only
 from paminsa_viz.precision.manufacture import MonteCarlo, monte_carlo
 from paminsa_viz.progress import Progress

@@ -11,8 +11,8 @@ from paminsa_viz.explorer.features.motion import points
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.nodes import Node, Nodes, label
 from paminsa_viz.explorer.scene.pose_handles import PoseHandle
-from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model.arrays import Pose
 from paminsa_viz.palette import INK, REFERENCE, rgb
 
 

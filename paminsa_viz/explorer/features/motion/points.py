@@ -6,9 +6,10 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.maps import go_to, on_map
 from paminsa_viz.explorer.core.motion import change, choose_kind, current_pose, is_drawing
 from paminsa_viz.explorer.core.planning import THETA, Point, points, with_point
-from paminsa_viz.explorer.state.motion import Kind, Pose
+from paminsa_viz.explorer.state.motion import Kind
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.model.arrays import Pose
 
 
 def listed(state: State) -> tuple[Point, ...]:

@@ -10,6 +10,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.state.pins import IMBALANCE, PinsJob, PinValue
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import PARAMETER, Design, Limit, static_imbalance
+from paminsa_viz.model.arrays import Pose
 from paminsa_viz.model.grids import Field, Grid, solve_field
 from paminsa_viz.progress import Progress
 from paminsa_viz.quantities import QUANTITIES
@@ -39,9 +40,7 @@ def wanted(frame: Frame) -> PinsJob | None:
     return PinsJob(keys, frame.shown_design, state.document.reference, pose, bounds)
 
 
-def _holds_at(
-    bound: Requirement, required: Requirements, pose: tuple[float, float, float, float]
-) -> bool:
+def _holds_at(bound: Requirement, required: Requirements, pose: Pose) -> bool:
     """Whether a requirement is one on a pose: its heading and height are among those it is on."""
     theta, z = required.headings(bound), bound.z
     return theta[0] <= pose[2] <= theta[1] and (z is None or z[0] <= pose[3] <= z[1])

@@ -20,6 +20,7 @@ from paminsa_viz.explorer.kit.robot_texts import gray_if, margin_level, margin_s
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.requirements import VolumeResult
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model.arrays import Pose
 from paminsa_viz.quantities.requirement_text import ranges_label, requirement_label
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.synthesis.volume.check import RequirementsCheck
@@ -28,8 +29,6 @@ from paminsa_viz.synthesis.volume.workspace import RequirementCheck
 
 AMPLE = 0.1
 """Margin of reach, and distance from singularities, of a full bar [m]."""
-
-Pose = tuple[float, float, float, float]
 
 
 def names(state: State) -> dict[str, int]:

@@ -11,10 +11,10 @@ from paminsa_viz.elastostatics.center_lines import CenterLines
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import NO_SHADOWS, Node, ball, curves, label, mesh
-from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.stiffness import CASES, MODE_NODE, ElasticOutcome
 from paminsa_viz.kept import kept
 from paminsa_viz.meshes.vibrating import vibrating_glb
+from paminsa_viz.model.arrays import Pose
 from paminsa_viz.units import number
 
 MODE_COLOR: Final = "#CC79A7"

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from paminsa_viz.explorer.core.actions import load_design, move_to, stop_following, with_document
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.kit.task import Task
-from paminsa_viz.explorer.state.motion import Pose
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.synthesis import (
     BestSoFar,
@@ -21,6 +20,7 @@ from paminsa_viz.explorer.state.synthesis import (
     SynthesisJob,
 )
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.model.arrays import Pose
 from paminsa_viz.progress import Progress
 from paminsa_viz.quantities.requirements import Requirements
 

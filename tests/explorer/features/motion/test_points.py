@@ -18,9 +18,10 @@ from paminsa_viz.explorer.features.motion import points
 from paminsa_viz.explorer.features.motion.handles import MotionPoints
 from paminsa_viz.explorer.features.motion.point_entries import POINTS, points_html
 from paminsa_viz.explorer.scene.context import SceneContext
-from paminsa_viz.explorer.state.motion import Kind, Pose
+from paminsa_viz.explorer.state.motion import Kind
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.model.arrays import Pose
 from tests.support.desk import Desk
 from tests.support.raw_page import RawPage, eventually
 
