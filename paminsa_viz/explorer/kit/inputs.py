@@ -134,13 +134,31 @@ class Input(Entry, ABC):
 
 
 @dataclass(frozen=True)
-class Slider(Input):
+class OneNumber(Input):
+    """An input of one number.
+
+    Attributes:
+        step: In the unit shown; any number of decimals can be typed.
+        unit: The unit shown.
+    """
+
+    _: KW_ONLY
+    step: float
+    unit: DisplayUnit = PLAIN
+
+    def shown(self, state: State) -> float:
+        return self.unit.from_si(self.read(state))
+
+    def is_shown(self, state: State, value: Any) -> bool:
+        return same_digits(value, self.shown(state), decimals(self.step))
+
+
+@dataclass(frozen=True)
+class Slider(OneNumber):
     """A slider with a number box.
 
     Attributes:
         range: Its ends, in the unit shown.
-        step: In the unit shown; any number of decimals can be typed.
-        unit: The unit shown.
         fit: Grows the range to a number beyond it, which can then be typed; without it, numbers
             more than a step beyond the range are refused.
         marks: Values with a tick.
@@ -148,16 +166,8 @@ class Slider(Input):
 
     _: KW_ONLY
     range: Given[tuple[float, float]]
-    step: float
-    unit: DisplayUnit = PLAIN
     fit: Callable[[tuple[float, float], float], tuple[float, float]] | None = None
     marks: tuple[tuple[float, str], ...] | None = None
-
-    def shown(self, state: State) -> float:
-        return self.unit.from_si(self.read(state))
-
-    def is_shown(self, state: State, value: Any) -> bool:
-        return same_digits(value, self.shown(state), decimals(self.step))
 
     def parse(self, state: State, value: Any) -> float:
         number = self.number(state, value, (None, None), PLAIN)
@@ -182,22 +192,15 @@ class Slider(Input):
 
 
 @dataclass(frozen=True)
-class Number(Input):
-    """A number box; attributes as of `Slider`, but the range is in SI.
+class Number(OneNumber):
+    """A number box.
 
-    Numbers beyond it are refused.
+    Attributes:
+        range: Its ends in SI; numbers beyond them are refused.
     """
 
     _: KW_ONLY
     range: Range = (None, None)
-    step: float
-    unit: DisplayUnit = PLAIN
-
-    def shown(self, state: State) -> float:
-        return self.unit.from_si(self.read(state))
-
-    def is_shown(self, state: State, value: Any) -> bool:
-        return same_digits(value, self.shown(state), decimals(self.step))
 
     def parse(self, state: State, value: Any) -> float:
         return self.number(state, value, self.range, self.unit)
