@@ -99,7 +99,7 @@ def memory_rows(driver: Any) -> Iterator[Row]:
         process.terminate()
         process.wait()
     yield Row("memory of the server with one page", 300, "MB", one)
-    yield Row("for each further page", 25, "MB", (several - one) / (PAGES - 1))
+    yield Row("for each further page, just opened", 25, "MB", (several - one) / (PAGES - 1))
     yield Row("after all are closed, over what it was before", 100, "MB", after - before)
 
 

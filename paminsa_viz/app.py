@@ -97,7 +97,8 @@ class AppOptions:
     """Whether a browser has to show the access token that is part of the printed address; auto asks
     for it unless only this machine can reach the page."""
     pages: int = 24
-    """Pages that can be open at the same time; each takes some 30 MB."""
+    """Pages that can be open at the same time. Each takes some 15 MB, and 25 MB once all its
+    sections have been used."""
 
     def __post_init__(self) -> None:
         if not 0 <= self.port <= 65535:
