@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
+from paminsa_viz.explorer.core.actions import restore
+from paminsa_viz.explorer.state.accuracy import EncoderSettings
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
@@ -17,15 +19,27 @@ DEPTH = 200
 
 
 class Snapshot(NamedTuple):
-    """What undo brings back: the document, and which poses count, which everything is judged by."""
+    """What undo brings back: the document, and what else numbers of it are set or judged by.
+
+    Attributes:
+        document: What is worked on.
+        condition_limit: Which poses count.
+        encoder: What bits of an encoder are turned into a count of the design with.
+    """
 
     document: Document
     condition_limit: float = CONDITION_LIMIT
+    encoder: EncoderSettings = EncoderSettings()
 
     @classmethod
     def of(cls, state: State) -> Snapshot:
         """Return that of a state."""
-        return cls(state.document, state.condition_limit)
+        return cls(state.document, state.condition_limit, state.encoder.settings)
+
+    def restored(self, state: State) -> State:
+        """Return a state with this snapshot's parts."""
+        restored = replace(restore(state, self.document), condition_limit=self.condition_limit)
+        return restored.updated("encoder", settings=self.encoder)
 
 
 @dataclass

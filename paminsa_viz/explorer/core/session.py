@@ -19,7 +19,7 @@ from typing import Protocol
 import viser
 
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.core import actions, threads
+from paminsa_viz.explorer.core import threads
 from paminsa_viz.explorer.core.actions import Action
 from paminsa_viz.explorer.core.frame import Frame, compute
 from paminsa_viz.explorer.core.history import History, Snapshot
@@ -288,9 +288,7 @@ class Session:
         if found is not None:
             while self._step_notices:
                 self._step_notices.pop().remove()
-            restored = actions.restore(self._state, found.document)
-            self._state = replace(restored, condition_limit=found.condition_limit)
-            self._state = self._with_steps(self._state)
+            self._state = self._with_steps(found.restored(self._state))
 
     def _run(self) -> None:
         with self.user.working():

@@ -9,6 +9,7 @@ import pytest
 
 from paminsa_viz.explorer.core import actions, persistence, tab_store
 from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.history import Snapshot
 from paminsa_viz.explorer.features.accuracy import tab as panel
 from paminsa_viz.explorer.features.accuracy import worst
 from paminsa_viz.explorer.features.accuracy.layers import shown_errors
@@ -112,7 +113,9 @@ def test_encoder_is_given_by_its_bits_and_the_gear_behind_it() -> None:
     state = bits.apply(initial_state(), 12.0)
     assert state.document.design.accuracy.resolution_rotary == pytest.approx(2 * np.pi / 4096)
     worst = shown_errors(compute(state)).worst
-    state = gear.apply(state, 50.0)
+    direct, state = state, gear.apply(state, 50.0)
+    undone = Snapshot.of(direct).restored(state)
+    assert (gear.read(undone), bits.read(undone)) == (1, bits.read(direct))
     assert bits.read(state) == pytest.approx(12.0)
     assert state.document.design.accuracy.resolution_rotary == pytest.approx(np.pi / 2048 / 50)
     assert (shown_errors(compute(state)).worst < worst)[:3].all()  # M4 has its own
