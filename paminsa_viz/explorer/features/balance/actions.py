@@ -125,16 +125,22 @@ TASKS = {
 OPTIMUM, FRONT, SENSITIVITY = TASKS.values()
 
 
-def choose_point(state: State, index: int) -> State:
+def choose_point(state: State, index: int | None) -> State:
     """Work on a point of the front, the design it was made from pinned to compare with.
+
+    Args:
+        state: A state with a front.
+        index: Which point, or None for the design that the front was made from.
 
     Raises:
         InvalidInput: If there is no such point.
     """
     front, points = state.balance.front, state.balance.points
-    if front is None or index not in range(len(points)):
+    if front is None or (index is not None and index not in range(len(points))):
         raise InvalidInput("front", "there is no such point")
-    return _compared(state.updated("balance", outcome=None), points[index], front.job.design)
+    before = front.job.design
+    chosen = before if index is None else points[index]
+    return _compared(state.updated("balance", outcome=None), chosen, before)
 
 
 def chosen_point(state: State) -> int | None:

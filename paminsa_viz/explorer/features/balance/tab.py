@@ -109,7 +109,18 @@ def _has_front(state: State) -> bool:
 
 
 def _points(state: State) -> tuple[float, float]:
-    return 1.0, float(max(len(state.balance.points), 2))
+    return 0.0, float(max(len(state.balance.points), 1))
+
+
+def _point(state: State) -> float:
+    """Return the number of the point that is worked on, from 1; 0 for none."""
+    chosen = balancing.chosen_point(state)
+    return 0.0 if chosen is None else chosen + 1.0
+
+
+def _choose_point(state: State, value: float) -> State:
+    point = round(value)
+    return balancing.choose_point(state, point - 1 if point else None)
 
 
 def _click(state: State, data: Any) -> State:
@@ -135,9 +146,9 @@ FRONT = (
             chart("front.chart", charts.shown_front, charts.front_figure, 0.82),
             Slider(
                 "balance.point", "Point", range=_points, step=1.0, visible=_has_front,
-                hint="Works on a point of the front; undo goes back",
-                read=lambda state: 1.0 + (balancing.chosen_point(state) or 0),
-                apply=lambda state, value: balancing.choose_point(state, round(value) - 1),
+                hint="Works on a point of the front; 0 is none of them: it goes back to the "
+                "design before",
+                read=_point, apply=_choose_point,
             ),
         ),
     ),

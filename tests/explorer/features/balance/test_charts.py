@@ -21,7 +21,10 @@ from paminsa_viz.explorer.features.balance.charts import (
     tornado_figure,
 )
 from paminsa_viz.explorer.features.balance.solving import middle, run, static_torque
+from paminsa_viz.explorer.features.balance.tab import FRONT
 from paminsa_viz.explorer.features.balance.texts import front_html, sensitivity_html
+from paminsa_viz.explorer.kit.entries import given
+from paminsa_viz.explorer.kit.inputs import Slider
 from paminsa_viz.explorer.state.balance import BalanceKind, MassFront
 from paminsa_viz.explorer.state.outcome import Outcome, solve
 from paminsa_viz.explorer.state.state import State
@@ -34,7 +37,11 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.trajectory import analyze
 from tests.explorer.features.balance.balanced import START, solved, started
+from tests.support.entries import inputs_in
 from tests.support.tasks import delivered
+
+(POINT,) = (entry for entry in inputs_in(FRONT) if isinstance(entry, Slider))
+"""The slider that goes through the points of the front."""
 
 
 @pytest.mark.slow
@@ -48,11 +55,11 @@ def test_points_of_the_front_are_designs_with_the_torques_they_say() -> None:
     assert after.document == START.document
     points = outcome.result.front.points
     assert len(outcome.result.designs) == len(points) > 5
-    assert balancing.chosen_point(after) is None
+    assert (POINT.read(after), given(POINT.range, after)) == ((0, (0, len(points))))
     for index in (0, 4, len(points) - 1):
         first, second = points[index].first, points[index].second
-        after = balancing.choose_point(after, index)
-        assert balancing.chosen_point(after) == index
+        after = POINT.apply(after, index + 1)
+        assert POINT.read(after) == index + 1
         assert after.document.reference == START.document.design
         assert job.trajectory is not None
         torque = analyze(after.document.design, job.trajectory).torque[:, :3]
@@ -62,6 +69,8 @@ def test_points_of_the_front_are_designs_with_the_torques_they_say() -> None:
         assert clicked_point({"x": first, "y": second}, after) == index
         marks = front_figure(*drawn(shown_front(after)))["data"][0]["marker"]["size"]
         assert marks.index(max(marks)) == index
+    after = POINT.apply(after, 0)
+    assert (POINT.read(after), after.document.design) == (0, START.document.design)
     with pytest.raises(InvalidInput, match="no such point"):
         balancing.choose_point(after, len(points))
     for elsewhere in ({"x": 1e6, "y": 0}, {"x": "1", "y": 0}, [1]):
