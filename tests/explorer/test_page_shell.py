@@ -227,7 +227,7 @@ RIGHT_ENDS = """() => ["[data-floating-window]", "canvas[data-engine]"].map(
   (place) => document.querySelector(place).getBoundingClientRect().right)"""
 
 
-def test_folded_panel_of_the_view_stays_between_the_docks(tab: Tab) -> None:
+def test_panel_of_the_view_does_not_lie_over_the_right_dock(tab: Tab) -> None:
     tab.page.set_viewport_size({"width": 900, "height": 600})
     tab.wait_frames(1500)
     tab.click("compare")  # unfolds the left dock
@@ -238,7 +238,11 @@ def test_folded_panel_of_the_view_stays_between_the_docks(tab: Tab) -> None:
         return view < 600 and panel <= view
 
     until(between, "the panel is as narrow as the view", 10)
-    assert tab.page.get_by_text("View", exact=True).first.is_visible()
+    tab.page.get_by_text("View", exact=True).first.click()
+    tab.page.get_by_text("Map opacity").wait_for()
+    whole = "document.querySelector('[data-floating-window]').offsetWidth > 300"
+    until(lambda: tab.page.evaluate(whole), "the open panel has its width", 10)
+    until(between, "it ends where the view does", 10)
 
 
 def test_example_opens_with_what_makes_it_true_and_where_it_is_seen(tab: Tab) -> None:

@@ -122,11 +122,16 @@
     };
     const now = JSON.stringify(widths);
     const steady = now === docks; // not while one is dragged
-    const folded = document.querySelector("[data-floating-window] [data-dock-collapsed]");
-    const widest = folded ? `${Math.round(place.width) - 20}px` : "none";
+    const panel = document.querySelector("[data-floating-window]");
+    const folded = panel?.querySelector("[data-dock-collapsed]");
+    const room = Math.round(place.width) - 20;
+    const beyond = panel && !folded ? Math.max(0, panel.offsetWidth - room - 10) : 0;
     const { style } = document.documentElement; // see view.css
-    if (style.getPropertyValue("--pv-widest-panel") !== widest)
-      style.setProperty("--pv-widest-panel", widest);
+    for (const [name, value] of [
+      ["--pv-widest-panel", folded ? `${room}px` : "none"],
+      ["--pv-panel-shift", `${-beyond}px`],
+    ])
+      if (style.getPropertyValue(name) !== value) style.setProperty(name, value);
     docks = now;
     const known = !isWhole || now === reportedDocks;
     if (steady && !known && send("docks", widths)) reportedDocks = now;
