@@ -11,9 +11,8 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.tables import DataTable, table_text
 from paminsa_viz.model import InvalidInput
 
-LONGEST = 4_000_000
-"""Longest text that is put on the clipboard [characters]."""
-
+LONGEST = 8_000_000
+"""Longest text that is put on the clipboard [characters]; three torque maps are 3 to 5 million."""
 
 USES = {"Link": "it opens this design where paminsa-viz runs at the same address"}
 """What a text is copied for, by its name, if not for a spreadsheet."""

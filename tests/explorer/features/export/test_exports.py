@@ -23,6 +23,7 @@ from paminsa_viz.codegen.fmu import fmu_sources
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.maps import FULL, MapStore
 from paminsa_viz.explorer.features.export import exports, pictures
+from paminsa_viz.explorer.features.export.copying import LONGEST
 from paminsa_viz.explorer.features.export.tab import export_entries
 from paminsa_viz.explorer.kit import downloads
 from paminsa_viz.explorer.kit.downloads import LONGEST_NAME, File, Place, file_name
@@ -381,8 +382,10 @@ def test_unexpected_error_is_notified_and_logged(
     lambda state: exports.motion_series(state)[1],
 ], ids=["maps", "motion"])  # fmt: skip
 def test_copied_table_reads_as_the_file_with_tabs(make: Any) -> None:
-    table = make(state_at(x=0.03))
-    copied, file = table_text(table).splitlines(), table_csv(table).decode().splitlines()
+    table = make(state_at(x=0.03, theta=np.pi / 3, z=-0.552))  # where the page opens, but for x
+    text, file = table_text(table), table_csv(table).decode().splitlines()
+    copied, length = text.splitlines(), len(text)
+    assert length <= LONGEST
     head = [line for line in copied if line.startswith("#")]
     assert head == file[: len(head)]
     assert [line.split("\t") for line in copied[len(head) :]] == [
