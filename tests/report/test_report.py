@@ -231,6 +231,17 @@ def test_a_pose_out_of_reach_is_refused() -> None:
         report_html(replace(request_for(), pose=(0.0, 0.0, 0.0, -3.0)))
 
 
+GAPS = """() => [...document.querySelectorAll("h2")].map((heading) => {
+  const [number, title] = [...heading.childNodes].map((part) => {
+    const range = document.createRange();
+    range.selectNodeContents(part);
+    return range.getBoundingClientRect();
+  });
+  return title.left - number.right;
+})"""
+"""Pixels between the number of each section and its title."""
+
+
 @pytest.mark.browser
 def test_browser_shows_and_prints_the_report_without_requests(
     report: str, browser: Any, tmp_path: Path
@@ -247,6 +258,7 @@ def test_browser_shows_and_prints_the_report_without_requests(
         "[...document.images].filter(i => !i.complete || !i.naturalWidth).length"
     )
     assert broken == 0
+    assert min(page.evaluate(GAPS)) > 6
     for width in (1280, 400):
         page.set_viewport_size({"width": width, "height": 900})
         across = page.evaluate("document.documentElement.scrollWidth")
