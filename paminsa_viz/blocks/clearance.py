@@ -70,7 +70,8 @@ def region_blocks(over: Clearance, required: float = 0.0, what: str = "poses") -
     if len(reached) == 0:
         return [Note(f"{text}.", "warn")]
     share = 100 * np.mean(reached < required)
-    text += f"; {share:.1f} % of them have less than {format_value(required, 'm')}."
+    near = f"are less than {format_value(required, 'm')} apart" if required else "overlap"
+    text += f"; bodies {near} in {share:.1f} % of them."
     cells = (
         (*names, str(count), format_value(least, "m"))
         for names, count, least in nearest_kinds(over)[:MOST]

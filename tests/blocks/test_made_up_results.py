@@ -63,11 +63,11 @@ def test_nearest_bodies_of_many_poses_are_counted_by_kind() -> None:
     kinds = clearance_words.nearest_kinds(over)
     assert kinds == [(("a", "b"), 3, 0.002), (("M", "c"), 2, -0.003)]
     note, table = clearance_words.region_blocks(over)
-    text = "5 of 6 poses can be taken; 20.0 % of them have less than 0 mm."
+    text = "5 of 6 poses can be taken; bodies overlap in 20.0 % of them."
     assert said([note]) == [(text, "warn")]
     assert cells(table) == [("a", "b", "3", "2 mm"), ("M", "c", "2", "−3 mm")]
     note, _ = clearance_words.region_blocks(over, 0.01, "samples")
-    text = "5 of 6 samples can be taken; 60.0 % of them have less than 10 mm."
+    text = "5 of 6 samples can be taken; bodies are less than 10 mm apart in 60.0 % of them."
     assert said([note]) == [(text, "warn")]
     apart = distances([0.004, 0.002], [0, 1])
     assert said(clearance_words.region_blocks(apart))[0][1] == "ok"
@@ -104,7 +104,7 @@ def test_nearest_bodies_of_many_poses_are_counted_by_kind() -> None:
 
 def test_one_pose_that_can_be_taken_is_enough_for_a_table() -> None:
     note, table = clearance_words.region_blocks(distances([np.nan, 0.004], [-1, 1]))
-    assert said([note])[0][0].startswith("1 of 2 poses can be taken; 0.0 %")
+    assert said([note])[0][0].startswith("1 of 2 poses can be taken; bodies overlap in 0.0 %")
     assert cells(table) == [("a", "b", "1", "4 mm")]
 
 
