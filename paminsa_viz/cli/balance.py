@@ -132,7 +132,7 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
             return 1
         if self.out is not None:
             comment = f"Balanced by {MADE_BY}."
-            save_changed(found.after, self.out, comment=comment)
+            save_changed(found.after, self.out, self.given_requirements(), comment=comment)
         if self.json:
             print_json(optimum_data(found))
         else:

@@ -87,7 +87,8 @@ class Calibrate(JsonFlags, DesignFlags):
         written = []
         if self.out is not None and found.improved:
             comment = f"Calibrated by {MADE_BY} with {self.log.name}."
-            written = [save_changed(found.design, self.out, comment=comment)]
+            requirements = self.given_requirements()
+            written = [save_changed(found.design, self.out, requirements, comment=comment)]
         if self.json:
             print_json(calibration_data(found, str(self.log)))
         else:

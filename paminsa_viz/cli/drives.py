@@ -95,7 +95,8 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
         written = []
         if self.save is not None and found.feasible:
             comment = f"Drives by {MADE_BY} from {catalog.name}."
-            written = [save_changed(found.design(design), self.save, comment=comment)]
+            driven, requirements = found.design(design), self.given_requirements()
+            written = [save_changed(driven, self.save, requirements, comment=comment)]
         if self.json:
             data = selection_data(design, catalog, found, self.rows, advice)
             print_json(data | {"order": self.order})

@@ -12,7 +12,7 @@ import tyro
 
 from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.files.atomic import check_writable
-from paminsa_viz.files.design_file import load_design
+from paminsa_viz.files.design_file import load_content, load_design
 from paminsa_viz.files.tables import table_endings
 from paminsa_viz.model.arrays import Pose
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
@@ -21,6 +21,7 @@ from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.units import MM
 
 if TYPE_CHECKING:
+    from paminsa_viz.quantities.requirements import Requirements
     from paminsa_viz.studies.region import Region
 
 NEEDS_FIGURE = f"--out with {', '.join(figure_endings()[:-1])} or {figure_endings()[-1]}"
@@ -102,6 +103,14 @@ class DesignFlags:
         if changes:
             design = replace(design, load=replace(design.load, **changes))
         return design if self.knee is None else design.with_knee(KneeBranch(self.knee))
+
+    def given_requirements(self) -> Requirements | None:
+        """Return what the robot is needed for; None if no file is given or it does not say.
+
+        Raises:
+            DesignFileError: If the file cannot be read or is refused.
+        """
+        return None if self.design is None else load_content(self.design).requirements
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -125,7 +125,7 @@ class Identify(JsonFlags, DesignFlags):
         paths = [folder / name for name in FILES]
         save_table(estimate_table(found), paths[0])
         save_table(residual_table(found), paths[1])
-        save_changed(found.nearest.design, paths[2])
+        save_changed(found.nearest.design, paths[2], self.given_requirements())
         write_bytes(paths[3], render_series(log_series(found), "svg"))
         return paths
 

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from paminsa_viz.blocks.data import plain
 from paminsa_viz.blocks.kinds import Block, Note, Table
@@ -20,6 +20,9 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.units import NONE
 from paminsa_viz.version import COMMAND, MADE_BY
+
+if TYPE_CHECKING:
+    from paminsa_viz.quantities.requirements import Requirements
 
 
 def print_error(error: Exception) -> None:
@@ -52,15 +55,19 @@ def write_report(request: ReportRequest, path: Path) -> None:
         file.write(report_html(request, _print_step))
 
 
-def save_changed(design: Design, path: Path, *, comment: str = "") -> Path:
+def save_changed(
+    design: Design, path: Path, requirements: Requirements | None, *, comment: str = ""
+) -> Path:
     """Write a design that a command has changed, and return its path.
 
-    It has the file's name: it is no longer the design that its own name says.
+    It has the file's name: it is no longer the design that its own name says. What the robot is
+    needed for goes along, None for nothing.
 
     Raises:
         FileError: If it cannot be written.
     """
-    return save_design(replace(design, name=path.stem[:100]), path, comment=comment)
+    named = replace(design, name=path.stem[:100])
+    return save_design(named, path, comment=comment, requirements=requirements)
 
 
 def print_began(what: str) -> None:

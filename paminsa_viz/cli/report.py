@@ -13,7 +13,6 @@ from paminsa_viz.cli.arguments import OrNone, UsageError, command_line
 from paminsa_viz.cli.flags import DesignFlags, PoseFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_written, write_report
-from paminsa_viz.files.design_file import load_content
 from paminsa_viz.files.example_logs import given_log
 from paminsa_viz.files.measurements import read_measurements
 from paminsa_viz.model.reach import home_pose
@@ -82,7 +81,7 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
             seed=self.seed,
             log=None if self.log is None else given_log(self.log),
             measured=self.measured and read_measurements(self.measured).measurements,
-            requirements=None if self.design is None else load_content(self.design).requirements,
+            requirements=self.given_requirements(),
         )
         write_report(request, self.out)
         print_written([self.out])

@@ -18,6 +18,14 @@ from paminsa_viz.blocks import Note, Row, Table
 from paminsa_viz.blocks.data import UNITS, record
 from paminsa_viz.cli import main
 from paminsa_viz.cli.output import ascii_numbers, print_blocks, print_json
+from paminsa_viz.files.design_file import load_content, save_design
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.quantities.requirements import (
+    Requirement,
+    Requirements,
+    Workspace,
+    WorkspaceShape,
+)
 
 
 class Kind(Enum):
@@ -107,3 +115,25 @@ def test_files_are_written_though_nobody_reads_what_is_printed(
     monkeypatch.setattr(sys, "stdout", Gone())
     assert main([*words.split(), "out.csv" if table else "out.toml"]) == 1
     assert list(Path().glob("out*"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "words",
+    [
+        "balance --out",
+        "calibrate poses.csv --out",
+        "drives --save",
+        "identify example --out",
+    ],
+)
+def test_a_design_that_is_changed_keeps_its_requirements(words: str) -> None:
+    workspace = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.2))
+    needed = Requirements((Requirement("condition", high=8.0),), (-0.3, 0.3), workspace)
+    save_design(APPENDIX_4, "robot.toml", requirements=needed)
+    assert main(["calibrate", "--propose", "40", "--out", "poses.csv"]) == 0
+    folder = words.startswith("identify")
+    out = "found" if folder else "out.toml"
+    assert main([*words.split(), out, "--design", "robot.toml"]) == 0
+    written = load_content("found/identified.toml" if folder else out)
+    assert written.requirements == needed
