@@ -50,7 +50,7 @@ def provenance_section(request: ReportRequest, found: Verification | str) -> Sec
                 "mm and angles in degrees; files are in SI units. The design below, saved as a "
                 "file, gives the same numbers again."
             ),
-            Listing("Design file", write_design(request.design)),
+            Listing("Design file", write_design(request.design, requirements=request.requirements)),
         ),
     )
 

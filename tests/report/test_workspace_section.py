@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import UTC, datetime
 from types import SimpleNamespace
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.files.design_file import read_content
 from paminsa_viz.model import (
     APPENDIX_4,
     inverse_kinematics,
@@ -17,6 +19,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.palette import LEG_COLORS, LIFT_COLOR
 from paminsa_viz.plots.formats import drawing
+from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.report import design_section, workspace_section
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.trajectory import PRESET
@@ -223,3 +226,11 @@ def test_where_the_provenance_comes_from() -> None:
     table: Any = design_section.provenance_section(REQUEST, "no").blocks[0]
     assert dict(cells(table))["Made"].startswith("2026-01-02 03:04")
     assert (table.words, table.literal) == (2, True)
+
+
+def test_the_design_file_of_a_report_has_what_the_report_is_of() -> None:
+    needed = Requirements((Requirement("condition", high=8.0),), (-0.3, 0.3))
+    asked = replace(REQUEST, requirements=needed)
+    listing: Any = design_section.provenance_section(asked, "no").blocks[-1]
+    content = read_content(listing.text, "listing.toml")
+    assert (content.design, content.requirements) == (APPENDIX_4, needed)

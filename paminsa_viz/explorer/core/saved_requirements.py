@@ -26,6 +26,11 @@ def asked(requirements: Requirements) -> bool:
     return bool(requirements.bounds) or requirements.workspace is not None
 
 
+def of_file(requirements: Requirements) -> Requirements | None:
+    """Return what a design file says of requirements; None, and nothing is written, of none."""
+    return requirements if asked(requirements) else None
+
+
 def require_possible(requirements: Requirements) -> None:
     """Check what a page may ask for.
 

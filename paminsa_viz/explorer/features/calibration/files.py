@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from paminsa_viz.explorer.core.saved_requirements import of_file
 from paminsa_viz.explorer.features.calibration.actions import (
     CALIBRATE,
     PROPOSE,
@@ -70,7 +71,9 @@ def design_toml(state: State) -> File:
         InvalidInput: If there are none, or they are not of the design's lengths.
     """
     design = calibrated_design(state)
-    comment = f"Calibrated by {MADE_BY}."
-    return File(
-        f"paminsa_{plain(design.name)}.toml", write_design(design, comment=comment).encode()
+    text = write_design(
+        design,
+        comment=f"Calibrated by {MADE_BY}.",
+        requirements=of_file(state.document.requirements),
     )
+    return File(f"paminsa_{plain(design.name)}.toml", text.encode())

@@ -12,7 +12,7 @@ from viser import Icon
 from paminsa_viz.explorer.browser.tour import START
 from paminsa_viz.explorer.core import actions, persistence
 from paminsa_viz.explorer.core.links import link_of
-from paminsa_viz.explorer.core.saved_requirements import asked, require_possible
+from paminsa_viz.explorer.core.saved_requirements import of_file, require_possible
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.files.examples import EXAMPLES, example_named, open_example
 from paminsa_viz.explorer.kit.entries import Button, Entry, Folder, Html, Message, Run, Upload
@@ -59,12 +59,13 @@ def open_content(state: State, content: DesignContent) -> State:
 
 def _download(session: Session) -> None:
     document = session.state.document
-    design, requirements = document.design, document.requirements
-    comment = f"Written by {MADE_BY}."
     text = write_design(
-        design, comment=comment, requirements=requirements if asked(requirements) else None
+        document.design,
+        comment=f"Written by {MADE_BY}.",
+        requirements=of_file(document.requirements),
     )
-    session.client.send_file_download(file_name(design), text.encode(), save_immediately=True)
+    name = file_name(document.design)
+    session.client.send_file_download(name, text.encode(), save_immediately=True)
 
 
 def _open(session: Session, name: str, content: bytes) -> None:

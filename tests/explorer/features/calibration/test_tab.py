@@ -16,11 +16,12 @@ from paminsa_viz.explorer.features.calibration.charts import residual_figure
 from paminsa_viz.explorer.kit.entries import given
 from paminsa_viz.explorer.state.calibration import EXAMPLE_SIZE, MeasuredPoses
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.files.design_file import read_design
+from paminsa_viz.files.design_file import read_content
 from paminsa_viz.files.measurements import parse_measurements
 from paminsa_viz.files.table_reader import uploaded_table
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.precision.leg_lengths import deviation_array
+from paminsa_viz.quantities.requirements import Requirement, Requirements
 from tests.support.tables import assert_parts
 from tests.support.tasks import finished
 
@@ -74,8 +75,11 @@ def test_lengths_become_the_designs_own_and_its_files(calibrated: State) -> None
     found = actions.CALIBRATE.required(calibrated, "", "")
     np.testing.assert_array_equal(deviation_array(design), deviation_array(found.design))
     assert np.abs(deviation_array(design)).max() < 4 * EXAMPLE_SIZE
-    written = files.design_toml(calibrated)
-    assert read_design(written.content, "d.toml") == design
+    needed = Requirements((Requirement("condition", high=8.0),))
+    for requirements, kept in ((Requirements(), None), (needed, needed)):
+        asking = calibrated.updated("document", requirements=requirements)
+        written = read_content(files.design_toml(asking).content, "d.toml")
+        assert (written.design, written.requirements) == (design, kept)
     for kind, rows in (("lengths", 42), ("residuals", len(found.held))):
         lines = files.calibration_csv(calibrated, kind).content.decode().splitlines()
         assert sum(not line.startswith("#") for line in lines) == 1 + rows
