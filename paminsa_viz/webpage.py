@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 from paminsa_viz.model import Design
+from paminsa_viz.quantities.requirements import Requirements
 
 
-def design_page(design: Design) -> str:
+def design_page(design: Design, requirements: Requirements | None = None) -> str:
     """Return the page with a design, at the pose that the served page opens with.
 
+    Args:
+        design: The design.
+        requirements: What the robot is needed for, which links and share codes of the page keep.
+
     Raises:
-        InvalidInput: If the design has what the page does not know, such as counterweights.
+        InvalidInput: If the design has what the page does not know, such as counterweights, or
+            there are more requirements than a share code keeps.
     """
+    from paminsa_viz.explorer.core.saved_requirements import require_possible
     from paminsa_viz.explorer.features.one_file import one_file
     from paminsa_viz.explorer.page import opening_state
 
-    return one_file(opening_state(design).document)
+    if requirements is not None:
+        require_possible(requirements)
+    return one_file(opening_state(design, requirements).document)
 
 
 def code_page(code: str) -> str:

@@ -21,9 +21,10 @@ Write the explorer in one HTML file, which opens from a disk, a mail or any stat
   paminsa-viz page --out explorer.html --design robot.toml    another one
   paminsa-viz page --out explorer.html --code PMZ1-...        what a share code describes
 
-It has the pose, masses, lengths and load with torques, limits, singularities, balance and the three
-torque maps, computed in the browser by the program's own formulas, and asks no server for anything.
-Motions, optimization and all else are in the served page alone."""
+It has the pose, masses, lengths and load with torques, limits, singularities, balance, the three
+torque maps and the preset motions, computed in the browser by the program's own formulas, and asks
+no server for anything.
+Motions of one's own, optimization and all else are in the served page alone."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +42,10 @@ class Page(DesignFlags):
         others = (self.design, self.knee, self.load, self.load_point, self.load_frame)
         if self.code is not None and any(each is not None for each in others):
             raise UsageError("--code holds a whole design; leave the other flags of the robot out")
-        text = design_page(self.given_design()) if self.code is None else code_page(self.code)
+        if self.code is None:
+            text = design_page(self.given_design(), self.given_requirements())
+        else:
+            text = code_page(self.code)
         write_bytes(self.out, text.encode())
         print_written([self.out])
         return 0

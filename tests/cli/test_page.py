@@ -13,6 +13,7 @@ from paminsa_viz.explorer.core.persistence import share_code
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, Counterweight, Design
+from paminsa_viz.quantities.requirements import Requirement, Requirements
 from tests.support.commands import check_refused, run
 
 LIGHT = APPENDIX_4.vary({"links.b3": 0.2})
@@ -28,11 +29,13 @@ def opened_with(path: str) -> Document:
 
 @pytest.mark.slow
 def test_design_and_code_are_written(capsys) -> None:
-    save_design(LIGHT, "light.toml")
+    needed = Requirements((Requirement("condition", high=8.0),), (-0.3, 0.3))
+    save_design(LIGHT, "light.toml", requirements=needed)
     assert run("page", capsys, "--out", "a.html", "--design", "light.toml") == (
         0, "a.html: written\n", "",
     )  # fmt: skip
-    assert opened_with("a.html").design == LIGHT
+    opened = opened_with("a.html")
+    assert (opened.design, opened.requirements) == (LIGHT, needed)
     assert run("page", capsys, "--out", "b.html", "--code", CODE)[0] == 0
     assert opened_with("b.html") == Document(design=LIGHT, pose=(0.01, 0.02, 0.3, -0.5))
 
@@ -44,9 +47,12 @@ def test_design_and_code_are_written(capsys) -> None:
         (("--code", CODE[:-9]), "share code: it is damaged or incomplete"),
         (("--code", CODE, "--knee", "upper"), "--code holds a whole design"),
         (("--design", "heavy.toml"), "counterweights"),
+        (("--design", "asking.toml"), "at most 24 are possible"),
     ],
 )
 def test_what_cannot_be_a_page_is_refused(words: tuple[str, ...], place: str, capsys) -> None:
     save_design(Design(counterweights=(Counterweight("b4", 9, 0.1, 1.0),)), "heavy.toml")
+    asked = Requirements((Requirement("condition", high=8.0),) * 25)
+    save_design(APPENDIX_4, "asking.toml", requirements=asked)
     check_refused("page", capsys, "--out", "x.html", *words, place=place)
     assert not Path("x.html").exists()
