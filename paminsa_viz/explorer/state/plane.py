@@ -11,7 +11,7 @@ from paminsa_viz.kept import kept
 from paminsa_viz.model import Design, Field, Geometry, Limit
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.singular_limit import counting
-from paminsa_viz.plots.map_values import workspace_field
+from paminsa_viz.plots.map_values import FULL, frame_half, workspace_field
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,11 @@ class PlaneJob:
         """
         return _plane(self.design.geometry, self.theta, self.z, cells, self.condition_limit)
 
+    def of_maps(self) -> Field:
+        """Return the plane on the cells of the maps and of their files, as `plane` does."""
+        half = frame_half(self.design.geometry, self.theta, self.z)
+        return _plane(self.design.geometry, self.theta, self.z, FULL, self.condition_limit, half)
+
     def poses(self, cells: int) -> Array:
         """Return the poses of the plane that count, (n, 4)."""
         field = self.plane(cells)
@@ -45,7 +50,14 @@ class PlaneJob:
 
 
 @kept(4)
-def _plane(geometry: Geometry, theta: float, z: float, cells: int, limit: float) -> Field:
-    field = workspace_field(geometry, theta, z, cells)
+def _plane(
+    geometry: Geometry,
+    theta: float,
+    z: float,
+    cells: int,
+    limit: float,
+    half: float | None = None,
+) -> Field:
+    field = workspace_field(geometry, theta, z, cells, half)
     near = (field.status == Limit.OK) & ~counting(field, limit)
     return replace(field, status=np.where(near, np.uint8(Limit.SINGULAR), field.status))

@@ -193,7 +193,7 @@ def weight_clearance(design: Design, poses: Array) -> WeightClearance | None:
 def actuator_sizes(job: BalanceJob, design: Design) -> Array:
     """Return what `balancing.effects` compares of M1..M4, (4, 4); NaN where there is none."""
     sizes = np.full((len(UNITS), 4), np.nan)
-    field = job.plane(COARSE)
+    field = job.of_maps()
     if (used := field.status == Limit.OK).any():
         sizes[0] = np.abs(field.torques(design)[:, used]).max(axis=1)
     try:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.balancing import InfeasibleBounds
 from paminsa_viz.blocks.balance import effects_table, optimum_blocks
+from paminsa_viz.blocks.maps import maps_data
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import compute
@@ -33,6 +34,7 @@ from paminsa_viz.model import (
     static_imbalance,
 )
 from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, Counterweight
+from paminsa_viz.quantities import TORQUES
 from paminsa_viz.trajectory import analyze
 from tests.explorer.features.balance.balanced import ATTACHED, START, solved, started, status
 from tests.support.tables import assert_parts
@@ -67,11 +69,15 @@ def test_numbers_of_a_result_are_the_models() -> None:
     assert motion is not None
     effects = {(item.group, item.label): item for item in found.effects}
     mass = effects["", "mass of the robot"]
-    used = outcome.job.plane(COARSE)
     for side, state in (("before", START), ("after", after)):
         design = state.document.design
         loads = analyze(design, motion)
-        static = used.torques(design)[:, used.status == Limit.OK]
+        maps = [MapStore().data(state, quantities=keys) for keys in (TORQUES, ("f_4",))]
+        static = [
+            [item["least"], item["largest"]]  # as `paminsa-viz map` prints them
+            for data, keys in zip(maps, (TORQUES, ("f_4",)), strict=True)
+            for item in maps_data(data, keys, state.condition_limit)["maps"].values()
+        ]
         for j in range(4):
             name = f"M{j + 1}"
             for group, values in (
