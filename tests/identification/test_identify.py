@@ -448,7 +448,10 @@ def test_torques_of_a_time_later_are_exact_for_parabolas_in_each_segment() -> No
         ("start", lambda log: identify(APPENDIX_4, log, start=(0.0, 0.0, 0.0))),
         ("gravity", lambda log: identify(replace(APPENDIX_4, gravity=0.0), log)),
         ("symbol", lambda log: identify(APPENDIX_4, log, QUICK).estimate("M_p3")),
-        ("blocks of 10 s", lambda log: identify(APPENDIX_4, log, IdentificationSettings(block=10))),
+        (
+            "block of 10 s is left",
+            lambda log: identify(APPENDIX_4, log, IdentificationSettings(block=10)),
+        ),
     ],
     ids=["cut-off", "block", "start", "gravity", "symbol", "long blocks"],
 )
