@@ -179,6 +179,7 @@ class Search:
         self._kept: tuple[float, Array] = (-np.inf, self.best)
         self._last: tuple[bytes, Evaluation] | None = None
         self._outside, self._value = 0, 0.0
+        self._inside = self.best  # where a stage has been last in the workspace
 
     def run(self, starts: Array) -> None:
         """Improve the first motions a little, the best of them more, until the budget is spent.
@@ -201,13 +202,26 @@ class Search:
     def _improve(self, start: Array, sharpness: float, iterations: int) -> tuple[float, Array]:
         """Return the best motion of a stage that starts at one, and its worth."""
         self._kept, reach = (-np.inf, start), REACH
-        while reach > LEAST_REACH:
-            try:
-                self._stage(self._kept[1], sharpness, iterations, reach)
-                break
-            except _Outside:
-                reach *= 0.25
+        self._inside = start
+        try:
+            while reach > LEAST_REACH:
+                try:
+                    self._stage(self._kept[1], sharpness, iterations, reach)
+                    break
+                except _Outside:
+                    reach *= 0.25
+        finally:
+            # A stage may end, or be ended, a little beyond the limits, and be far better there.
+            made = shrunk(self._info, self._inside)
+            self._keep(float(self._info.log_det(made)), made)
         return self._kept
+
+    def _keep(self, value: float, variables: Array) -> None:
+        """Keep a motion within the limits if it is better than what is kept of its stage."""
+        if value > self._kept[0]:
+            self._kept = value, variables
+            if value > self.best_value:
+                self.best_value, self.best = self._kept
 
     def _stage(self, start: Array, sharpness: float, iterations: int, reach: float) -> None:
         from scipy.optimize import minimize  # takes a while to load
@@ -235,11 +249,9 @@ class Search:
             if self._outside > MOST_OUTSIDE:
                 raise _Outside
             return self._value + BEYOND, np.zeros_like(x), found.room, found.room_slope
-        self._outside, self._value = 0, -found.value
-        if found.worst >= -TOLERANCE and found.value > self._kept[0]:
-            self._kept = found.value, x.copy()
-            if found.value > self.best_value:
-                self.best_value, self.best = self._kept
+        self._outside, self._value, self._inside = 0, -found.value, x.copy()
+        if found.worst >= -TOLERANCE:
+            self._keep(found.value, self._inside)
         return -found.value, -found.slope, found.room, found.room_slope
 
     def _spend(self) -> None:

@@ -38,7 +38,7 @@ def refs(text: bytes) -> dict[str, float]:
 
 
 def actuators(text: bytes) -> list[str]:
-    return [actuator.tag for actuator in ET.fromstring(text).find("actuator") or []]
+    return [actuator.tag for actuator in ET.fromstring(text).iterfind("actuator/*")]
 
 
 @pytest.mark.slow
