@@ -52,7 +52,7 @@ from paminsa_viz.synthesis.search.buildability import best_height
 from paminsa_viz.synthesis.search.evaluation import REFUSED
 from paminsa_viz.synthesis.search.extremes import Extent, Least
 from paminsa_viz.synthesis.search.kernels import plate_distance
-from paminsa_viz.synthesis.search.region import SPARSE
+from paminsa_viz.synthesis.search.region import SPARSE, Density
 from paminsa_viz.synthesis.search.trial import Poses, TrialRobot
 from tests.synthesis.search_cases import CELL, CYLINDER, TURN
 from tests.synthesis.test_trials import GOOD, random_numbers
@@ -235,8 +235,9 @@ def test_least_values_are_looked_for_from_six_four_and_one_of_the_samples(
     """Of distances, stiffness and the frequency, which takes longest and has sparse samples."""
     place, looked = "paminsa_viz.synthesis.search.buildability", []
 
-    def least(values: Any, extent: Any, density: Any, *, starts: int, kinds: Any) -> Least:
-        looked.append((starts, density, kinds is not None))
+    def least(values: Any, extent: Any, density: Any, *, starts: int) -> Least:
+        of_pairs = values(extent.samples(Density(4, 2, 1, 1))).kind is not None
+        looked.append((starts, density, of_pairs))
         return Least(-4e-10, np.array([0.0, 0.0, 0.0, -0.55]))
 
     monkeypatch.setattr(f"{place}.least_over", least)

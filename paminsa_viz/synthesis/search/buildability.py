@@ -7,7 +7,6 @@ the report and the page print alike.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import mass_vector
 from paminsa_viz.model.reach import check_reach
 from paminsa_viz.quantities.requirements import Range, Workspace
-from paminsa_viz.synthesis.search.extremes import KINDS, OVER_POSES, Extent, least_over
+from paminsa_viz.synthesis.search.extremes import OVER_POSES, Extent, Valued, least_over
 from paminsa_viz.synthesis.search.objectives import legs_and_platform
 from paminsa_viz.synthesis.search.region import SPARSE, reach_margins, spans
 
@@ -105,16 +104,14 @@ def buildability(design: Design, workspace: Workspace, theta: Range) -> Buildabi
     overlaps = clearance(design, pose[reach]).least < 0
 
     def least(quantity: str, starts: int) -> tuple[float, Array]:
-        def values(poses: Array) -> Array:
-            ok = check_reach(geometry, poses).ok
-            found = np.full(len(poses), np.inf)
-            found[ok] = OVER_POSES[quantity](design, poses[ok])
-            return found
+        def values(poses: Array) -> Valued:
+            found = OVER_POSES[quantity](design, poses)
+            return found._replace(
+                value=np.where(check_reach(geometry, poses).ok, found.value, np.inf)
+            )
 
-        density, kinds = SPARSE.finer(2 if starts > 2 else 1), KINDS.get(quantity)
-        found = least_over(
-            values, extent, density, starts=starts, kinds=kinds and partial(kinds, design)
-        )
+        density = SPARSE.finer(2 if starts > 2 else 1)
+        found = least_over(values, extent, density, starts=starts)
         # rounding is no overlap
         value = round(found.value, 9) + 0.0 if np.isfinite(found.value) else np.nan
         return value, found.pose

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,17 +24,36 @@ from paminsa_viz.quantities.requirements import Range, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.search.region import SPARSE, Density, center, sample
 from paminsa_viz.synthesis.volume.margins import Columns
 
-OverPoses = Callable[[Design, Array], Array]
-"""Values of a design at poses (n, 4), (n,) [SI]."""
+
+class Valued(NamedTuple):
+    """Values at poses.
+
+    Attributes:
+        value: (n,) [SI]; minus infinity where there is none.
+        kind: (n,) which of several a value is the least of, such as the index of a pair of bodies,
+            each of which has a least value of its own; None where it is of one thing.
+    """
+
+    value: Array
+    kind: NDArray[np.int64] | None = None
 
 
-def _held(values: Array) -> Array:
+OverPoses = Callable[[Design, Array], Valued]
+"""Values of a design at poses (n, 4)."""
+
+
+def _held(values: Array, kind: NDArray[np.int64] | None = None) -> Valued:
     """Return values with minus infinity where there is none: nothing is worse."""
-    return np.where(np.isnan(values), -np.inf, values)
+    return Valued(np.where(np.isnan(values), -np.inf, values), kind)
+
+
+def _clearance(design: Design, pose: Array) -> Valued:
+    found = clearance(design, pose)
+    return _held(found.least, found.pair)
 
 
 OVER_POSES: dict[str, OverPoses] = {
-    "clearance": lambda design, pose: _held(clearance(design, pose).least),
+    "clearance": _clearance,
     "stiffness_x": lambda design, pose: _held(platform_stiffness(design, pose).along(0)),
     "stiffness_y": lambda design, pose: _held(platform_stiffness(design, pose).along(1)),
     "stiffness_z": lambda design, pose: _held(platform_stiffness(design, pose).along(2)),
@@ -43,11 +63,6 @@ OVER_POSES: dict[str, OverPoses] = {
     "frequency_1": lambda design, pose: _held(first_frequencies(design, pose)),
 }
 """Quantities of the registry whose least value is looked for by samples and a pattern search."""
-
-KINDS: dict[str, Callable[[Design, Array], NDArray[np.int64]]] = {
-    "clearance": lambda design, pose: clearance(design, pose).pair
-}
-"""Of those that are the least of several: which one it is. Each has a least value of its own."""
 
 ROUNDS = 24
 """Rounds of the pattern search; the step of a start is halved where none of its poses is worse."""
@@ -137,29 +152,27 @@ class Least:
 
 
 def least_over(
-    values: Callable[[Array], Array],
+    values: Callable[[Array], Valued],
     extent: Extent,
     density: Density,
     *,
     starts: int = STARTS,
-    kinds: Callable[[Array], NDArray[np.int64]] | None = None,
 ) -> Least:
     """Return the least value over a workspace, found by samples and a pattern search.
 
     Args:
-        values: Values at poses (n, 4), (n,).
+        values: Values at poses (n, 4). Where they have kinds, the search goes on from the worst
+            sample of each kind as well.
         extent: The poses.
         density: How close the samples lie.
         starts: Worst samples that the pattern search goes on from; 0 for samples alone.
-        kinds: What a value is of, such as the nearest pair of bodies, at poses (n, 4), (n,): the
-            search goes on from the worst sample of each kind as well.
     """
     pose = extent.samples(density)
-    found = values(pose)
+    found, kind = values(pose)
     order = np.argsort(found, kind="stable")
     worst = order[: max(starts, 1)]
-    if starts and kinds is not None:
-        first = order[np.unique(kinds(pose[order]), return_index=True)[1]]
+    if starts and kind is not None:
+        first = order[np.unique(kind[order], return_index=True)[1]]
         worst = np.concatenate([worst, np.setdiff1d(first, worst)])
     pose, found = pose[worst], found[worst]
     if not starts or not np.isfinite(found[0]):
@@ -173,7 +186,7 @@ def least_over(
     step, rows = np.ones((len(pose), 1, 1)), np.arange(len(pose))
     for _ in range(ROUNDS):
         near = extent.clipped(pose[:, None, :] + step * directions * scale)
-        tried = values(near.reshape(-1, 4)).reshape(len(pose), -1)
+        tried = values(near.reshape(-1, 4)).value.reshape(len(pose), -1)
         best = np.argmin(tried, axis=1)
         better = tried[rows, best] < found
         pose = np.where(better[:, None], near[rows, best], pose)
@@ -189,9 +202,7 @@ def least_of(
     quantity: str, design: Design, extent: Extent, density: Density, *, starts: int = STARTS
 ) -> Least:
     """Return the least value of one of `OVER_POSES`; arguments as in `least_over`."""
-    values, kinds = partial(OVER_POSES[quantity], design), KINDS.get(quantity)
-    kinds = kinds and partial(kinds, design)
-    return least_over(values, extent, density, starts=starts, kinds=kinds)
+    return least_over(partial(OVER_POSES[quantity], design), extent, density, starts=starts)
 
 
 @lru_cache(maxsize=4096)
