@@ -111,6 +111,19 @@ def test_least_value_of_what_is_worse_between_samples_than_at_them() -> None:
     assert found.pose == pytest.approx(narrow, abs=0.02)
 
 
+def test_samples_that_do_not_count_do_not_end_the_search_from_the_others() -> None:
+    """They are of a kind of their own: no pair of bodies is the nearest in a pose out of reach."""
+    box = Workspace(WorkspaceShape.BOX, (0.2, 0.2, 0.2), (0.0, 0.0, -0.5))
+    least = np.array([0.05, 0.013, 0.021, -0.47])
+
+    def values(pose: np.ndarray) -> Valued:
+        away = np.linalg.norm(pose - least, axis=1)
+        return Valued(np.where(pose[:, 0] < 0.0, np.inf, away), np.where(pose[:, 0] < 0.0, -1, 0))
+
+    found = least_over(values, Extent(box, (-0.1, 0.1)), SPARSE)
+    assert found.pose == pytest.approx(least, abs=1e-3)
+
+
 @pytest.mark.parametrize("quantity", OVER_POSES)
 def test_quantities_of_single_poses_are_those_of_the_registry(quantity: str) -> None:
     """And minus infinity, of which nothing is worse, where there is none."""

@@ -29,7 +29,7 @@ class Valued(NamedTuple):
     """Values at poses.
 
     Attributes:
-        value: (n,) [SI]; minus infinity where there is none.
+        value: (n,) [SI]; minus infinity where there is none, infinity where that does not count.
         kind: (n,) which of several a value is the least of, such as the index of a pair of bodies,
             each of which has a least value of its own; None where it is of one thing.
     """
@@ -192,7 +192,7 @@ def least_over(
         pose = np.where(better[:, None], near[rows, best], pose)
         found = np.where(better, tried[rows, best], found)
         step = np.where(better[:, None, None], step, 0.5 * step)
-        if not np.isfinite(found).all():
+        if np.isneginf(found).any():  # nothing is worse
             break
     index = int(np.argmin(found))
     return Least(float(found[index]), pose[index])
