@@ -88,6 +88,14 @@ def require_at_least(
         raise InvalidInput(argument, f"{what} is needed, not {value!r}")
 
 
+def require_range(low: Any, high: Any, argument: str) -> None:
+    """Raise `InvalidInput` unless two values are finite numbers, the first one less."""
+    ends = (low, high)
+    if not (all(_is_number(end) and math.isfinite(end) for end in ends) and low < high):
+        problem = f"a range with low < high is needed, not {low!r} to {high!r}"
+        raise InvalidInput(argument, problem)
+
+
 def require_seed(value: Any) -> None:
     """Raise `InvalidInput` unless a value can be the seed of random numbers."""
     whole = _is_number(value) and isinstance(value, int | np.integer)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from paminsa_viz.checks import require_seed
+from paminsa_viz.checks import require_range, require_seed
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import PARAMETER, Design, no_value
 from paminsa_viz.units import counted
@@ -59,9 +59,7 @@ class DesignRange:
 
     def __post_init__(self) -> None:
         check_path(self.path)
-        if not (np.isfinite([self.low, self.high]).all() and self.low < self.high):
-            problem = f"a range with low < high is needed, not {self.low!r} to {self.high!r}"
-            raise InvalidInput(self.path, problem)
+        require_range(self.low, self.high, self.path)
 
     @property
     def words(self) -> str:

@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.errors import InvalidInput, PaminsaError
+from paminsa_viz.checks import require_at_least
+from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
@@ -137,8 +138,7 @@ def check_path(
     Raises:
         InvalidInput: If the clearance is negative or not finite.
     """
-    if not (np.isfinite(clearance) and clearance >= 0):
-        raise InvalidInput("clearance", f"a length of at least 0 m is needed, not {clearance!r}")
+    require_at_least(clearance, "clearance", what="a length of at least 0 m")
     distances = _singular_distances(geometry, trajectory.pose)
     side = np.where(distances[0] < 0, -1.0, 1.0)
     windows = tuple(_window(trajectory, item, distances, clearance) for item in trajectory.passages)

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.checks import kinds_checked, require_positive
+from paminsa_viz.checks import kinds_checked, require_at_least, require_positive
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.trajectory.plan import Arc, Blend, Chain, Displacement, Plan, Spline
@@ -139,8 +139,7 @@ def arch(
     """
     law = law or TimeLaw()
     begin, end = _pose(start, "start"), _pose(goal, "goal")
-    if not (np.isfinite(height) and height >= 0):
-        raise InvalidInput("height", f"a length of at least 0 m is needed, not {height!r}")
+    require_at_least(height, "height", what="a length of at least 0 m")
     if not 0 < lift_share <= 0.5:
         raise InvalidInput("lift_share", f"above 0 and up to 1/2 is needed, not {lift_share!r}")
     if not 0 <= overlap <= 1:

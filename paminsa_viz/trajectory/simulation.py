@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.checks import check_fields, require_positive
+from paminsa_viz.checks import check_fields, require_at_least, require_positive
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
@@ -78,9 +78,7 @@ class Controller:
     def __post_init__(self) -> None:
         check_fields(self)
         for name in ("bandwidth", "damping"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value >= 0):
-                raise InvalidInput(name, f"a finite number of at least 0 is needed, not {value!r}")
+            require_at_least(getattr(self, name), name, what="a finite number of at least 0")
         if (self.proportional is None) != (self.derivative is None):
             raise InvalidInput("derivative", "proportional and derivative gains come together")
         for name in ("proportional", "derivative"):

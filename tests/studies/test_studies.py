@@ -171,6 +171,7 @@ def test_bars_follow_their_lengths_and_masses_that_vary_do_not() -> None:
         (lambda: DesignAxis("links.b3", (1.0, np.nan)), "links.b3"),
         (lambda: DesignRange("links.b3", 1.0, 1.0), "links.b3"),
         (lambda: DesignRange("links.b3", 1.0, np.inf), "links.b3"),
+        (lambda: DesignRange("links.b3", "1", 2.0), "links.b3"),
         (lambda: DesignRange.around(APPENDIX_4, "payload.mass", 0.1), "payload.mass: is 0"),
         (lambda: DesignGrid(()), "at least one"),
         (lambda: DesignGrid(GRID.axes * 2), "varies twice"),

@@ -11,6 +11,7 @@ from paminsa_viz.balancing import Changes, CounterweightRange, MassRange, Spring
 from paminsa_viz.balancing.changes import MASS
 from paminsa_viz.balancing.convex import ConvexTerm, MaxAbs, PositivePartSum
 from paminsa_viz.balancing.terms import GROUP
+from paminsa_viz.checks import require_at_least
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -189,10 +190,10 @@ class InnerCase:
                 raise InvalidInput(bound.quantity, "a least value is no convex limit of masses")
         for name in ("motion_torque", "motion_force"):
             limit = getattr(self, name)
-            if limit is not None and not (np.isfinite(limit) and limit >= 0):
-                raise InvalidInput(name, f"a finite number of at least 0 is needed, not {limit!r}")
-            if limit is not None and not self.motions:
-                raise InvalidInput(name, "there is no motion that it limits")
+            if limit is not None:
+                require_at_least(limit, name, what="a finite number of at least 0")
+                if not self.motions:
+                    raise InvalidInput(name, "there is no motion that it limits")
         paths = [mass.path for mass in self.masses]
         for path in paths:
             if paths.count(path) > 1:

@@ -8,6 +8,7 @@ from enum import Enum
 
 import numpy as np
 
+from paminsa_viz.checks import require_at_least, require_range, require_seed
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import geometry_of
 from paminsa_viz.model.arrays import Array
@@ -82,11 +83,7 @@ class SearchRange:
         if not length and self.path not in DIMENSIONS:
             known = ", ".join((*DEFAULT_PATHS, *DIMENSIONS))
             raise InvalidInput(self.path, f"only lengths can be searched, such as {known}")
-        limits = (self.low, self.high)
-        if not (all(map(math.isfinite, limits)) and self.low < self.high):
-            raise InvalidInput(
-                self.path, f"a range with low < high is needed, not {self.low!r} to {self.high!r}"
-            )
+        require_range(self.low, self.high, self.path)
         if self.path != "workspace.z" and self.low <= 0:
             raise InvalidInput(self.path, f"the least value has to be above 0, not {self.low!r}")
 
@@ -224,10 +221,8 @@ class SynthesisCase:
             raise InvalidInput(GUIDE, 'it is searched only with guide = "kept"')
         if ARM in paths and self.arm_follows:
             raise InvalidInput(ARM, "it is searched only with arm_follows = false")
-        if not (math.isfinite(self.margin) and self.margin >= 0):
-            raise InvalidInput("margin", f"at least 0 is needed, not {self.margin!r}")
-        if not (math.isfinite(self.clearance) and self.clearance >= 0):
-            raise InvalidInput("clearance", f"at least 0 is needed, not {self.clearance!r}")
+        require_at_least(self.margin, "margin", what="at least 0")
+        require_at_least(self.clearance, "clearance", what="at least 0")
         apart = Requirement(CLEARANCE, low=self.clearance)
         bounds = self.requirements.bounds
         if self.allow_overlap:  # of a case that did not allow it
@@ -235,8 +230,7 @@ class SynthesisCase:
         elif not self.clear:
             bounds = (*bounds, apart)
         object.__setattr__(self, "requirements", replace(self.requirements, bounds=bounds))
-        if self.seed < 0:
-            raise InvalidInput("seed", f"a whole number of at least 0 is needed, not {self.seed}")
+        require_seed(self.seed)
         if not self.regimes:
             raise InvalidInput("regimes", "at least one of R_pl < R_b and R_pl > R_b is needed")
         if workspace.center[2] is None and "workspace.z" not in paths:
