@@ -13,6 +13,7 @@ from paminsa_viz.elastostatics.beams import TubeFit
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
 from paminsa_viz.elastostatics.leg_frame import contacts
 from paminsa_viz.elastostatics.stiffness import (
+    ACTUATED,
     ALIKE,
     SHARE_LABELS,
     SHARES,
@@ -43,9 +44,6 @@ DIGITS = 4
 
 LEAST_SHARE = 0.0005
 """Smallest share in the strain energy that is listed."""
-
-ACTUATED = (0, 1, 5, 2)
-"""Places of x, y, theta, z among them."""
 
 KEYS = ("stiffness_x", "stiffness_y", "stiffness_z", "stiffness_theta", "stiffness_tilt",
         "stiffness_horizontal", "frequency_1")  # fmt: skip

@@ -146,8 +146,8 @@ SHARES = (*PARTS, "M4")
 SHARE_LABELS = tuple("M1–M3" if name == "drive" else name for name in SHARES)
 """The same for people."""
 
-_ACTUATED = [0, 1, 5, 2]
-"""x, y, theta, z in a twist."""
+ACTUATED = [0, 1, 5, 2]
+"""Places of x, y, theta and z in a twist or wrench."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -403,6 +403,6 @@ def compensate(
     pose = as_vectors(pose, "pose")
     twist = platform_stiffness(design, pose, shear=shear).deflection(wrench)
     back = -np.einsum(
-        "...ij,...j->...i", inverse_jacobian(design.geometry, pose), twist[..., _ACTUATED]
+        "...ij,...j->...i", inverse_jacobian(design.geometry, pose), twist[..., ACTUATED]
     )
     return Compensation(twist, back, np.hypot(twist[..., 3], twist[..., 4]))

@@ -236,6 +236,10 @@ def open_table(path: str | os.PathLike[str]) -> TextIO:
     return lines
 
 
+UPLOAD_TIMEOUT = 10.0
+"""How long an uploaded table may take to read [s]; the largest possible one takes some seconds."""
+
+
 def uploaded_table(name: str, content: bytes) -> TextIO:
     """Return an uploaded CSV file as text, as `open_table` does one on the disk.
 

@@ -258,9 +258,6 @@ _ALL = _parameters()
 OPTIONAL_GROUPS = ("accuracy", "leg1", "leg2", "leg3", "tolerances", "elastic")
 """Groups that are no part of the rigid, exact robot: files name what is not the default."""
 
-ELASTIC_PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group == "elastic")
-"""Every number of a design's elastic data; the rigid robot has none of them."""
-
 PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group not in OPTIONAL_GROUPS)
 """Every number of the rigid, exact robot, in the order of the paper's Appendix 4."""
 

@@ -84,7 +84,7 @@ def jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
 
     Singular is what rounding cannot tell from it, see `singularity`.
 
-    J is the general Jacobian of Eqs. 2 and 3: (x', y', theta', z') = J (theta_1', .., Z').
+    J is the general Jacobian of Eq. 3: (x', y', theta', z') = J (theta_1', .., Z').
     """
     x, y, theta, z = np.moveaxis(as_vectors(pose, "pose"), -1, 0)
     rows = wrench_torques(mechanism(geometry), x, y, np.cos(theta), np.sin(theta), z)

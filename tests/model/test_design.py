@@ -27,7 +27,7 @@ from paminsa_viz.model import (
     PaminsaError,
     Parameter,
 )
-from paminsa_viz.model.design import ELASTIC_PARAMETERS, OPTIONAL_GROUPS
+from paminsa_viz.model.design import OPTIONAL_GROUPS
 from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, SMALLEST, possible_range
 from tests.support import samples
 from tests.support.samples import possible_values
@@ -73,8 +73,7 @@ def test_every_number_of_a_design_is_listed_once_with_symbol_label_and_unit() ->
     assert list(PARAMETER) == found
     rigid = [path for path in found if path.partition(".")[0] not in OPTIONAL_GROUPS]
     assert [p.path for p in PARAMETERS] == rigid
-    assert [p.path for p in ELASTIC_PARAMETERS] == found[-len(ELASTIC_PARAMETERS) :]
-    assert all(PARAMETER[p.path] is p for p in (*PARAMETERS, *ELASTIC_PARAMETERS))
+    assert all(PARAMETER[p.path] is p for p in PARAMETERS)
     assert {p.group for p in PARAMETER.values() if p not in PARAMETERS} == set(OPTIONAL_GROUPS)
     assert PARAMETER["gravity"].group == "design"
     # a leg's deviation has the symbol of its length

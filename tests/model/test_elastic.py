@@ -13,7 +13,7 @@ from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.design_file import read_design
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.model.design import APPENDIX_4, ELASTIC_PARAMETERS, TILT_INERTIA, Design
+from paminsa_viz.model.design import APPENDIX_4, PARAMETER, TILT_INERTIA, Design
 from paminsa_viz.model.elastic import BARS, Elastic, tube_section
 
 LENGTHS = {
@@ -25,6 +25,8 @@ LENGTHS = {
     "b8": APPENDIX_4.geometry.crank_length,
     "b10": APPENDIX_4.geometry.guide_link_length,
 }
+
+ELASTIC = [p for p in PARAMETER.values() if p.group == "elastic"]
 
 
 @pytest.mark.parametrize("bar", BARS)
@@ -73,7 +75,7 @@ def test_tube_without_a_wall_is_refused(bar: str, inner: float) -> None:
 
 
 def test_zero_is_refused_with_its_reason() -> None:
-    for path in (p.path for p in ELASTIC_PARAMETERS if p.positive):
+    for path in (p.path for p in ELASTIC if p.positive):
         with pytest.raises(InvalidDesign, match="above 0") as caught:
             APPENDIX_4.vary({path: 0.0})
         assert caught.value.field == path
@@ -98,7 +100,7 @@ def test_numbers_left_open_count_as_the_tube_and_as_rigid() -> None:
 @given(data=st.data())
 def test_only_what_is_not_the_default_is_written_and_read_back(data: st.DataObject) -> None:
     assert "elastic" not in write_design(APPENDIX_4)
-    paths = [p.path for p in ELASTIC_PARAMETERS if not p.path.endswith("inner")]
+    paths = [p.path for p in ELASTIC if not p.path.endswith("inner")]
     chosen = data.draw(st.lists(st.sampled_from(paths), unique=True, max_size=5))
     design = APPENDIX_4.vary(dict.fromkeys(chosen, 0.07))
     text = write_design(design)

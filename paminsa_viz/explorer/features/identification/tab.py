@@ -30,12 +30,9 @@ from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state.identification import IdentifySettings, parse_gains
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.logs import parse_log
-from paminsa_viz.files.table_reader import uploaded_table
+from paminsa_viz.files.table_reader import UPLOAD_TIMEOUT, uploaded_table
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.plots.identification_series import log_charts
-
-UPLOAD_TIMEOUT = 10.0
-"""How long an uploaded log may take to read [s]."""
 
 
 def _open(place: str, session: Session, name: str, content: bytes) -> None:

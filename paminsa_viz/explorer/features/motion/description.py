@@ -16,7 +16,7 @@ from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.motion import LARGEST_LIMIT, Kind, Motion, Timing
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.files.table_reader import uploaded_table
+from paminsa_viz.files.table_reader import UPLOAD_TIMEOUT, uploaded_table
 from paminsa_viz.files.trajectory_table import parse_trajectory
 from paminsa_viz.trajectory import PRESETS
 from paminsa_viz.units import display_unit
@@ -72,10 +72,6 @@ def file_html(frame: Frame) -> str:
         ("", "A file's motion is not kept over a reload, nor in a share code."),
     ]  # fmt: skip
     return render("motion/file.j2", lines=lines)
-
-
-UPLOAD_TIMEOUT = 10.0
-"""How long an uploaded table may take to read [s]; the largest possible one takes some seconds."""
 
 
 def _open(session: Session, name: str, content: bytes) -> None:
