@@ -324,6 +324,12 @@ def test_the_search_for_a_center_starts_with_its_step_and_halves_it(
     asked.clear()
     assert check._refined(APPENDIX_4, needed, (0.0, 0.0, -0.5), 0.2) == (0.0, 0.0, -0.5)
     assert [asked[2 + 4 * n][0] for n in range(8)] == pytest.approx(0.2 * 0.5 ** np.arange(8.0))
+    # from any node back to the axis: exactly
+    top = np.array([0.0, 0.0, -0.5])
+    solved = solve_volume(APPENDIX_4, needs("condition <= 5"), resolution=COARSE)
+    for node in solved.x[np.abs(solved.x) < 3.5 * solved.cell]:
+        start = (float(node), 0.0, -0.5)
+        assert check._refined(APPENDIX_4, needed, start, solved.cell) == (0.0, 0.0, -0.5)
 
 
 @pytest.mark.parametrize("nodes", [0, 1, 7])

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
@@ -171,22 +172,29 @@ def _refined(design: Design, requirements: Requirements, center: Center, step: f
         found = _over_workspace(design, requirements, place, False, None, go_on)
         return min(_relative(design, requirements, item) for item in found.items)
 
-    best = score(center)
+    # Moves are counted, in the smallest that there may be: a center that has come back to the axis
+    # is exactly on it.
+    smallest, move = step / 2**_ROUNDS, 2**_ROUNDS
+
+    def at(moves: NDArray[np.int64]) -> Center:
+        x, y, z = (place + smallest * int(n) for place, n in zip(center, moves, strict=True))
+        return x, y, z
+
+    best, moves = score(center), np.zeros(3, np.int64)
     for _ in range(_ROUNDS):
         tried = [
-            (*center[:axis], center[axis] + move, *center[axis + 1 :])
+            moves + sign * move * np.eye(3, dtype=np.int64)[axis]
             for axis in range(3)
-            for move in (-step, step)
+            for sign in (-1, 1)
             if free[axis]
         ]
-        scores = [score((x, y, z)) for x, y, z in tried]
+        scores = [score(at(each)) for each in tried]
         if max(scores) > best:
             best = max(scores)
-            x, y, z = tried[int(np.argmax(scores))]
-            center = x, y, z
+            moves = tried[int(np.argmax(scores))]
         else:
-            step *= 0.5
-    return center
+            move //= 2
+    return at(moves)
 
 
 def _relative(design: Design, requirements: Requirements, item: RequirementCheck) -> float:

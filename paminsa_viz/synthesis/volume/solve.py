@@ -87,8 +87,9 @@ class Volume:
 
     @property
     def cell(self) -> float:
-        """Distance of the nodes [m]."""
-        return float(self.x[1] - self.x[0])
+        """Distance of the nodes [m]; of those next to the axis, where it is not rounded."""
+        middle = self.x.size // 2
+        return float(self.x[middle + 1] - self.x[middle])
 
     @property
     def utilization(self) -> float:
