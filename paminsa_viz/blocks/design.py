@@ -9,13 +9,16 @@ from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, row
 from paminsa_viz.files.design_schema import (
     CHOICE_MEANINGS,
     CHOICES,
+    DRIVE_KEYS,
+    DRIVE_MEANINGS,
+    DRIVES,
     KEY_OF,
     KEYS,
     DesignKey,
     choice,
 )
 from paminsa_viz.model.design import APPENDIX_4, PARAMETER, Design, stated_parameters
-from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.model.drive import ACTUATORS, Drive, Envelope
 from paminsa_viz.model.parameters import Parameter
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.units import NONE, counted, format_value, number, percent_change
@@ -44,6 +47,9 @@ _UNUSED = ("friction", "load", "payload")
 
 Entry: TypeAlias = tuple[str, str, float | str, float | str, str]
 """Table and key of a design file, the values of two designs, and what it means."""
+
+Cells: TypeAlias = tuple[str, str, str, str, str, str]
+"""The same as text, with the change before what it means."""
 
 
 def design_blocks(design: Design) -> list[Block]:
@@ -128,11 +134,13 @@ def values_table(design: Design) -> Table:
         ("counterweights", "mass_kg", _text(weight.mass), weight.place)
         for weight in design.counterweights
     ]
-    found += [
-        ("drives", actuator, "", drive.summary)
-        for actuator, drive in zip(ACTUATORS, design.drives, strict=True)
-        if drive is not None
-    ]
+    for actuator, drive in _drives(design).items():
+        found.append((DRIVES, actuator, "", drive.summary))
+        found += [
+            (f"{DRIVES}.{actuator}", DRIVE_KEYS[name], _text(value), DRIVE_MEANINGS[name])
+            for name, value in vars(drive).items()
+            if value != getattr(Drive, name)
+        ]
     return Table(("",) * 4, rows(*found), words=4)
 
 
@@ -224,10 +232,7 @@ def difference_blocks(first: Design, second: Design, names: tuple[str, str]) -> 
     """Return in what the files of two designs differ, in SI units, with a name for each."""
     found = []
     for table, name, a, b, what in _changed(first, second):
-        change = ""
-        if isinstance(a, float) and isinstance(b, float) and a != 0 and abs(a + b) < math.inf:
-            change = f"{number(100 * (b / a - 1), 3, sign=True)} %"
-        found.append((table, name, _text(a), _text(b), change, what))
+        found.append((table, name, _text(a), _text(b), _change(a, b), what))
     if first.counterweights != second.counterweights:
         held = [
             "; ".join(f"{w.mass:.6g} kg on {w.place}" for w in design.counterweights) or NONE
@@ -237,7 +242,8 @@ def difference_blocks(first: Design, second: Design, names: tuple[str, str]) -> 
     for actuator, *pair in zip(ACTUATORS, first.drives, second.drives, strict=True):
         if pair[0] != pair[1]:
             texts = [NONE if drive is None else drive.summary for drive in pair]
-            found.append(("drives", actuator, *texts, "", ""))
+            found.append((DRIVES, actuator, *texts, "", ""))
+            found += _drive_changes(actuator, *pair)
     if not found:
         return [Note("the designs have the same values")]
     return [Table(("", "", *names, "Change", ""), rows(*found), words=6)]
@@ -275,13 +281,40 @@ def _changed(first: Design, second: Design) -> list[Entry]:
     return [entry for entry in _entries(first, second) if entry[2] != entry[3]]
 
 
-def _text(value: float | str) -> str:
+def _drive_changes(actuator: str, first: Drive | None, second: Drive | None) -> list[Cells]:
+    """Return in which values two drives of an actuator differ; nothing where one is missing."""
+    if first is None or second is None:
+        return []
+    found = []
+    for name, meaning in DRIVE_MEANINGS.items():
+        a, b = getattr(first, name), getattr(second, name)
+        if a != b:
+            place = (f"{DRIVES}.{actuator}", DRIVE_KEYS[name])
+            found.append((*place, _text(a), _text(b), _change(a, b), meaning))
+    return found
+
+
+def _change(a: object, b: object) -> str:
+    """Return a change in percent, nothing of what is no number or was zero."""
+    if isinstance(a, float) and isinstance(b, float) and a != 0 and abs(a + b) < math.inf:
+        return f"{number(100 * (b / a - 1), 3, sign=True)} %"
+    return ""
+
+
+def _text(value: float | str | Envelope | None) -> str:
+    """Return a value of a design file in SI units, of a drive as well."""
+    if value is None or value in ("", ()):
+        return NONE
     if isinstance(value, str):
         return value
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return "; ".join(f"{speed:.10g} {torque:.10g}" for speed, torque in value)
     return f"{value:.10g}" if math.isfinite(value) else "rigid"
 
 
-def _drives(design: Design) -> dict[str, Any]:
+def _drives(design: Design) -> dict[str, Drive]:
     """Return the drives by actuator."""
     pairs = zip(ACTUATORS, design.drives, strict=True)
     return {name: drive for name, drive in pairs if drive is not None}

@@ -115,6 +115,19 @@ DRIVE_KEYS: dict[str, str] = {
 }
 """Keys of a drive by the names of its fields; all may be left out but the lead of M4's."""
 
+_MEANINGS = {
+    "name": "motor and gear",
+    "envelope": "corners of the torque over the speed [rad/s, N m], at the motor shaft",
+    "transmission": "what turns the gear's output into a straight motion",
+    "brake": "holds the load while the robot waits",
+}
+
+DRIVE_MEANINGS: dict[str, str] = {
+    item.name: _MEANINGS.get(item.name) or f"{item.metadata['symbol']}, {item.metadata['label']}"
+    for item in fields(Drive)
+}
+"""What a drive's values mean, by the names of its fields."""
+
 KEYS: tuple[DesignKey, ...] = tuple(_key(parameter) for parameter in PARAMETER.values())
 """Every number that a design file can hold, in the design's order."""
 

@@ -12,6 +12,7 @@ from paminsa_viz.files.design_schema import (
     COUNTERWEIGHT_KEYS,
     COUNTERWEIGHTS,
     DRIVE_KEYS,
+    DRIVE_MEANINGS,
     DRIVES,
     OPTIONAL_TABLES,
     SCHEMA_VERSION,
@@ -126,18 +127,8 @@ def _drive_rows(drive: Drive) -> list[tuple[str, str]]:
             text = quoted(value)
         else:
             text = repr(value).lower() if isinstance(value, bool) else repr(value)
-        facts = item.metadata
-        comment = f"{facts['symbol']}, {facts['label']}" if facts else _DRIVE_COMMENTS[item.name]
-        rows.append((f"{DRIVE_KEYS[item.name]} = {text}", comment))
+        rows.append((f"{DRIVE_KEYS[item.name]} = {text}", DRIVE_MEANINGS[item.name]))
     return rows
-
-
-_DRIVE_COMMENTS = {
-    "name": "motor and gear",
-    "envelope": "corners of the torque over the speed [rad/s, N m], at the motor shaft",
-    "transmission": "what turns the gear's output into a straight motion",
-    "brake": "holds the load while the robot waits",
-}
 
 
 def quoted(text: str) -> str:

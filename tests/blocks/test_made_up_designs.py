@@ -203,6 +203,20 @@ def test_in_what_designs_differ() -> None:
     assert rows["counterweights", ""][0] == "–"
     assert rows["counterweights", ""][1].count(" kg on ") == 2
     assert rows["drives", "M1"][:2] == ("–", other.drives[0].summary)  # type: ignore
+    motor = Drive("motor", coulomb=0.004, envelope=((0.0, 1.5), (100.0, 0.5)))
+    driven, worn = (
+        replace(one, drives=(replace(motor, **more), None, None, None))
+        for more in ({}, {"coulomb": 0.006, "brake": True, "peak_torque": 2.0, "envelope": ()})
+    )
+    (table_of_drives,) = design.difference_blocks(driven, worn, ("one", "two"))
+    changes = {row[:2]: row[2:] for row in cells(table_of_drives)}
+    assert changes["drives.M1", "coulomb_Nm"] == (
+        "0.004", "0.006", "+50 %", "c_r, Coulomb friction, at the motor shaft",
+    )  # fmt: skip
+    assert changes["drives.M1", "peak_torque_Nm"][:3] == ("–", "2", "")
+    assert changes["drives.M1", "brake"][:3] == ("false", "true", "")
+    assert changes["drives.M1", "envelope"][:2] == ("0 1.5; 100 0.5", "–")
+    assert len(changes) == 1 + 4
     assert len(rows) == 4
     assert said(design.difference_blocks(one, one, ("", "")))[0][0].startswith("the designs")
     assert design.changes_text(one) == "as Appendix 4"
@@ -252,6 +266,9 @@ def test_tables_of_designs_have_their_words_and_digits() -> None:
     assert (table.words, design.design_blocks(APPENDIX_4)[1].words) == (2, 2)  # type: ignore
     assert cells(weights) == [(weight.place, "0.12346 kg")]
     assert design.values_table(held).words == 4
+    shown = cells(design.values_table(held))
+    assert ("drives.M1", "gear_ratio", "12.5", "n, gear ratio") in shown
+    assert sum(row[0] == "drives.M1" for row in shown) == 2  # with its name
     data = design.values_data(held)
     assert data["drives"] == {"M1": motor}
     assert data["counterweights"] == (weight,)
