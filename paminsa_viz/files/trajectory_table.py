@@ -34,11 +34,13 @@ from paminsa_viz.files.columns import (
     WANTED,
     part_columns,
 )
+from paminsa_viz.files.design_schema import DRIVE_KEYS
 from paminsa_viz.files.errors import shown
 from paminsa_viz.files.table_reader import TableReader, open_table
 from paminsa_viz.files.tables import DataTable, provenance
 from paminsa_viz.model.design import Design, stated_parameters
 from paminsa_viz.model.drive import ACTUATORS as ACTUATOR_NAMES
+from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadFrame
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
@@ -121,7 +123,8 @@ def robot_facts(design: Design) -> dict[str, str]:
 def parameter_facts(design: Design, what: str = "design") -> dict[str, str]:
     """Return all that numbers follow from for the header of a table.
 
-    The rigid robot's numbers, others that are not the default, counterweights and drives.
+    The rigid robot's numbers, others that are not the default, counterweights and drives; of these
+    by the keys of design files what is not the default.
     """
     facts = {
         f"{what} {p.path}{f' [{p.unit}]' if p.unit else ''}": repr(float(design.value(p.path)))
@@ -133,7 +136,13 @@ def parameter_facts(design: Design, what: str = "design") -> dict[str, str]:
         facts[f"{what} counterweights.{number}"] = f"{weight.mass!r} kg on {weight.place}"
     for name, drive in zip(ACTUATOR_NAMES, design.drives, strict=True):
         if drive is not None:
-            facts[f"{what} drives.{name}"] = drive.summary
+            place = f"{what} drives.{name}"
+            facts[place] = drive.summary
+            facts |= {
+                f"{place}.{DRIVE_KEYS[key]}": str(value)
+                for key, value in vars(drive).items()
+                if value != getattr(Drive, key) and key != "name"
+            }
     return facts
 
 

@@ -158,7 +158,7 @@ def test_headers_state_all_that_numbers_follow_from() -> None:
     design = replace(
         APPENDIX_4.vary(changes),
         counterweights=(Counterweight("b3", 7, 0.1, 2.5),),
-        drives=(None, None, Drive(name="motor", gear_ratio=50.0), None),
+        drives=(None, None, Drive("motor", gear_ratio=50.0, coulomb=0.004), None),
     )
     design = replace(design, load=replace(design.load, frame=LoadFrame.PLATFORM))
     pose = np.array([0.0, 0.0, 0.0, -0.5])
@@ -173,6 +173,9 @@ def test_headers_state_all_that_numbers_follow_from() -> None:
         assert head["design load.frame"] == "platform"
         assert head["design counterweights.0"] == "2.5 kg on B3, 100 mm beyond joint 7"
         assert head["design drives.M3"] == "motor, 50:1"
+        assert float(head["design drives.M3.gear_ratio"]) == 50.0
+        assert float(head["design drives.M3.coulomb_Nm"]) == 0.004
+        assert sum("drives.M3" in key for key in head) == 3
         assert not any(name in key for key in head for name in ("drives.M1", "leg1", "accuracy"))
 
 
