@@ -36,6 +36,7 @@ from paminsa_viz.model.kinematics import nearest_solution
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.parameters import PANTOGRAPH
 from paminsa_viz.model.regressor import torque_regressor
+from paminsa_viz.units import format_value, number
 
 LENGTHS = {
     "base_radius": ("R_b", 5e-3),
@@ -301,8 +302,8 @@ def _size(cause: Cause) -> str:
     if not np.isfinite(cause.detectable):
         return "any size"
     if not cause.unit:
-        return f"{100 * cause.detectable:.2g} %"
-    return f"{cause.detectable:.2g} {cause.unit}"
+        return f"{number(100 * cause.detectable, 2)} %"
+    return format_value(cause.detectable, cause.unit, 2)
 
 
 def _tried(

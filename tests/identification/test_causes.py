@@ -349,7 +349,7 @@ def test_causes_are_named_one_after_the_other_by_what_they_explain(
             base = [*base, places.pop(taken)]
             labels.remove(taken)
         assert (own, own_places, left) == (base, places, labels)
-    said = ["d: below 2 m", "e: below any size", "z: below 2 m"]  # but those that are named
+    said = ["d: below 2000 mm", "e: below any size", "z: below 2000 mm"]  # but those that are named
     assert list(found.unseen) == [*NEVER_SEEN, *said]
 
 

@@ -177,7 +177,9 @@ def test_a_cause_says_what_it_may_as_well_be() -> None:
     assert CAUSE.visible  # a plausible size would just be named
     assert not replace(CAUSE, detectable=0.301).visible
     assert _size(replace(CAUSE, detectable=0.0123)) == "1.2 %"
-    assert _size(replace(CAUSE, detectable=0.0123, unit="rad")) == "0.012 rad"
+    assert _size(replace(CAUSE, detectable=1.3)) == "130 %"
+    assert _size(replace(CAUSE, detectable=np.radians(0.123), unit="rad")) == "0.12°"
+    assert _size(replace(CAUSE, detectable=0.0055, unit="m")) == "5.5 mm"
     assert _size(replace(CAUSE, detectable=np.inf)) == "any size"
 
 
