@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from types import SimpleNamespace
 from typing import Any
 
@@ -147,7 +148,9 @@ def test_front_and_sensitivity_say_what_has_changed_since() -> None:
         assert task.changes(turned) == ("θ", "z")
         assert "Changed since: θ and z." in page(compute(turned))
     turned = actions.move(state, theta=0.2)
-    assert "of that time" in front_html(compute(turned))
+    text = front_html(compute(turned))
+    assert "of that time" in text
+    assert re.search(r"Changed since: θ\.</b>\s+Here one", text)
     bounded = balancing.change_settings(state, max_added=3.0)
     assert balancing.FRONT.changes(bounded) == ("“Max added”",)
     assert balancing.SENSITIVITY.changes(bounded) == ()
