@@ -17,7 +17,9 @@ from paminsa_viz.engines.mjcf import TIME_STEP, mjcf_text
 from paminsa_viz.engines.mujoco_model import MujocoRobot, play
 from paminsa_viz.errors import InvalidInput, UnreachablePose
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
+from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadCase, LoadFrame
+from paminsa_viz.model.parameters import Friction
 from paminsa_viz.model.statics import static_torques
 from tests import oracle
 from tests.support import samples
@@ -434,3 +436,16 @@ def test_exported_model_stands_under_its_load(mujoco: Any, frame: LoadFrame, ser
     moved = robot.pose(data.qpos) - pose
     assert np.abs(moved).max() < (1e-4 if servos else 1e-3)
     assert "load" not in exported_mjcf(APPENDIX_4)
+
+
+def test_of_drives_the_file_has_the_inertia_alone() -> None:
+    """As docs/machine.md says: neither friction nor limits."""
+    bare = replace(APPENDIX_4, drives=(Drive(rotor_inertia=1e-5, gear_ratio=50.0),) * 3 + (None,))
+    limited = Drive(rotor_inertia=1e-5, gear_ratio=50.0, coulomb=0.01, peak_torque=2.0)
+    rough = replace(bare, drives=(limited,) * 3 + (None,), friction=Friction(0.5, 0.7, 30.0, 6.0))
+    assert exported_mjcf(rough) == exported_mjcf(bare)
+    joints = {
+        joint.get("name"): joint for joint in ET.fromstring(exported_mjcf(bare)).iter("joint")
+    }
+    for leg in (1, 2, 3):
+        assert float(joints[f"leg{leg}_theta"].get("armature", "0")) == 50.0**2 * 1e-5
