@@ -6,8 +6,8 @@ polytope, a parallelepiped since J is square (Firmani, Zibil, Nokleby and Podhor
 Robotica 26 (2008) 791). F_z meets M4 alone. The force that the platform exerts on its surroundings
 is the opposite of what it holds. Horizontal moments load the bearings, and no actuator limits them.
 
-Limits are those of the design's drives: the rated torque for what is held on end, the peak torque
-for acceleration, the top speed; where a drive does not limit, `DEFAULT_LIMITS`.
+Limits are those of the design's drives: the rated torque for what is held continuously, the peak
+torque for acceleration, the top speed; where a drive does not limit, `DEFAULT_LIMITS`.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ class ActuatorLimits(NamedTuple):
     """Limits at the actuators M1..M4, each (4,).
 
     Attributes:
-        rated: Torques and force on end [N m, N].
+        rated: Continuous torques and force [N m, N].
         peak: Torques and force for a short time [N m, N].
         speed: Speeds [rad/s, m/s].
     """
@@ -121,7 +121,7 @@ class ActuatorLimits(NamedTuple):
 def actuator_limits(design: Design) -> ActuatorLimits:
     """Return the limits of a design's drives, those of `DEFAULT_LIMITS` where they have none.
 
-    A drive with a peak and no rated torque is held to its peak on end, and the reverse.
+    A drive with a peak and no rated torque is held to its peak continuously, and the reverse.
     """
     rated, peak, speed = [], [], []
     for own, default in zip(design.output_limits, DEFAULT_LIMITS, strict=True):

@@ -40,7 +40,7 @@ def _limits(design: Design) -> Table:
         speed = format_value(limits.speed[j], SPEED_UNITS[j])
         torques = (format_value(value[j], TORQUE_UNITS[j]) for value in (limits.rated, limits.peak))
         rows.append(Row((name, own, *torques, speed)))
-    head = ("Actuator", "Limits of", "On end", "Peak", "Speed")
+    head = ("Actuator", "Limits of", "Continuous", "Peak", "Speed")
     return Table(head, tuple(rows), "Limits that the capability is worked out with.", words=2)
 
 

@@ -229,7 +229,7 @@ class OutputLimits(NamedTuple):
 
     Attributes:
         peak: Torque or force for a short time, at low speed [N m or N].
-        rated: Torque or force on end [N m or N].
+        rated: Continuous torque or force [N m or N].
         speed: Top speed [rad/s or m/s].
     """
 

@@ -256,6 +256,7 @@ def test_limits_are_those_of_drives_or_the_default_and_the_nearest_one_is_named(
     monkeypatch.setattr(forces, "actuator_limits", lambda design: limits)
     screw = Drive("axis", rotor_inertia=2e-5, transmission="screw", lead=0.01)
     table = forces._limits(replace(APPENDIX_4, drives=(None, MOTOR, None, screw)))
+    assert table.head == ("Actuator", "Limits of", "Continuous", "Peak", "Speed")
     assert table.words == 2
     assert cells(table) == [
         ("M1", "default", "1 N·m", "5 N·m", "57.3°/s"),
