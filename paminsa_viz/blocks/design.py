@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import fields
 from typing import Any, TypeAlias
 
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, rows
@@ -21,7 +22,14 @@ from paminsa_viz.model.design import APPENDIX_4, PARAMETER, Design, stated_param
 from paminsa_viz.model.drive import ACTUATORS, Drive, Envelope
 from paminsa_viz.model.parameters import Parameter
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.units import NONE, counted, format_value, number, percent_change
+from paminsa_viz.units import (
+    NONE,
+    counted,
+    display_unit,
+    format_value,
+    number,
+    percent_change,
+)
 
 GROUPS: dict[str, str] = {
     "geometry": "Lengths",
@@ -220,11 +228,35 @@ def _other_changes(first: Design, second: Design) -> list[Row]:
             found.append(Row((f"on {place} [kg]", "counterweight", "", *texts)))
     for actuator, *drives in zip(ACTUATORS, first.drives, second.drives, strict=True):
         if drives[0] != drives[1]:
-            cells = (
-                "no drive" if drive is None else Cell(f"{drive.gear_ratio:g}:1", hint=drive.summary)
-                for drive in drives
-            )
-            found.append(Row((actuator, "drive", "", *cells)))
+            found += _drive_rows(actuator, *drives)
+    return found
+
+
+def _drive_rows(actuator: str, first: Drive | None, second: Drive | None) -> list[Row]:
+    """Return in what two drives differ by ratio, else by name, else by their values."""
+    if first is None or second is None or first.gear_ratio != second.gear_ratio:
+        cells = (
+            "no drive" if drive is None else Cell(f"{drive.gear_ratio:g}:1", hint=drive.summary)
+            for drive in (first, second)
+        )
+        return [Row((actuator, "drive", "", *cells))]
+    if first.summary != second.summary:
+        return [Row((actuator, "drive", "", first.summary, second.summary))]
+    found = []
+    for item in fields(Drive):
+        facts, pair = item.metadata, [getattr(drive, item.name) for drive in (first, second)]
+        if pair[0] == pair[1]:
+            continue
+        if not facts:
+            what = DRIVE_MEANINGS[item.name]
+            found.append(Row((f"{actuator} {item.name}", what, "", *map(_text, pair))))
+            continue
+        factor, change = display_unit(facts["unit"]).factor, ""
+        texts = [NONE if value is None else number(factor * value, 6) for value in pair]
+        if None not in pair:
+            change = percent_change(*pair)
+        name = heading(f"{actuator} {facts['symbol']}", facts["unit"])
+        found.append(Row((name, facts["label"], "", *texts, change)))
     return found
 
 

@@ -331,6 +331,20 @@ def test_choices_counterweights_and_drives_in_which_robots_differ() -> None:
     row = design.changes_table(one, other).rows[-1]
     assert row.cells[0] == "M2"
     assert row.cells[4].hint == motor.summary  # type: ignore
+    for changes, wanted in (
+        ({"name": "other"}, [("M2", "drive", "motor, 12.5:1", "other, 12.5:1")]),
+        (
+            {"coulomb": 0.006, "top_speed": 2 * np.pi, "brake": True},
+            [
+                ("M2 c_r [N·m]", "Coulomb friction, at the motor shaft", "0", "0.006", "new"),
+                ("M2 w_p [°/s]", "top speed", "–", "360"),
+                ("M2 brake", "holds the load while the robot waits", "false", "true"),
+            ],
+        ),
+    ):
+        varied = replace(other, drives=(None, replace(motor, **changes), None, None))
+        found = cells(design.changes_table(other, varied))
+        assert [(*row[:2], *filter(None, row[3:])) for row in found] == wanted
     assert cells(design.changes_table(one, other, under="geometry")) == []
 
 
