@@ -167,6 +167,10 @@ def test_uploaded_catalog_is_read_or_refused_with_its_row() -> None:
     assert notices == ["weak.csv: 1 motors, 1 gears, 1 screws and belts"]
     state = actions_[0](initial_state())
     assert state.drives.settings.parts.name == "weak.csv"
+    lost = "A catalog of your own is not kept over a reload."
+    assert [lost in panel.intro_html(compute(one)) for one in (state, initial_state())] == [
+        True, False,
+    ]  # fmt: skip
     for content, problem in ((b"", "too large"), (WEAK.replace("0.8", "1.8").encode(), "row 3")):
         with pytest.raises(ValueError, match=problem):
             panel._open(session, "bad.csv", content)
@@ -184,7 +188,9 @@ def test_a_cycle_of_several_motions_is_searched_as_a_whole(found: State) -> None
     state = found.updated("drives.settings", count=3.0, dwell=0.5)
     state = panel.add_motion(state)
     state = panel.add_motion(state.updated("drives.settings", count=1.0, dwell=10.0))
-    assert "3 ×, dwell 0.5 s" in panel.intro_html(compute(state))
+    intro = panel.intro_html(compute(state))
+    assert "3 ×, dwell 0.5 s" in intro
+    assert "A cycle is not kept over a reload." in intro
     assert "Changed since" in panel.list_html(compute(state))
     searched_again = searched(state)
     outcome = searched_again.drives.outcome
