@@ -26,7 +26,7 @@ def springs_blocks(fit: SpringFit, torque: Array, held: Array) -> list[Table | N
         ("Free length", format_value(spring.free_length, "m")),
         ("Length in use", f"{format_value(low, 'm', 3)} to {format_value(high, 'm', 3)}"),
     )
-    largest = (heading("Largest on the map", "N m"), fixed(fit.before, 3), fixed(fit.after, 3))
+    largest = (heading("Largest on a coarse map", "N m"), fixed(fit.before, 3), fixed(fit.after, 3))
     here = actuator_rows(
         *(
             (heading(f"{name} at this pose", unit), fixed(without, 3), fixed(with_them, 3))

@@ -47,7 +47,7 @@ def length_tolerance_blocks(found: LengthTolerance) -> list[Table | Note]:
         ("Largest of all", float(found.peaks.max())),
     )
     table = Table(
-        (heading("Largest torque on the map", "N m"), ""),
+        (heading("Largest torque on a coarse map", "N m"), ""),
         rows(*((name, fixed(value, 3)) for name, value in sizes)),
     )
     lost = int((found.lost > 0).sum())

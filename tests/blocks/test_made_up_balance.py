@@ -253,7 +253,7 @@ def test_springs_with_the_torques_that_they_leave() -> None:
         ("Length in use", "235 mm to 457 mm"),
     ]  # fmt: skip
     assert cells(torques) == [
-        ("Largest on the map [N·m]", "9.877", "1.235"),
+        ("Largest on a coarse map [N·m]", "9.877", "1.235"),
         ("M1 at this pose [N·m]", "1.235", "0.123"), ("M2 at this pose [N·m]", "−2.346", "−0.235"),
         ("M3 at this pose [N·m]", "3.457", "0.000"), ("M4 at this pose [N]", "456.789", "450.000"),
     ]  # fmt: skip
@@ -286,6 +286,7 @@ def test_spreads_of_a_balance_by_masses_and_by_lengths() -> None:
         lost=np.array([0, 1, 3]),
     )  # fmt: skip
     table, note = length_tolerance_blocks(lengths)
+    assert table.head == ("Largest torque on a coarse map [N·m]", "")  # type: ignore
     assert cells(table) == [
         ("Nominal lengths", "1.250"), ("Half of 3 robots below", "5.000"),
         ("95 % below", "9.500"), ("Largest of all", "4.000"),

@@ -61,8 +61,8 @@ SPRINGS: tuple[Entry, ...] = (
     Button(
         "springs.fit", "Fit springs", effect=springs.FIT.start, undo=False,
         disabled=springs.FIT.runs,
-        hint="Stiffness and free length for the least peak of M1–M3 on the map at this θ and z, "
-        "over poses that count; certified",
+        hint="Stiffness and free length for the least peak of M1–M3 at this θ and z, over those of "
+        f"{springs.CELLS} × {springs.CELLS} positions of the map that count; certified",
     ),
     Answer(
         "springs.answer", "Springs", found=springs.FIT.outcome,

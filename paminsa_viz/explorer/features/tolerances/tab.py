@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from paminsa_viz.blocks.tolerances import length_tolerance_blocks, mass_tolerance_blocks
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.features.tolerances.actions import DRAW, of_masses
+from paminsa_viz.explorer.features.tolerances.actions import CELLS, DRAW, ROBOTS, of_masses
 from paminsa_viz.explorer.kit.entries import Answer, Button, Entry, Html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import blocks_html
@@ -38,7 +38,8 @@ TOLERANCES: tuple[Entry, ...] = (
     Button(
         "tolerance.draw", "Draw robots", effect=DRAW.start, undo=False,
         disabled=DRAW.runs,
-        hint="200 robots within the tolerance of lengths, on the map at this θ and z",
+        hint=f"{ROBOTS} robots within the tolerance of lengths, at this θ and z, at those of "
+        f"{CELLS} × {CELLS} positions of the map that count",
     ),
     Answer(
         "tolerance.answer", "Balance within tolerances", found=DRAW.outcome, always=True,
