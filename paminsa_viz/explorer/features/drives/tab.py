@@ -12,7 +12,7 @@ from viser import Icon
 from paminsa_viz.actuation.catalog import CatalogError, read_catalog
 from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.actuation.selection import DriveFigures, size_design
-from paminsa_viz.blocks.drives import facts_table, figures_table, own_table
+from paminsa_viz.blocks.drives import FIGURES_HEAD, facts_table, figures_table, own_table
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
@@ -122,9 +122,11 @@ def list_html(frame: Frame) -> str:
     if outcome is None or found is None:
         return ""
     first = [(f"{i}", one) for i, one in enumerate(drives.listed, 1)]
+    # The page is narrow: of mass and cost it shows what the list is in the order of.
+    ranked = "Cost" if outcome.job.settings.order == "cost" else "Mass [kg]"
     return render(
         "drives/list.j2", chosen=drives.row, stale=SEARCH.stale_text(frame.state),
-        table=figures_table("", first).columns(0, 1, 3, 4, 11),
+        table=figures_table("", first).columns(0, 1, 3, 4, FIGURES_HEAD.index(ranked)),
         name=_name(frame.state, drives.actuator), advice=found.advice[drives.actuator],
         count=len(found.selection.rows[drives.actuator]),
     )  # fmt: skip

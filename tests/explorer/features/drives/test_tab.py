@@ -54,6 +54,13 @@ def test_lists_name_feasible_drives_and_their_margins(found: State) -> None:
     design, catalog = found.document.design, lists.selection
     blocks = selection_blocks(design, catalog, LISTED, lists.advice)
     assert_parts(text, blocks)
+    assert ("<th>Mass [kg]</th>" in text, "Cost" in text) == (True, False)
+    outcome = found.drives.outcome
+    assert outcome is not None
+    job = replace(outcome.job, settings=replace(outcome.job.settings, order="cost"))
+    cheapest = found.updated("drives", outcome=replace(outcome, job=job))
+    by_cost = panel.list_html(compute(cheapest))
+    assert ("Mass" in by_cost, "<th>Cost</th>" in by_cost) == (False, True)
     chosen = panel.choose(found, None)
     own = selection_blocks(chosen.document.design, catalog, LISTED, lists.advice)
     assert_parts(panel.own_html(compute(chosen)), own)
