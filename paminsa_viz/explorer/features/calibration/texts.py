@@ -122,8 +122,9 @@ def lengths_html(frame: Frame) -> str:
     if found is None:
         return ""
     text = (
-        "The design holds them, a table of its file for each leg. Errors by manufacture and the "
-        "maps “deviation” follow them; torques, reach and the scene stay those of equal legs."
+        "“Use as design” takes them into the design, a table of its file for each leg. Errors by "
+        "manufacture and the maps “deviation” then follow them; torques, reach and the scene stay "
+        "those of equal legs."
     )
     return _lengths_html("calibrate-lengths", deviation_blocks(found), Note(text))
 

@@ -62,6 +62,8 @@ def test_calibration_predicts_held_back_poses_of_the_example(calibrated: State) 
     blocks = calibration_blocks(found, None)
     for text in (texts.errors_html, texts.lengths_html, texts.combinations_html):
         assert_parts(text(compute(calibrated)), blocks)
+    # they are not yet the design's
+    assert "“Use as design” takes them into the design" in texts.lengths_html(compute(calibrated))
     figure = residual_figure(found)
     points = sum(len(trace["x"]) for trace in figure["data"])
     assert points == 4 * len(found.held)  # position and heading, before and after
