@@ -111,6 +111,9 @@ MEASURE = """uuids => uuids.map(uuid => {
           room: field.clientWidth - field.scrollWidth};
 })"""
 
+ROOMS = """one => [...one.closest(".mantine-Flex-root").querySelectorAll("[inputmode]")]
+  .map(field => field.clientWidth - field.scrollWidth)"""
+
 
 def test_nothing_is_cut_off(tab: Tab) -> None:
     width = tab.page.viewport_size["width"]
@@ -134,6 +137,13 @@ def test_nothing_is_cut_off(tab: Tab) -> None:
                 assert row["right"] < row["left"], f"{text} runs into its number"
                 assert row["room"] >= 0, f"the number of {text} is cut off"
                 assert row["end"] <= width, f"the number of {text} is off the page"
+    tab.open_tab("Single map")
+    tab.dispatch(lambda s: s.updated("map_view", quantity="utilization"))  # of many digits
+    ends = tab.element("ends")
+    until(lambda: "." in ends.input_value(), "the range of the quantity")
+    rooms = ends.evaluate(ROOMS)
+    assert len(rooms) == 2
+    assert min(rooms) >= 0, "an end of the color range is cut off"
 
 
 def searched(state: State) -> State:
