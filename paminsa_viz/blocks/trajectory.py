@@ -23,6 +23,7 @@ from paminsa_viz.blocks.kinds import (
 from paminsa_viz.files.published_table import PublishedTorques
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
+from paminsa_viz.model.reach import Limit
 from paminsa_viz.trajectory import (
     CrossingDrift,
     PathCheck,
@@ -131,9 +132,11 @@ def margin_text(check: PathCheck) -> str:
     """Return how near a motion that the robot can run comes to a limit."""
     near = check.closest
     leg = f", leg {near.leg + 1}" if near.leg >= 0 else ""
+    # At a pose the distance to turn is an angle, so these millimeters would be found nowhere.
+    turn = "; a turn counts as the path of the joints 5" if near.limit is Limit.SINGULAR else ""
     return (
         f"It comes nearest to a limit ({near.limit.noun}{leg}) at {near.t:.4g} s, with "
-        f"{format_value(near.margin, 'm', 3)} to spare."
+        f"{format_value(near.margin, 'm', 3)} to spare{turn}."
     )
 
 

@@ -19,6 +19,7 @@ from paminsa_viz.blocks import trajectory
 from paminsa_viz.blocks.balance import mass_facts
 from paminsa_viz.blocks.trajectory import (
     crossings_table,
+    margin_text,
     passages_blocks,
     published_differences,
     published_notes,
@@ -156,6 +157,9 @@ def test_a_motion_that_can_be_run_or_not() -> None:
         assert data["closest"]["leg"] == (leg + 1 if leg >= 0 else None)
         assert data["failure"] is None
         assert data["closest"]["margin_m"] == 0.0123
+    singular = replace(near, limit=Limit.SINGULAR, leg=-1)
+    text = margin_text(checked_so(whole, closest=singular).check)
+    assert text.endswith("12.3 mm to spare; a turn counts as the path of the joints 5.")
     assert said([reference_note(whole)]) == [('reference "Appendix 4": can run it too', "ok")]
     failed = checked_so(whole, first=near)
     notes = said(trajectory_blocks(failed))
