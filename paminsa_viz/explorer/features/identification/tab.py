@@ -27,6 +27,7 @@ from paminsa_viz.explorer.kit.entries import (
 )
 from paminsa_viz.explorer.kit.inputs import Dropdown, attribute
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
+from paminsa_viz.explorer.kit.text import note
 from paminsa_viz.explorer.state.identification import IdentifySettings, parse_gains
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.logs import parse_log
@@ -168,7 +169,13 @@ LOGS: tuple[Entry, ...] = (
     ),
 )  # fmt: skip
 
+WHAT_FOR = (
+    "Masses and friction show in a log only as far as its motion moves them. This finds the motion "
+    "that shows them best: run it on the built robot, and open its log in the section Logs."
+)
+
 EXCITE: tuple[Entry, ...] = (
+    Html("identify.excite_about", content=note("excite-about", WHAT_FOR, muted=True)),
     *map(_setting, ("period", "harmonics", "seconds")),
     *actions.SEARCH.buttons(
         Button(

@@ -20,6 +20,7 @@ from paminsa_viz.explorer.features.identification import files as exports
 from paminsa_viz.explorer.features.identification import tab as identify_panel
 from paminsa_viz.explorer.features.identification import texts as identify_text
 from paminsa_viz.explorer.features.identification.solving import identify_logs, search_excitation
+from paminsa_viz.explorer.kit.entries import Html
 from paminsa_viz.explorer.state.identification import ExcitationJob, IdentifySettings, parse_gains
 from paminsa_viz.explorer.state.outcome import Outcome, solve
 from paminsa_viz.explorer.state.state import State, initial_state
@@ -44,6 +45,12 @@ def identified(state: State) -> State:
 @pytest.fixture(scope="module")
 def found() -> State:
     return identified(actions.use_examples(initial_state()))
+
+
+def test_section_of_the_motion_says_what_it_is_for_before_its_settings() -> None:
+    first = identify_panel.EXCITE[0]
+    assert isinstance(first, Html)
+    assert "open its log in the section Logs" in str(first.content)
 
 
 @pytest.mark.slow
