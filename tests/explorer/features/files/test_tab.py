@@ -53,6 +53,11 @@ def downloads(messages: list[dict[str, Any]]) -> dict[str, bytes]:
     return files
 
 
+def test_tour_is_offered_above_the_examples_that_fill_the_panel() -> None:
+    html = tab.gallery_html()
+    assert 0 < html.index("Take the guided tour") < html.index(tab.EXAMPLE)
+
+
 @pytest.mark.slow
 @given(name=st.text(max_size=200))
 def test_every_design_has_a_file_name_that_every_system_takes(name: str) -> None:
