@@ -41,9 +41,12 @@ def front_figure(front: ParetoFront, chosen: int | None) -> Tree:
         "hovertemplate": f"before: {hover}",
     }  # fmt: skip
     optimal = front_trace(x, y, chosen, name="optimal masses", hovertemplate=hover)
+    # Above the axes: the design before is worse at both, and so at the top right of them.
+    legend = LAYOUT["legend"] | {"y": 1.02, "yanchor": "bottom", "orientation": "h"}
     shown = figure(
-        [optimal, before], "peak dynamic torque [N·m]", "peak static torque [N·m]", meta=FRONT
-    )
+        [optimal, before], "peak dynamic torque [N·m]", "peak static torque [N·m]", meta=FRONT,
+        legend=legend,
+    )  # fmt: skip
     shown["layout"]["yaxis"]["rangemode"] = "tozero"
     return shown
 

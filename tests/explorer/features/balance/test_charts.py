@@ -68,8 +68,11 @@ def test_points_of_the_front_are_designs_with_the_torques_they_say() -> None:
         still = static_torque(job, after.document.design)[0]
         assert still == pytest.approx(second, rel=1e-6, abs=1e-7)
         assert clicked_point({"x": first, "y": second}, after) == index
-        marks = front_figure(*drawn(shown_front(after)))["data"][0]["marker"]["size"]
+        shown = front_figure(*drawn(shown_front(after)))
+        marks = shown["data"][0]["marker"]["size"]
         assert marks.index(max(marks)) == index
+        legend = shown["layout"]["legend"]  # over no point
+        assert (legend["y"] > 1, legend["yanchor"]) == (True, "bottom")
     after = POINT.apply(after, 0)
     assert (POINT.read(after), after.document.design) == (0, START.document.design)
     with pytest.raises(InvalidInput, match="no such point"):
