@@ -15,7 +15,7 @@ from paminsa_viz.explorer.state.springs import LENGTHS, SpringSettings, SpringsF
 from paminsa_viz.explorer.state.state import State
 
 BESIDE = Note(
-    "Springs are not part of the design: maps, motions and the numbers above are of the robot "
+    "Springs are not part of the design: maps, motions and all other numbers are of the robot "
     "without them.",
     "muted",
 )

@@ -154,6 +154,7 @@ def test_front_and_sensitivity_say_what_has_changed_since() -> None:
     text = front_html(compute(turned))
     assert "of that time" in text
     assert re.search(r"Changed since: θ\.</b>\s+Here one", text)
+    assert "bounds of “Optimization settings”" in front_html(compute(state))  # elsewhere
     bounded = balancing.change_settings(state, max_added=3.0)
     assert balancing.FRONT.changes(bounded) == ("“Max added”",)
     assert balancing.SENSITIVITY.changes(bounded) == ()

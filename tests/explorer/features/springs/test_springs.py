@@ -56,6 +56,7 @@ def test_text_compares_torques_with_and_without_springs(off_center: State) -> No
     text = springs_html(compute(state))
     assert "91 N/m" in text
     assert "4.570" in text
+    assert "all other numbers are of the robot without them" in text  # those above are of both
     assert "Changed since" not in text
     changed = actions.vary(state, {"links.b4": 0.9})
     assert "Changed since: masses." in springs_html(compute(changed))
