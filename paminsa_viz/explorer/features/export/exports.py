@@ -167,8 +167,8 @@ def motion_figure(state: State, kind: str) -> File:
     """
     found, what = _motion_results(state), motion_figure_kind(state)
     sources, title = found.sources, None
-    if what == "tracking" and (SIMULATION.result(state) is None or SIMULATION.is_stale(state)):
-        raise InvalidInput("simulation", "simulate the current motion first")
+    if what == "tracking":
+        _require_simulation(state)
     if what == "clearance":  # what the page has may not be there yet
         sources = replace(sources, clearance=None)
     if what == "comparison":
@@ -182,6 +182,22 @@ def motion_figure(state: State, kind: str) -> File:
     export, data = state.export, build_series(what, sources)
     content = render_series(data, kind, width_mm=export.width, dpi=export.dpi, title=title)
     return File(motion_name(state, found, what, kind), content)
+
+
+def _require_simulation(state: State) -> None:
+    if SIMULATION.result(state) is None or SIMULATION.is_stale(state):
+        raise InvalidInput("simulation", "simulate the current motion first")
+
+
+def curves_table(state: State, kind: str) -> File:
+    """Write `motion_table` next to the curves: a simulation that is plotted has to be there.
+
+    Raises:
+        InvalidInput: If there is no motion, no simulation of it, or no such kind.
+    """
+    if state.plots.plot in SIMULATED:
+        _require_simulation(state)
+    return motion_table(state, kind)
 
 
 def motion_table(state: State, kind: str) -> File:

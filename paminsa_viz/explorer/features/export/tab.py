@@ -96,8 +96,12 @@ def maps_line(name: str, what: str, store: MapStore, *, single: bool) -> ButtonG
 
 def curves_line() -> ButtonGroup:
     """Return the line below the curves of the motion."""
-    line = _line("plots.export", "curves", exports.motion_figure, exports.motion_table)
-    return replace(line, order=8)
+    line = _line("plots.export", "curves", exports.motion_figure, exports.curves_table)
+    hint = (
+        "PNG, SVG and PDF: the curves as shown, width and resolution are set in the folder File; "
+        "CSV: the motion with torques and power, whatever is shown of it, or the simulation"
+    )
+    return replace(line, order=8, hint=hint)
 
 
 def volume_choices() -> dict[str, Run]:

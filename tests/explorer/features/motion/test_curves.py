@@ -15,6 +15,7 @@ from paminsa_viz.explorer.core.clearance import motion_job
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.motion_results import MotionResults, MotionStore, split_path
 from paminsa_viz.explorer.features.clearance.actions import find_along
+from paminsa_viz.explorer.features.export import exports
 from paminsa_viz.explorer.features.motion import plots, simulation
 from paminsa_viz.explorer.features.motion.layers import motion_path
 from paminsa_viz.explorer.features.motion.plots import drawn_charts
@@ -24,7 +25,7 @@ from paminsa_viz.explorer.state.motion import PLOTS, SIMULATED, Kind, PlotView
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.simulation import SimulationSettings, make_job
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.model import Misprint
+from paminsa_viz.model import InvalidInput, Misprint
 from paminsa_viz.palette import MUTED
 from paminsa_viz.plots import series_uplot
 from paminsa_viz.plots.series import SeriesKind, Trace, runs, statistics
@@ -215,6 +216,9 @@ def test_result_of_a_simulation_is_plotted_and_holds_for_its_design_only() -> No
     heavier = actions.vary(done, {"links.b4": 3.0})
     assert simulation.SIMULATION.changes(heavier) == ("masses",)
     assert delivered(simulation.SIMULATION, done, outcome) is done
+    assert exports.curves_table(done, "csv").content.startswith(b"# format: paminsa_viz simulation")
+    with pytest.raises(InvalidInput, match="simulate the current motion first"):
+        exports.curves_table(heavier, "csv")  # and not the motion in its place
     place, turn = drawn_charts(done, results(done))
     assert "[mm]" in place.title
     error = np.degrees(outcome.result.error[:, 2])
