@@ -46,7 +46,7 @@ it."""
 
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-_SYMBOL = re.compile(r"\b([A-Za-z])_([A-Za-z]{0,4}\d{0,2})\b(?:\^\((\w+)\))?")
+_SYMBOL = re.compile(r"\b([A-Za-zα-ω])_([A-Za-zα-ω]{0,4}\d{0,2})\b(?:\^\((\w+)\))?")
 
 
 def number(value: float, digits: int = 4, *, sign: bool = False, padded: bool = False) -> str:

@@ -58,6 +58,8 @@ def test_symbols_as_text_and_html(symbol: str, label: str, markup: str) -> None:
         ("I_XX^(B3) grows", "<i>I</i><sub>XX</sub><sup>(B3)</sup> grows"),
         ("max_imbalance", "max_imbalance"),
         ("g", "<i>g</i>"),
+        ("τ_1, δ_tilt", "<i>τ</i><sub>1</sub>, <i>δ</i><sub>tilt</sub>"),
+        ("K_θ", "<i>K</i><sub>θ</sub>"),
     ],
 )
 def test_symbols_in_a_sentence_are_typeset(text: str, markup: str) -> None:
