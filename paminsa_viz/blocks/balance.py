@@ -34,7 +34,15 @@ from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.model.statics import imbalance_parts, static_imbalance
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
-from paminsa_viz.units import display_unit, format_value, number, percent_change, unit_text
+from paminsa_viz.units import (
+    MM,
+    display_unit,
+    fixed,
+    format_value,
+    number,
+    percent_change,
+    unit_text,
+)
 
 MP2 = 1
 """Place of M_p2 among the lumped coefficients."""
@@ -285,4 +293,4 @@ def room_text(geometry: Geometry, weight: Counterweight) -> str:
 
 def _mm(length: float, rounded: Callable[[float], float] = np.ceil) -> str:
     """Return a length in whole mm, rounded to the safe side."""
-    return f"{rounded(round(1e3 * length, 6)):.0f} mm".replace("-", "\N{MINUS SIGN}")
+    return f"{fixed(rounded(round(MM * length, 6)), 0)} mm"

@@ -9,7 +9,7 @@ from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table
 from paminsa_viz.identification.excitation import Excitation, KeptLimit
 from paminsa_viz.model.design import Design
-from paminsa_viz.units import NONE, counted, format_value, number
+from paminsa_viz.units import NONE, counted, fixed, format_value, number
 
 
 def excitation_blocks(found: Excitation) -> list[Block]:
@@ -29,10 +29,10 @@ def excitation_blocks(found: Excitation) -> list[Block]:
 def information_text(found: Excitation) -> str:
     """Return the information of a motion beside that of the best random one."""
     return (
-        f"log det of the information of {found.parameters} parameters {found.log_det:.1f}, of the "
-        f"best of {found.random} random motions {found.random_log_det:.1f}: intervals narrower by "
-        f"{number(found.narrowing, 3)} on average."
-    ).replace(" -", " −")
+        f"log det of the information of {found.parameters} parameters {fixed(found.log_det, 1)}, "
+        f"of the best of {found.random} random motions {fixed(found.random_log_det, 1)}: intervals "
+        f"narrower by {number(found.narrowing, 3)} on average."
+    )
 
 
 def limits_table(found: Excitation) -> Table:

@@ -22,9 +22,8 @@ from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.units import MM
 from paminsa_viz.version import MADE_BY
-
-MM = 1e3
 
 LAYERS = {"FROM_ABOVE": 7, "LEG_1": 1, "LEG_2": 3, "LEG_3": 5, "NOTES": 8}
 """Layers with their colors by AutoCAD's index: black or white, red, green, blue, gray."""

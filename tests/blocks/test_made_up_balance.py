@@ -161,6 +161,7 @@ def test_the_room_of_a_counterweight_is_rounded_to_the_safe_side(
         found = text(0.30001, APPENDIX_4.with_knee(knee).geometry)
         assert found.endswith(f"{meet}, while the platform is {side} z = {shown}.")
     assert balance._mm(0.012) == balance._mm(0.012, np.floor) == "12 mm"
+    assert balance._mm(-0.0003) == "0 mm"
 
 
 def test_the_papers_balance_or_what_comes_nearest_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
