@@ -18,6 +18,7 @@ from paminsa_viz.explorer.state.settings import (
 )
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.model.arrays import Pose
+from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.plots.series import FigureKind, SeriesKind
 from paminsa_viz.trajectory import (
     PRESET,
@@ -174,8 +175,10 @@ def require_possible(motion: Motion) -> None:
     if len(motion.waypoints) > MOST_WAYPOINTS:
         raise InvalidInput("waypoints", f"at most {MOST_WAYPOINTS} are possible")
     for pose in filter(None, (motion.start, motion.goal, motion.center, *motion.waypoints)):
-        if not all(abs(value) <= FARTHEST for value in pose):
-            raise InvalidInput("pose", "it is too far away")
+        for name, value in zip(COORDINATES, pose, strict=True):
+            if not abs(value) <= FARTHEST:
+                problem = f"up to {FARTHEST:g} m or rad in size is possible, not {value:g}"
+                raise InvalidInput(name, problem)
     for item in fields(motion.limits):
         value = getattr(motion.limits, item.name)
         if value is not None and not value <= LARGEST_LIMIT:

@@ -127,6 +127,11 @@ def test_robot_goes_to_a_point_and_a_point_to_the_robot(three: State) -> None:
         points.add_waypoint(state)
 
 
+def test_a_point_that_is_too_far_away_is_refused_with_its_coordinate(three: State) -> None:
+    with pytest.raises(InvalidInput, match=r"^y: up to 1000 m or rad .* not -2000"):
+        points.put(three, (0.0, -2000.0, 0.0, -0.5))
+
+
 def test_list_marks_the_edited_point_and_what_is_out_of_reach(three: State) -> None:
     text = points_html(compute(points.put(three, (0.9, 0.0, 0.0, -0.5))))
     rows = text.split("<tr ")[1:]
