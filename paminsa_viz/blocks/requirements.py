@@ -77,6 +77,37 @@ def check_blocks(
     return blocks
 
 
+def requirements_difference(
+    first: Requirements | None, second: Requirements | None, names: tuple[str, str]
+) -> list[Block]:
+    """Return what one of two files requires alone; nothing where both require the same.
+
+    Args:
+        first, second: What the files require; None for nothing.
+        names: Headings of their columns.
+    """
+    held = [required_texts(each) for each in (first, second)]
+    found = [
+        (text, *("required" if text in each else NONE for each in held))
+        for text in dict.fromkeys((*held[0], *held[1]))
+        if (text in held[0]) != (text in held[1])
+    ]
+    return [Table(("Requirement", *names), rows(*found), words=3)] if found else []
+
+
+def required_texts(requirements: Requirements | None) -> list[str]:
+    """Return bounds, headings and workspace as texts; nothing of None."""
+    if requirements is None:
+        return []
+    low, high = (format_value(angle, "rad", 10) for angle in requirements.theta)
+    place = requirements.workspace
+    return [
+        *map(requirement_text, requirements.bounds),
+        f"headings θ {low} to {high}",
+        *([] if place is None else [f"workspace {workspace_text(place)}"]),
+    ]
+
+
 def workspace_text(workspace: Workspace) -> str:
     """Return a workspace for people: shape, sizes and center."""
     places = zip("xyz", workspace.center, strict=True)

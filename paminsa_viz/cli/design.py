@@ -25,7 +25,7 @@ from paminsa_viz.cli.output import (
     print_written,
 )
 from paminsa_viz.errors import PaminsaError
-from paminsa_viz.files.design_file import load_design, save_design
+from paminsa_viz.files.design_file import DesignContent, load_content, load_design, save_design
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.version import MADE_BY
@@ -103,7 +103,7 @@ class Default:
 
 @dataclass(frozen=True, kw_only=True)
 class Diff(JsonFlags):
-    """Print the values in which two designs differ."""
+    """Print the values in which two designs differ, and what one file requires alone."""
 
     file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
     """Design file."""
@@ -113,12 +113,25 @@ class Diff(JsonFlags):
     def run(self) -> int:
         """Print the table."""
         files = (None, self.file) if self.other is None else (self.file, self.other)
-        first, second = map(_load, files)
+        first, second = map(_content, files)
+        facts = difference_data(first.design, second.design)
+        left, right = (str(file or APPENDIX_4.name) for file in files)
+        blocks = difference_blocks(first.design, second.design, (left, right))
+        if first.requirements != second.requirements:
+            # Late: it brings volumes and proofs.
+            from paminsa_viz.blocks.requirements import required_texts, requirements_difference
+
+            blocks += requirements_difference(
+                first.requirements, second.requirements, (left, right)
+            )
+            facts["requirements"] = {
+                "first": required_texts(first.requirements),
+                "second": required_texts(second.requirements),
+            }
         if self.json:
-            print_json(difference_data(first, second))
+            print_json(facts)
         else:
-            names = [str(file or APPENDIX_4.name) for file in files]
-            print_blocks(difference_blocks(first, second, (names[0], names[1])))
+            print_blocks(blocks)
         return 0
 
 
@@ -131,4 +144,8 @@ FLAGS: Any = (
 
 
 def _load(file: Path | None) -> Design:
-    return APPENDIX_4 if file is None else load_design(file)
+    return _content(file).design
+
+
+def _content(file: Path | None) -> DesignContent:
+    return DesignContent(APPENDIX_4, None) if file is None else load_content(file)

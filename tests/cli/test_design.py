@@ -19,6 +19,12 @@ from paminsa_viz.files.design_schema import KEYS
 from paminsa_viz.model import APPENDIX_4, PARAMETER, PARAMETERS, KneeBranch, inverse_dynamics
 from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.model.reach import home_pose
+from paminsa_viz.quantities.requirements import (
+    Requirement,
+    Requirements,
+    Workspace,
+    WorkspaceShape,
+)
 from tests.support import commands
 
 run = partial(commands.run, "design")
@@ -127,6 +133,30 @@ def test_diff_shows_what_differs(capsys, files, rows, differences) -> None:
         key: {"first": first, "second": second} for key, (first, second) in differences.items()
     }
     assert ("counterweights" in found) == (files == "w.toml")
+
+
+@pytest.mark.slow  # it loads volumes and proofs
+def test_diff_shows_what_one_file_requires_alone(capsys) -> None:
+    bound = Requirement("condition", high=8.0)
+    place = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.1))
+    for name, needed in (
+        ("one", Requirements((bound, Requirement("max_torque", high=15.0)), (-0.3, 0.3))),
+        ("two", Requirements((bound, Requirement("max_torque", high=5.0)), (-0.3, 0.3), place)),
+    ):
+        save_design(APPENDIX_4, f"{name}.toml", requirements=needed)
+    out = run(capsys, "diff", "one.toml", "two.toml")[1]
+    assert [" ".join(line.split()) for line in out.splitlines()] == [
+        "the designs have the same values",
+        "",
+        "Requirement one.toml two.toml",
+        "max_torque <= 15 N m required -",
+        "max_torque <= 5 N m - required",
+        "workspace cylinder d 200 × 100 mm about x 0 mm, y 0 mm, z free - required",
+    ]
+    found = run_json(capsys, "diff", "a.toml", "one.toml")["requirements"]
+    assert found["first"] == []
+    assert found["second"][0] == "condition <= 8"
+    assert len(found["second"]) == 3
 
 
 def test_equal_designs_have_no_differences(capsys) -> None:
