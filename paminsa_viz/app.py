@@ -287,7 +287,8 @@ def run(options: AppOptions) -> None:
     """Start the server, open the browser, and serve until interrupted.
 
     Raises:
-        PaminsaError: If the design file is not usable or the port is taken.
+        PaminsaError: If the design file is not usable, asks for more than a page can keep, or the
+            port is taken.
     """
     from paminsa_viz.explorer.server.listening import exposure_notice
 
@@ -298,6 +299,10 @@ def run(options: AppOptions) -> None:
 
         found = load_content(options.design)
         design, requirements = found.design, found.requirements
+        if requirements is not None:
+            from paminsa_viz.explorer.core.saved_requirements import require_possible
+
+            require_possible(requirements)
     app = App(options, design, requirements)
     notice = exposure_notice(options.host)
     if notice:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import threading
 import weakref
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,11 +15,14 @@ from paminsa_viz.app import App, AppOptions
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.explorer import page
 from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.page import build
+from paminsa_viz.files.design_file import save_design
 from paminsa_viz.kept import kept_bytes
 from paminsa_viz.meshes import prepare
 from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.quantities.requirements import Requirement, Requirements
 from tests.support.raw_page import RawPage, eventually
 
 
@@ -136,3 +140,15 @@ def test_no_option_serves_others_without_a_token(options: dict) -> None:
 def test_a_number_of_pages_out_of_range_is_refused(pages: int) -> None:
     with pytest.raises(InvalidInput, match="--pages"):
         AppOptions(pages=pages)
+
+
+def test_requirements_that_no_page_can_keep_are_refused_at_the_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A tab that was loaded again would open without all that was done in it."""
+    monkeypatch.setattr(program, "set_up_process", lambda: None)
+    monkeypatch.setattr(program, "App", None)  # it is not started
+    needed = Requirements((Requirement("condition", high=8.0),) * (MOST_REQUIREMENTS + 1))
+    path = save_design(APPENDIX_4, tmp_path / "robot.toml", requirements=needed)
+    with pytest.raises(InvalidInput, match=f"at most {MOST_REQUIREMENTS} are possible here"):
+        program.run(AppOptions(port=0, browser=False, design=path))
