@@ -40,6 +40,7 @@ from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import NO_DRIVES, InvalidInput
 from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.units import counted
 
 
 def _job(state: State) -> DriveJob:
@@ -100,9 +101,12 @@ def _open(session: Session, name: str, content: bytes) -> None:
         raise CatalogError(name, "is empty or too large")
     catalog = read_catalog(content, name)
     action = methodcaller("updated", "drives.settings", catalog=catalog)
-    parts = len(catalog.motors), len(catalog.gears), len(catalog.transmissions)
-    text = "{}: {} motors, {} gears, {} screws and belts".format(name, *parts)
-    opened = partial(session.notify, "Catalog opened", text)
+    parts = (
+        counted(len(catalog.motors), "motor"),
+        counted(len(catalog.gears), "gear"),
+        counted(len(catalog.transmissions), "screw or belt", "screws and belts"),
+    )
+    opened = partial(session.notify, "Catalog opened", f"{name}: {', '.join(parts)}")
     session.dispatch("drives.catalog", action, then=opened)
 
 

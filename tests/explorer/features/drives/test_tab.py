@@ -171,7 +171,7 @@ def test_uploaded_catalog_is_read_or_refused_with_its_row() -> None:
         notify=lambda title, body: notices.append(body),
     )
     panel._open(session, "weak.csv", WEAK.encode())
-    assert notices == ["weak.csv: 1 motors, 1 gears, 1 screws and belts"]
+    assert notices == ["weak.csv: 1 motor, 1 gear, 1 screw or belt"]
     state = actions_[0](initial_state())
     assert state.drives.settings.parts.name == "weak.csv"
     lost = "A catalog of your own is not kept over a reload."
