@@ -46,7 +46,8 @@ it."""
 
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-_SYMBOL = re.compile(r"\b([A-Za-zα-ω])_([A-Za-zα-ω]{0,4}\d{0,2})\b(?:\^\((\w+)\))?")
+# A difference has its Δ before the letter.
+_SYMBOL = re.compile(r"(?<![^\WΔ])([A-Za-zα-ω])_([A-Za-zα-ω]{0,4}\d{0,2})\b(?:\^\((\w+)\))?")
 
 
 def number(value: float, digits: int = 4, *, sign: bool = False, padded: bool = False) -> str:
@@ -150,6 +151,17 @@ def symbols_html(text: str) -> str:
     if len(text) == 1 and text.isalpha():
         return f"<i>{escape(text)}</i>"
     return _SYMBOL.sub(typeset, escape(text))
+
+
+def symbols_math(text: str) -> str:
+    """Return a text with the indices of its symbols as matplotlib draws them, `parse_math` on."""
+
+    def typeset(found: re.Match[str]) -> str:
+        letter, below, above = found.groups()
+        raised = f"^\\mathregular{{({above})}}" if above else ""
+        return f"{letter}$_\\mathregular{{{below}}}{raised}$" if below else found[0]
+
+    return _SYMBOL.sub(typeset, text.replace("$", r"\$"))
 
 
 def unit_text(unit: str) -> str:

@@ -22,6 +22,7 @@ from paminsa_viz.units import (
     symbol_html,
     symbol_text,
     symbols_html,
+    symbols_math,
     unit_text,
 )
 
@@ -60,10 +61,17 @@ def test_symbols_as_text_and_html(symbol: str, label: str, markup: str) -> None:
         ("g", "<i>g</i>"),
         ("τ_1, δ_tilt", "<i>τ</i><sub>1</sub>, <i>δ</i><sub>tilt</sub>"),
         ("K_θ", "<i>K</i><sub>θ</sub>"),
+        ("ΔK_x", "Δ<i>K</i><sub>x</sub>"),
     ],
 )
 def test_symbols_in_a_sentence_are_typeset(text: str, markup: str) -> None:
     assert symbols_html(text) == markup
+
+
+def test_indices_of_symbols_are_drawn_lower() -> None:
+    assert symbols_math("σ/R_p") == r"σ/R$_\mathregular{p}$"
+    assert symbols_math("ΔI_XX^(B3)") == r"ΔI$_\mathregular{XX}^\mathregular{(B3)}$"
+    assert symbols_math("max |τ₁| in $") == r"max |τ₁| in \$"
 
 
 @pytest.mark.parametrize(

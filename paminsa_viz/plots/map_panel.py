@@ -28,7 +28,7 @@ from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.outside import add_outside, paint_outside
 from paminsa_viz.plots.scale import UNREACHED, Scale, color_codes, color_table, map_pixels
 from paminsa_viz.plots.text import text_width
-from paminsa_viz.units import MM, number
+from paminsa_viz.units import MM, number, symbols_math
 
 _LABELED = 85.0  # points; contours of narrower panels carry no numbers
 _CONTOUR_POINTS = 50  # along an axis of live maps: faster, and looks the same
@@ -117,8 +117,8 @@ class MapPanel:
         if layout.leftmost(index):
             axes.set_ylabel("y [mm]", size=em, color=theme.soft_ink, labelpad=0.05 * em)
         axes.set_title(
-            data.names[index], size=1.15 * em, color=theme.shown(data.colors[index]), weight="bold",
-            pad=0.42 * em,
+            symbols_math(data.names[index]), parse_math=True, size=1.15 * em,
+            color=theme.shown(data.colors[index]), weight="bold", pad=0.42 * em,
         )  # fmt: skip
 
     def paint_cells(self, pixels: NDArray[np.uint8], data: MapData, scale: Scale) -> None:

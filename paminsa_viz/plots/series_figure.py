@@ -39,7 +39,7 @@ from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.text import printable, wrapped
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.simulation import Simulation
-from paminsa_viz.units import DisplayUnit, readable_unit
+from paminsa_viz.units import DisplayUnit, readable_unit, symbols_math
 
 # ---------------------------------------------------------------------------------- one set of axes
 
@@ -112,7 +112,10 @@ def draw_panel(area: Axes, data: SeriesData, panel: SeriesPanel, body: float, sm
         area.set_yticks([])
     area.ticklabel_format(style="plain", useOffset=False)
     area.tick_params(labelsize=body, labelcolor=INK, color=INK, length=2.0, width=0.5, pad=1.5)
-    area.set_ylabel(f"{panel.symbol} [{unit.text}]", size=body, color=INK, labelpad=2)
+    area.set_ylabel(
+        f"{symbols_math(panel.symbol)} [{unit.text}]", parse_math=True, size=body, color=INK,
+        labelpad=2,
+    )  # fmt: skip
     for spine in area.spines.values():
         spine.set(color=INK, linewidth=0.5)
     line = line_height(small) / POINT

@@ -193,6 +193,12 @@ def test_any_name_of_a_design_can_be_printed(name: str) -> None:
     assert image.shape[1] == round(85 / 25.4 * 60)
 
 
+def test_symbol_of_a_panel_has_its_index_below() -> None:
+    one = made_up(panels=1, names=("K_x",))
+    assert rb"K$_\mathregular{x}$" in render_maps(one, SCALE, "svg", width_mm=85.0)
+    pixels(render_maps(replace(one, names=("$x_{",)), SCALE, width_mm=85.0, dpi=60))
+
+
 def figures_of_all() -> list[tuple[str, ...]]:
     """Return all quantities, up to three of one unit together."""
     of_unit: dict[str, list[str]] = {}
