@@ -251,7 +251,7 @@ def front_blocks(case: SynthesisCase, front: DesignFront) -> list[Block]:
         for place, point in enumerate(front.points, 1)
     )
     text = (
-        f"{counted(len(front.points), 'robot')} than which no other is better in all, by "
+        f"{counted(len(front.points), 'Pareto-optimal robot')} by "
         f"{counted(front.searches, 'search', 'searches')}; {front.dominated} dominated, "
         f"{front.failed} without a robot."
     )

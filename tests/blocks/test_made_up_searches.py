@@ -252,8 +252,7 @@ def test_robots_of_a_front_with_the_lengths_that_may_change() -> None:
     first, second = (synthesis.find_objective(name).label for name in front.objectives)
     assert table.head == ("", first, second, "base_radius")  # type: ignore
     assert table.caption == (  # type: ignore
-        "2 robots than which no other is better in all, by 9 searches; 3 dominated, 4 without a "
-        "robot."
+        "2 Pareto-optimal robots by 9 searches; 3 dominated, 4 without a robot."
     )
     assert said(rest) == [("Robot 1", "plain"), ("Robot 2", "plain")]
     assert len(rest) == 4
@@ -269,7 +268,7 @@ def test_robots_of_a_front_with_the_lengths_that_may_change() -> None:
     }  # fmt: skip
     front.points, front.searches = points[:1], 1
     assert synthesis.front_blocks(case, front)[0].caption.startswith(  # type: ignore
-        "1 robot than which no other is better in all, by 1 search; "
+        "1 Pareto-optimal robot by 1 search; "
     )
 
 

@@ -9,6 +9,7 @@ import pytest
 from paminsa_viz.files.design_file import load_content
 from paminsa_viz.synthesis.search.case_file import load_case
 from paminsa_viz.synthesis.search.checkpoint import Checkpoint
+from paminsa_viz.units import counted
 from tests.support.commands import check_refused, run, run_json
 
 CASE = """schema_version = 1
@@ -173,7 +174,7 @@ def test_a_front_is_written_point_by_point(capsys) -> None:
         assert design.geometry.crank_length == point["numbers"]["geometry.crank_length"]
     code, out, _ = run("synthesize", capsys, *words)
     assert code == 0
-    assert "robots of which none is better in all" in out
+    assert f"{counted(len(found['points']), 'Pareto-optimal robot')} by " in out
 
 
 def test_contradictory_requirements_are_named(capsys) -> None:
