@@ -1,4 +1,8 @@
-"""Words that have got another name, and may still stand in files, kept tabs and command lines."""
+"""Words that have got another name: they may still stand in files, kept tabs and command lines.
+
+Nothing that anybody has saved becomes unreadable, so they stay, here and as what kept states call
+their parts (`explorer.core.tab_store`, `explorer.tabs`, `explorer.state.motion`).
+"""
 
 from __future__ import annotations
 
