@@ -169,12 +169,16 @@ def _actions(state: State) -> dict[str, Effect]:
     }
     planned_motion = planned(state.document.motion, state.document.design).trajectory
     if planned_motion is not None and not state.loads.settings.along:
-        shown["along the motion"] = _along
+        shown["along the motion"] = partial(along_motion, part=part)
     return {**shown, "close": partial(inspect, part=None)}
 
 
-def _along(state: State) -> State:
-    return state.updated("loads.settings", along=True)
+def along_motion(state: State, part: Part) -> State:
+    """Find the loads along the motion; their answer lists the part's leg, and its bar."""
+    own: dict[str, Any] = {} if part.leg is None else {"leg": part.leg}
+    if part.kind is Kind.BAR:
+        own["bar"] = part.name
+    return state.updated("loads.settings", along=True, **own)
 
 
 def _escape(session: Session, data: Any) -> None:

@@ -66,6 +66,14 @@ def test_numbers_of_a_bar_are_those_of_its_loads() -> None:
     assert "along the motion" in panel.text(compute(motions.choose_kind(state, MotionKind.ARCH)))
 
 
+def test_loads_along_the_motion_are_listed_of_the_parts_own_leg() -> None:
+    for part in PARTS:
+        shown = panel.along_motion(initial_state(), part).loads.settings
+        assert shown.along
+        assert shown.leg == (part.leg or 0)
+        assert part.kind is not Kind.BAR or shown.bar == part.name
+
+
 def test_worst_is_that_of_the_motion_once_it_is_known() -> None:
     state = motions.choose_kind(inspecting().updated("loads.settings", along=True), MotionKind.ARCH)
     analysis = compute(state).analysis
