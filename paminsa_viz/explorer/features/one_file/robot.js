@@ -56,8 +56,9 @@ const checkedDocument = (text) => {
   const pose = doc.pose;
   if (!Array.isArray(pose) || pose.length !== 4) refuse("it has no pose");
   if (poseProblem(pose)) refuse(poseProblem(pose));
-  const knee = PAGE.knees[doc.knee ?? doc.assembly];
-  if (!knee) refuse("it cannot be read");
+  const word = doc.knee ?? doc.assembly;
+  if (!Object.hasOwn(PAGE.knees, word)) refuse("it cannot be read");
+  const knee = PAGE.knees[word];
   const { assembly: _, ...rest } = doc;
   for (const each of [doc, doc.reference ?? doc]) {
     if (typeof each !== "object" || typeof each.design !== "object" || each.design === null)

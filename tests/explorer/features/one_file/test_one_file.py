@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer.core.persistence import open_share_code, share_code
+from paminsa_viz.explorer.core.persistence import dump, open_share_code, share_code
 from paminsa_viz.explorer.features.one_file import one_file
 from paminsa_viz.explorer.features.pose.tab import pose_limits
 from paminsa_viz.explorer.state.document import Document
@@ -32,6 +32,7 @@ from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.trajectory import PRESET
+from tests.explorer.core.test_persistence import pack
 from tests.explorer.features.one_file.opened import OTHER, START, Opened
 from tests.support.chromium import until
 from tests.support.samples import random_design, random_poses
@@ -292,6 +293,7 @@ def test_a_number_that_is_rounded_to_zero_has_no_sign(opened: Opened) -> None:
         ("PMZ0-eJw", "it is from another version of paminsa_viz (packing 0)"),
         ("PMZ1-" + "A" * 50_000, "it is too long"),
         ("PMZ1-%3Cscript%3E", "it is damaged or incomplete"),
+        (pack(dump(START).replace('"lower"', '"constructor"')), "it cannot be read"),
     ],
 )
 def test_link_that_cannot_be_opened_says_why(opened: Opened, link: str, says: str) -> None:
