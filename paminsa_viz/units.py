@@ -154,7 +154,7 @@ def symbols_html(text: str) -> str:
 
 
 def symbols_math(text: str) -> str:
-    """Return a text with the indices of its symbols as matplotlib draws them, with ``parse_math``."""
+    """Return a text with the indices of its symbols as matplotlib writes them in math text."""
 
     def typeset(found: re.Match[str]) -> str:
         letter, below, above = found.groups()
