@@ -53,7 +53,7 @@ def effects(
     """
     found = [
         Effect("M_p2", "N", static_imbalance(before), static_imbalance(after)),
-        Effect("moving mass with payload", "kg", whole_mass(before), whole_mass(after)),
+        Effect("mass with payload", "kg", whole_mass(before), whole_mass(after)),
     ]
     for group, (old, new) in sizes.items():
         each = zip(ACTUATORS, UNITS[group], np.asarray(old), np.asarray(new), strict=True)

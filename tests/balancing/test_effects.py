@@ -34,7 +34,7 @@ def test_sizes_in_motion_are_those_of_the_torques_themselves() -> None:
 def test_effects_have_a_row_for_every_motor_in_its_unit() -> None:
     sizes = {IN_MOTION[0]: (np.arange(4.0), np.arange(4.0, 8.0))}
     found = effects(APPENDIX_4, HEAVIER, sizes)
-    assert [item.label for item in found][:2] == ["M_p2", "moving mass with payload"]
+    assert [item.label for item in found][:2] == ["M_p2", "mass with payload"]
     assert found[0].before == static_imbalance(APPENDIX_4)
     assert found[0].after == static_imbalance(HEAVIER)
     added = 3 * (2.0 - APPENDIX_4.joints.j7)

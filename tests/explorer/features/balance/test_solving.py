@@ -68,7 +68,7 @@ def test_numbers_of_a_result_are_the_models() -> None:
     assert found is not None
     assert motion is not None
     effects = {(item.group, item.label): item for item in found.effects}
-    mass = effects["", "moving mass with payload"]
+    mass = effects["", "mass with payload"]
     for side, state in (("before", START), ("after", after)):
         design = state.document.design
         loads = analyze(design, motion)
