@@ -18,7 +18,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model import backend
@@ -182,7 +182,7 @@ class Capability:
         return self._held(_least(self.room[:3], np.hypot(self.rows[0], self.rows[1])))
 
     @property
-    def horizontal_limit(self) -> tuple[Array, Array]:
+    def horizontal_limit(self) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
         """Index of the actuator that limits it (...), and the sign of its torque there."""
         with np.errstate(all="ignore"):
             index = np.argmin(

@@ -164,7 +164,7 @@ def correlated_noise(count: int, step: float, correlation: float, seed: int) -> 
         return white
     keep = np.exp(-step / correlation)
     white[1:] *= np.sqrt(1.0 - keep**2)
-    return np.asarray(lfilter([1.0], [1.0, -keep], white, axis=0))
+    return np.asarray(lfilter([1.0], [1.0, -keep], white, axis=0), np.float64)
 
 
 class _DefectiveRobot(MujocoRobot):

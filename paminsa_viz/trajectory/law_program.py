@@ -339,7 +339,9 @@ class LawProgram:
                         found.append((row[0], row[1], row[2], row[3]))
         return found
 
-    def needed(self, curve: TimedPath, count: int = LOOKED_AT) -> tuple[Array, Array, Array]:
+    def needed(
+        self, curve: TimedPath, count: int = LOOKED_AT
+    ) -> tuple[Array, Array, NDArray[np.intp]]:
         """Return what a law needs between its knots: instants, shares of its duration, limits.
 
         Args:
