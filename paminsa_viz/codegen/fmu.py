@@ -23,7 +23,7 @@ from paminsa_viz.codegen.kit import design_header, header, template
 from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.files.archives import zipped
-from paminsa_viz.model.accuracy import equal_legs_note
+from paminsa_viz.model.accuracy import noting_equal_legs
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
@@ -106,10 +106,8 @@ def fmu_sources(design: Design, kind: FmuKind) -> dict[str, str]:
     }
     guid = uuid.uuid5(uuid.NAMESPACE_URL, repr((name, variables, sources)))
     sources["model.h"] = _model_header(variables, f"{{{guid}}}")
-    about = [DESCRIPTIONS[kind]]
-    if note := equal_legs_note(design.deviations):
-        about.append(note)
-    described = _description(kind, "; ".join(about), variables, f"{{{guid}}}", list(sources))
+    about = noting_equal_legs(DESCRIPTIONS[kind], design.deviations)
+    described = _description(kind, about, variables, f"{{{guid}}}", list(sources))
     return {
         "modelDescription.xml": described,
         **{f"sources/{name}": text for name, text in sources.items()},

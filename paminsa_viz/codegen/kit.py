@@ -15,7 +15,7 @@ from paminsa_viz.actuation.wrench_capability import transmission_indices
 from paminsa_viz.codegen.c99 import C99
 from paminsa_viz.codegen.printer import FUNCTIONS, Printer
 from paminsa_viz.model import kinematic_formulas, measures, robot
-from paminsa_viz.model.accuracy import equal_legs_note
+from paminsa_viz.model.accuracy import noting_equal_legs
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -193,10 +193,8 @@ def design_header(design: Design) -> str:
         pairs = record._asdict().items()  # type: ignore[attr-defined]
         return "\n".join(f"        .{name} = {float(value)!r}," for name, value in pairs)
 
-    about = [f'the numbers of the design "{_plain(design.name)}"']
-    if note := equal_legs_note(design.deviations):
-        about.append(note)
-    return f"""/* design.h: {"; ".join(about)}. */
+    about = f'the numbers of the design "{_plain(design.name)}"'
+    return f"""/* design.h: {noting_equal_legs(about, design.deviations)}. */
 #ifndef PAMINSA_DESIGN_H
 #define PAMINSA_DESIGN_H
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from paminsa_viz.engines.mechanism import LEAST_ROD, MechanismTree, build_mechanism, leg_name
 from paminsa_viz.engines.poses import start_pose, start_values, world_frames
-from paminsa_viz.model.accuracy import equal_legs_note
+from paminsa_viz.model.accuracy import noting_equal_legs
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -70,8 +70,7 @@ def dxf_text(design: Design, *, pose: Sequence[float] | None = None) -> str:
         f"{_plain(design.name)}: x {MM * x:.6g} mm, y {MM * y:.6g} mm, theta "
         f"{math.degrees(theta):.6g} deg, z {MM * z:.6g} mm; {MADE_BY}"
     )
-    if legs := equal_legs_note(design.deviations):
-        note += f"; {legs}"
+    note = noting_equal_legs(note, design.deviations)
     lowest = min(view.lines[..., 1].min() for view in views)
     entities.append(_text("NOTES", left, lowest - 10 * radius, 2 * radius, note))
     header = _section("HEADER", _pairs((9, "$ACADVER"), (1, "AC1009"), (9, "$INSUNITS"), (70, 4)))

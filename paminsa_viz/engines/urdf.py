@@ -34,7 +34,7 @@ from paminsa_viz.engines.mechanism import (
     link_color,
 )
 from paminsa_viz.engines.rigid_bodies import rigid_bodies
-from paminsa_viz.model.accuracy import equal_legs_note
+from paminsa_viz.model.accuracy import noting_equal_legs
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import workspace_height, workspace_radius
@@ -65,10 +65,8 @@ def urdf_text(design: Design) -> str:
     mimics = _mimics()
     reach = 2 * (workspace_radius(design.geometry) + workspace_height(design.geometry))
     robot = ET.Element("robot", name="PAMINSA")
-    about = [f"written by {MADE_BY}", "loops are in a table of their own"]
-    if note := equal_legs_note(design.deviations):
-        about.append(note)
-    robot.append(ET.Comment(f" {'; '.join(about)} "))
+    about = f"written by {MADE_BY}; loops are in a table of their own"
+    robot.append(ET.Comment(f" {noting_equal_legs(about, design.deviations)} "))
     _add(robot, "link", name=BASE)
     for link in map(_hung, mechanism.links):
         if link.name == PLATFORM:

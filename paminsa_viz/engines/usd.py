@@ -34,7 +34,7 @@ from paminsa_viz.engines.mechanism import (
 from paminsa_viz.engines.mjcf import Servos
 from paminsa_viz.engines.poses import start_pose, start_values, world_frames
 from paminsa_viz.engines.rigid_bodies import rigid_bodies
-from paminsa_viz.model.accuracy import equal_legs_note
+from paminsa_viz.model.accuracy import noting_equal_legs
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.version import MADE_BY
@@ -86,12 +86,10 @@ def usd_text(
     carrier = next(pin for pin in mechanism.pins if pin.second == PLATFORM)
     joints += [_ball_joint(pin, closes=pin is not carrier) for pin in mechanism.pins]
     inside.append(_prim("Scope", "joints", [], joints))
-    about = [f"PAMINSA, written by {MADE_BY}"]
-    if note := equal_legs_note(design.deviations):
-        about.append(note)
+    about = noting_equal_legs(f"PAMINSA, written by {MADE_BY}", design.deviations)
     head = (
         "#usda 1.0\n(\n"
-        f'    defaultPrim = "{ROOT}"\n    doc = {_quoted("; ".join(about))}\n'
+        f'    defaultPrim = "{ROOT}"\n    doc = {_quoted(about)}\n'
         '    kilogramsPerUnit = 1\n    metersPerUnit = 1\n    upAxis = "Z"\n)\n\n'
     )
     return head + _prim("Xform", ROOT, ['kind = "component"'], inside) + "\n"

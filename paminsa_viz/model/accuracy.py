@@ -162,6 +162,12 @@ def equal_legs_note(deviations: Deviations) -> str:
     return "legs are equal, the design's deviations of single legs are left out"
 
 
+def noting_equal_legs(about: str, deviations: Deviations) -> str:
+    """Return what is said about a file, with `equal_legs_note` after it where there is one."""
+    note = equal_legs_note(deviations)
+    return f"{about}; {note}" if note else about
+
+
 LEG_NAMES = ("leg1", "leg2", "leg3")
 """Names of the legs in paths and files, `Design.leg1` and so on."""
 

@@ -23,7 +23,7 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.view import Appearance
 from paminsa_viz.exports import CODE, TARGETS, Target
 from paminsa_viz.files.tables import TABLE_FORMATS
-from paminsa_viz.model.accuracy import equal_legs_note
+from paminsa_viz.model.accuracy import noting_equal_legs
 from paminsa_viz.plots.animations import ANIMATION_FORMATS
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.quantities import QUANTITIES
@@ -276,10 +276,9 @@ def _maps_heading(frame: Frame) -> str:
 
 
 def _robot_heading(frame: Frame) -> str:
-    about = ["in its current pose"]
-    if note := equal_legs_note(frame.state.document.design.deviations):
-        about.append(note)
-    return render("export/heading.j2", title="Robot", text="; ".join(about))
+    deviations = frame.state.document.design.deviations
+    text = noting_equal_legs("in its current pose", deviations)
+    return render("export/heading.j2", title="Robot", text=text)
 
 
 def _volume_heading(frame: Frame) -> str:
