@@ -2,13 +2,15 @@
  * Runs in the head of the page: how the 3D view is drawn, above all where a program stands for the
  * graphics card, which then takes most of the machine.
  *
- * There an edge is smoothed by twice the pixels, and only while nothing moves: several samples for
- * every pixel, as viser asks for, cost more than the robot in each picture of a drag.
+ * There an edge is smoothed only while nothing moves: several samples for every pixel, as viser asks
+ * for, cost more than the robot in each picture of a drag. They are taken in a buffer beside the
+ * canvas, which keeps its size: another size would make the first picture of a drag late.
  */
 (() => {
   "use strict";
   const PROGRAMS = /@PROGRAMS@/i;
-  const STILL_PIXELS = 2; // for one of the page's
+  const SAMPLES = 4; // for each pixel of a smooth picture
+  const MOST_PIXELS = 2; // for one of the page's
   const STILL_AFTER = 400; // without a change [ms]
   const ANIMATED_PERIOD = 125; // between two pictures of an endless animation [ms]
 
@@ -30,8 +32,9 @@
   };
 
   // The light is the explorer's own: viser's lamps and its picture of the surroundings would be
-  // prepared for the first picture and thrown away with the second. A number of pixels that the
-  // address asks for stays.
+  // prepared for the first picture and thrown away with the second. Without a graphics card the view
+  // has a pixel for one of the page's, and all that the screen has only at rest, unless the address
+  // asks for a number.
   let setPixels = () => {};
   window.paminsaContext.whenFound((context) => {
     context.useEnvironment?.set({
@@ -48,8 +51,77 @@
     setPixels(1);
   });
 
+  /**
+   * Return a function that calls `draw` with several samples for each pixel: what would go to the
+   * canvas goes to a buffer of its size, and from there to the canvas.
+   */
+  const smoother = (gl) => {
+    const { canvas } = gl;
+    const samples = Math.min(SAMPLES, gl.getParameter(gl.MAX_SAMPLES));
+    let kept = null;
+    canvas.addEventListener("webglcontextrestored", () => (kept = null));
+    const attach = (place, format) => {
+      const storage = gl.createRenderbuffer();
+      gl.bindRenderbuffer(gl.RENDERBUFFER, storage);
+      gl.renderbufferStorageMultisample(
+        gl.RENDERBUFFER, samples, format, canvas.width, canvas.height,
+      );
+      gl.bindRenderbuffer(gl.RENDERBUFFER, null);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, place, gl.RENDERBUFFER, storage);
+      return storage;
+    };
+    /** Make what is drawn to; it has to be made anew with every size of the canvas. */
+    const make = () => {
+      kept?.storages.forEach((storage) => gl.deleteRenderbuffer(storage));
+      const buffer = kept?.buffer ?? gl.createFramebuffer();
+      gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
+      const storages = [
+        attach(gl.COLOR_ATTACHMENT0, gl.RGBA8), attach(gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24),
+      ];
+      const isWhole = gl.checkFramebufferStatus(gl.FRAMEBUFFER) === gl.FRAMEBUFFER_COMPLETE;
+      gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+      kept = { buffer, storages, isWhole, width: canvas.width, height: canvas.height };
+    };
+    const { bindFramebuffer } = Object.getPrototypeOf(gl);
+    return (draw) => {
+      if (kept?.width !== canvas.width || kept.height !== canvas.height) make();
+      const { buffer, isWhole, width, height } = kept;
+      if (!isWhole) return draw();
+      gl.bindFramebuffer = (target, other) => bindFramebuffer.call(gl, target, other ?? buffer);
+      try {
+        gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+        draw();
+      } finally {
+        delete gl.bindFramebuffer;
+        gl.bindFramebuffer(gl.READ_FRAMEBUFFER, buffer);
+        gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
+        const all = [0, 0, width, height];
+        gl.blitFramebuffer(...all, ...all, gl.COLOR_BUFFER_BIT, gl.NEAREST);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+      }
+    };
+  };
+
   const viewer = () => window.__viserMutable || {};
-  const invalidator = () => viewer().scene?.__r3f?.root?.getState?.()?.invalidate;
+  const drawn = () => viewer().scene?.__r3f?.root?.getState?.();
+  const invalidator = () => drawn()?.invalidate;
+  let isStill = false;
+  const smoothed = new WeakSet();
+  /** Draw smooth pictures while nothing moves, and for every other camera than the view's own. */
+  const smoothStills = () => {
+    const { gl: renderer, get } = drawn();
+    const context = renderer.getContext();
+    const { antialias, alpha } = context.getContextAttributes() ?? {};
+    if (antialias || !alpha || smoothed.has(renderer)) return;
+    smoothed.add(renderer);
+    const render = renderer.render.bind(renderer);
+    const smoothly = smoother(context);
+    renderer.render = (scene, camera) => {
+      const isSmooth = (isStill || camera !== get().camera) && !renderer.getRenderTarget();
+      if (isSmooth) smoothly(() => render(scene, camera));
+      else render(scene, camera);
+    };
+  };
   /**
    * Draw the scene once for a change, and once more when nothing has changed for a while: viser
    * draws it over and over for a quarter of a second, and the next change has to wait. `animation`
@@ -58,21 +130,23 @@
   const renderOnDemand = (animation) => {
     document.documentElement.classList.add("paminsa-render-on-demand");
     if (!viewer().requestRender || !invalidator()) return;
+    smoothStills();
     let timer = 0;
-    let drawn = 0;
-    const draw = (pixels) => {
-      drawn = performance.now();
-      setPixels(pixels);
+    let at = 0;
+    const draw = (still) => {
+      at = performance.now();
+      isStill = still;
+      setPixels(still ? Math.min(window.devicePixelRatio, MOST_PIXELS) : 1);
       invalidator()();
     };
     const animated = () => viewer().nodeRefFromName?.[animation];
     viewer().requestRender = () => {
-      const wait = animated() ? Math.max(0, drawn + ANIMATED_PERIOD - performance.now()) : 0;
+      const wait = animated() ? Math.max(0, at + ANIMATED_PERIOD - performance.now()) : 0;
       if (wait && timer) return;
       clearTimeout(timer);
-      const last = () => ((timer = 0), draw(wait ? 1 : STILL_PIXELS));
+      const last = () => ((timer = 0), draw(!wait));
       timer = setTimeout(last, wait || STILL_AFTER);
-      if (!wait) draw(1);
+      if (!wait) draw(false);
     };
   };
   window.paminsaDrawing = { renderOnDemand, named, canDraw: () => viewer().requestRender && invalidator() };
