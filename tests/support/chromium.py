@@ -72,12 +72,14 @@ MAP_PLACE = """([x, y]) => {
   const { edges: [left, right, bottom, top], panels: [[start, head, width, height]] } =
     JSON.parse(marks.dataset.paminsaFrame);
   const box = marks.getBoundingClientRect();
-  return [
+  const place = [
     box.left + box.width * (start + width * (1e3 * x - left) / (right - left)),
     box.top + box.height * (head + height * (top - 1e3 * y) / (top - bottom)),
   ];
+  const under = document.elementFromPoint(...place);
+  return [...place, under?.dataset.paminsaPicture ? "" : (under?.outerHTML ?? "").slice(0, 300)];
 }"""
-"""Where a place (x, y) [m] of the first map is on the page [px]."""
+"""Where a place (x, y) [m] of the first map is on the page [px], and what covers it, or nothing."""
 
 UNDRAWN = """(() => {
   const draws = Object.getOwnPropertyNames(WebGL2RenderingContext.prototype)
@@ -269,7 +271,9 @@ class Tab:
 
     def click_map(self, x: float, y: float) -> None:
         """Click on the first map that is seen, at a place [m], once the map stays as it is."""
-        self.page.mouse.click(*self._steady(lambda: self.page.evaluate(MAP_PLACE, [x, y]), "map"))
+        right, down, cover = self._steady(lambda: self.page.evaluate(MAP_PLACE, [x, y]), "map")
+        assert not cover, f"the map at {right:.0f}, {down:.0f} is covered by {cover}"
+        self.page.mouse.click(right, down)
 
     def upload(self, button: str, name: str, content: bytes) -> None:
         """Press an upload button, and give it a file."""
