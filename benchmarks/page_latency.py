@@ -81,7 +81,7 @@ DRAG = """async ([label, seconds]) => {
   const thumb = window.__thumb(label);
   let changes = 0, presses = 0;
   const observer = new MutationObserver(found => {
-    if (found.some(change => change.target.width > 250)) changes += 1;
+    if (found.some(change => "paminsaPicture" in change.target.dataset)) changes += 1;
   });
   observer.observe(document.body, {subtree: true, attributeFilter: ["src"]});
   const start = performance.now();
