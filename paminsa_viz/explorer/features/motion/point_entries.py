@@ -118,7 +118,8 @@ POINTS: tuple[Entry, ...] = (
                     "Remove": points.remove_waypoint,
                     "Clear": points.clear_waypoints,
                 },
-                visible=_waypoints, hint="Pass the marked waypoint earlier or later, or remove it",
+                visible=lambda state: _waypoints(state) and bool(_motion(state).waypoints),
+                hint="Pass the marked waypoint earlier or later, or remove it",
             ),
             layer_switch(
                 "motion.points.handle", "points", "Points in scene",

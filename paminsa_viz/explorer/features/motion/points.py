@@ -29,6 +29,18 @@ def selected_pose(state: State) -> Pose | None:
     return found[selected(state)].pose if found else None
 
 
+def _required_pose(state: State) -> Pose:
+    """Return the pose that is edited.
+
+    Raises:
+        InvalidInput: If there is none.
+    """
+    pose = selected_pose(state)
+    if pose is None:
+        raise InvalidInput("waypoint", "there is none yet; add one first")
+    return pose
+
+
 def theta_is_held(state: State) -> bool:
     """Whether the pose that is edited has the start's theta, as the end of a line has."""
     return state.document.motion.kind is Kind.LINE and selected(state) == 1
@@ -51,9 +63,7 @@ def put(state: State, pose: Pose) -> State:
     Raises:
         InvalidInput: If there is none, or the new one is too far away.
     """
-    before = selected_pose(state)
-    if before is None:
-        raise InvalidInput("waypoint", "there is none yet; add one first")
+    before = _required_pose(state)
     if theta_is_held(state):
         pose = (*pose[:THETA], before[THETA], pose[3])
     document = state.document
@@ -69,13 +79,21 @@ def put_coordinate(state: State, index: int, value: float) -> State:
 
 
 def put_here(state: State) -> State:
-    """Put the pose that is edited where the robot is."""
+    """Put the pose that is edited where the robot is.
+
+    Raises:
+        InvalidInput: If there is none.
+    """
     return put(state, current_pose(state))
 
 
 def go_there(state: State) -> State:
-    """Move the robot to the pose that is edited."""
-    return actions.move_to(state, selected_pose(state))
+    """Move the robot to the pose that is edited.
+
+    Raises:
+        InvalidInput: If there is none.
+    """
+    return actions.move_to(state, _required_pose(state))
 
 
 def add_waypoint(state: State) -> State:

@@ -141,6 +141,17 @@ def test_list_marks_the_edited_point_and_what_is_out_of_reach(three: State) -> N
     assert "900" in rows[2]
 
 
+def test_a_list_without_waypoints_has_no_buttons_that_do_nothing(desk: Desk, three: State) -> None:
+    desk.dispatch(lambda _: points.clear_waypoints(three))
+    desk.until(lambda: not desk.handle("motion.waypoints").visible)
+    for name in ("Put here", "Go there"):
+        desk.notices.clear()
+        desk.set("motion.waypoint", name)
+        desk.noticed("there is none yet; add one first")
+    desk.set("motion.waypoint", "Add")
+    desk.until(lambda: desk.handle("motion.waypoints").visible)
+
+
 def test_typed_coordinates_are_of_the_marked_point(desk: Desk, three: State) -> None:
     desk.dispatch(lambda _: points.select(three, 1))
     desk.until(lambda: desk.handle("motion.point.y").value == 60.0)
