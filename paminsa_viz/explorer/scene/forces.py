@@ -136,7 +136,7 @@ def load_text(design: Design, scale: float) -> str:
         parts.append(f"{number(force, 3)} N ({scale_text(scale)})")
     if load.moment_z:
         full = f"full arc {number(FULL_MOMENT, 3)} N·m"
-        parts.append(f"M_z {number(load.moment_z, 3)} N·m ({full})")
+        parts.append(f"moment {number(load.moment_z, 3)} N·m about z ({full})")
     if not parts:
         parts.append("moment on the bearings alone")
     return ", ".join(parts)
@@ -197,7 +197,8 @@ def wrench_solid(frame: Frame) -> Iterator[Node]:
     # an edge along which one actuator's torque varies has that actuator's color
     colors = linear_colors(*(LEG_COLORS[2 - (a ^ b).bit_length() + 1] for a, b in _EDGES))
     yield lines("/forces/edges", places[np.array(_EDGES)], colors[:, None].repeat(2, axis=1), 2.5)
-    text = f"limit: {found.faces[found.limiting_face]} (up M_z/R_pl; {scale_text(scale)})"
+    limit, up = found.faces[found.limiting_face], "moment over platform radius"
+    text = f"limit: {limit} (up: {up}; {scale_text(scale)})"
     yield label("/forces/solid label", text, (center[0], center[1], places[:, 2].min()))
 
 
