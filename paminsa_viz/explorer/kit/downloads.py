@@ -99,9 +99,5 @@ def _export(what: str, make: Make, session: Session) -> None:
         return
     finally:
         session.exporting.release()  # before the file comes down: the next may follow
+    # The page itself says that the file has come down, with its name and size.
     session.client.send_file_download(file.name, file.content, save_immediately=True)
-    session.notify("Exported", f"{file.name}, {_size_of(len(file.content))}")
-
-
-def _size_of(count: int) -> str:
-    return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{max(count / 1e3, 0.1):.0f} kB"

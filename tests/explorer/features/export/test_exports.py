@@ -292,7 +292,10 @@ def test_page_that_returns_no_picture_is_reported(answer: Any) -> None:
 
 
 def started(desk: Desk) -> list[dict[str, Any]]:
-    return [m for m in desk.page.received() if m["type"] == "FileTransferStartDownload"]
+    """Wait for files that come down, and return what the page is told of them."""
+    return desk.until(
+        lambda: [m for m in desk.page.received() if m["type"] == "FileTransferStartDownload"]
+    )
 
 
 def test_registered_table_format_has_a_button(
@@ -301,8 +304,8 @@ def test_registered_table_format_has_a_button(
     monkeypatch.setitem(TABLE_FORMATS, "txt", lambda table: b"x" * len(table.columns))
     with desk_with(server, export_entries(STORE)) as desk:
         desk.set("export.table", "TXT")
-        desk.noticed("Exported")
         assert started(desk)[0]["filename"].endswith(".txt")
+        assert desk.notices == []  # the page says itself that a file has come down
 
 
 def test_latest_state_is_exported(desk: Desk) -> None:
@@ -313,8 +316,8 @@ def test_latest_state_is_exported(desk: Desk) -> None:
     desk.set("export.single", "single map")
     desk.until(lambda: desk.state.export.single)
     desk.set("export.table", "NPZ")
-    desk.noticed("tau-3_theta40")
     (file,) = started(desk)
+    assert "tau-3_theta40" in file["filename"]
     assert file["filename"].endswith(".npz")
     assert file["size_bytes"] > 10_000
     assert file["save_immediately"]
@@ -325,12 +328,12 @@ def test_refused_size_stops_no_later_export(desk: Desk) -> None:
     desk.set("export.dpi", 1e9)
     desk.noticed("50 to 600 is possible")
     desk.until(lambda: desk.handle("export.dpi").value == 300.0)
-    for key, button, text in (
+    for key, button, ending in (
         ("export.scene", "Robot as GLB", ".glb"), ("export.mujoco", "MJCF with meshes", ".zip"),
         ("export.models", "URDF", ".zip"), ("export.code", "C", ".zip"),
     ):  # fmt: skip
         desk.set(key, button)
-        desk.noticed(text)
+        assert started(desk)[0]["filename"].endswith(ending)
 
 
 def test_one_export_runs_at_a_time(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -345,7 +348,6 @@ def test_one_export_runs_at_a_time(desk: Desk, monkeypatch: pytest.MonkeyPatch) 
     desk.set("export.scene", "Robot as GLB")
     desk.until(lambda: waiting)
     desk.set("export.table", "CSV")
-    desk.noticed("slow.glb")
     assert [m["filename"] for m in started(desk)] == ["slow.glb"]
 
 
@@ -360,7 +362,7 @@ def test_the_next_export_may_be_asked_for_when_a_file_comes_down(
         lambda *_, **__: held.append(desk.session.exporting.locked()),
     )  # fmt: skip
     desk.set("export.scene", "Robot as GLB")
-    desk.noticed("quick.glb")
+    desk.until(lambda: held)
     assert held == [False]
 
 
