@@ -21,9 +21,10 @@ import viser
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.core import threads
 from paminsa_viz.explorer.core.actions import Action
+from paminsa_viz.explorer.core.busy import saying_if_long
 from paminsa_viz.explorer.core.frame import Frame, compute
 from paminsa_viz.explorer.core.history import History, Snapshot
-from paminsa_viz.explorer.core.motion import advance_time
+from paminsa_viz.explorer.core.motion import advance_time, planned
 from paminsa_viz.explorer.core.motion_results import MotionStore
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.state import State, Steps
@@ -335,7 +336,8 @@ class Session:
         before = self._state
         # If the action fails: a new object, so that the inputs are set back to the state.
         self._state = replace(before)
-        self._state = action(before)
+        with saying_if_long(self.client):
+            self._state = action(before)
         if step:
             after = Snapshot.of(self._state)
             self._history.record(Snapshot.of(before), after, source, time.monotonic())
@@ -375,6 +377,10 @@ class Session:
 
     def _draw(self, state: State, *, dragging: bool) -> None:
         shown = self._shown(state)
+        if self.built.is_set():
+            # A shortest motion takes seconds, and while views are drawn together nothing is sent.
+            with saying_if_long(self.client):
+                planned(shown)
         frame = compute(shown, self.motions, is_preview=shown is not state)
         errors = self._draw_together(self.immediate, frame, dragging)
         time.sleep(FLUSH_DELAY)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer.core import actions, history, session
+from paminsa_viz.explorer.core import actions, busy, history, session
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session
@@ -286,6 +286,29 @@ def test_undo_closes_notices_of_the_step_and_no_others(bench: Bench) -> None:
     bench.session.redo()
     eventually(lambda: bench.x == 0.01)
     assert bench.page.removed == [done]
+
+
+def test_page_says_that_it_computes_while_that_takes_long(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(busy, "DELAY", 0.01)
+    told = ("Computing …", "")
+
+    def slow(state: State) -> State:
+        eventually(lambda: told in bench.page.notices)
+        assert not bench.page.removed
+        return to(0.01)(state)
+
+    bench.session.dispatch("slow", slow)
+    eventually(lambda: bench.x == 0.01)
+    eventually(lambda: bench.page.removed == [told])
+    # So it does of a motion that is planned for what is drawn, as after another mass.
+    bench.page.notices.clear()
+    bench.page.removed.clear()
+    monkeypatch.setattr(session, "planned", slow)
+    bench.session.built.set()
+    bench.session.dispatch("x", to(0.02))
+    eventually(lambda: bench.page.removed)
 
 
 def test_undo_takes_back_which_poses_count(bench: Bench) -> None:
