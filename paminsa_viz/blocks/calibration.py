@@ -17,7 +17,7 @@ from paminsa_viz.precision.calibration_problem import COUNT
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
 from paminsa_viz.precision.measurements import PredictionErrors
 from paminsa_viz.precision.unequal_legs import ERRORS, ORDER, SIX_COORDINATES
-from paminsa_viz.units import MM, display_unit, fixed, format_value, interval_text, number
+from paminsa_viz.units import MM, counted, display_unit, fixed, format_value, interval_text, number
 
 MOST_COMBINATIONS = 10
 """Combinations that are listed: the best and the worst known ones."""
@@ -69,10 +69,9 @@ def errors_table(found: Calibration) -> Table:
 
 def _rank(found: Calibration) -> str:
     values, rank = found.singular_values, found.rank
-    text = (
-        f"{rank} of {COUNT} combinations show with equal legs: singular values "
-        f"{number(values[0], 2)} to {number(values[rank - 1], 2)}"
-    )
+    seen = counted(rank, f"of {COUNT} combinations shows", f"of {COUNT} combinations show")
+    best, worst = number(values[0], 2), number(values[rank - 1], 2)
+    text = f"{seen} with equal legs: singular values {best} to {worst}"
     if rank < len(values):
         text += f", then {number(values[rank], 2)}"
     return f"{text}. {fitted_text(found)}"
@@ -81,9 +80,13 @@ def _rank(found: Calibration) -> str:
 def fitted_text(found: Calibration) -> str:
     """Return how many combinations of lengths were fitted, and the noise that is left."""
     count = len(found.combinations)
+    known = counted(
+        count, f"of {COUNT} combinations of lengths is", f"of {COUNT} combinations of lengths are"
+    )
+    left = counted(COUNT - count, "keeps its value", "keep their value")
     return (
-        f"{count} of {COUNT} combinations of lengths are known to {format_value(KNOWN, 'm')} and "
-        f"fitted, {COUNT - count} keep their value; noise {format_value(found.noise, 'm:um', 3)}."
+        f"{known} known to {format_value(KNOWN, 'm')} and fitted, {left}; noise "
+        f"{format_value(found.noise, 'm:um', 3)}."
     )
 
 

@@ -16,7 +16,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.trajectory import TrajectoryAnalysis
-from paminsa_viz.units import NONE, fixed, format_value, number
+from paminsa_viz.units import NONE, counted, fixed, format_value, number
 
 RPM = 30 / math.pi
 """Revolutions per minute in a radian per second."""
@@ -105,7 +105,8 @@ def selection_blocks(
         if found.same and j in (1, 2):
             continue
         name = "M1 to M3" if found.same and j == 0 else ACTUATORS[j]
-        text = f"{name}: {len(found.rows[j])} of {len(sizing.table)} drives are feasible"
+        of = f"of {counted(len(sizing.table), 'drive')}"
+        text = f"{name}: {counted(len(found.rows[j]), f'{of} is', f'{of} are')} feasible"
         if advice[j]:
             blocks += [Note(f"{text}.", "bad"), Note(f"{advice[j]}.")]
             continue

@@ -198,8 +198,10 @@ def yield_blocks(built: BuildYield) -> list[Table | Note]:
     """Return how many robots built within tolerances meet everything, and what others miss."""
     part = built.fraction
     low, high, confidence = (100 * share for share in (part.low, part.high, part.confidence))
+    of = f"of {part.samples} robots"
+    meeting = counted(part.passed, f"{of} meets", f"{of} meet")
     text = (
-        f"Built within tolerances: {part.passed} of {part.samples} robots meet all requirements, "
+        f"Built within tolerances: {meeting} all requirements, "
         f"{low:.1f} to {high:.1f} % of all with {confidence:.0f} % confidence."
     )
     missed = rows(*((name, str(count)) for name, count in built.missed.items()))

@@ -16,7 +16,7 @@ from paminsa_viz.report.claim import MeasuredClaim
 from paminsa_viz.report.page import COLORS, template
 from paminsa_viz.report.request import Section
 from paminsa_viz.report.sections import verification_section
-from paminsa_viz.units import number
+from paminsa_viz.units import counted, number
 from paminsa_viz.version import __version__
 
 
@@ -39,7 +39,7 @@ def claims_html(found: Verification, claims: Sequence[MeasuredClaim], made: date
         ],
         opening=[
             Fact(
-                "Claims", f"{_holding(claims)} of {len(claims)} hold", "measured in this run",
+                "Claims", _holding_text(claims, ""), "measured in this run",
                 "ok" if _holding(claims) == len(claims) else "bad",
             ),
             verification_fact(found),
@@ -105,7 +105,12 @@ def _holding(claims: Sequence[MeasuredClaim]) -> int:
 
 def holding_text(claims: Sequence[MeasuredClaim]) -> str:
     """Return how many claims hold, as a sentence."""
-    return f"{_holding(claims)} of {len(claims)} claims of the documentation hold"
+    return _holding_text(claims, " claims of the documentation")
+
+
+def _holding_text(claims: Sequence[MeasuredClaim], what: str) -> str:
+    of = f"of {len(claims)}{what}"
+    return counted(_holding(claims), f"{of} holds", f"{of} hold")
 
 
 def claims_data(claims: Sequence[MeasuredClaim]) -> list[dict[str, Any]]:

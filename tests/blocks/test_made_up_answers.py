@@ -349,6 +349,8 @@ def test_robots_built_to_an_answer() -> None:
         "with 95 % confidence."
     )
     assert cells(table) == [("reach", "3"), ("κ", "1")]
+    fraction.passed = 1
+    assert "1 of 100 robots meets all" in said(yield_blocks(built))[0][0]
     assert len(yield_blocks(SimpleNamespace(fraction=fraction, missed={}))) == 1  # type: ignore
 
 

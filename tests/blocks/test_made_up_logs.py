@@ -298,6 +298,15 @@ def test_combinations_best_and_worst_known_ones() -> None:
     text = fitted_text(found)
     assert text.startswith("13 of 42 combinations")
     assert "29 keep their value; noise 15 µm" in text
+    assert fitted_text(calibrated(0, combinations=found.combinations[:1])).startswith(
+        "1 of 42 combinations of lengths is known to 1 mm and fitted, 41 keep"
+    )
+    all_but_one = calibrated(0, combinations=found.combinations[:1] * 41, rank=1)
+    assert "1 keeps its value" in fitted_text(all_but_one)
+    assert any(
+        text.startswith("1 of 42 combinations shows with equal legs")
+        for text, _ in said(calibration_blocks(all_but_one))
+    )
 
 
 def test_deviations_with_an_interval_or_in_sums() -> None:

@@ -131,6 +131,7 @@ def test_the_page_of_the_claims_says_how_many_hold(monkeypatch: pytest.MonkeyPat
     wrong = MeasuredClaim(claim("a.md", "three"), 0.7)
     for measured, value, kind in (
         (right, "2 of 2 hold", "ok"), ([*right, wrong], "2 of 3 hold", "bad"),
+        ([right[0], wrong], "1 of 2 holds", "bad"),
     ):  # fmt: skip
         assert claims_page.claims_html(made(kind == "ok"), measured, TIME) == "html"
         facts = rendered[-1]["opening"]
@@ -138,8 +139,9 @@ def test_the_page_of_the_claims_says_how_many_hold(monkeypatch: pytest.MonkeyPat
         assert facts[1].value == ("passed" if kind == "ok" else "failed")
         assert facts[1].kind == kind
         assert [number for number, _ in rendered[-1]["sections"]] == [1, 2]
+        count, verb = value.split(" of ")[0], value.split()[-1]
         holding = claims_page.holding_text(measured)
-        assert holding == f"2 of {len(measured)} claims of the documentation hold"
+        assert holding == f"{count} of {len(measured)} claims of the documentation {verb}"
     data = claims_page.claims_data([*right, wrong])
     assert [one["holds"] for one in data] == [True, True, False]
     assert (data[2]["measured"], data[2]["page"], data[2]["claim"]) == (0.7, "a.md", "three")
