@@ -36,6 +36,7 @@ from paminsa_viz.model import (
     PaminsaError,
 )
 from paminsa_viz.model.drive import NO_DRIVES, Drive
+from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.parameters import Counterweight
 
 VERSION = 1
@@ -103,8 +104,10 @@ def load(text: str) -> Document:
         if data["version"] != VERSION:
             raise InvalidInput("saved state", f"version {shown(data['version'])} is not known")
         x, y, theta, z = (_number(value) for value in data["pose"])
-        if not all(abs(value) <= FARTHEST for value in (x, y, theta, z)):
-            raise InvalidInput("saved state", "the pose is not possible")
+        for name, value in zip(COORDINATES, (x, y, theta, z), strict=True):
+            if not abs(value) <= FARTHEST:
+                limit = f"up to {FARTHEST:g} m or rad in size is possible, not {value:g}"
+                raise InvalidInput("saved state", f"{name} of its pose: {limit}")
         reference = data["reference"]
         # Tabs and codes of before have the key "assembly".
         knee = knee_of(data["knee"] if "knee" in data else data["assembly"])

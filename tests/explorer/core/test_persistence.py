@@ -233,8 +233,11 @@ def test_share_code_with_a_wrong_letter_is_refused(
         (pack('{"version": 7}'), "version 7 is not known"),
         (pack(json.dumps({"version": "7" * 9000})), "is not known"),
         (pack(PLAIN.replace("[0.0", "[1" + "0" * 400)), "cannot be read"),
-        (pack(PLAIN.replace("[0.0", "[NaN")), "pose is not possible"),
-        (pack(PLAIN.replace("[0.0", "[1e7")), "pose is not possible"),
+        (
+            pack(PLAIN.replace("[0.0", "[NaN")),
+            "x of its pose: up to 1e+06 m or rad in size is possible",
+        ),
+        (pack(PLAIN.replace("[0.0", "[1e7")), "in size is possible, not 1e+07"),
         (pack(PLAIN.replace("[0.0", '["1"')), "a number is needed"),
         (pack(PLAIN.replace('"design": {}', '"design": {"links.b3": -1}')), "links.b3"),
         # Not unpacked beyond its bound, though short enough itself.

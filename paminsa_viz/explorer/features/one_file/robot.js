@@ -38,9 +38,12 @@ const problem = (doc) => {
 };
 
 /** Return what is wrong with a pose, or an empty text; it need not be in reach. */
-const poseProblem = (pose) =>
-  pose.every((value) => Number.isFinite(value) && Math.abs(value) <= PAGE.farthest)
-    ? "" : "the pose is not possible";
+const poseProblem = (pose) => {
+  const isPossible = (value) => Number.isFinite(value) && Math.abs(value) <= PAGE.farthest;
+  const at = pose.findIndex((value) => !isPossible(value));
+  return at < 0 ? "" : `${["x", "y", "theta", "z"][at]} of its pose: up to ${PAGE.farthest} m or `
+    + `rad in size is possible, not ${String(pose[at]).slice(0, 20)}`;
+};
 
 /** Return a document after every check; raise a RangeError with one line. */
 const checkedDocument = (text) => {
