@@ -58,7 +58,9 @@ def test_calibration_predicts_held_back_poses_of_the_example(calibrated: State) 
     status = texts.status_html(compute(calibrated))
     assert "Held-back poses are predicted better than before" in status
     assert calibrated.calibration.measured is not None
-    assert "computed, not measured" in texts.measured_html(compute(calibrated))
+    open_now = texts.measured_html(compute(calibrated))
+    assert "computed, not measured" in open_now
+    assert "not kept over a reload" in open_now
     blocks = calibration_blocks(found, None)
     for text in (texts.errors_html, texts.lengths_html, texts.combinations_html):
         assert_parts(text(compute(calibrated)), blocks)
