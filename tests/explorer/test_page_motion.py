@@ -137,6 +137,9 @@ def test_numbers_keep_clear_of_the_scrollbar(motion: Tab) -> None:
 
     until(scrolls, "the dock scrolls", 15)
     assert motion.page.evaluate(UNDER_BAR)[2] == 0
+    motion.dispatch(lambda s: s.updated("plots", plot="energy"))  # whose curves have long names
+    until(lambda: "energy gained" in motion.text("motion-numbers"), "numbers of the energy")
+    assert motion.page.evaluate(UNDER_BAR)[2] == 0
 
 
 def test_motion_is_played_to_its_end_and_a_pose_slider_stops_it(motion: Tab) -> None:
