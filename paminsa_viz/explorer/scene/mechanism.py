@@ -34,7 +34,7 @@ NUMBER_SIZE: Final = (16.0, 20.0)
 """Width and height of a joint's number on the screen [px]."""
 
 
-def _directions(configuration: Configuration) -> tuple[Array, Array, Array]:
+def directions(configuration: Configuration) -> tuple[Array, Array, Array]:
     """Return the legs' axes, (3, 3) [m], and the directions of their arms and of their planes."""
     axis = configuration.points[2] * [1.0, 1.0, 0.0]
     beta = configuration.beta
@@ -49,7 +49,7 @@ def sticks(configuration: Configuration) -> Array:
     an edge of the platform.
     """
     points, geometry = configuration.points, configuration.geometry
-    axis, outward, heading = _directions(configuration)
+    axis, outward, heading = directions(configuration)
     arm = points[2] - geometry.arm_length * outward
     guide = axis - geometry.guide_link_length * heading
     below = points[5].copy()
@@ -115,7 +115,7 @@ def mass_centers(design: Design, configuration: Configuration) -> PointMasses:
     the platform and the payload, then the counterweights of leg 1, of leg 2, of leg 3.
     """
     geometry, points = configuration.geometry, configuration.points
-    axis, outward, heading = _directions(configuration)
+    axis, outward, heading = directions(configuration)
     centers = [points[joint] for joint in JOINTS]
     masses = [getattr(design.joints, f"j{joint}") for joint in JOINTS]
     for link in LINKS:

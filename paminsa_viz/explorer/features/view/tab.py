@@ -19,7 +19,7 @@ WHOLE = tuple(name for name in CAMERAS if name not in LEGS)
 
 
 GROUPS = {
-    "Robot": ("mesh", "skeleton", "mass_centers", "labels", "fine", "shadows", "gizmo",
+    "Robot": ("mesh", "skeleton", "mass_centers", "springs", "labels", "fine", "shadows", "gizmo",
               "pinned_design", "best_so_far"),
     "Forces": ("gravity", "torques", "load", "force_polygon", "wrench_solid", "joint_forces",
                "utilization"),

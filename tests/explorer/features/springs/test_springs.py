@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from paminsa_viz.balancing import spring_torques
+from paminsa_viz.balancing import spring_lengths, spring_torques
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.features.files.examples import EXAMPLES, open_example
 from paminsa_viz.explorer.features.springs import actions as springs
+from paminsa_viz.explorer.features.springs.layers import fitted_springs
 from paminsa_viz.explorer.features.springs.tab import SPRINGS, springs_html
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.springs import SpringsFrom
@@ -64,6 +65,25 @@ def test_text_compares_torques_with_and_without_springs(off_center: State) -> No
     assert "Changed since: “Height”." in springs_html(compute(higher))
     assert "Changed since: θ." in springs_html(compute(actions.move(state, theta=0.1)))
     assert "91 N/m" not in springs_html(compute(springs.FIT.forget(state)))
+
+
+@pytest.mark.parametrize("start", SpringsFrom)
+def test_springs_are_drawn_as_long_as_they_are(start: SpringsFrom, off_center: State) -> None:
+    assert not list(fitted_springs(compute(off_center)))
+    state = fitted(off_center.updated("springs.settings", start=start, height=0.07))
+    spring, masts = fitted_springs(compute(state))
+    drawn = spring.live["points"].reshape(3, -1, 2, 3)
+    last = state.last_reachable
+    found = state.springs.result
+    assert found is not None
+    np.testing.assert_allclose(
+        np.linalg.norm(drawn[:, -1, 1] - drawn[:, 0, 0], axis=1),
+        spring_lengths(last.geometry, found.springs[0], last.pose), atol=1e-6,
+    )  # fmt: skip
+    np.testing.assert_allclose(drawn[:, -1, 1], compute(state).configuration.points[9], atol=1e-6)
+    np.testing.assert_allclose(drawn[:, 0, 0], masts.live["points"][:, 1], atol=1e-6)
+    np.testing.assert_allclose(masts.live["points"][..., 2], [[0.0, 0.07]] * 3, atol=1e-6)
+    assert not list(fitted_springs(compute(springs.FIT.forget(state))))
 
 
 def test_springs_change_nothing_else(off_center: State) -> None:
