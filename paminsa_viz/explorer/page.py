@@ -116,7 +116,7 @@ def build(
         build_rest(session, places, file_place, context)
         session.built.set()
         enter_workspace(session)
-        bridge.call("whole")
+        session.fit_docks()
         offer_tour(bridge)
         session.dispatch("page", replace)
 

@@ -15,6 +15,7 @@ from paminsa_viz.explorer.browser.bridge import STORE_KEY
 from paminsa_viz.explorer.core import actions, motion
 from paminsa_viz.explorer.features.synthesis.actions import SEARCH
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.explorer.state.view import Docks
 from paminsa_viz.model import static_torques
 from paminsa_viz.units import number
 from tests.support.chromium import Tab, until
@@ -219,8 +220,13 @@ def test_docks_follow_the_window(tab: Tab) -> None:
         until(lambda: tab.page.evaluate(VIEW) >= 0.45, f"the view has its share at {width} px")
     tab.page.set_viewport_size({"width": 1400, "height": 900})
     tab.wait_frames(1500)
-    assert tab.state.docks.left.width is None
-    assert tab.state.docks.left.folded is None
+    assert tab.state.docks == Docks()
+    edges = tab.page.evaluate(VIEW)
+    tab.cut_connection()  # all of the page is made again, with the same docks
+    until(lambda: tab.session.built.is_set(), "all of it is there")
+    tab.wait_frames(2000)
+    assert np.isclose(tab.page.evaluate(VIEW), edges)
+    assert tab.state.docks == Docks()
 
 
 RIGHT_ENDS = """() => ["[data-floating-window]", "canvas[data-engine]"].map(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable
 from typing import Any
 
@@ -190,11 +189,7 @@ def made_again(tab: Tab, label: str) -> None:
 
 def connected_again(tab: Tab, label: str) -> None:
     """Cut the connection; the page connects again, and all of it is made again."""
-    before = tab.session
-    server = tab.app.server._websock_server
-    connection = server._live_connections[before.client.client_id]  # other tabs keep theirs
-    asyncio.run_coroutine_threadsafe(connection.close(), server._background_event_loop)
-    until(lambda: before.closed, "the connection is lost")
+    tab.cut_connection()
 
 
 @pytest.mark.parametrize(

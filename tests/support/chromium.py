@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import re
 import shutil
@@ -185,6 +186,13 @@ class Tab:
         """Load the page by a link, in a new session; from elsewhere, so that it is loaded."""
         self.page.goto("about:blank")
         self._load(lambda: self.page.goto(f"{self.app.url}#{link}"))
+
+    def cut_connection(self) -> None:
+        """Cut the connection; the page connects again, and all of it is made again."""
+        before, server = self.session, self.app.server._websock_server
+        connection = server._live_connections[before.client.client_id]  # other tabs keep theirs
+        asyncio.run_coroutine_threadsafe(connection.close(), server._background_event_loop)
+        until(lambda: before.closed, "the connection is lost")
 
     def reload(self) -> None:
         """Load the page again, in a new session."""
