@@ -97,7 +97,7 @@ class BalanceSettings(Settings):
     slot_b8: CounterweightSlot = CounterweightSlot(max_mass=5.0)
     slot_b3: CounterweightSlot = CounterweightSlot(max_mass=5.0)
     exact: bool = setting(
-        True, "only M_p2 = 0",
+        True, "Only M_p2 = 0",
         "Otherwise a balance comes as near as it can, and other goals are free of it",
     )  # fmt: skip
     max_added: float = setting(

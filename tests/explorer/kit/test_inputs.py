@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import threading
 from collections import Counter
 from collections.abc import Callable, Coroutine, Iterator
@@ -42,7 +43,7 @@ from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.tabs import sections
 from paminsa_viz.model import InvalidInput
 from tests.support.desk import SilentPage, desk_with, stop
-from tests.support.entries import inputs_in
+from tests.support.entries import flat, inputs_in
 from tests.support.raw_page import eventually
 
 
@@ -88,6 +89,18 @@ def state() -> State:
     state = actions.pin_reference(actions.move(initial_state(), x=0.02, theta=0.3))
     state = balancing.add_counterweight(state, "b8", 8)
     return motions.choose_kind(state, Kind.ARCH)
+
+
+def test_labels_of_words_begin_with_a_capital(state: State) -> None:
+    in_dock = {"plots", "torque maps", "single map"}  # which are narrow, and have short words
+    tables = {**TAB, **{name: table for name, table in PANELS.items() if name not in in_dock}}
+    small = {
+        entry.key: label
+        for table in tables.values()
+        for entry in flat(table)
+        if re.match("[a-z]{2}", label := str(given(entry.label, state)))
+    }
+    assert small == {}
 
 
 def ends(entry: Input, state: State) -> list[tuple[Any, Any]]:

@@ -74,7 +74,7 @@ def _deviation(state: State) -> tuple[str, float]:
 
 
 def _deviation_label(state: State) -> str:
-    return f"off by [{display_unit(LENGTHS[state.monte_carlo.settings.length].unit).text}]"
+    return f"Off by [{display_unit(LENGTHS[state.monte_carlo.settings.length].unit).text}]"
 
 
 def _read_deviation(state: State) -> float:
@@ -93,10 +93,10 @@ def grown(ends: tuple[float, float], value: float) -> tuple[float, float]:
 
 
 _LABELS = {
-    "bar": "bars", "shaft": "shaft B2", "joint_height": "joint 5 up", "guide_height": "guide up",
-    "axis_radius": "leg axes R_b", "axis_angle": "leg axes at", "joint_radius": "joints 5 R_pl",
-    "joint_angle": "joints 5 at", "actuator_zero": "zeros M", "pin_clearance": "pin play",
-    "guide_clearance": "guide play",
+    "bar": "Bars", "shaft": "Shaft B2", "joint_height": "Joint 5 up", "guide_height": "Guide up",
+    "axis_radius": "Leg axes R_b", "axis_angle": "Leg axes at", "joint_radius": "Joints 5 R_pl",
+    "joint_angle": "Joints 5 at", "actuator_zero": "Zeros M", "pin_clearance": "Pin play",
+    "guide_clearance": "Guide play",
 }  # fmt: skip
 
 

@@ -142,40 +142,40 @@ def export_entries(
         COPIED,
         Html("export.maps_heading", content=_maps_heading),
         Dropdown(
-            "export.single", "maps",
+            "export.single", "Maps",
             options={"torque maps τ₁ τ₂ τ₃": False, "single map": True},
             hint="What to export, as its tab shows it",
             **attribute("export.single"),
         ),
         Number(
-            "export.width", "width [mm]", range=(80.0, 400.0), step=1.0,
+            "export.width", "Width [mm]", range=(80.0, 400.0), step=1.0,
             hint="Width of the figure on paper: 85 mm is a column, 170 mm a page",
             **attribute("export.width"),
         ),
         Number(
-            "export.dpi", "dpi", range=(50.0, 600.0), step=10.0,
+            "export.dpi", "Resolution [dpi]", range=(50.0, 600.0), step=10.0,
             hint="Pixels per inch of a PNG, and of the colored cells in SVG and PDF",
             **attribute("export.dpi"),
         ),
         ButtonGroup(
-            "export.figure", "figure",
+            "export.figure", "Figure",
             choices=choices("a figure", _figures(), partial(exports.figure, store=store)),
             hint="Title, units, design and pose are in it",
         ),
         ButtonGroup(
-            "export.table", "data",
+            "export.table", "Data",
             choices=choices("data", tables, partial(exports.table, store=store))
             | {"Copy": copy_run("Maps", partial(exports.maps_table, store=store))},
             hint="SI units, with every number of the design; Copy: for a spreadsheet",
         ),
         Html("export.robot_heading", content=_robot_heading),
         Dropdown(
-            "export.view_size", "view size", options=VIEW_SIZES,
+            "export.view_size", "View size", options=VIEW_SIZES,
             hint="Size of the picture of the 3D view [pixels]",
             **attribute("export.view_size"),
         ),
         ButtonGroup(
-            "export.scene", "export",
+            "export.scene", "Save",
             choices={
                 "View as PNG": session_export(
                     "the 3D view as PNG",
@@ -190,12 +190,12 @@ def export_entries(
             content=render("export/programs.j2", programs=[*CODE.values(), *_MODELS.values()]),
         ),
         ButtonGroup(
-            "export.code", "code", choices=programs(CODE),
+            "export.code", "Code", choices=programs(CODE),
             hint="The design’s formulas: C in a ZIP, or FMI 2.0 units for co-simulation, which "
             "need a C compiler on the server",
         ),
         ButtonGroup(
-            "export.models", "models",
+            "export.models", "Models",
             choices=programs({name: each for name, each in _MODELS.items() if name != "mjcf"}),
             hint="The bodies with their joints; a URDF comes in a ZIP with a table of its loops",
         ),
@@ -213,7 +213,7 @@ def export_entries(
         ),
         Html("export.volume_heading", content=_volume_heading),
         ButtonGroup(
-            "export.volume", "volume",
+            "export.volume", "Volume",
             choices=lambda state: (
                 volume_choices() if asked(state.document.requirements) else {}
             ),
@@ -222,19 +222,19 @@ def export_entries(
         ),
         Html("export.motion_heading", content=_motion_heading),
         ButtonGroup(
-            "export.curves", "figure",
+            "export.curves", "Figure",
             choices=choices("a figure", _figures(), exports.motion_figure),
             hint="The curves of “Motion plots”, width as above",
         ),
         ButtonGroup(
-            "export.series", "data",
+            "export.series", "Data",
             choices=choices("data", tables, exports.motion_table)
             | {"Copy": copy_run("Motion", lambda state: exports.motion_series(state)[1])}
             | {"HTML page": export("a page that plays the motion", exports.motion_page)},
             hint="All numbers over time in SI units, or a page that plays the motion by itself",
         ),
         ButtonGroup(
-            "export.record", "picture",
+            "export.record", "Picture",
             choices={
                 each.label: session_export(
                     f"the motion as {each.label}",

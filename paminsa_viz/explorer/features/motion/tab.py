@@ -109,11 +109,11 @@ PLAYBACK = (
         effect=motions.play_or_pause, undo=False, hint="Play the motion with the robot (key: M)",
     ),
     Dropdown(
-        "playback.speed", "speed", options={f"{speed:g} ×": speed for speed in SPEEDS},
+        "playback.speed", "Speed", options={f"{speed:g} ×": speed for speed in SPEEDS},
         hint="1 × is true time", **attribute("playback.speed"),
     ),
     Checkbox(
-        "playback.loop", "repeat", hint="Start again at the end", **attribute("playback.loop")
+        "playback.loop", "Repeat", hint="Start again at the end", **attribute("playback.loop")
     ),
     Slider(
         "playback.time", TIME, range=lambda state: (0.0, playback_end(state)), step=0.001,

@@ -119,9 +119,9 @@ def _open_number(
 
 
 JOINTS: dict[str, str] = {
-    "bearing_radial": "bearing across", "bearing_axial": "bearing along",
-    "bearing_tilt": "bearing tilt", "ball": "ball joint 5", "guide": "guide across",
-    "guide_tilt": "guide tilt",
+    "bearing_radial": "Bearing across", "bearing_axial": "Bearing along",
+    "bearing_tilt": "Bearing tilt", "ball": "Ball joint 5", "guide": "Guide across",
+    "guide_tilt": "Guide tilt",
 }  # fmt: skip
 """Labels of the stiffness of the joints."""
 
@@ -288,10 +288,10 @@ STIFFNESS = (
         "stiffness.section", "Sections that are no tubes, 0: the tube's", open=False,
         entries=(
             _setting("bar"),
-            _section("area", "area", 1.0),
+            _section("area", "Area", 1.0),
             _section("inertia_in", "I in plane", 100.0),
             _section("inertia_out", "I across", 100.0),
-            _section("torsion", "torsion J", 100.0),
+            _section("torsion", "Torsion J", 100.0),
         ),
     ),
     ANALYSIS.worker,

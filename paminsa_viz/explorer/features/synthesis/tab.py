@@ -70,8 +70,8 @@ RANGES = (
         _range(path, symbol_text(PARAMETER[path].symbol), PARAMETER[path].label)
         for path in DEFAULT_PATHS
     ),
-    _range(WIDTH, "width", "Diameter of the workspace, or its extent along x and y", size=True),
-    _range(TALL, "height", "Height of the workspace", size=True),
+    _range(WIDTH, "Width", "Diameter of the workspace, or its extent along x and y", size=True),
+    _range(TALL, "Height", "Height of the workspace", size=True),
     _setting("regimes", options={label: label for label in REGIMES}),
     _setting("above_guides"),
     _setting("allow_overlap"),
