@@ -16,6 +16,7 @@ from paminsa_viz.explorer.core.motion_results import MotionResults, in_piece
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.motion.engine import ask_engine
+from paminsa_viz.explorer.features.motion.simulation import SIMULATION
 from paminsa_viz.explorer.features.motion.tab import ACTUATORS, status_line
 from paminsa_viz.explorer.kit.bindings import Panel
 from paminsa_viz.explorer.kit.curves import PLACE, MotionChart, TimeCursor
@@ -200,6 +201,8 @@ def caption_html(state: State, found: MotionResults | None, drawn: tuple[Chart, 
         return render("motion/empty.j2", text=status_line(state, None)[1])
     if not drawn:
         text = "nothing has been simulated yet: press Simulate in the section “Simulate”"
+        if SIMULATION.runs(state):
+            text = "Simulating …"
         return render("motion/empty.j2", text=text)
     sources, first = found.sources, found.analysis.check.first
     compared = state.plots.plot in COMPARED

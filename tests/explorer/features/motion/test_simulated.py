@@ -12,9 +12,11 @@ import viser
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.motion_results import MotionStore
 from paminsa_viz.explorer.core.simulated import wanted_pose
 from paminsa_viz.explorer.features.motion import simulation as simulations
 from paminsa_viz.explorer.features.motion.layers import WantedPose
+from paminsa_viz.explorer.features.motion.plots import caption_html
 from paminsa_viz.explorer.features.motion.tab import SIMULATING, simulation_html
 from paminsa_viz.explorer.scene.bodies import node_name
 from paminsa_viz.explorer.scene.context import SceneContext
@@ -43,6 +45,13 @@ def simulation(state: State) -> Simulation:
     found = state.simulation.result
     assert found is not None
     return found
+
+
+def test_motion_plots_say_that_a_simulation_runs() -> None:
+    state = initial_state().updated("plots", plot="errors")
+    found = MotionStore().all(state)
+    assert "press Simulate" in caption_html(state, found, ())
+    assert "Simulating …" in caption_html(simulations.simulate(state), found, ())
 
 
 @pytest.mark.slow
