@@ -49,25 +49,28 @@ pytestmark = pytest.mark.browser
 
 STRIP = """tabs => tabs.map(tab => {
   const text = tab.querySelector("span");
-  return {name: tab.title, top: tab.offsetTop, cut: text.scrollWidth > text.clientWidth};
+  const {fontWeight} = getComputedStyle(text);
+  const cut = text.scrollWidth > text.clientWidth;
+  return {name: tab.title, top: tab.offsetTop, cut, fontWeight};
 })"""
 
 
 def test_workspaces_and_their_sections_take_a_row_each_and_none_is_cut(tab: Tab) -> None:
-    def one_row(first: str, names: list[str]) -> None:
+    def one_row(first: str, names: list[str], weight: str) -> None:
         row = f'[role="tablist"]:has(> [title="{first}"]) > [role="tab"]'
         found = tab.page.locator(row).evaluate_all(STRIP)
         assert [one["name"] for one in found] == names
         assert len({one["top"] for one in found}) == 1
         assert not any(one["cut"] for one in found)
+        assert {one["fontWeight"] for one in found} == {weight}
 
     for workspace in WORKSPACES:
         names = [section.name for section in workspace.sections]
         tab.open_tab(names[0])
-        one_row("Robot", [one.name for one in WORKSPACES])
+        one_row("Robot", [one.name for one in WORKSPACES], "600")
         for name in names:  # the name of the current one may be wider
             tab.open_tab(name)
-            one_row(names[0], names)
+            one_row(names[0], names, "400")
 
 
 def test_numbers_can_be_typed_digit_by_digit(tab: Tab) -> None:

@@ -212,12 +212,18 @@ VIEW = """() => {
 }"""
 
 
+FOLDED = """() => [...document.querySelectorAll('[aria-orientation="vertical"] > [role="tab"]')]
+  .map((tab) => tab.lastElementChild.scrollHeight > tab.lastElementChild.clientHeight)"""
+
+
 def test_docks_follow_the_window(tab: Tab) -> None:
     tab.page.set_viewport_size({"width": 1400, "height": 900})
     until(lambda: tab.page.evaluate(VIEW) >= 0.45, "the view has its share")
     for width, height in ((900, 700), (1400, 900), (1120, 720)):  # the last as with 125 % zoom
         tab.page.set_viewport_size({"width": width, "height": height})
         until(lambda: tab.page.evaluate(VIEW) >= 0.45, f"the view has its share at {width} px")
+        if width < 1200:  # names of the tabs of the folded dock are whole
+            until(lambda: tab.page.evaluate(FOLDED) == [False] * 4, "the dock is folded", 15)
     tab.page.set_viewport_size({"width": 1400, "height": 900})
     tab.wait_frames(1500)
     assert tab.state.docks == Docks()
