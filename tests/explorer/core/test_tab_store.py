@@ -147,12 +147,13 @@ def test_unknown_layers_are_dropped_and_old_stores_are_read() -> None:
 
 
 def test_tab_that_a_former_version_kept_is_read() -> None:
-    """It was saved with `FORMER` when the parts of the state had other names."""
+    """It was saved with `FORMER` when parts of the state had other names, and springs no layer."""
     kept = Path(__file__).with_name("former_tab.json").read_text("utf-8")
     expected = FORMER.updated("clearance.settings", required=0.01)
     found = tab_store.restore(initial_state(), kept)
     assert found.ended == ("synthesis",)
-    assert replace(found, ended=()) == expected
+    assert "springs" not in found.layers
+    assert replace(found, ended=(), layers=found.layers | {"springs"}) == expected
 
 
 def test_running_tasks_are_kept_as_ended_by_a_reload() -> None:

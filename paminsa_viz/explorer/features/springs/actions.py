@@ -10,9 +10,10 @@ from paminsa_viz.balancing import (
     fit_springs,
     spring_torques,
 )
-from paminsa_viz.explorer.core.actions import plane_job
+from paminsa_viz.explorer.core.actions import plane_job, set_layers
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.kit.task import Task
+from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.plane import PlaneJob
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model.arrays import Array
@@ -30,10 +31,16 @@ def fit(job: PlaneJob, _: object) -> SpringFit:
     return fit_springs(job.design, [job.settings.place], job.poses(CELLS))
 
 
+def receive(state: State, outcome: Outcome[PlaneJob, SpringFit]) -> State:
+    """Keep what came of a fit, and show the springs in the scene."""
+    return set_layers(state.updated("springs", outcome=outcome), springs=True)
+
+
 FIT = Task(
     Place(lambda state: state.springs),
     lambda state: plane_job(PlaneJob, state, state.springs.settings),
     fit,
+    receive=receive,
 )
 """Fits the springs of the current settings to the current design."""
 
