@@ -348,10 +348,22 @@ def check_data(
     return data
 
 
+_MORE_TIME = "more time may decide it"
+
+
 def proof_blocks(
-    design: Design, requirements: Requirements, proof: Proof, text: Text = requirement_label
-) -> list[Block]:
-    """Return what a proof over the required workspace came to, and what it rests on."""
+    design: Design, requirements: Requirements, proof: Proof, text: Text = requirement_label, *,
+    advice: str = _MORE_TIME,
+) -> list[Block]:  # fmt: skip
+    """Return what a proof over the required workspace came to, and what it rests on.
+
+    Args:
+        design: The robot.
+        requirements: What had to be proven.
+        proof: The proof.
+        text: How requirements are written.
+        advice: What may decide a proof that boxes are left of.
+    """
     kind = "ok" if proof.verdict is Verdict.PROVEN else "bad"
     blocks: list[Block] = [
         Note(f"{design.name}, {_place(requirements)}: {verdict_text(proof)}", kind),
@@ -359,18 +371,31 @@ def proof_blocks(
     ]
     if proof.pose is not None:
         blocks.append(Note(f"broken at {format_pose(proof.pose)}"))
-    return [*blocks, Note(f"{_effort(proof)}; {len(proof.remaining):,} open")]
+    blocks.append(Note(f"{_effort(proof)}; {len(proof.remaining):,} open"))
+    if proof.verdict is Verdict.UNDECIDED and len(proof.remaining):  # a path from home needs none
+        blocks.append(Note(advice))
+    return blocks
 
 
 def largest_blocks(
     design: Design, requirements: Requirements, found: LargestWorkspace,
-    text: Text = requirement_label,
+    text: Text = requirement_label, *, advice: str = _MORE_TIME,
 ) -> list[Table | Note]:  # fmt: skip
-    """Return the largest proven workspace, what ends it, and what its proof rests on."""
+    """Return the largest proven workspace, what ends it, and what its proof rests on.
+
+    Args:
+        design: The robot.
+        requirements: What has to hold over it.
+        found: The answer.
+        text: How requirements are written.
+        advice: What may decide a search that has proven nothing yet.
+    """
     if found.workspace is None:
         undecided = found.proof.verdict is Verdict.UNDECIDED
-        why = "undecided in this time" if undecided else "none"
-        return [Note(f"{design.name}, largest workspace: {why}{_cause(found, text)}", "bad")]
+        why = "undecided" if undecided else "none"
+        head = Note(f"{design.name}, largest workspace: {why}{_cause(found, text)}", "bad")
+        # a path from home is looked for once, however long the search
+        return [head, Note(advice)] if undecided and found.cause != "home" else [head]
     place = _place(replace(requirements, workspace=found.workspace))
     limit = workspace_text(replace(found.workspace, size=found.limit))
     sampled = bool(found.proof.sampled)

@@ -158,7 +158,8 @@ class Prove(JsonFlags, RequirementFlags):
         if self.json:
             print_json({"design": design.name, **proof_data(proof)})
         else:
-            print_blocks(proof_blocks(design, requirements, proof, requirement_text))
+            advice = "a longer --time may decide it"
+            print_blocks(proof_blocks(design, requirements, proof, requirement_text, advice=advice))
         return 0 if proof.verdict is Verdict.PROVEN else 1
 
 
@@ -198,7 +199,10 @@ class Largest(JsonFlags, RequirementFlags):
         if self.json:
             print_json(largest_data(design, found))
         else:
-            print_blocks(largest_blocks(design, requirements, found, requirement_text))
+            advice = "a longer --time or a smaller --tolerance may decide it"
+            print_blocks(
+                largest_blocks(design, requirements, found, requirement_text, advice=advice)
+            )
         return 1 if found.workspace is None else 0
 
 

@@ -207,6 +207,11 @@ def test_what_a_proof_rests_on() -> None:
     proven = SimpleNamespace(**vars(proof) | {"verdict": Verdict.PROVEN, "pose": None})
     notes = said(words.proof_blocks(APPENDIX_4, asked, proven))  # type: ignore
     assert len(notes) == 2
+    for remaining, advice in ((proof.remaining, ["more"]), ([], [])):  # a path is no matter of time
+        changes = {"verdict": Verdict.UNDECIDED, "pose": None, "remaining": remaining}
+        undecided: Any = SimpleNamespace(**vars(proof) | changes)
+        blocks = words.proof_blocks(APPENDIX_4, asked, undecided, advice="more")
+        assert [note for note, _ in said(blocks)[2:]] == advice
     assert notes[0][0].endswith("proven, but for requirements that are only sampled")
     assert notes[0][1] == "ok"
     whole: Any = SimpleNamespace(**vars(proven) | {"sampled": ()})
@@ -256,11 +261,12 @@ def test_the_largest_workspace_and_what_ends_it() -> None:
     begin = "Appendix 4, largest workspace: "
     refuted = SimpleNamespace(**vars(proof) | {"verdict": Verdict.REFUTED})
     pose = (0.01, 0.02, 0.1, -0.5)
-    assert text() == [(f"{begin}undecided in this time: no path from home to its center", "bad")]
+    assert text() == [(f"{begin}undecided: no path from home to its center", "bad")]
     assert text(proof=refuted, cause="volume") == [
         (f"{begin}none: no position meets all requirements", "bad")
     ]
-    assert text(cause="") == [(f"{begin}undecided in this time", "bad")]
+    longer = ("more time may decide it", "plain")
+    assert text(cause="") == [(f"{begin}undecided", "bad"), longer]
     assert text(cause="reach")[0][0].endswith(": reach")
     broken = text(cause="condition", requirement=TORQUE, pose=pose)[0][0]
     assert ": max_torque breaks at x 10 mm" in broken

@@ -176,6 +176,18 @@ def test_proof_of_a_workspace(capsys) -> None:
     assert "broken at x" in out
 
 
+def test_undecided_answers_name_the_flag_that_may_decide_them(capsys) -> None:
+    for command, words, flags in (
+        ("prove", ("--time", "1e-6"), "--time"),
+        ("largest", ("--time", "1e-6"), "--time or a smaller --tolerance"),
+        ("largest", ("--tolerance", "1e5"), "--time or a smaller --tolerance"),
+    ):
+        code, out, _ = run("requirements", capsys, command, *PROVABLE, *CENTERED, *words)
+        assert code == 1
+        assert "undecided" in out
+        assert f"a longer {flags} may decide it\n" in out
+
+
 def test_what_is_only_sampled_is_not_called_proven(capsys) -> None:
     words = ("prove", "--require", "condition <= 10", "--require", "error_x <= 100 um", *CENTERED)
     code, out, _ = run("requirements", capsys, *words)
