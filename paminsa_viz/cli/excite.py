@@ -68,7 +68,8 @@ class Excite(JsonFlags, DesignFlags):
     clearance: Annotated[float, tyro.conf.arg(metavar="MM")] = 10.0
     """Least distance to the limits of reach [mm]."""
     seconds: float = DEFAULTS.seconds
-    """Time for the search [s]."""
+    """Time for the search [s]; at most a quarter of it goes to the random motions that it starts
+    with."""
     evaluations: int = DEFAULTS.evaluations
     """Most evaluations of a motion; a search that they end is reproducible."""
     rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 250.0

@@ -14,6 +14,7 @@ import numpy as np
 
 from paminsa_viz.identification.excitation_search import (
     CHUNK,
+    RANDOM_SHARE,
     ExcitationSettings,
     Search,
     in_chunks,
@@ -135,13 +136,13 @@ def optimize_excitation(
     info = Information(design, limits, family, settings.period, settings.samples)
     stopped = False
 
-    def tick() -> None:
+    def more() -> bool:
         nonlocal stopped
-        if not stopped:
-            done = (time.monotonic() - begin) / max(settings.seconds, 1e-9)
-            stopped = bool(progress(min(done, 1.0)))
+        done = (time.monotonic() - begin) / max(settings.seconds, 1e-9)
+        stopped = stopped or bool(progress(min(done, 1.0)))
+        return not stopped and done < RANDOM_SHARE
 
-    starts = random_motions(info, settings.random, settings.seed, tick)
+    starts = random_motions(info, settings.random, settings.seed, more)
     info.noise = NOISE_SHARE * np.mean(info.torque_rms(starts[:CHUNK]), axis=0)
     worth = in_chunks(info.log_det, starts)
     search = Search(info, settings, begin, progress)

@@ -23,7 +23,10 @@ LEAST_SAMPLES = 250
 """Fewest samples of a period at which limits are looked at."""
 
 RANDOM_STARTS = 300
-"""Random motions that the search starts with."""
+"""Most random motions that the search starts with."""
+
+RANDOM_SHARE = 0.25
+"""Share of the time after which no more of them are drawn, so that some is left to improve them."""
 
 GROUP = 4
 """Motions that are improved at the same time."""
@@ -74,9 +77,9 @@ class ExcitationSettings:
         periods: How often the motion is run.
         samples: Samples of a period at which information and limits are looked at.
         evaluations: Most evaluations of a motion with derivatives, of some 15 ms each; the search
-            is reproducible where they end it.
-        seconds: Most time [s].
-        random: Number of random motions that it starts with.
+            is reproducible where they end it and all random motions are drawn.
+        seconds: Most time [s]; random motions are drawn in `RANDOM_SHARE` of it.
+        random: Most random motions that it starts with.
         seed: Of the random motions.
 
     Raises:
@@ -109,7 +112,7 @@ class NoExcitation(PaminsaError):
 
 
 def random_motions(
-    info: Information, count: int, seed: int, tick: Callable[[], object] = lambda: None
+    info: Information, count: int, seed: int, more: Callable[[], bool] = lambda: True
 ) -> Array:
     """Return random motions within the limits, each as large as they allow, (count, size).
 
@@ -117,8 +120,8 @@ def random_motions(
         info: What the limits are known from.
         count: How many are drawn; those that no size makes possible are left out.
         seed: Of the random numbers.
-        tick: Called a dozen times on the way: the sizes are halved between 0 and 4 standard
-            deviations.
+        more: Called after some `CHUNK` of them; says whether there is time for more. Drawing goes
+            on until one is possible.
 
     Raises:
         NoExcitation: If there is none.
@@ -126,26 +129,34 @@ def random_motions(
     rng = np.random.default_rng(seed)
     drawn = rng.standard_normal((count, info.family.size))
     drawn[:, :4] *= 0.3
-    low, high = np.zeros(count), np.full(count, 4.0)
-    for _ in range(12):
-        tick()
-        middle = 0.5 * (low + high)
-        good = in_chunks(info.worst_room, drawn * middle[:, None]) > 0.0
-        low, high = np.where(good, middle, low), np.where(good, high, middle)
-    found = drawn * low[:, None]
-    if not (low > 0.0).any():
+    found: list[Array] = []
+    for part in _chunks(drawn):
+        low, high = np.zeros(len(part)), np.full(len(part), 4.0)
+        for _ in range(12):
+            middle = 0.5 * (low + high)
+            good = info.worst_room(part * middle[:, None]) > 0.0
+            low, high = np.where(good, middle, low), np.where(good, high, middle)
+        possible = low > 0.0
+        if possible.any():
+            found.append(part[possible] * low[possible, None])
+        if not more() and found:
+            break
+    if not found:
         at_rest = info.at(info.states(np.zeros(info.family.size))).room[0]
         names = (*LIMITED, *(LIMITED[-1],) * 11)
         failed = names[int(np.argmin(np.nan_to_num(at_rest, nan=-np.inf)))]
         raise NoExcitation(
             f"no motion about home keeps the limits: the {failed} is beyond its limit at rest there"
         )
-    return found[low > 0.0]
+    return np.concatenate(found)
+
+
+def _chunks(variables: Array) -> list[Array]:
+    return np.array_split(variables, max(1, len(variables) // CHUNK))
 
 
 def in_chunks(function: Callable[[Array], Array], variables: Array) -> Array:
-    parts = np.array_split(variables, max(1, len(variables) // CHUNK))
-    return np.concatenate([function(part) for part in parts])
+    return np.concatenate([function(part) for part in _chunks(variables)])
 
 
 def shrunk(info: Information, variables: Array) -> Array:

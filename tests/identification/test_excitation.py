@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,12 +17,12 @@ from paminsa_viz.identification import (
     ExcitationLimits,
     ExcitationSettings,
     NoExcitation,
+    excitation,
+    excitation_search,
     optimize_excitation,
 )
 from paminsa_viz.identification.excitation import KeptLimit, amplitudes, kept_limits
-from paminsa_viz.identification.excitation_search import (
-    random_motions,
-)
+from paminsa_viz.identification.excitation_search import CHUNK, random_motions
 from paminsa_viz.identification.information import (
     COULOMB_SHARE,
     LIMITED,
@@ -255,6 +257,18 @@ def test_random_motions_are_as_large_as_the_limits_allow(seed) -> None:
     room = info.worst_room(motions)
     assert np.all(room >= 0.0)
     assert not np.any(info.worst_room(1.01 * motions) > 0.0)
+
+
+@pytest.mark.slow
+def test_a_short_time_is_not_spent_on_random_motions_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    ticking = SimpleNamespace(monotonic=itertools.count(0.0).__next__)  # a second passes a look
+    for module in (excitation, excitation_search):
+        monkeypatch.setattr(module, "time", ticking)
+    settings = ExcitationSettings(period=PERIOD, seconds=12.0)
+    found = optimize_excitation(ROBOT, limits_of(ROBOT), settings)
+    assert 0 < found.random < settings.random / 2
+    assert found.evaluations > 3
+    assert random_motions(information(), 64, 0, lambda: False).shape[0] == CHUNK
 
 
 @pytest.mark.slow
