@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 import tyro
 
 from paminsa_viz.cli.arguments import OrNone, UsageError
-from paminsa_viz.cli.flags import NEEDS_FIGURE, ComparedDesignFlags, FilesFlags
+from paminsa_viz.cli.flags import NEEDS_FIGURE, ComparedDesignFlags, FilesFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_error, print_json
 from paminsa_viz.cli.trajectory_report import (
@@ -20,6 +20,7 @@ from paminsa_viz.cli.trajectory_report import (
     print_report,
     report,
     write_files,
+    write_log,
 )
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.published_table import read_published
@@ -57,6 +58,7 @@ Required torques, speeds, power and energy of every actuator on a motion.
   paminsa-viz trajectory --preset line --out line.html       the robot moves, in any browser
   paminsa-viz trajectory --file poses.csv --waypoints --cross --max-torque 10
   paminsa-viz trajectory --simulate computed-torque --payload-mismatch 0.5 --out run.png
+  paminsa-viz trajectory --file motion.csv --simulate pd --log log.csv    a log for identify
 
 A table has the columns t_s,x_m,y_m,theta_rad,z_m, and may have velocities and accelerations; other
 units go into the header (t_ms, x_mm, theta_deg). The ending of --out says what is written:
@@ -144,6 +146,9 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
     """Payload of the simulated robot that its controller does not know of [kg]."""
     bandwidth: Annotated[float, tyro.conf.arg(metavar="HZ")] = Controller().bandwidth
     """Bandwidth of the controller [Hz]."""
+    log: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.csv")] = None
+    """Log of the simulated robot to write, positions and torques of its actuators, for paminsa-viz
+    identify."""
 
     figure: OrNone[FigureKind] = None
     """What figures show: torques, or with --simulate the tracking, by default.
@@ -204,6 +209,7 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
                 self.bandwidth != Controller().bandwidth and not self.simulate,
                 "--bandwidth needs --simulate",
             ),
+            (self.log and not self.simulate, "--log needs --simulate"),
             (kind == "tracking" and not self.simulate, "--figure tracking needs --simulate"),
             (
                 kind == "comparison" and not second,
@@ -229,6 +235,7 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
             if wrong:
                 raise UsageError(f"{problem}; see paminsa-viz trajectory --help")
         self.check_files(PAGE)
+        check_output("--log", self.log, [".csv"])
 
     @property
     def figure_kind(self) -> FigureKind:
@@ -257,11 +264,14 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
             results, self.out, kind=self.figure_kind, engine=self.engine,
             width_mm=self.width, dpi=self.dpi, simulated=self.simulate is not None,
         )  # fmt: skip
+        if self.log is not None:
+            written += write_log(results, self.log)
         if self.json:
             print_json(report(results, written))
         else:
             print_report(results, written)
-        return 1 if results.problems else 0
+        asked = [*self.out, *filter(None, [self.log])]
+        return 1 if results.problems or len(written) < len(asked) else 0
 
 
 FLAGS = TrajectoryFlags

@@ -24,9 +24,11 @@ from paminsa_viz.cli import command_module
 from paminsa_viz.cli.output import print_blocks, print_error, print_heading, print_written
 from paminsa_viz.errors import FileError, PaminsaError
 from paminsa_viz.files.atomic import write_bytes
+from paminsa_viz.files.logs import simulated_log_table
 from paminsa_viz.files.published_table import PublishedTorques
-from paminsa_viz.files.tables import table_bytes, table_endings
+from paminsa_viz.files.tables import save_table, table_bytes, table_endings
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
+from paminsa_viz.identification import InvalidLog
 from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.series import EngineTorques, FigureKind
 from paminsa_viz.trajectory import (
@@ -178,6 +180,23 @@ def write_files(
             continue
         written.append(path)
     return written
+
+
+def write_log(results: Results, path: Path) -> list[Path]:
+    """Write the log of the simulated robot; returns the path, or nothing with a line on stderr.
+
+    Raises:
+        FileError: If it cannot be written.
+    """
+    if results.simulation is None:
+        print_error(_NotWritten(path, "there is no simulated motion"))
+        return []
+    try:
+        save_table(simulated_log_table(results.simulation), path)
+    except InvalidLog as error:
+        print_error(_NotWritten(path, str(error)))
+        return []
+    return [path]
 
 
 class _NotWritten(FileError):

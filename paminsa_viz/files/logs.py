@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TextIO
 
@@ -14,7 +15,9 @@ from paminsa_viz.errors import InvalidInput, TableFileError
 from paminsa_viz.files.columns import ACTUATORS, CURRENTS, LOG, MEASURED, TIME
 from paminsa_viz.files.table_reader import TableReader, open_table
 from paminsa_viz.files.tables import DataTable, provenance
-from paminsa_viz.identification.log import InvalidLog, Log, make_log
+from paminsa_viz.files.trajectory_table import simulation_facts
+from paminsa_viz.identification.log import InvalidLog, Log, log_of_simulation, make_log
+from paminsa_viz.trajectory import Simulation
 from paminsa_viz.trajectory.sampled import MOST_SAMPLES
 
 FORMAT = "paminsa_viz log 1"
@@ -88,6 +91,16 @@ def log_table(log: Log) -> DataTable:
     facts = {"log": log.name, "samples": str(len(log.t)), "rate [1/s]": repr(log.rate)}
     facts |= {f"note {number}": note for number, note in enumerate(log.notes, 1)}
     return DataTable(columns, provenance(FORMAT, facts))
+
+
+def simulated_log_table(simulation: Simulation) -> DataTable:
+    """Return the log of a simulated robot as a table whose header names robot and controller.
+
+    Raises:
+        InvalidLog: If it has fewer samples than a log needs, see `log_of_simulation`.
+    """
+    table = log_table(log_of_simulation(simulation))
+    return replace(table, provenance={**table.provenance, **simulation_facts(simulation)})
 
 
 def _torque_columns(found: set[str], source: str, gains: Sequence[float] | None) -> tuple[str, ...]:

@@ -100,7 +100,13 @@ def simulation_table(simulation: Simulation) -> DataTable:
     columns |= _named(POSE, s.pose) | _named(VELOCITY, s.velocity) | _named(WANTED, s.wanted.pose)
     columns |= _named(TORQUES, s.torque)
     columns |= dict(zip(ENERGIES, (s.work, s.loss, s.energy_drift), strict=True))
-    facts = {
+    return DataTable(columns, provenance(SIMULATION_FORMAT, simulation_facts(s)))
+
+
+def simulation_facts(simulation: Simulation) -> dict[str, str]:
+    """Return what drove a robot, how far, and the robot, for the header of a table."""
+    s = simulation
+    return {
         "controller": s.controller.control.value,
         "bandwidth [Hz]": repr(float(s.controller.bandwidth)),
         "damping": repr(float(s.controller.damping)),
@@ -108,7 +114,6 @@ def simulation_table(simulation: Simulation) -> DataTable:
         **robot_facts(s.design),
         **parameter_facts(s.design),
     }
-    return DataTable(columns, provenance(SIMULATION_FORMAT, facts))
 
 
 def _named(names: tuple[str, ...], values: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:

@@ -24,7 +24,7 @@ from paminsa_viz.identification.excitation import Excitation, KeptLimit, optimiz
 from paminsa_viz.identification.excitation_search import ExcitationSettings, NoExcitation
 from paminsa_viz.identification.identify import identify
 from paminsa_viz.identification.information import ExcitationLimits
-from paminsa_viz.identification.log import InvalidLog, Log, make_log
+from paminsa_viz.identification.log import InvalidLog, Log, log_of_simulation, make_log
 from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.identification.multi_sine import MultiSine
 from paminsa_viz.identification.nearest import MassEstimate, NearestMasses, nearest_masses
@@ -67,6 +67,7 @@ __all__ = [
     "identify",
     "identity_row",
     "leg_base_regressor",
+    "log_of_simulation",
     "log_poses",
     "make_log",
     "nearest_masses",

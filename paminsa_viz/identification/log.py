@@ -11,8 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
+from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.trajectory.simulation import Simulation
 from paminsa_viz.units import counted
 
 LONGEST_STEP = 1.5
@@ -160,6 +163,21 @@ def make_log(
             f"rows were up to {1e3 * worst * step:.3g} ms off"
         )
     return Log(t, position, torque, 1 / step, starts, rows, split, name, tuple(notes))
+
+
+@kinds_checked
+def log_of_simulation(simulation: Simulation) -> Log:
+    """Return what encoders and drives of a simulated robot record, without any noise.
+
+    Args:
+        simulation: The motion, up to where it stopped; its torques are those of the actuators,
+            friction included, as in any log.
+
+    Raises:
+        InvalidLog: If it has fewer than 10 samples, or fewer than 20 a second.
+    """
+    position = inverse_kinematics(simulation.design.geometry, simulation.pose).actuators
+    return make_log(simulation.t, position, simulation.torque, name="simulation")
 
 
 def _check_numbers(t: Array, position: Array, torque: Array, rows: NDArray[np.int64]) -> None:

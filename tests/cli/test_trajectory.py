@@ -18,6 +18,8 @@ from PIL import Image
 
 from paminsa_viz.files.columns import POSE, TORQUES
 from paminsa_viz.files.design_file import save_design
+from paminsa_viz.files.logs import read_log
+from paminsa_viz.identification import log_poses
 from paminsa_viz.model import APPENDIX_4, Friction, KneeBranch, Misprint
 from paminsa_viz.trajectory import (
     PRESET,
@@ -204,12 +206,27 @@ def test_too_weak_actuators_are_exit_code_1(capsys) -> None:
 def test_a_simulation_carries_what_its_controller_does_not_know(capsys) -> None:
     words = ("--preset", "line", "--rate", "200", "--simulate", "computed-torque")
     exact = run_json(capsys, *words)["simulation"]
-    loaded = run_json(capsys, *words, "--payload-mismatch", "0.5", "--out", "run.csv")["simulation"]
+    written = ("--out", "run.csv", "--log", "log.csv")
+    found = run_json(capsys, *words, "--payload-mismatch", "0.5", *written)
+    loaded, log = found["simulation"], read_log("log.csv")
+    assert found["files"] == ["run.csv", "log.csv"]
     assert exact["largest_distance_m"] < 1e-6 < loaded["largest_distance_m"]
     assert loaded["payload_kg"] == 0.5
     table = read("run.csv")
     error = numbers(table, POSE) - numbers(table, [f"wanted_{name}" for name in POSE])
     np.testing.assert_allclose(np.abs(error).max(axis=0), loaded["largest_error"])
+    poses, _ = log_poses(APPENDIX_4, log, start=numbers(table, POSE)[0])
+    np.testing.assert_allclose(poses, numbers(table, POSE), atol=1e-9)
+    np.testing.assert_array_equal(log.torque, numbers(table, TORQUES))
+    assert "# controller: computed torque\n" in Path("log.csv").read_text(encoding="utf-8")
+
+
+def test_a_log_that_identify_would_refuse_is_not_written(capsys) -> None:
+    words = ("--preset", "line", "--rate", "15", "--log", "log.csv")
+    code, _, err = run(capsys, *words, "--simulate", "pd")
+    assert (code, Path("log.csv").exists()) == (1, False)
+    assert "log.csv: not written; t: there are 14.7 rows a second; at least 20 are needed" in err
+    assert run(capsys, *words)[0] == 2
 
 
 def test_a_simulation_that_stops_is_exit_code_1(capsys) -> None:
