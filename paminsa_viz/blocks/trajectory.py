@@ -64,12 +64,16 @@ FIGURES: dict[FigureKind, str] = {
 """Figures and what they show."""
 
 
-def motion_figures(analysis: TrajectoryAnalysis) -> list[Figure]:
-    """Return the figures over time of a motion that the robot can begin."""
+def motion_figures(
+    analysis: TrajectoryAnalysis, reference: TrajectoryAnalysis | None = None
+) -> list[Figure]:
+    """Return the figures over time of a motion that the robot can begin, and of a reference."""
     figures = []
     for kind, what in FIGURES.items() if analysis.summary else ():
         alt = f"{what} over time, four panels."
-        figures.append(series_figure(kind, analysis, alt, caption=kind == "torques"))
+        figures.append(
+            series_figure(kind, analysis, alt, reference=reference, caption=kind == "torques")
+        )
     return figures
 
 

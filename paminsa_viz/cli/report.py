@@ -10,7 +10,7 @@ from typing import Annotated
 import tyro
 
 from paminsa_viz.cli.arguments import OrNone, UsageError, command_line
-from paminsa_viz.cli.flags import DesignFlags, PoseFlags, check_output
+from paminsa_viz.cli.flags import ComparedDesignFlags, PoseFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_written, write_report
 from paminsa_viz.files.example_logs import given_log
@@ -23,17 +23,18 @@ Write a design report: one HTML file with everything inside, to attach to a desi
 
   paminsa-viz report --out report.html
   paminsa-viz report --out report.html --design robot.toml --pose 50 -30 20 -550 --preset arch
+  paminsa-viz report --out report.html --design new.toml --reference old.toml
 
-It holds the design and where it differs from Appendix 4, geometry and workspace, requirements in
-its file with their volume and the largest proven workspace, torque maps, the trajectory with
-loads, clearance and figures, the design's drives on it if there are any, the calibration from
-measured poses, the verification against MuJoCo, and against Pinocchio if it is installed
-(pip install 'paminsa-viz[verify]'), the static balance, and where all of it comes from. For a PDF,
-open it in a browser and print."""
+It holds the design and where it differs from Appendix 4 and a reference, geometry and workspace,
+requirements in its file with their volume and the largest proven workspace, torque maps, the
+trajectory with loads, clearance and figures, the design's drives on it if there are any, the
+calibration from measured poses, the verification against MuJoCo, and against Pinocchio if it is
+installed (pip install 'paminsa-viz[verify]'), the static balance, and where all of it comes from.
+For a PDF, open it in a browser and print."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Report(MotionFlags, PoseFlags, DesignFlags):
+class Report(MotionFlags, PoseFlags, ComparedDesignFlags):
     """Flags of the command."""
 
     out: Annotated[Path, tyro.conf.arg(metavar="FILE.html")]
@@ -82,6 +83,7 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
             log=None if self.log is None else given_log(self.log),
             measured=self.measured and read_measurements(self.measured).measurements,
             requirements=self.given_requirements(),
+            reference=self.given_reference(design),
         )
         write_report(request, self.out)
         print_written([self.out])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
-from paminsa_viz.blocks.design import design_blocks
+from paminsa_viz.blocks.design import changes_table, design_blocks
 from paminsa_viz.blocks.kinds import Listing, Note, Table, rows
 from paminsa_viz.engines.verification import Verification
 from paminsa_viz.files.design_writer import write_design
@@ -22,9 +22,15 @@ PAPER = (
 )
 
 
-def design_section(design: Design) -> Section:
-    """Return the section."""
-    return Section("design", "Design", tuple(design_blocks(design)))
+def design_section(design: Design, reference: Design | None = None) -> Section:
+    """Return the section, with what differs from a reference if there is one."""
+    blocks = design_blocks(design)
+    if reference is not None:
+        caption = f"What differs from the reference “{reference.name}”."
+        table = changes_table(reference, design, ("Reference", "Design"), caption=caption)
+        same = Note(f"No value differs from the reference “{reference.name}”.")
+        blocks.append(table if table.rows else same)
+    return Section("design", "Design", tuple(blocks))
 
 
 def provenance_section(request: ReportRequest, found: Verification | str) -> Section:

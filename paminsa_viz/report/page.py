@@ -71,9 +71,11 @@ def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
         keep_on(progress, STEPS.index(step) / len(STEPS), step=step)
 
     require_reachable(request.design.geometry, request.pose)
-    analysis = analyze(request.design, request.trajectory)
+    design, reference = request.design, request.reference
+    analysis = analyze(design, request.trajectory)
+    compared = None if reference is None else analyze(reference, request.trajectory)
     began("design and workspace")
-    sections = [design_section(request.design), workspace_section(request)]
+    sections = [design_section(design, reference), workspace_section(request)]
     if request.requirements is not None:
         began("requirements")
         sections.append(requirements_section(request.design, request.requirements))
@@ -91,7 +93,7 @@ def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
         began("calibration")
         sections.append(calibration_section(request.design, request.measured))
     began("trajectory")
-    sections.append(trajectory_section(analysis))
+    sections.append(trajectory_section(analysis, compared))
     sections.append(drives_section(analysis))
     began("joint forces")
     sections.append(loads_section(analysis, request.pose))

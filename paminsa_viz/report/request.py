@@ -50,6 +50,7 @@ class ReportRequest:
         requirements: What the robot is needed for; None for no section on it.
         synthesis: The search that the robot comes from; None for none.
         measured: Measured poses of the built robot, to calibrate it with; None for none.
+        reference: Another design, to compare with on the same motion; None for none.
 
     Raises:
         InvalidInput: If the pose is not four numbers.
@@ -66,6 +67,7 @@ class ReportRequest:
     requirements: Requirements | None = None
     synthesis: SynthesisResult | None = None
     measured: Measurements | None = None
+    reference: Design | None = None
 
     def __post_init__(self) -> None:
         if len(self.pose) != 4:

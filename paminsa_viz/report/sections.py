@@ -18,7 +18,7 @@ from paminsa_viz.blocks.loads import loads_blocks
 from paminsa_viz.blocks.requirements import requirements_blocks
 from paminsa_viz.blocks.stiffness import robot_blocks
 from paminsa_viz.blocks.synthesis import synthesis_blocks
-from paminsa_viz.blocks.trajectory import motion_figures, trajectory_blocks
+from paminsa_viz.blocks.trajectory import motion_figures, reference_note, trajectory_blocks
 from paminsa_viz.blocks.verification import verification_blocks
 from paminsa_viz.clearance import clearance
 from paminsa_viz.engines.verification import Verification, verify
@@ -65,9 +65,15 @@ def accuracy_section(request: ReportRequest) -> Section:
     return _section("accuracy", "Accuracy", blocks)
 
 
-def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
-    """Return the motion, whether it can be run, and its torques."""
-    blocks = [*trajectory_blocks(analysis), *motion_figures(analysis)]
+def trajectory_section(
+    analysis: TrajectoryAnalysis, reference: TrajectoryAnalysis | None = None
+) -> Section:
+    """Return the motion, whether it can be run, and its torques next to those of a reference."""
+    blocks = [
+        *trajectory_blocks(analysis, {"reference": reference}),
+        *([] if reference is None else [reference_note(reference)]),
+        *motion_figures(analysis, reference),
+    ]
     return _section("trajectory", "Trajectory", blocks)
 
 

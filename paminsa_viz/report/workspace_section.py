@@ -17,7 +17,14 @@ from paminsa_viz.model.singularity import singular_radius
 from paminsa_viz.palette import INK, LEG_COLORS, LIFT_COLOR, MUTED, PLATFORM
 from paminsa_viz.plots.formats import Credits, drawing, figure_file
 from paminsa_viz.plots.map_figure import render_maps
-from paminsa_viz.plots.map_values import FULL, MapData, map_data, workspace_field
+from paminsa_viz.plots.map_values import (
+    FULL,
+    MapData,
+    difference,
+    half_width,
+    map_data,
+    workspace_field,
+)
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
 from paminsa_viz.quantities import TORQUES
 from paminsa_viz.report.request import ReportRequest, Section
@@ -53,12 +60,17 @@ def maps_section(request: ReportRequest) -> Section:
     def maps(*quantities: str) -> MapData:
         return map_data(field, request.design, request.pose, quantities)
 
+    torques = maps(*TORQUES)
     blocks: list[Block] = [
         Note(f"θ = {format_value(theta, 'rad')}, z = {format_value(z, 'm')}. {RULE}"),
-        _map_figure(maps(*TORQUES), 170.0, half=False),
+        _map_figure(torques, 170.0, half=False),
         _map_figure(maps("f_4"), 85.0, half=True),
         _map_figure(maps("condition"), 85.0, half=True),
     ]
+    if (other := request.reference) is not None:
+        same_cells = workspace_field(other.geometry, theta, z, FULL, half_width(geometry))
+        held = map_data(same_cells, other, request.pose)
+        blocks.append(_map_figure(difference(torques, held), 170.0, half=False))
     return Section("maps", "Torque maps", tuple(blocks))
 
 

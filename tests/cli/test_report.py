@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from paminsa_viz.cli import main
+from paminsa_viz.files.design_file import save_design
+from paminsa_viz.model import APPENDIX_4
 
 pytestmark = pytest.mark.slow
 
 
 @pytest.mark.usefixtures("without_pictures")
 def test_one_command_makes_it(folder, capsys) -> None:
+    heavy = replace(APPENDIX_4.vary({"links.b4": 0.9}), name="Heavy")
     words = "--out r.html --no-verify --preset arch --knee upper --pose 30 0 10 520 --seed 4"
+    words += f" --reference {save_design(heavy, 'heavy.toml')}"
     assert main(["report", *words.split()]) == 0
     printed = capsys.readouterr()
     assert printed.out == "r.html: written\n"
@@ -22,7 +27,12 @@ def test_one_command_makes_it(folder, capsys) -> None:
     assert f"paminsa-viz report {words}" in text
     assert "Upper knee, pose x 30 mm" in text
     assert "pick-and-place arch" in text
-    assert [path.name for path in folder.iterdir()] == ["r.html"]
+    assert sorted(path.name for path in folder.iterdir()) == ["heavy.toml", "r.html"]
+    # the reference: the numbers that differ, the difference of the maps, its torques on the motion
+    assert "What differs from the reference “Heavy”." in text
+    assert text.count("Map over x and y: Static torques of the rotary actuators, difference") == 1
+    assert "M4, reference" in text
+    assert "reference &quot;Heavy&quot;: can run it too" in text
 
 
 @pytest.mark.usefixtures("report_of_the_motion")
