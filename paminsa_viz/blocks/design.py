@@ -251,12 +251,10 @@ def _drive_rows(actuator: str, first: Drive | None, second: Drive | None) -> lis
             what = DRIVE_MEANINGS[item.name]
             found.append(Row((f"{actuator} {item.name}", what, "", *map(_text, pair))))
             continue
-        factor, change = display_unit(facts["unit"]).factor, ""
+        factor = display_unit(facts["unit"]).factor
         texts = [NONE if value is None else number(factor * value, 6) for value in pair]
-        if None not in pair:
-            change = percent_change(*pair)
         name = heading(f"{actuator} {facts['symbol']}", facts["unit"])
-        found.append(Row((name, facts["label"], "", *texts, change)))
+        found.append(Row((name, facts["label"], "", *texts, _change(*pair))))
     return found
 
 
@@ -326,10 +324,10 @@ def _drive_changes(actuator: str, first: Drive | None, second: Drive | None) -> 
     return found
 
 
-def _change(a: object, b: object) -> str:
-    """Return a change in percent, nothing of what is no number or was zero."""
-    if isinstance(a, float) and isinstance(b, float) and a != 0 and abs(a + b) < math.inf:
-        return f"{number(100 * (b / a - 1), 3, sign=True)} %"
+def _change(before: object, after: object) -> str:
+    """Return a change as a percentage, nothing of what is no number."""
+    if isinstance(before, float) and isinstance(after, float):
+        return percent_change(before, after)
     return ""
 
 

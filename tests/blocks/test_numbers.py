@@ -142,7 +142,7 @@ def test_values_of_a_design_and_their_changes(seed: int) -> None:
     assert isinstance(table, Table)
     (row,) = table.rows
     assert row.cells[:2] == ("joints", "j7_kg")
-    assert row.cells[4] == "+25 %"
+    assert row.cells[4] == "+25.0 %"
 
 
 @pytest.mark.parametrize("seed", SEEDS)
