@@ -139,7 +139,7 @@ def time_optimal(
 
     Args:
         design: The robot; its friction at the actuators is not counted in the limits, and the
-            plan's notes say how much it adds. Limits of its drives are not kept.
+            plan's notes say how much it adds. Limits of its drives are not kept, as they say too.
         path: The path; it may cross no singularity at all.
         limits: Of torque, force, speed and turn_speed; others are not supported here.
         duration: [s]; the shortest by default.
@@ -182,7 +182,7 @@ def time_optimal(
     kind = "through singularities" if passages else "minimum time"
     notes = tuple(item.explanation for item in planned)
     plan = Plan(curve, curve.duration, name, kind, notes, passages)
-    plan = replace(plan, notes=(*notes, *_friction_notes(design, plan)))
+    plan = replace(plan, notes=(*notes, *_friction_notes(design, plan), *_drive_notes(design)))
     return TimeOptimalPlan(
         plan, curve, planned, (shortest, longest), program.spline(slow), program.spline(fast)
     )
@@ -201,6 +201,12 @@ def _friction_notes(design: Design, plan: Plan) -> tuple[str, ...]:
         "Friction at the actuators is not counted in the limits: it adds up to "
         f"{rotary} to M1 to M3 and {linear} to M4.",
     )
+
+
+def _drive_notes(design: Design) -> tuple[str, ...]:
+    if not any(design.drives):
+        return ()
+    return ("Limits of the design's drives are not kept: check them on the motion.",)
 
 
 def _check_path(

@@ -11,6 +11,7 @@ import pytest
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
+    Drive,
     InvalidInput,
     KneeBranch,
     escape_twist,
@@ -182,16 +183,19 @@ def test_a_plan_passes_its_loci_when_it_crosses_them_and_says_how_it_was_made() 
 
 
 def test_a_plan_says_by_how_much_friction_exceeds_the_limits_that_leave_it_out() -> None:
+    drives = (None, None, Drive("weak", gear_ratio=10.0, peak_torque=0.1), None)
     rough = BALANCED.vary({"friction.coulomb_rotary": 3.0, "friction.viscous_rotary": 2.0})
+    rough = replace(rough, drives=drives)
     plan = time_optimal(rough, TURN, TEN).plan
     states = plan.at(np.linspace(0.0, plan.duration, 1001))
     rubbed, smooth = (inverse_dynamics(design, *states).torque for design in (rough, BALANCED))
     most = np.abs(rubbed - smooth).max(axis=0)
     assert most[:3].max() > 3.0
     assert np.abs(rubbed[:, :3]).max() > 1.1 * TEN.torque
-    assert plan.notes[-1] == (
+    assert plan.notes[1:] == (
         "Friction at the actuators is not counted in the limits: it adds up to "
-        f"{most[:3].max():.4g} N·m to M1 to M3 and 0 N to M4."
+        f"{most[:3].max():.4g} N·m to M1 to M3 and 0 N to M4.",
+        "Limits of the design's drives are not kept: check them on the motion.",
     )
 
 
