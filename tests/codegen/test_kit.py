@@ -77,7 +77,7 @@ def run_test(folder: Path) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize("name", DESIGNS)
 @pytest.mark.parametrize("compiler", compilers())
 def test_c_agrees_with_python(name: str, compiler: str, tmp_path: Path) -> None:
-    build(tmp_path, DESIGNS[name], compiler)
+    build(tmp_path, DESIGNS[name], compiler, "-O1", "-Wconversion")
     done = run_test(tmp_path)
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
     assert "440 rows, tolerance 1e-09: passed" in done.stdout
@@ -92,7 +92,8 @@ def test_c_agrees_with_python(name: str, compiler: str, tmp_path: Path) -> None:
 def test_single_precision_keeps_the_bounds_that_the_readme_states(
     name: str, tmp_path: Path
 ) -> None:
-    build(tmp_path, DESIGNS[name], "gcc", "-O1", "-Wdouble-promotion", single=True)
+    warned = ("-Wconversion", "-Wdouble-promotion")
+    build(tmp_path, DESIGNS[name], "gcc", "-O1", *warned, single=True)
     done = run_test(tmp_path)
     assert done.returncode == 0, done.stdout
     worst = {

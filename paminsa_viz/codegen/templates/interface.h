@@ -191,7 +191,7 @@ static inline int paminsa_forward_kinematics(const PaminsaDesign *design,
     }
     for (int branch = 1; branch >= -1; branch -= 2) {
         const PaminsaAssembly found = paminsa_assembly_mode(&design->mechanism,
-            c[0], s[0], c[1], s[1], c[2], s[2], branch);
+            c[0], s[0], c[1], s[1], c[2], s[2], branch > 0 ? 1.0 : -1.0);
         if (!(found.along > 0.0) || !isfinite(found.x) || !isfinite(found.y))
             continue;
         poses[count][0] = found.x;

@@ -15,6 +15,8 @@
 #define TOLERANCE @TOLERANCE@
 #define COLUMNS @COLUMNS@
 
+typedef double Real; /* of paminsa.h; what is printed is double in any case */
+
 typedef struct {
     const char *name;
     double worst;
@@ -41,7 +43,7 @@ static int read_row(FILE *file, double row[COLUMNS])
     for (int i = 0; i < COLUMNS; i++) {
         if (fscanf(file, " %63[^,\n]", word) != 1)
             return 0;
-        row[i] = (double)strtod(word, NULL);
+        row[i] = (Real)strtod(word, NULL);
         (void)fgetc(file);
     }
     return 1;
@@ -76,7 +78,7 @@ int main(int count, char **words)
         double four[4], nearest[4], matrix[4][4];
 
         const PaminsaReach reach = paminsa_inverse_kinematics(design, pose, four);
-        const double status[2] = {(double)reach.status, (double)reach.leg};
+        const double status[2] = {(Real)reach.status, (Real)reach.leg};
         compare(&checks[0], status, next, 2);
         compare(&checks[1], four, next + 2, 4);
         next += 6;
