@@ -29,7 +29,7 @@ from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output, check_ra
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import (
     print_blocks,
-    print_error,
+    print_failure,
     print_json,
     print_written,
     save_changed,
@@ -128,8 +128,7 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
             else:
                 found = _on_motion(self, design, changes)
         except (InfeasibleBounds, ImpossibleTrajectory) as error:
-            print_error(error)
-            return 1
+            return print_failure(error, as_json=self.json)
         if self.out is not None:
             comment = f"Balanced by {MADE_BY}."
             save_changed(found.after, self.out, self.given_requirements(), comment=comment)

@@ -20,7 +20,7 @@ from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import (
     print_blocks,
-    print_error,
+    print_failure,
     print_heading,
     print_json,
     print_written,
@@ -84,8 +84,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
         try:
             cycle = duty_cycle(design, self._duties(design.geometry))
         except ImpossibleTrajectory as error:
-            print_error(error)
-            return 1
+            return print_failure(error, as_json=self.json)
         if self.ratios:
             return self._print_ratios(cycle, catalog)
         found = select_drives(

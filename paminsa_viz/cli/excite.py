@@ -13,7 +13,13 @@ from paminsa_viz.actuation import actuator_limits
 from paminsa_viz.blocks.excitation import excitation_blocks, excitation_data
 from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
-from paminsa_viz.cli.output import print_began, print_blocks, print_error, print_json, print_written
+from paminsa_viz.cli.output import (
+    print_began,
+    print_blocks,
+    print_failure,
+    print_json,
+    print_written,
+)
 from paminsa_viz.files.identification_table import excitation_table
 from paminsa_viz.files.tables import save_table, table_endings
 from paminsa_viz.identification import (
@@ -92,8 +98,7 @@ class Excite(JsonFlags, DesignFlags):
         try:
             found = optimize_excitation(design, limits, settings)
         except NoExcitation as error:
-            print_error(error)
-            return 1
+            return print_failure(error, as_json=self.json)
         if self.out is not None:
             save_table(excitation_table(design, found, self.rate), self.out)
         if self.json:

@@ -16,6 +16,7 @@ from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import (
     print_blocks,
     print_error,
+    print_failure,
     print_heading,
     print_json,
     print_written,
@@ -93,8 +94,8 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
         forces = joint_forces(design, pose)
         if not forces.ok:
             word = status_words(forces.status, forces.leg)
-            print_error(PaminsaError(f"there are no joint forces in this pose: {word}"))
-            return 1
+            problem = PaminsaError(f"there are no joint forces in this pose: {word}")
+            return print_failure(problem, as_json=self.json)
         sideways = sideways_forces(design, pose)
         if self.bar is not None:
             self._write(bar_table(forces, pose, self.bar))
@@ -112,9 +113,9 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
         analysis = analyze(design, self.given_motion(design.geometry))
         found, first = motion_loads(analysis), analysis.check.first
         if found is None:
-            if first is not None:
-                print_error(ImpossibleTrajectory(first))
-            return 1
+            few = PaminsaError("fewer than two samples have joint forces; give the motion more")
+            failure = few if first is None else ImpossibleTrajectory(first)
+            return print_failure(failure, as_json=self.json)
         if self.out:
             self._write(bearing_table(found) if self.bearings else motion_loads_table(found))
         if self.json:

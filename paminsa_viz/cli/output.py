@@ -30,6 +30,14 @@ def print_error(error: Exception) -> None:
     print(f"{COMMAND}: {one_line(error)}", file=sys.stderr)
 
 
+def print_failure(error: Exception, *, as_json: bool) -> int:
+    """Print why there is no result, for programs on the output as well; returns the exit code."""
+    print_error(error)
+    if as_json:
+        print_json({"ok": False, "problems": [str(error)]})
+    return 1
+
+
 def print_written(paths: Iterable[object]) -> None:
     """Print which files are written."""
     for path in paths:

@@ -12,7 +12,7 @@ import tyro
 from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import NEEDS_FIGURE, ComparedDesignFlags, FilesFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags
-from paminsa_viz.cli.output import print_error, print_json
+from paminsa_viz.cli.output import print_error, print_failure, print_json
 from paminsa_viz.cli.trajectory_report import (
     PAGE,
     Results,
@@ -254,10 +254,7 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
         try:
             results = _worked_out(self, design, reference)
         except (ImpossibleTrajectory, InfeasibleMotion, CrossingRefused) as error:
-            print_error(error)
-            if self.json:
-                print_json({"ok": False, "problems": [str(error)]})
-            return 1
+            return print_failure(error, as_json=self.json)
         for problem in results.problems:
             print_error(problem)
         written = write_files(

@@ -53,6 +53,22 @@ def test_an_attribute_that_is_none_is_refused() -> None:
             record(Found(2.0, 3.0, "text"), key)
 
 
+@pytest.mark.slow
+def test_a_negative_result_is_json_too(tmp_path: Path, capsys: Any) -> None:
+    far = tmp_path / "far.csv"
+    far.write_text("t_s,x_m,y_m,theta_rad,z_m\n0,2,0,0,-0.5\n1,2,0,0,-0.6\n")
+    for command in (
+        f"trajectory --file {far} --simulate pd", f"loads --file {far}", f"drives --file {far}",
+        f"balance --goal peak --file {far}", "excite --max-force 50 --evaluations 5",
+        "balance --change joints.j7 0 0.1 --exact",
+    ):  # fmt: skip
+        assert main([*command.split(), "--json"]) == 1, command
+        printed = capsys.readouterr()
+        found = json.loads(printed.out)
+        assert found["ok"] is False
+        assert printed.err == f"paminsa-viz: {found['problems'][0]}\n"
+
+
 def test_json_has_lists_texts_and_null_for_what_results_hold(capsys: Any) -> None:
     values = np.array([[1.0, np.nan], [np.inf, -2.0]])
     facts = {
