@@ -12,7 +12,7 @@ import numpy as np
 from paminsa_viz.balancing import Optimum, TermValue, balance, whole_mass
 from paminsa_viz.balancing.effects import IN_MOTION, Effect, effects, sizes_in_motion
 from paminsa_viz.blocks.data import record
-from paminsa_viz.blocks.design import changes_table
+from paminsa_viz.blocks.design import changes_table, counterweights_data
 from paminsa_viz.blocks.kinds import (
     Block,
     Cell,
@@ -256,11 +256,12 @@ def optimum_data(found: Optimum) -> dict[str, Any]:
     """Return goals, changes, active bounds and the certificate, for JSON."""
     after = found.after
     return {
+        "design": found.before.name,
         "values": found.values,
         "changes": {path: {"before": a, "after": b} for path, a, b in changed_masses(found)},
         "counterweights": [
-            vars(weight) | {"room": room_text(after.geometry, weight)}
-            for weight in after.counterweights
+            data | {"room": room_text(after.geometry, weight)}
+            for data, weight in zip(counterweights_data(after), after.counterweights, strict=True)
         ],
         "active_bounds": found.active,
         **record(found, "objective", "lower_bound", "gap", "seconds"),

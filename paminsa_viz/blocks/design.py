@@ -10,6 +10,7 @@ from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, row
 from paminsa_viz.files.design_schema import (
     CHOICE_MEANINGS,
     CHOICES,
+    COUNTERWEIGHT_KEYS,
     DRIVE_KEYS,
     DRIVE_MEANINGS,
     DRIVES,
@@ -159,9 +160,9 @@ def values_data(design: Design) -> dict[str, Any]:
         "knee": design.geometry.knee.value,
         "load_frame": design.load.frame.value,
         "values": {key.path: design.value(key.parameter.path) for key in KEYS},
-        "counterweights": design.counterweights,
+        "counterweights": counterweights_data(design),
     }
-    return facts | ({"drives": _drives(design)} if any(design.drives) else {})
+    return facts | ({"drives": _drives_data(design)} if any(design.drives) else {})
 
 
 def changes_table(
@@ -287,9 +288,10 @@ def difference_data(first: Design, second: Design) -> dict[str, Any]:
         for table, name, a, b, _ in _changed(first, second)
     }
     if first.counterweights != second.counterweights:
-        facts["counterweights"] = {"first": first.counterweights, "second": second.counterweights}
+        pair = map(counterweights_data, (first, second))
+        facts["counterweights"] = dict(zip(("first", "second"), pair, strict=True))
     if first.drives != second.drives:
-        facts["drives"] = {"first": _drives(first), "second": _drives(second)}
+        facts["drives"] = {"first": _drives_data(first), "second": _drives_data(second)}
     return facts
 
 
@@ -342,6 +344,22 @@ def _text(value: float | str | Envelope | None) -> str:
     if isinstance(value, tuple):
         return "; ".join(f"{speed:.10g} {torque:.10g}" for speed, torque in value)
     return f"{value:.10g}" if math.isfinite(value) else "rigid"
+
+
+def counterweights_data(design: Design) -> list[dict[str, Any]]:
+    """Return the counterweights by the keys of a design file, for JSON."""
+    return [
+        {key: getattr(weight, name) for name, key in COUNTERWEIGHT_KEYS.items()}
+        for weight in design.counterweights
+    ]
+
+
+def _drives_data(design: Design) -> dict[str, dict[str, Any]]:
+    """Return the drives by actuator and by the keys of a design file, for JSON."""
+    return {
+        actuator: {DRIVE_KEYS[name]: value for name, value in vars(drive).items()}
+        for actuator, drive in _drives(design).items()
+    }
 
 
 def _drives(design: Design) -> dict[str, Drive]:

@@ -192,9 +192,13 @@ def winding_text(one: DriveFigures) -> str:
     return f"{100 * one.thermal:.0f} %" if math.isfinite(one.thermal) else NONE
 
 
+def _units(load: ActuatorLoad) -> tuple[str, str, str]:
+    """Return the units of torque or force, speed and inertia of an actuator."""
+    return ("N", "m/s", "kg") if load.name == "M4" else ("N m", "rad/s", "kg m^2")
+
+
 def _load(load: ActuatorLoad) -> tuple[str, ...]:
-    linear = load.name == "M4"
-    force, speed, inertia = ("N", "m/s", "kg") if linear else ("N m", "rad/s", "kg m^2")
+    force, speed, inertia = _units(load)
     return (
         load.name, format_value(load.peak, force, 3), format_value(load.rms, force, 3),
         f"{number(load.top_speed, 3)} {speed}", format_value(load.top_power, "W", 3),
@@ -238,6 +242,7 @@ def selection_data(
         "feasible": found.feasible,
         "actuators": [
             record(load, "name", "peak", "rms", "top_speed", "top_power_W", "inertia")
+            | dict(zip(("unit", "speed_unit", "inertia_unit"), _units(load), strict=True))
             | {
                 "pairs": len(found.sizings[j].table),
                 "feasible": len(found.rows[j]),

@@ -60,5 +60,8 @@ def excitation_data(design: Design, found: Excitation) -> dict[str, Any]:
         "duration_s": found.plan.duration,
         "log_det_random": found.random_log_det,
         **record(found, "parameters", "log_det", "random", "evaluations", "seconds"),
-        "limits": [row._asdict() | {"kept": row.kept} for row in found.limits],
+        "limits": [
+            record(row, "name", "value", "limit", "unit", "t_s", "least", "kept")
+            for row in found.limits
+        ],
     }

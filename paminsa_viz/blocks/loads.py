@@ -36,6 +36,7 @@ from paminsa_viz.elastostatics.joint_forces import (
 )
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
 from paminsa_viz.elastostatics.sideways import SidewaysForces, sideways_forces
+from paminsa_viz.files.columns import BAR_LOADS
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.elastic import BARS
@@ -228,7 +229,7 @@ def pose_data(
                 },
                 "bars": {
                     bar: dict(
-                        zip(COMPONENTS, loads.extremes()[leg], strict=True),
+                        zip(BAR_LOADS, loads.extremes()[leg], strict=True),
                         utilization=use[leg, number],
                     )
                     for number, (bar, loads) in enumerate(all_bar_loads(forces).items())
@@ -259,7 +260,7 @@ def motion_data(found: MotionLoads) -> dict[str, Any]:
                 },
                 "bars": {
                     bar: dict(
-                        zip(COMPONENTS, found.bar_peak[leg, number], strict=True),
+                        zip(BAR_LOADS, found.bar_peak[leg, number], strict=True),
                         utilization=use[leg, number],
                     )
                     for number, bar in enumerate(BARS)

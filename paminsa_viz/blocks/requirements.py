@@ -303,8 +303,8 @@ def check_data(
         "design": design.name,
         "holds": found.holds,
         "over": found.over.name.lower(),
-        "theta": requirements.theta,
-        "center": found.center,
+        "theta_rad": requirements.theta,
+        "center_m": found.center,
         "items": [
             {
                 "requirement": item.label

@@ -27,7 +27,7 @@ from paminsa_viz.cli.output import (
     save_changed,
 )
 from paminsa_viz.files.trajectory_table import read_trajectory
-from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.trajectory import PRESET, ImpossibleTrajectory, Trajectory
 from paminsa_viz.version import MADE_BY
 
@@ -86,7 +86,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
         except ImpossibleTrajectory as error:
             return print_failure(error, as_json=self.json)
         if self.ratios:
-            return self._print_ratios(cycle, catalog)
+            return self._print_ratios(design, cycle, catalog)
         found = select_drives(
             cycle, catalog, order=self.order, inertia_ratio=self._inertia_ratio, same=self.same
         )
@@ -121,10 +121,10 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
             return [Duty(self.given_motion(geometry), 1.0, self.dwell)]
         return [Duty(_motion(name, geometry), count, dwell) for name, count, dwell in self.cycle]
 
-    def _print_ratios(self, cycle: DutyCycle, catalog: Catalog) -> int:
+    def _print_ratios(self, design: Design, cycle: DutyCycle, catalog: Catalog) -> int:
         found = catalog_ratios(cycle, catalog, inertia_ratio=self._inertia_ratio)
         if self.json:
-            print_json({"ratios": found})
+            print_json({"design": design.name, "catalog": catalog.name, "ratios": found})
         else:
             print_blocks([ratio_table(found)])
         fits = {one.actuator for one in found if one.low is not None}

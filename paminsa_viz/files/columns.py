@@ -18,6 +18,7 @@ ACTUATORS = ("theta1_rad", "theta2_rad", "theta3_rad", "Z_m")
 SPEEDS = ("theta1_rate_rad_s", "theta2_rate_rad_s", "theta3_rate_rad_s", "Z_rate_m_s")
 TORQUES = ("tau1_Nm", "tau2_Nm", "tau3_Nm", "f4_N")
 POWERS = ("power1_W", "power2_W", "power3_W", "power4_W")
+BAR_LOADS = ("N_N", "V_N", "M_Nm")
 PARTS = ("gravity", "inertial", "velocity", "friction", "load")
 STATUS = "status"
 WANTED = ("wanted_x_m", "wanted_y_m", "wanted_theta_rad", "wanted_z_m")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from paminsa_viz.elastostatics.bar_loads import bar_loads
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS, NEEDS_STIFFNESS, JointForces
 from paminsa_viz.elastostatics.motion_loads import MotionLoads
-from paminsa_viz.files.columns import TIME
+from paminsa_viz.files.columns import BAR_LOADS, TIME
 from paminsa_viz.files.tables import DataTable, provenance
 from paminsa_viz.files.trajectory_table import parameter_facts, robot_facts
 from paminsa_viz.model.design import Design
@@ -98,7 +98,7 @@ def bar_table(
     columns: Columns = {"s_m": s}
     for leg in LEGS:
         inner = loads.at(s)[leg]
-        for index, name in enumerate(("N_N", "V_N", "M_Nm")):
+        for index, name in enumerate(BAR_LOADS):
             columns[f"leg{leg + 1}_{name}"] = inner[:, index]
     facts = {"bar": bar.upper()} | _place(pose, at)
     return DataTable(columns, provenance(BARS_FORMAT, facts | _design(forces.design)))
@@ -119,7 +119,7 @@ def motion_loads_table(loads: MotionLoads) -> DataTable:
                 columns[f"{name}_moment_Nm"] = moment[:, leg, JOINT_INDEX[joint.key]]
         for index, bar in enumerate(BARS):
             name = f"leg{leg + 1}_{bar}"
-            for place, part in enumerate(("N_N", "V_N", "M_Nm")):
+            for place, part in enumerate(BAR_LOADS):
                 columns[f"{name}_{part}"] = loads.bars[:, leg, index, place]
             columns[f"{name}_utilization"] = loads.utilization[:, leg, index]
     facts = {"trajectory": loads.trajectory.name, "tangential": NEEDS_STIFFNESS}

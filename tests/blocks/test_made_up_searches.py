@@ -380,7 +380,7 @@ def test_how_an_exciting_motion_was_found() -> None:
         "log_det_random": -9.75, "parameters": 13, "log_det": -1.25, "random": 30,
         "evaluations": 200, "seconds": 4.5678,
         "limits": [{"name": "force", "value": 2.34567, "limit": 4.56789, "unit": "N",
-                    "t": 0.123456, "least": False, "kept": True}],
+                    "t_s": 0.123456, "least": False, "kept": True}],
     }  # fmt: skip
     odd = (
         KeptLimit("none", 0.0, 0.5, "m", 0.0, True), KeptLimit("free", 3.0, math.inf, "N", 0.0),

@@ -287,6 +287,7 @@ def test_loads_on_a_motion_have_their_places() -> None:
         for place, (bar, row) in enumerate(zip(BARS, bars.rows, strict=True)):
             assert float(row.cells[4 + 4 * leg]) == pytest.approx(100 * most[leg, place], rel=1e-2)
             one = data["legs"][leg]["bars"][bar]
+            assert list(one) == ["N_N", "V_N", "M_Nm", "utilization"]
             assert list(one.values()) == [*found.bar_peak[leg, place], most[leg, place]]
     assert (joints.words, bars.words) == (1, 1)
     assert loads._text(loads.ROUNDING) == "1.00·10⁻⁹"

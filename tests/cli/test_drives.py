@@ -30,6 +30,8 @@ def test_generic_drives_fit_the_default_motion(capsys) -> None:
     found = run_json("drives", capsys, "--rows", "2")
     assert found["feasible"]
     assert found["catalog"] == "generic sizes"
+    units = [(one["unit"], one["speed_unit"], one["inertia_unit"]) for one in found["actuators"]]
+    assert units == [("N m", "rad/s", "kg m^2")] * 3 + [("N", "m/s", "kg")]
     for actuator in found["actuators"]:
         masses = [drive["mass_kg"] for drive in actuator["drives"]]
         assert masses == sorted(masses)
@@ -62,6 +64,9 @@ def test_ratios_of_every_motor(capsys) -> None:
     assert code == 0
     assert [row[0] for row in lines[1:]] == [f"M{j}" for j in (1, 1, 2, 2, 3, 3, 4, 4)]
     assert [row[-1] == "none" for row in lines[1:]] == [False, True] * 4
+    words = ("--ratios", "--catalog", "mine.csv", "--preset", "arch")
+    found = run_json("drives", capsys, *words)
+    assert (found["design"], found["catalog"]) == ("Appendix 4", "mine.csv")
 
 
 @pytest.mark.slow

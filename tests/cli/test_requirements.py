@@ -45,7 +45,8 @@ def test_volume_with_error_utilization_and_causes(capsys) -> None:
     assert re.search(r"hold in [\d.]+ \+- [\d.]+ dm³, [\d.]+ % of [\d.]+ dm³ that", out)
     assert "dm³ that can be reached" in out
     data = run_json("requirements", capsys, *words)
-    assert data["holds"]
+    assert (data["holds"], data["center_m"]) == (True, None)
+    assert data["theta_rad"] == pytest.approx([-np.pi / 6, np.pi / 6])
     volume = data["volume"]
     assert 0.09 < volume["volume_m3"] < 0.11
     assert volume["utilization"] == pytest.approx(volume["volume_m3"] / volume["reachable_m3"])
