@@ -13,6 +13,7 @@ import tyro
 
 from paminsa_viz.blocks.evaluation import evaluation_text
 from paminsa_viz.cli.flags import DesignFlags, check_output
+from paminsa_viz.cli.output import print_left_out
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.files.columns import (
     ACCELERATION,
@@ -60,8 +61,10 @@ class Evaluate(DesignFlags):
     def run(self) -> int:
         """Evaluate the table."""
         check_output("--out", self.out, [".csv"])
-        counts = evaluate_table(self.table, self.out, self.given_design())
+        design = self.given_design()
+        counts = evaluate_table(self.table, self.out, design)
         print(f"{self.out}: {evaluation_text(counts)}")
+        print_left_out(design)
         return 0
 
 

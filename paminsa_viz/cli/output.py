@@ -45,7 +45,7 @@ def print_written(paths: Iterable[object]) -> None:
 
 
 def print_left_out(design: Design) -> None:
-    """Print what files for other programs leave out of a design, if it has it."""
+    """Print what files and results leave out of a design, if it has it."""
     if note := equal_legs_note(design.deviations):
         print(note)
 

@@ -21,7 +21,13 @@ from paminsa_viz.blocks.trajectory import (
     trajectory_data,
 )
 from paminsa_viz.cli import command_module
-from paminsa_viz.cli.output import print_blocks, print_error, print_heading, print_written
+from paminsa_viz.cli.output import (
+    print_blocks,
+    print_error,
+    print_heading,
+    print_left_out,
+    print_written,
+)
 from paminsa_viz.errors import FileError, PaminsaError
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.logs import simulated_log_table
@@ -109,6 +115,7 @@ def print_report(results: Results, written: Sequence[Path]) -> None:
     if results.simulation is not None:
         blocks += simulation_notes(results.simulation)
     print_blocks(blocks)
+    print_left_out(analysis.design)
     print_written(written)
 
 

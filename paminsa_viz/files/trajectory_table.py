@@ -38,6 +38,7 @@ from paminsa_viz.files.design_schema import DRIVE_KEYS
 from paminsa_viz.files.errors import shown
 from paminsa_viz.files.table_reader import TableReader, open_table
 from paminsa_viz.files.tables import DataTable, provenance
+from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.design import Design, stated_parameters
 from paminsa_viz.model.drive import ACTUATORS as ACTUATOR_NAMES
 from paminsa_viz.model.drive import Drive
@@ -121,8 +122,10 @@ def _named(names: tuple[str, ...], values: NDArray[np.float64]) -> dict[str, NDA
 
 
 def robot_facts(design: Design) -> dict[str, str]:
-    """Return what names a robot in the header of a table."""
-    return {"design": design.name, "knee": design.geometry.knee.value}
+    """Return what names a robot in the header of a table whose numbers are of equal legs."""
+    note = equal_legs_note(design.deviations)
+    names = {"design": design.name, "knee": design.geometry.knee.value}
+    return names | ({"legs": note} if note else {})
 
 
 def parameter_facts(design: Design, what: str = "design") -> dict[str, str]:

@@ -16,6 +16,7 @@ from paminsa_viz.cli.flags import DesignFlags
 from paminsa_viz.files import table_reader
 from paminsa_viz.files.columns import ACCELERATION, ACTUATORS, POSE, TORQUES, VELOCITY
 from paminsa_viz.files.design_file import save_design
+from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.statics import static_torques
 from tests import oracle
@@ -46,6 +47,20 @@ def evaluate(capsys, *words: str, out: str = "out.csv") -> str:
     code, printed, err = run("evaluate", capsys, "in.csv", "--out", out, *words)
     assert (code, err) == (0, "")
     return printed
+
+
+@pytest.mark.slow
+def test_numbers_of_equal_legs_say_so_for_a_design_with_deviations(capsys) -> None:
+    deviating = APPENDIX_4.vary({"leg2.bar_94": 1e-4})
+    note = equal_legs_note(deviating.deviations)
+    save_design(deviating, "d.toml")
+    Path("in.csv").write_text(GOOD)
+    assert evaluate(capsys, "--design", "d.toml").splitlines()[1:] == [note]
+    assert note not in evaluate(capsys)
+    words = ("--design", "d.toml", "--rate", "50", "--out", "motion.csv")
+    _, out, _ = run("trajectory", capsys, *words)
+    assert out.splitlines()[-2:] == [note, "motion.csv: written"]
+    assert f"# legs: {note}\n" in Path("motion.csv").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("knee", list(KneeBranch))
