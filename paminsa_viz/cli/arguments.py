@@ -122,7 +122,9 @@ def one_line(message: str) -> str:
         texts[:1] = [re.sub(pattern, needed, text) for text in texts[:1]]
     texts[:1] = [re.sub(_SEVERAL, _count_values, text) for text in texts[:1]]
     texts[:1] = [re.sub(_CHOICE, _name_choice, text) for text in texts[:1]]
-    kept = texts[:1] + [text for text in texts[1:] if text.startswith("Perhaps")]
+    # without the words that a flag takes, which --help lists: some are a hundred
+    meant = [re.sub(r" \{.*?\}", "", text) for text in texts[1:] if text.startswith("Perhaps")]
+    kept = texts[:1] + meant
     return "; ".join(kept) or "the arguments do not fit"
 
 

@@ -47,6 +47,8 @@ map --cells 20 --out a.csv --out no/b.csv           | no/b.csv: cannot be writte
 excite --out no/a.csv                               | no/a.csv: cannot be written: its folder
 synthesize cylinder --out no/a.toml                 | no/a.toml: cannot be written: its folder
 evaluate a.csv --out b.csv --desing d               | Perhaps you meant: --design FILE
+map --quantitty f-4                                 | Perhaps you meant: --quantity; see
+trajectory --presett arch                           | Perhaps you meant: --preset; see
 design                                              | Expected one of
 design chek                                         | chek
 design check                                        | a file is needed
