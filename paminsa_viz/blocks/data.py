@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-UNITS = ("m", "rad", "s", "Hz", "kg", "N", "Nm", "N_per_m", "W", "J", "rad_s", "m3", "95")
+UNITS = ("m", "rad", "s", "Hz", "kg", "N", "Nm", "N_per_m", "kg_m2", "W", "J", "rad_s", "m3", "95")
 """Endings of keys in JSON that name the unit of a value, or its confidence [%]."""
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, aligned, heading, shown
 from paminsa_viz.elastostatics.beams import TubeFit
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
@@ -89,6 +90,15 @@ def sections_table(design: Design, fits: Sequence[TubeFit]) -> Table:
     head = ("", "Tube", "Mass", "Link/tube", "I_YY/(m l²/12)", "I_YY/tube", "I_XX/tube")
     caption = "Tubes of [elastic], and the links' masses and inertias over theirs."
     return Table(head, tuple(rows), caption)
+
+
+def sections_data(design: Design, fits: Sequence[TubeFit]) -> dict[str, Any]:
+    """Return the same for JSON, in SI units."""
+    keys = (
+        "bar", "length_m", "mass_kg", "mass_ratio", "slender_kg_m2", "slender_ratio",
+        "transverse_kg_m2", "transverse_ratio", "axial_kg_m2", "axial_ratio",
+    )  # fmt: skip
+    return {"design": design.name, "bars": [record(fit, *keys) for fit in fits]}
 
 
 def strain_cases(design: Design, pose: Array, *, shear: bool) -> dict[str, Array]:

@@ -15,6 +15,7 @@ from paminsa_viz.cli.output import (
     print_blocks,
     print_heading,
     print_json,
+    print_left_out,
     print_written,
     save_changed,
 )
@@ -109,8 +110,9 @@ class Calibrate(JsonFlags, DesignFlags):
         )
         save_table(table, self.out)
         if self.json:
-            print_json({"poses": chosen.tolist(), "actuators": actuators.tolist()})
+            print_json({"design": design.name, "poses": chosen, "actuators": actuators})
         else:
+            print_left_out(design)
             print_written([self.out])
         return 0
 

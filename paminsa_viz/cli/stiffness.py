@@ -9,6 +9,7 @@ import numpy as np
 import tyro
 
 from paminsa_viz.blocks.stiffness import (
+    sections_data,
     sections_table,
     stiffness_blocks,
     stiffness_data,
@@ -80,7 +81,7 @@ class Stiffness(JsonFlags, PoseFlags, DesignFlags):
     def _print_sections(self, design: Design) -> int:
         fits = tube_fits(design)
         if self.json:
-            print_json({"design": design.name, "bars": [fit._asdict() for fit in fits]})
+            print_json(sections_data(design, fits))
             return 0
         print_heading(design)
         print_blocks([sections_table(design, fits)])

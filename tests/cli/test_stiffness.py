@@ -80,7 +80,8 @@ def test_tubes_beside_appendix_4(capsys) -> None:
         "B3": (0.42, 0.406, 0.02), "B4": (0.63, 0.672, 0.048),
         "B7": (0.21, 0.107, 0.003), "B8": (0.42, 0.403, 0.02),
     }.items():  # fmt: skip
-        assert bars[bar]["mass"] == pytest.approx(mass, rel=0.01)
+        assert bars[bar]["length_m"] == length
+        assert bars[bar]["mass_kg"] == pytest.approx(mass, rel=0.01)
         ratio = inertia / (mass * length**2 / 12)
         assert bars[bar]["slender_ratio"] == pytest.approx(ratio)
         assert 2 < ratio < 8
