@@ -46,7 +46,7 @@ def sweep_data(path: Path, summary: StudySummary, seconds: float) -> dict[str, A
     """Return what the table holds as data for JSON, in SI units."""
     study, motion = summary.study, summary.study.trajectory
     return {
-        "file": path,
+        "files": [path],
         "design": study.design.name,
         "knee": study.design.geometry.knee.value,
         "seconds": round(seconds, 3),

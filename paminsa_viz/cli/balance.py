@@ -129,14 +129,15 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
                 found = _on_motion(self, design, changes)
         except (InfeasibleBounds, ImpossibleTrajectory) as error:
             return print_failure(error, as_json=self.json)
+        written = []
         if self.out is not None:
-            comment = f"Balanced by {MADE_BY}."
-            save_changed(found.after, self.out, self.given_requirements(), comment=comment)
+            comment, requirements = f"Balanced by {MADE_BY}.", self.given_requirements()
+            written = [save_changed(found.after, self.out, requirements, comment=comment)]
         if self.json:
-            print_json(optimum_data(found))
+            print_json(optimum_data(found) | {"files": written})
         else:
             print_blocks(optimum_blocks(found))
-            print_written([] if self.out is None else [self.out])
+            print_written(written)
         return 0
 
 

@@ -91,7 +91,7 @@ class Calibrate(JsonFlags, DesignFlags):
             requirements = self.given_requirements()
             written = [save_changed(found.design, self.out, requirements, comment=comment)]
         if self.json:
-            print_json(calibration_data(found, str(self.log)))
+            print_json(calibration_data(found, str(self.log)) | {"files": written})
         else:
             print_heading(found.start)
             print_blocks(calibration_blocks(found, None if self.all else MOST_COMBINATIONS))
@@ -110,7 +110,8 @@ class Calibrate(JsonFlags, DesignFlags):
         )
         save_table(table, self.out)
         if self.json:
-            print_json({"design": design.name, "poses": chosen, "actuators": actuators})
+            facts = {"design": design.name, "poses": chosen, "actuators": actuators}
+            print_json(facts | {"files": [self.out]})
         else:
             print_left_out(design)
             print_written([self.out])

@@ -98,7 +98,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
             written = [save_changed(driven, self.save, requirements, comment=comment)]
         if self.json:
             data = selection_data(design, catalog, found, self.rows, advice)
-            print_json(data | {"order": self.order})
+            print_json(data | {"order": self.order, "files": written})
         else:
             print_heading(design, f"catalog {catalog.name}: {cycle_text(cycle)}\n")
             print_blocks(selection_blocks(design, found, self.rows, advice))

@@ -99,13 +99,14 @@ class Excite(JsonFlags, DesignFlags):
             found = optimize_excitation(design, limits, settings)
         except NoExcitation as error:
             return print_failure(error, as_json=self.json)
-        if self.out is not None:
-            save_table(excitation_table(design, found, self.rate), self.out)
+        written = [] if self.out is None else [self.out]
+        for path in written:
+            save_table(excitation_table(design, found, self.rate), path)
         if self.json:
-            print_json(excitation_data(design, found) | {"file": self.out})
+            print_json(excitation_data(design, found) | {"files": written})
         else:
             print_blocks(excitation_blocks(found))
-            print_written([] if self.out is None else [self.out])
+            print_written(written)
         return 0
 
     def _limits(self, design: Design) -> ExcitationLimits:

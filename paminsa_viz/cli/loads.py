@@ -102,7 +102,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
         elif self.out:
             self._write(joint_table(forces, pose, sideways.force))
         if self.json:
-            print_json(pose_data(design, pose, forces, sideways))
+            print_json(pose_data(design, pose, forces, sideways) | {"files": self.out})
         else:
             print_heading(design, format_pose(pose))
             print_blocks(pose_blocks(forces, sideways))
@@ -119,7 +119,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
         if self.out:
             self._write(bearing_table(found) if self.bearings else motion_loads_table(found))
         if self.json:
-            print_json(motion_data(found))
+            print_json(motion_data(found) | {"files": self.out})
         else:
             t = found.trajectory
             print_heading(design, f'motion "{t.name}"', f"{number(t.t[-1] - t.t[0], 3)} s")

@@ -255,7 +255,8 @@ class CheckRequirements(JsonFlags, RequirementFlags):
             for path, content in files:
                 write_bytes(path, content)
         if self.json:
-            print_json(check_data(design, requirements, found, conflict))
+            data = check_data(design, requirements, found, conflict)
+            print_json(data | {"files": self.out})
         else:
             print_heading(design)
             print_blocks(check_blocks(requirements, found, conflict, requirement_text))

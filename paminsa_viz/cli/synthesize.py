@@ -205,7 +205,8 @@ class Synthesize(AnswerFlags, JsonFlags):
             checks = self.checks(result, workers)
         written = [_save(result, self.out)] if self.out is not None and result.feasible else []
         if self.json:
-            print_json(synthesis_data(result, seconds) | checks_data(result, checks))
+            data = synthesis_data(result, seconds) | checks_data(result, checks)
+            print_json(data | {"files": written})
         else:
             print(f"{case.name}: {seconds:.1f} s, seed {case.seed}")
             print_blocks([*synthesis_blocks(result, bound_text), *answer_blocks(result, checks)])
@@ -242,7 +243,7 @@ class Synthesize(AnswerFlags, JsonFlags):
             for number, point in enumerate(front.points, 1):
                 written.append(_save(point.result, _numbered(self.out, number)))
         if self.json:
-            print_json(front_data(case, front, seconds))
+            print_json(front_data(case, front, seconds) | {"files": written})
         else:
             print(f"{case.name}: {seconds:.1f} s, seed {case.seed}")
             print_blocks(front_blocks(case, front))

@@ -69,6 +69,24 @@ def test_a_negative_result_is_json_too(tmp_path: Path, capsys: Any) -> None:
         assert printed.err == f"paminsa-viz: {found['problems'][0]}\n"
 
 
+@pytest.mark.slow
+def test_json_names_the_files_that_are_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for command in (
+        "balance --out a.toml", "loads --out a.csv", "loads --preset arch --out b.csv",
+        "calibrate --propose 5 --out c.csv", "excite --seconds 0 --evaluations 0 --out d.csv",
+        "requirements check --coarse --require condition<=10 --out e.csv",
+        "sweep --vary links.b3=0.3:0.5:2 --cells 8 --jobs 1 --out f.csv",
+        "drives --save g.toml", "map --cells 10 --out h.csv", "trajectory --rate 50 --out i.csv",
+    ):  # fmt: skip
+        main([*command.split(), "--json"])
+        *_, name = command.split()
+        assert json.loads(capsys.readouterr().out)["files"] == [name], command
+        assert Path(name).is_file()
+
+
 def test_json_has_lists_texts_and_null_for_what_results_hold(capsys: Any) -> None:
     values = np.array([[1.0, np.nan], [np.inf, -2.0]])
     facts = {
