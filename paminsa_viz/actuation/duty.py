@@ -119,7 +119,8 @@ class ActuatorLoad:
     Attributes:
         name: M1 .. M4.
         passages: Its motions.
-        inertia: The robot's largest inertia at the actuator [kg m^2, kg].
+        inertia: The robot's largest inertia at the actuator, away from planned crossings of
+            singularities, where it has no bound [kg m^2, kg].
     """
 
     name: str
@@ -269,8 +270,13 @@ def _solved(design: Design, motion: Trajectory) -> tuple[TrajectoryAnalysis, Arr
     static = static_torques(replace(design, load=NO_LOAD), motion.pose)
     if analysis.solved.loaded(design):
         static = static + analysis.solved.load_torques(design)
-    step = max(1, motion.size // INERTIA_SAMPLES)
-    return analysis, static, np.nanmax(actuator_inertia(design, motion.pose[::step]), axis=0)
+    # toward a planned crossing it has no bound, and samples would decide the number
+    near = np.zeros(motion.size, bool)
+    for window in analysis.check.windows:
+        near |= (window.begin <= motion.t) & (motion.t <= window.end)
+    pose = motion.pose if near.all() else motion.pose[~near]
+    step = max(1, len(pose) // INERTIA_SAMPLES)
+    return analysis, static, np.nanmax(actuator_inertia(design, pose[::step]), axis=0)
 
 
 def load_signals(torque: Array, growth: Array, speed: Array) -> Array:

@@ -22,6 +22,7 @@ from paminsa_viz.actuation.sizing import LIMITS, fitting_time, size_drives, ther
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, static_torques
 from paminsa_viz.model.load import LoadCase
+from paminsa_viz.model.singularity import singular_rotation
 from paminsa_viz.trajectory import (
     PRESET,
     ImpossibleTrajectory,
@@ -29,8 +30,11 @@ from paminsa_viz.trajectory import (
     analyze,
     point_to_point,
 )
+from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE
+from paminsa_viz.trajectory.time_optimal import time_optimal
 from tests.actuation.loads import random_load
 from tests.actuation.motor_loads import GEAR, SERVO, motor_torque
+from tests.trajectory.crossings import BALANCED, TEN, TURN
 
 
 @pytest.fixture(scope="module")
@@ -388,3 +392,15 @@ def test_a_motion_may_start_at_any_time() -> None:
     for a, b in zip(first.passages, second.passages, strict=True):
         assert b.t[0] == 0.0
         np.testing.assert_allclose(b.t, a.t, atol=1e-12)
+
+
+@pytest.mark.slow
+def test_inertia_at_the_actuators_is_that_away_from_a_planned_crossing() -> None:
+    """On the singularity it has no bound: more samples would make it larger without end."""
+    motion = time_optimal(BALANCED, TURN, TEN).plan.sample(5000.0)
+    g, theta = BALANCED.geometry, motion.pose[:, 2]
+    far = g.platform_radius * np.abs(singular_rotation(g) - theta) >= SINGULAR_CLEARANCE
+    inertia = [load.inertia for load in duty_cycle(BALANCED, [Duty(motion)]).loads]
+    expected = actuator_inertia(BALANCED, motion.pose[far]).max(axis=0)
+    np.testing.assert_allclose(inertia, expected, rtol=0.15)  # of some of the samples
+    assert actuator_inertia(BALANCED, motion.pose).max() > 100 * expected[:3].max()
