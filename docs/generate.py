@@ -93,7 +93,7 @@ def design_file() -> str:
             ("key", "meaning"),
             [
                 ("`schema_version`", f"layout of the file, {SCHEMA_VERSION}; needed"),
-                ("`name`", "one line of text"),
+                ("`name`", "one line of text; `Appendix 4` belongs to its numbers alone"),
                 (
                     "`value_count`",
                     "number of values in the file, so that one that was cut short is noticed; "

@@ -47,7 +47,7 @@ from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.files.plain_data import UnusableData, parse_plain_toml
 from paminsa_viz.files.toml_table import nearest_line
 from paminsa_viz.model.arguments import of_design
-from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.design import APPENDIX_4, Design, renamed_if_changed
 from paminsa_viz.model.drive import ACTUATORS, Drive
 from paminsa_viz.model.parameters import Counterweight
 
@@ -283,6 +283,7 @@ def content_of(document: dict[str, Any], text: str, source: str) -> DesignConten
             design = replace(design, **{group: changed})
         held: Any = tuple(drives.get(actuator) for actuator in ACTUATORS)
         design = replace(design, name=name, counterweights=tuple(weights), drives=held)
+        design = renamed_if_changed(design)
     except InvalidDesign as error:
         known = KEY_OF.get(error.field.removeprefix("design."))
         # A length that only contradicts others may be one that the file does not set.

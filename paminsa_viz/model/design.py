@@ -203,7 +203,7 @@ class Design(Group, path="design"):
         """Return a copy with some numbers changed, given by dotted path.
 
         Changes of one group are made together, so that lengths that depend on each other can be
-        changed in one step.
+        changed in one step. The name stays, but that of Appendix 4: see `renamed_if_changed`.
 
         Raises:
             InvalidDesign: If a path does not exist or a value is not possible.
@@ -226,7 +226,8 @@ class Design(Group, path="design"):
                 drives[ACTUATORS.index(group.partition(".")[2])] = changed
             else:
                 top[group] = changed
-        return replace(self, counterweights=tuple(weights), drives=tuple(drives), **top)
+        changed = replace(self, counterweights=tuple(weights), drives=tuple(drives), **top)
+        return renamed_if_changed(changed)
 
 
 @lru_cache  # the page asks for some 700 values a frame
@@ -238,6 +239,27 @@ def _numbers_of(group: type) -> frozenset[str]:
 
 APPENDIX_4 = Design(name="Appendix 4")
 """The prototype's numbers as the paper gives them, with g = 9.81 m/s^2 (Appendix 3)."""
+
+CHANGED = ", changed"
+"""Ending of the name of a design that is another one's but for some numbers."""
+
+CHANGED_NAME = f"{APPENDIX_4.name}{CHANGED}"
+"""What the paper's design is called once a number of it was changed."""
+
+
+def renamed_if_changed(design: Design) -> Design:
+    """Return the design under a name that does not claim to be Appendix 4's if it is not.
+
+    Figures and tables say the name: the paper's must not stand under another robot's numbers.
+    """
+    if not design.name.startswith(APPENDIX_4.name):
+        return design
+    printed = design.with_knee(APPENDIX_4.geometry.knee) == APPENDIX_4
+    if design.name == APPENDIX_4.name and not printed:
+        return replace(design, name=CHANGED_NAME)
+    if design.name.startswith(CHANGED_NAME) and printed:
+        return replace(design, name=APPENDIX_4.name)
+    return design
 
 
 def _parameters() -> tuple[Parameter, ...]:

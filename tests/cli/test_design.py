@@ -51,14 +51,14 @@ def test_default_is_appendix_4_on_the_screen_and_in_a_file(capsys) -> None:
 def test_check_goes_through_all_files(capsys) -> None:
     code, out, err = run(capsys, "check", "d.toml", "a.toml", "u.toml", "w.toml")
     assert (code, err) == (0, "")
-    assert [line.partition('4", ')[2] for line in out.splitlines()] == [
+    assert [line.rpartition('", ')[2] for line in out.splitlines()] == [
         "2 values differ from Appendix 4", "as Appendix 4",
         "1 value differs from Appendix 4", "1 value differs from Appendix 4",
     ]  # fmt: skip
     Path("bad.toml").write_text("schema_version = 1\nnam = 2\n")
     code, out, err = run(capsys, "check", "bad.toml", "none.toml", "d.toml")
     assert code == 2
-    assert out.startswith('d.toml: fine, "Appendix 4"')
+    assert out.startswith('d.toml: fine, "Appendix 4, changed"')
     first, second = err.splitlines()
     assert first.startswith("paminsa-viz: bad.toml, line 2, nam: ")
     assert second.startswith("paminsa-viz: none.toml: cannot be read")
@@ -91,7 +91,11 @@ def test_show_prints_every_number(capsys) -> None:
     assert shown["values"] == {
         key: value if value < math.inf else None for key, value in values.items()
     }
-    assert (shown["name"], shown["knee"], shown["load_frame"]) == ("Appendix 4", "lower", "world")
+    assert (shown["name"], shown["knee"], shown["load_frame"]) == (
+        "Appendix 4, changed",
+        "lower",
+        "world",
+    )
     assert list(run_json(capsys, "show")["values"].values()) == [
         p.default if p.default < math.inf else None for p in PARAMETER.values()
     ]

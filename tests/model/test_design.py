@@ -276,6 +276,14 @@ def test_equal_numbers_make_equal_designs_of_any_name(seed: int) -> None:
     assert (one.name, other.name, APPENDIX_4.name) == ("random", "mine", "Appendix 4")
 
 
+def test_other_numbers_are_not_called_appendix_4() -> None:
+    heavier = APPENDIX_4.vary({"links.b4": 1.0})
+    assert heavier.name == "Appendix 4, changed"
+    assert heavier.vary({"links.b4": APPENDIX_4.links.b4}).name == "Appendix 4"
+    assert APPENDIX_4.vary({}).with_knee(KneeBranch.UPPER).name == "Appendix 4"
+    assert replace(APPENDIX_4, name="mine").vary({"links.b4": 1.0}).name == "mine"
+
+
 @pytest.mark.parametrize("knee", ["mirror", None, 1.0, -1])
 def test_a_knee_is_one_of_two_branches(knee: Any) -> None:
     with pytest.raises(InvalidDesign, match="a KneeBranch is needed") as caught:
@@ -304,7 +312,7 @@ def test_vary_leaves_the_original_and_shares_what_did_not_change() -> None:
     assert (design.links.b3, design.gravity) == (0.5, 1.62)
     assert (APPENDIX_4.links.b3, APPENDIX_4.gravity) == (0.406, 9.81)
     assert design.geometry is APPENDIX_4.geometry
-    assert design.name == APPENDIX_4.name
+    assert design.name == "Appendix 4, changed"
     assert APPENDIX_4.vary({}) == APPENDIX_4
 
 

@@ -13,6 +13,7 @@ from paminsa_viz.explorer.state.plane import PlaneJob
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.design_writer import NAME_CHARACTERS, name_problem
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, check_reach
+from paminsa_viz.model.design import CHANGED, renamed_if_changed
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.reach import home_pose
 
@@ -20,12 +21,6 @@ AnyPlaneJob = TypeVar("AnyPlaneJob", bound=PlaneJob)
 
 Action = Callable[[State], State]
 """A change of the state; it may raise `PaminsaError`, which changes nothing."""
-
-CHANGED = ", changed"
-"""Ending of the name of a design that is another one's but for some numbers."""
-
-CHANGED_NAME = f"{APPENDIX_4.name}{CHANGED}"
-"""What the paper's design is called once a number of it was changed."""
 
 
 def with_document(state: State, document: Document) -> State:
@@ -116,16 +111,6 @@ def change_design(state: State, **changes: Any) -> State:
         InvalidDesign: If no machine can have them.
     """
     return with_design(state, replace(state.document.design, **changes))
-
-
-def renamed_if_changed(design: Design) -> Design:
-    """Return the design under a name that does not claim to be Appendix 4's if it is not."""
-    printed = design.with_knee(APPENDIX_4.geometry.knee) == APPENDIX_4
-    if design.name == APPENDIX_4.name and not printed:
-        return replace(design, name=CHANGED_NAME)
-    if design.name.startswith(CHANGED_NAME) and printed:
-        return replace(design, name=APPENDIX_4.name)
-    return design
 
 
 def reset_values(state: State, paths: tuple[str, ...]) -> State:

@@ -27,6 +27,7 @@ from paminsa_viz.model import (
     KneeBranch,
     check_reach,
 )
+from paminsa_viz.model.design import CHANGED_NAME
 from tests.support.documents import COORDINATE, assert_same, documents, state_at_random_pose
 from tests.support.samples import random_design
 
@@ -96,8 +97,8 @@ def test_changed_design_is_renamed_unless_it_has_a_name_of_its_own() -> None:
         return state.document.design.name
 
     change = {"links.b3": 2.0}
-    assert name_after(APPENDIX_4.name, **change) == actions.CHANGED_NAME != APPENDIX_4.name
-    assert name_after(actions.CHANGED_NAME, **change) == actions.CHANGED_NAME
+    assert name_after(APPENDIX_4.name, **change) == CHANGED_NAME != APPENDIX_4.name
+    assert name_after(CHANGED_NAME, **change) == CHANGED_NAME
     assert name_after("mine", **change) == "mine"
     back = actions.reset_values(actions.vary(initial_state(), dict(change)), ("links.b3",))
     assert back.document.design.name == APPENDIX_4.name
