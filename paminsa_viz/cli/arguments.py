@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
 import io
 import re
 from collections.abc import Sequence
 from contextlib import redirect_stderr
 from contextvars import ContextVar
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, Union
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, Union, get_args
 
 import tyro
 
@@ -50,6 +51,7 @@ def parse(kind: Any, words: Sequence[str], program: str, description: str) -> An
         SystemExit: After ``--help``.
     """
     words = flags_of_today(list(words))
+    _check_subcommand(kind, words, program)
     message = io.StringIO()
     if not {"-h", "--help"}.isdisjoint(words):
         from paminsa_viz.cli.help import described
@@ -72,6 +74,16 @@ def parse(kind: Any, words: Sequence[str], program: str, description: str) -> An
     if repeated := _repeated_flag(found, words):
         raise UsageError(f"{repeated} takes one value, but is given twice; see {program} --help")
     return found
+
+
+def _check_subcommand(kind: Any, words: Sequence[str], program: str) -> None:
+    """Refuse a first word that is none of the subcommands: tyro takes it for a flag."""
+    if inspect.isclass(kind) or not words or words[0].startswith("-"):
+        return
+    names = [get_args(one)[1].name for one in get_args(kind)]
+    if words[0] not in names:
+        hint = name_hint(words[0], names)
+        raise UsageError(f"there is no command '{program} {words[0][:40]}'; {hint}")
 
 
 def _repeated_flag(found: Any, words: Sequence[str]) -> str | None:

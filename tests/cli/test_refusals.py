@@ -50,7 +50,8 @@ evaluate a.csv --out b.csv --desing d               | Perhaps you meant: --desig
 map --quantitty f-4                                 | Perhaps you meant: --quantity; see
 trajectory --presett arch                           | Perhaps you meant: --preset; see
 design                                              | Expected one of
-design chek                                         | chek
+design chek                                         | 'paminsa-viz design chek'; did you mean check?
+design robot.toml                                   | robot.toml'; there are check, show, default
 design check                                        | a file is needed
 map --cells abc                                     | --cells: a whole number is needed, not 'abc'
 map --theta abc                                     | --theta: a number is needed, not 'abc'
