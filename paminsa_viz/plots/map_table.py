@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import Any
+from unicodedata import normalize
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,7 +69,7 @@ def _facts(data: MapData) -> dict[str, str]:
     if data.singular_radius is not None:
         facts["singular radius [m]"] = repr(float(data.singular_radius))
     for symbol, value, unit in key_numbers(data.design):
-        facts[f"{symbol} [{unit}]"] = repr(float(value))
+        facts[f"{normalize('NFKC', symbol)} [{unit}]"] = repr(float(value))  # Mp2, as in a sweep
     facts |= parameter_facts(data.design)
     if data.reference is not None:
         facts["reference"] = data.reference.name

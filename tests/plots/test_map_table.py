@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.files.tables import table_csv, table_npz
-from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model import APPENDIX_4, static_imbalance
 from paminsa_viz.plots.map_table import map_table, value_columns
 from paminsa_viz.plots.map_values import MapData, difference
 from paminsa_viz.quantities import TORQUES
@@ -107,6 +107,8 @@ def test_provenance_of_both_files_is_the_same() -> None:
     assert said["design"] == "Heavier"
     assert said["reference"] == "Appendix 4"
     assert float(said["design links.b8 [kg]"]) == 1.2
+    assert float(said["Mp2 [N]"]) == static_imbalance(heavier)
+    assert all(key.isascii() for key in said)
     assert float(said["reference links.b8 [kg]"]) == 0.403
     assert float(said["pose theta [rad]"]) == np.pi / 3
     assert not any("tolerances" in key for key in said)
