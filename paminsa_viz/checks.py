@@ -11,6 +11,7 @@ import os
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import fields, is_dataclass
 from functools import cache, wraps
 from typing import Any, NamedTuple, TypeVar
 
@@ -25,6 +26,28 @@ def kind_of(value: object) -> str:
     """Return the type of a value that is refused, with its article."""
     name = type(value).__name__
     return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
+
+
+def way_to(kinds: tuple[Any, ...], value: object) -> str:
+    """Return where a refused result has what is needed, as the end of a sentence; often empty."""
+    kinds = tuple(kind for kind in kinds if is_dataclass(kind))  # any result holds some number
+    if not kinds or not is_dataclass(value) or isinstance(value, type):
+        return ""
+    held = [item.name for item in fields(value) if isinstance(getattr(value, item.name), kinds)]
+    if held:
+        return f"; its {' or '.join(held)} is one"
+    for name, member in inspect.getmembers(type(value)):
+        made = member.fget if isinstance(member, property) else member
+        if name[0] != "_" and inspect.isfunction(made) and _returned(made) in kinds:
+            return f"; its {name} is one" if made is not member else f"; its {name}() returns one"
+    return ""
+
+
+def _returned(method: Callable[..., Any]) -> Any:
+    """Return the annotation of what a method makes of its object alone; None if it needs more."""
+    found = inspect.signature(method)
+    needed = [item.name for item in found.parameters.values() if item.default is item.empty]
+    return None if needed != ["self"] else _annotation(found.return_annotation, method)
 
 
 def require_kind(value: object, argument: str, *kinds: type) -> None:
@@ -139,7 +162,8 @@ class _Rule(NamedTuple):
         if float in self.kinds and isinstance(value, np.ndarray) and value.shape == ():
             return
         article = "an" if self.allowed[0] in "aeiouAEIOU" else "a"
-        raise InvalidInput(self.name, f"{article} {self.allowed} is needed, not {kind_of(value)}")
+        problem = f"{article} {self.allowed} is needed, not {kind_of(value)}"
+        raise InvalidInput(self.name, problem + way_to(self.kinds, value))
 
 
 def kinds_checked(function: F) -> F:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Literal, Protocol
 
@@ -23,6 +24,39 @@ class Walk(Protocol):
 
 class Shaped(Protocol):
     shape: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Paint:
+    size: float
+
+
+@dataclass(frozen=True)
+class Held:
+    layer: Paint
+
+
+@dataclass(frozen=True)
+class Twice:
+    before: Paint
+    after: Paint
+
+
+@dataclass(frozen=True)
+class Made:
+    size: float
+
+    def other(self, size: float) -> Paint:
+        return Paint(self.size + size)
+
+    def paint(self, plain: bool = True) -> Paint:
+        return Paint(self.size) if plain else self.other(0.0)
+
+
+@kinds_checked
+def painted(paint: Paint) -> float:
+    """Return the size of some paint."""
+    return paint.size
 
 
 @kinds_checked
@@ -76,6 +110,7 @@ def test_what_fits_goes_through(args: tuple[Any, ...], named: dict[str, Any]) ->
         ((Color.RED,), {"table": []}, "table: a mapping is needed, not a list"),
         ((Color.RED,), {"items": "ab"}, "items: a list is needed, not a str"),
         ((Color.RED,), {"call": 3}, "call: a function is needed, not an int"),
+        ((Color.RED, Held(Paint(1.0))), {}, "size: a number is needed, not a Held"),
     ],
 )
 def test_what_does_not_fit_is_named(
@@ -84,6 +119,22 @@ def test_what_does_not_fit_is_named(
     with pytest.raises(InvalidInput) as caught:
         function(*args, **named)
     assert str(caught.value) == message
+
+
+@pytest.mark.parametrize(
+    ("given", "came"),
+    [
+        (Held(Paint(1.0)), "a Held; its layer is one"),
+        (Twice(Paint(1.0), Paint(2.0)), "a Twice; its before or after is one"),
+        (Made(1.0), "a Made; its paint() returns one"),
+        (Made, "a type"),
+    ],
+    ids=["field", "fields", "method", "class"],
+)
+def test_a_result_that_has_what_is_needed_says_where(given: Any, came: str) -> None:
+    with pytest.raises(InvalidInput) as caught:
+        painted(given)
+    assert str(caught.value) == f"paint: a Paint is needed, not {came}"
 
 
 def test_the_function_keeps_its_name_and_text() -> None:

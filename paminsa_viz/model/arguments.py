@@ -11,7 +11,7 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
-from paminsa_viz.checks import check_arguments, kind_of
+from paminsa_viz.checks import check_arguments, kind_of, way_to
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import PARAMETER, Design, Geometry
 
@@ -29,7 +29,8 @@ def geometry_of(value: object) -> Geometry:
         return value
     if isinstance(value, Design):
         return value.geometry
-    raise InvalidInput("geometry", f"a Geometry or a Design is needed, not {kind_of(value)}")
+    problem = f"a Geometry or a Design is needed, not {kind_of(value)}"
+    raise InvalidInput("geometry", problem + way_to((Geometry, Design), value))
 
 
 def require_gravity(gravity: float) -> None:
@@ -60,7 +61,8 @@ def of_design(function: Callable[Concatenate[Design, P], R]) -> Callable[Concate
     def design_of(value: object) -> Design:
         if isinstance(value, Design):
             return value
-        raise InvalidInput("design", f"a Design is needed, not {kind_of(value)}")
+        problem = f"a Design is needed, not {kind_of(value)}"
+        raise InvalidInput("design", problem + way_to((Design,), value))
 
     return cast(Any, _checked(function, "design", design_of))
 
