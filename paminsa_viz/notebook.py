@@ -183,8 +183,9 @@ def curve_view(
 
     Args:
         analysis: A design on a trajectory.
-        kind: What is drawn, see `paminsa_viz.plots.series.FIGURES`.
-        more: Further arguments of `series_figure.figure_bytes`, such as ``reference``.
+        kind: What is drawn, see `paminsa_viz.plots.FIGURES`.
+        more: Further arguments of `paminsa_viz.plots.figure_bytes`, such as ``reference``; the
+            format is SVG.
 
     Raises:
         InvalidInput: If the kind is unknown, or what it needs is missing.

@@ -218,8 +218,9 @@ def series_figure(
     def draw() -> bytes:
         from paminsa_viz.plots.series_figure import figure_bytes  # late: matplotlib
 
-        options = {"format": "svg", "title": title, "caption": caption}
-        return figure_bytes(kind, analysis, reference=reference, **options)
+        return figure_bytes(
+            kind, analysis, reference=reference, format="svg", title=title, caption=caption
+        )
 
     return Figure(draw, alt)
 

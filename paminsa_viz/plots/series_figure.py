@@ -169,7 +169,12 @@ def figure_bytes(
     published: TrajectoryAnalysis | None = None,
     simulation: Simulation | None = None,
     engine: EngineTorques | None = None,
-    **options: Any,
+    format: str = "png",
+    width_mm: float = 170.0,
+    dpi: float = 300.0,
+    title: str | None = None,
+    caption: bool = True,
+    notes: Sequence[str] = (),
 ) -> bytes:
     """Draw a figure over time of an analyzed trajectory.
 
@@ -181,14 +186,22 @@ def figure_bytes(
         published: The design by the formulas as published, drawn dotted.
         simulation: The robot driven along the trajectory.
         engine: Torques from a physics engine at the trajectory's samples.
-        options: Further arguments of `render_series`.
+        format: Key of `formats.FIGURE_FORMATS`: ``"png"``, ``"svg"`` or ``"pdf"``.
+        width_mm: Width on paper [mm]; 85 is a column, 170 a page.
+        dpi: Pixels per inch of a PNG.
+        title: Heading; None for the kind's own, empty for none.
+        caption: Whether a caption is added.
+        notes: Further sentences for the caption.
 
     Raises:
         InvalidInput: If the kind is unknown, what it needs is missing, the sources are not of the
-            same trajectory, or as `render_series`.
+            same trajectory, or format, width or resolution is not possible.
     """
     sources = SeriesSources(analysis, reference, published, simulation, engine)
-    return render_series(build_series(kind, sources), **options)
+    return render_series(
+        build_series(kind, sources), format,
+        width_mm=width_mm, dpi=dpi, title=title, caption=caption, notes=notes,
+    )  # fmt: skip
 
 
 def render_series(
@@ -205,12 +218,7 @@ def render_series(
 
     Args:
         data: What to draw.
-        format: Name of a figure format.
-        width_mm: Width on paper [mm]; 85 is a column, 170 a page.
-        dpi: Pixels per inch of a PNG.
-        title: Heading; None for the data's own, empty for none.
-        caption: Whether a caption is added.
-        notes: Further sentences for the caption.
+        format, width_mm, dpi, title, caption, notes: As of `figure_bytes`.
 
     Raises:
         InvalidInput: If format, width or resolution is not possible.

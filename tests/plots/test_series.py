@@ -258,8 +258,9 @@ def test_without_title_and_caption_the_figure_is_lower(analysis) -> None:
         ("width_mm", "pose", {"width_mm": 55.0}),
         ("dpi", "pose", {"dpi": 5.0}),
         ("format", "pose", {"format": "gif"}),
+        ("caption", "pose", {"caption": "none"}),
     ],
-    ids=["no simulation", "no second source", "kind", "size", "width", "dpi", "format"],
+    ids=["no simulation", "no second source", "kind", "size", "width", "dpi", "format", "caption"],
 )
 def test_an_impossible_figure_names_its_argument(field, kind, more, analysis) -> None:
     with pytest.raises(InvalidInput) as caught:
