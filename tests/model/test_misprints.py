@@ -26,6 +26,7 @@ from paminsa_viz.model import (
     kinetic_energy,
     static_torques,
 )
+from paminsa_viz.trajectory import PRESET, analyze
 from tests import oracle
 from tests.support.cases import BOTH, PROTOTYPES
 from tests.support.samples import with_knee
@@ -151,3 +152,16 @@ def test_the_lift_speed_misprint_is_no_energy() -> None:
         kinetic_energy(APPENDIX_4, pose, s * v, misprints=Misprint.EQ13_LIFT_SPEED) for s in (1, -1)
     )
     assert one - other == pytest.approx(2 * 3 * APPENDIX_4.links.b1 / 8 * 0.5 / 3, rel=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("preset", "percent"), [("paper-like", 11), ("arch", 31)])
+def test_their_share_of_the_largest_torque_on_presets(preset: str, percent: int) -> None:
+    motion = PRESET[preset].build(APPENDIX_4.geometry).sample()
+    right = analyze(APPENDIX_4, motion).torque
+    shares = [
+        np.abs(analyze(APPENDIX_4, motion, misprints=misprints).torque - right).max(axis=0)
+        / np.abs(right).max(axis=0)
+        for misprints in (*TABLE, Misprint.ALL)
+    ]
+    assert round(100 * np.max(shares)) == percent
