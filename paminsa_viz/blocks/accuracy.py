@@ -9,7 +9,7 @@ from typing import Any, SupportsFloat
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.blocks.data import record
+from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, shown
 from paminsa_viz.model.accuracy import NO_DEVIATIONS, DriveAccuracy
 from paminsa_viz.model.arrays import Array
@@ -239,7 +239,7 @@ def accuracy_data(
     """Return the errors by the drives, at a pose and over a region, for JSON, in SI units."""
     names = ("median", "p95", "largest")
     return {
-        "design": design.name,
+        **robot(design),
         "half_widths": dict(zip(ACTUATORS, design.accuracy.half_widths, strict=True)),
         "deviations": dict(zip(ACTUATORS, design.accuracy.deviations, strict=True)),
         "pose": here.pose,

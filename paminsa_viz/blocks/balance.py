@@ -11,7 +11,7 @@ import numpy as np
 
 from paminsa_viz.balancing import Optimum, TermValue, balance, whole_mass
 from paminsa_viz.balancing.effects import IN_MOTION, Effect, effects, sizes_in_motion
-from paminsa_viz.blocks.data import record
+from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.design import changes_table, counterweights_data
 from paminsa_viz.blocks.kinds import (
     Block,
@@ -256,7 +256,7 @@ def optimum_data(found: Optimum) -> dict[str, Any]:
     """Return goals, changes, active bounds and the certificate, for JSON."""
     after = found.after
     return {
-        "design": found.before.name,
+        **robot(found.before),
         "values": found.values,
         "changes": {path: {"before": a, "after": b} for path, a, b in changed_masses(found)},
         "counterweights": [

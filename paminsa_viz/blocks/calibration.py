@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.blocks.data import record
+from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, rows, shown
 from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.precision.calibration import KNOWN, Calibration, describe
@@ -180,7 +180,7 @@ def calibration_data(found: Calibration, source: str) -> dict[str, Any]:
         }
 
     return {
-        "design": found.start.name,
+        **robot(found.start),
         "log": source,
         **record(found, "improved", "rank", "singular_values", "noise_m"),
         "fitted": {"before": errors(found.before), "after": errors(found.after)},

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from paminsa_viz.blocks.data import robot
 from paminsa_viz.blocks.kinds import Block, Note, Table, rows
 from paminsa_viz.clearance import Clearance, PairGroup, clearance, clearance_reason
 from paminsa_viz.model.arrays import Array
@@ -109,7 +110,7 @@ def clearance_data(
         }
 
     data = {
-        "design": design.name,
+        **robot(design),
         "pose": pose,
         "required_m": required,
         "least": entry(here),

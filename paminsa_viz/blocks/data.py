@@ -6,9 +6,12 @@ import math
 import os
 from dataclasses import fields, is_dataclass
 from enum import Enum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from paminsa_viz.model.design import Design
 
 UNITS = ("m", "rad", "s", "Hz", "kg", "N", "Nm", "N_per_m", "kg_m2", "W", "J", "rad_s", "m3", "95")
 """Endings of keys in JSON that name the unit of a value, or its confidence [%]."""
@@ -25,6 +28,11 @@ def record(result: object, *keys: str) -> dict[str, Any]:
         AttributeError: If the result has no such attribute.
     """
     return {key: getattr(result, _attribute(result, key)) for key in keys}
+
+
+def robot(design: Design) -> dict[str, Any]:
+    """Return which robot results are of: the design's name and the branch of its knees."""
+    return {"design": design.name, "knee": design.geometry.knee.value}
 
 
 def _attribute(result: object, key: str) -> str:

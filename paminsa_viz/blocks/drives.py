@@ -10,7 +10,7 @@ from paminsa_viz.actuation.catalog import Catalog
 from paminsa_viz.actuation.duty import ActuatorLoad, Duty, DutyCycle, duty_cycle
 from paminsa_viz.actuation.ratios import GearRatios
 from paminsa_viz.actuation.selection import DriveFigures, Selection, size_design
-from paminsa_viz.blocks.data import record
+from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.kinds import Block, Cell, CellKind, Note, Row, Table, rows
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
@@ -233,7 +233,7 @@ def selection_data(
         advice: Of each actuator, what would make a drive feasible; empty where one is.
     """
     return {
-        "design": design.name,
+        **robot(design),
         "catalog": catalog.name,
         "motions": [
             record(duty.trajectory, "name", "duration_s") | record(duty, "repeats", "dwell_s")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from paminsa_viz.blocks.data import record
+from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table
 from paminsa_viz.identification.excitation import Excitation, KeptLimit
 from paminsa_viz.model.design import Design
@@ -55,7 +55,7 @@ def _cells(row: KeptLimit) -> tuple[str, ...]:
 def excitation_data(design: Design, found: Excitation) -> dict[str, Any]:
     """Return how the motion was found and its limits, for JSON, in SI units."""
     return {
-        "design": design.name,
+        **robot(design),
         **record(found.settings, "period_s", "harmonics"),
         "duration_s": found.plan.duration,
         "log_det_random": found.random_log_det,

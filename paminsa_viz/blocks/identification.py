@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
-from paminsa_viz.blocks.data import record
+from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.kinds import Block, Figure, Note, Row, Table, heading, rows
 from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.findings import Findings
@@ -178,7 +178,7 @@ def identification_data(found: Findings, written: Sequence[Path]) -> dict[str, A
     one, check = found.identification, found.validation
     log = one.log
     return {
-        "design": one.design.name,
+        **robot(one.design),
         "log": {"rows": len(log.t)} | record(log, "name", "rate_Hz", "duration_s"),
         "notes": one.notes,
         "parameters": [

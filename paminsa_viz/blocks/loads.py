@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.blocks.data import robot
 from paminsa_viz.blocks.kinds import (
     Block,
     Cell,
@@ -210,7 +211,7 @@ def pose_data(
     """Return the forces at rest in a pose, for JSON, in SI units."""
     use = utilization(forces)
     return {
-        "design": design.name,
+        **robot(design),
         "pose": pose,
         "torque": forces.torque,
         "axial_N": forces.axial,
@@ -244,7 +245,7 @@ def motion_data(found: MotionLoads) -> dict[str, Any]:
     """Return the loads on a motion, for JSON, in SI units."""
     use = found.utilization.max(axis=0)
     return {
-        "design": found.design.name,
+        **robot(found.design),
         "trajectory": found.trajectory.name,
         "legs": [
             {

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.blocks.data import robot
 from paminsa_viz.blocks.kinds import Block, Note, Table, rows
 from paminsa_viz.files.columns import TORQUES as TORQUE_NAMES
 from paminsa_viz.files.published_table import PublishedMap
@@ -40,9 +41,8 @@ def maps_data(
     cell = float((data.x[1] - data.x[0]) * (data.y[1] - data.y[0]))
     counts = _counting(data, max_condition)
     facts = {
-        "design": data.design.name,
+        **robot(data.design),
         "reference": data.reference and data.reference.name,
-        "knee": data.design.geometry.knee.value,
         "theta_rad": data.theta,
         "z_m": data.z,
         "cells": [data.x.size, data.y.size],

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Literal
 
-from paminsa_viz.blocks.data import record
+from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.kinds import Block, Note, Row, Table, rows
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.design import Design
@@ -300,7 +300,7 @@ def check_data(
     """Return the check for other programs, in SI units."""
     bounds = requirements.bounds
     data: dict[str, Any] = {
-        "design": design.name,
+        **robot(design),
         "holds": found.holds,
         "over": found.over.name.lower(),
         "theta_rad": requirements.theta,
@@ -469,7 +469,7 @@ def _evidence_text(item: Evidence) -> str:
 def largest_data(design: Design, found: LargestWorkspace) -> dict[str, Any]:
     """Return the largest proven workspace for other programs, in SI units."""
     return {
-        "design": design.name,
+        **robot(design),
         "found": found.workspace is not None,
         **record(found, "gap_m", "limit_m", "cause"),
         "broken": None if found.requirement is None else requirement_text(found.requirement),

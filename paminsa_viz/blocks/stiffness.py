@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.blocks.data import record
+from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, aligned, heading, shown
 from paminsa_viz.elastostatics.beams import TubeFit
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
@@ -98,7 +98,7 @@ def sections_data(design: Design, fits: Sequence[TubeFit]) -> dict[str, Any]:
         "bar", "length_m", "mass_kg", "mass_ratio", "slender_kg_m2", "slender_ratio",
         "transverse_kg_m2", "transverse_ratio", "axial_kg_m2", "axial_ratio",
     )  # fmt: skip
-    return {"design": design.name, "bars": [record(fit, *keys) for fit in fits]}
+    return {**robot(design), "bars": [record(fit, *keys) for fit in fits]}
 
 
 def strain_cases(design: Design, pose: Array, *, shear: bool) -> dict[str, Array]:
@@ -283,7 +283,7 @@ def stiffness_data(design: Design, found: PlatformStiffness, *, shear: bool) -> 
     axes, directions = found.ellipsoid()
     alone = drive_stiffness(design, found.pose)
     return {
-        "design": design.name,
+        **robot(design),
         "pose": found.pose,
         "shear": shear,
         "stiffness": {key: found.along(i) for i, key in enumerate(DATA_KEYS)}

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from paminsa_viz.blocks.data import record
+from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.kinds import Block, Note, Table, rows
 from paminsa_viz.studies import StudySummary
 from paminsa_viz.studies.metrics import RUNS
@@ -47,8 +47,7 @@ def sweep_data(path: Path, summary: StudySummary, seconds: float) -> dict[str, A
     study, motion = summary.study, summary.study.trajectory
     return {
         "files": [path],
-        "design": study.design.name,
-        "knee": study.design.geometry.knee.value,
+        **robot(study.design),
         "seconds": round(seconds, 3),
         **record(summary, "rows", "found", "status"),
         "motion": motion

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paminsa_viz.blocks.data import record
+from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.kinds import (
     Block,
     Fact,
@@ -303,8 +303,7 @@ def trajectory_data(analysis: TrajectoryAnalysis) -> dict[str, Any]:
     """Return a motion, whether it can be run, and its torques, for JSON, in SI units."""
     t, check = analysis.trajectory, analysis.check
     return {
-        "design": analysis.design.name,
-        "knee": analysis.solved.geometry.knee.value,
+        **robot(analysis.design),
         "trajectory": {"samples": t.size, **record(t, "name", "kind", "duration_s", "notes")},
         "failure": _failure(check.first),
         "closest": _event(check.closest),
@@ -323,7 +322,7 @@ def shortest_data(found: ShortestStretch) -> dict[str, Any]:
 def compared_data(analysis: TrajectoryAnalysis) -> dict[str, Any]:
     """Return the torques of another analysis of the same motion."""
     return {
-        "design": analysis.design.name,
+        **robot(analysis.design),
         "failure": _failure(analysis.check.first),
         "actuators": _actuators(analysis),
     }

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.blocks.data import record
+from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.kinds import (
     Block,
     Fact,
@@ -139,8 +139,7 @@ def verification_data(found: Verification) -> dict[str, Any]:
     return {
         **record(found, "passed", "tolerance"),
         "worst_relative": found.worst,
-        "design": found.design.name,
-        "knee": found.design.geometry.knee,
+        **robot(found.design),
         "trajectory": found.trajectory.name,
         "duration_s": found.trajectory.duration,
         "static_poses": len(found.poses),

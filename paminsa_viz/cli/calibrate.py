@@ -9,6 +9,7 @@ from typing import Annotated
 import tyro
 
 from paminsa_viz.blocks.calibration import MOST_COMBINATIONS, calibration_blocks, calibration_data
+from paminsa_viz.blocks.data import robot
 from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.output import (
@@ -110,7 +111,7 @@ class Calibrate(JsonFlags, DesignFlags):
         )
         save_table(table, self.out)
         if self.json:
-            facts = {"design": design.name, "poses": chosen, "actuators": actuators}
+            facts = {**robot(design), "poses": chosen, "actuators": actuators}
             print_json(facts | {"files": [self.out]})
         else:
             print_left_out(design)

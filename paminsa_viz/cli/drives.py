@@ -14,6 +14,7 @@ from paminsa_viz.actuation.duty import Duty, DutyCycle, duty_cycle
 from paminsa_viz.actuation.ratios import catalog_ratios
 from paminsa_viz.actuation.selection import select_drives
 from paminsa_viz.actuation.sizing import Order
+from paminsa_viz.blocks.data import robot
 from paminsa_viz.blocks.drives import cycle_text, ratio_table, selection_blocks, selection_data
 from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
@@ -124,7 +125,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
     def _print_ratios(self, design: Design, cycle: DutyCycle, catalog: Catalog) -> int:
         found = catalog_ratios(cycle, catalog, inertia_ratio=self._inertia_ratio)
         if self.json:
-            print_json({"design": design.name, "catalog": catalog.name, "ratios": found})
+            print_json({**robot(design), "catalog": catalog.name, "ratios": found})
         else:
             print_blocks([ratio_table(found)])
         fits = {one.actuator for one in found if one.low is not None}

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
+from paminsa_viz.blocks.data import robot
 from paminsa_viz.blocks.requirements import (
     check_blocks,
     check_data,
@@ -156,7 +157,7 @@ class Prove(JsonFlags, RequirementFlags):
             raise UsageError("--center: a proof needs three numbers; 'largest' finds a center")
         proof = prove(design, requirements, time_limit=self.time)
         if self.json:
-            print_json({"design": design.name, **proof_data(proof)})
+            print_json({**robot(design), **proof_data(proof)})
         else:
             advice = "a longer --time may decide it"
             print_blocks(proof_blocks(design, requirements, proof, requirement_text, advice=advice))

@@ -60,7 +60,7 @@ def static_torques(design: Design, pose: ArrayLike) -> Array:
     """Return Q^st, the torques of M1..M3 [N m] and the force of M4 [N] that hold the robot.
 
     Its weight (Eqs. 1-6 with Appendix 2) and the design's load; (..., 4). NaN where the pose cannot
-    be taken.
+    be taken, not finite in singular poses; see `check_reach` and `measure_singularity`.
 
     Args:
         design: The robot.

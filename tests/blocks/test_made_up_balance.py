@@ -129,8 +129,9 @@ def test_masses_that_a_balance_changes_as_data() -> None:
         | {"room": balance.room_text(after.geometry, after.counterweights[0])}
     ]
     assert data == {
-        "design": "Appendix 4", "values": ("v",), "active_bounds": ("a",), "objective": 1.0,
-        "lower_bound": 0.5, "gap": 0.25, "seconds": 0.125,
+        "design": before.name, "knee": "lower", "values": ("v",), "active_bounds": ("a",),
+        "objective": 1.0, "lower_bound": 0.5,
+        "gap": 0.25, "seconds": 0.125,
         "changes": {"joints.j7": {"before": j7, "after": 1.0},
                     "counterweights.0.mass": {"before": 0.75, "after": 0.5}},
     }  # fmt: skip

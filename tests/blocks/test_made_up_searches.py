@@ -376,7 +376,8 @@ def test_how_an_exciting_motion_was_found() -> None:
     found.settings.periods, found.evaluations = 3, 200
     found.plan = SimpleNamespace(duration=37.5)
     assert excitation_data(APPENDIX_4, found) == {
-        "design": APPENDIX_4.name, "period_s": 12.5, "harmonics": 5, "duration_s": 37.5,
+        "design": APPENDIX_4.name, "knee": "lower", "period_s": 12.5, "harmonics": 5,
+        "duration_s": 37.5,
         "log_det_random": -9.75, "parameters": 13, "log_det": -1.25, "random": 30,
         "evaluations": 200, "seconds": 4.5678,
         "limits": [{"name": "force", "value": 2.34567, "limit": 4.56789, "unit": "N",

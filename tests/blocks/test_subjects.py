@@ -320,3 +320,7 @@ def test_blocks_are_set_and_data_is_json(subject: str, tmp_path: Path, capsys: A
     if data is not None:
         text = json.dumps(plain(data), allow_nan=False)
         assert len(text) > 100
+        sets = data if isinstance(data, (list, tuple)) else [data]
+        named = [one for one in sets if "design" in one and isinstance(one["design"], str)]
+        assert all(one["knee"] == "lower" for one in named)
+        assert named or subject in {"design", "evaluation", "synthesis"}, "which robot is it?"
