@@ -33,7 +33,7 @@ def caption(data: MapData, scales: tuple[Scale, ...], circles: str = "") -> str:
     parts = [
         f"{robot(data.design, data.reference)}; {theta}, {equals('z', z, 'mm')}.",
         f"Ring: pose {equals('x', x, 'mm')}, {equals('y', y, 'mm')}{_trouble(data)}.",
-        _contours(data, scales),
+        contours_text(data, scales),
         "Thick line: boundary of the workspace; hatched: not reachable.",
     ]
     if circles:
@@ -87,12 +87,12 @@ def shown(name: str) -> str:
     return f"“{plain}”"
 
 
-def _contours(data: MapData, scales: tuple[Scale, ...]) -> str:
+def contours_text(data: MapData, scales: tuple[Scale, ...]) -> str:
+    """Return how far contours are apart, "" where they are not evenly spaced or differ."""
     if len(set(scales)) > 1 or scales[0].kind != "linear" or len(scales[0].levels) < 2:
         return ""
-    factor, unit = data.display
-    step = (scales[0].levels[1] - scales[0].levels[0]) * factor
-    return f"Contours every {number(step)}{_TIE}{unit}".rstrip(_TIE) + "."
+    step = data.display.format(scales[0].levels[1] - scales[0].levels[0])
+    return f"Contours every {step.replace(' ', _TIE)}."
 
 
 def _beyond(data: MapData, scales: tuple[Scale, ...]) -> bool:

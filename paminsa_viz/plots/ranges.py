@@ -76,9 +76,12 @@ def choose_scales(
     if spans_zero and not data.signed and not (data.values < 0).any():
         asked = replace(asked, low=0.0)  # colors of impossible values would dull the others
     found = (data if asked.full else sample or data).values
+    factor = data.display.factor
+    if math.log10(factor).is_integer():  # what is round in SI units is round as displayed
+        factor = 1.0
     if asked.shared or data.panels == 1:
-        return (_scale(found, data.signed, asked),) * data.panels
-    return tuple(_scale(values, data.signed, asked) for values in found)
+        return (_scale(found, data.signed, asked, factor),) * data.panels
+    return tuple(_scale(values, data.signed, asked, factor) for values in found)
 
 
 def per_panel(data: MapData, scale: Scale | Sequence[Scale]) -> tuple[Scale, ...]:
@@ -174,10 +177,11 @@ def _rounded(low: float, high: float, middle: float) -> tuple[float, float]:
     )
 
 
-def _scale(values: NDArray[np.float64], signed: bool, choice: ScaleChoice) -> Scale:
+def _scale(values: NDArray[np.float64], signed: bool, choice: ScaleChoice, factor: float) -> Scale:
+    values = factor * values  # ends are round as displayed
     full = full_range(values, signed) if choice.full else None
     if choice.low is not None and choice.high is not None:
-        low, high = choice.low, choice.high
+        low, high = factor * choice.low, factor * choice.high
     elif full is not None:
         low, high = full
     else:
@@ -186,7 +190,7 @@ def _scale(values: NDArray[np.float64], signed: bool, choice: ScaleChoice) -> Sc
             low, high = _wide_range(values, low, high)
     threshold = float(f"1e{math.floor(math.log10(max(abs(low), abs(high)))) - 2}")
     table = colors.DIVERGING if signed else colors.SEQUENTIAL
-    return Scale(low, high, choice.kind, threshold, table)
+    return Scale(low / factor, high / factor, choice.kind, threshold / factor, table, factor=factor)
 
 
 def _wide_range(values: NDArray[np.float64], low: float, high: float) -> tuple[float, float]:

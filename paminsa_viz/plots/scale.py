@@ -44,6 +44,8 @@ class Scale:
         colors: Name of the color table. A diverging table keeps its neutral center at zero,
             also where ``low`` and ``high`` are not opposite.
         contours: About how many contour levels.
+        factor: From a value to the number that is displayed, such as degrees: ticks and contour
+            levels are round as displayed.
 
     Raises:
         InvalidScale: If a number is not finite, the range is empty, or a name is not known.
@@ -55,6 +57,7 @@ class Scale:
     threshold: float = 1.0
     colors: str = colors.DIVERGING
     contours: int = 12
+    factor: float = 1.0
 
     def __post_init__(self) -> None:
         check_range(self.low, self.high)
@@ -62,6 +65,8 @@ class Scale:
         if not (math.isfinite(self.threshold) and self.threshold > 0):
             problem = f"a finite number above 0 is needed, not {self.threshold!r}"
             raise InvalidScale("threshold", problem)
+        if not (math.isfinite(self.factor) and self.factor > 0):
+            raise InvalidScale("factor", f"a finite number above 0 is needed, not {self.factor!r}")
         if self.colors not in colors.BEYOND:
             known = ", ".join(colors.BEYOND)
             raise InvalidScale("colors", f"one of {known} is needed, not {self.colors!r}")
@@ -133,38 +138,47 @@ class Scale:
         """Contour levels: round numbers strictly inside the range."""
         if self.contours == 0:
             return ()
+        low, high = self._displayed
         if self.kind == "linear":
-            step = ticks.nice_step(self.high - self.low, self.contours)
-            found = ticks.multiples(self.low, self.high, step)
+            found = ticks.multiples(low, high, ticks.nice_step(high - low, self.contours))
         else:
             found = self._decades(max(1, self.contours // 2))
-        return tuple(v for v in found if self.low < v < self.high)
+        return tuple(v / self.factor for v in found if low < v < high)
 
     def ticks(self, count: float) -> tuple[float, ...]:
         """Return about ``count`` round numbers for a color bar, and both ends of the range."""
+        low, high = self._displayed
         if self.kind == "symlog":
             found = self._decades(max(1.0, (count - 1) / 2))
         else:
-            step = ticks.dividing_step(self.low, self.high, count)
+            step = ticks.dividing_step(low, high, count)
             if step is not None:
-                return ticks.multiples(self.low, self.high, step)
-            step = ticks.nice_step(self.high - self.low, count)
-            found = ticks.multiples(self.low, self.high, step)
+                return tuple(v / self.factor for v in ticks.multiples(low, high, step))
+            found = ticks.multiples(low, high, ticks.nice_step(high - low, count))
         room = 0.6 / max(count, 1.0)
-        where = self.position(np.array(found))
-        inner = [v for v, p in zip(found, where, strict=True) if min(p, 1 - p) >= room]
-        ends = [v for v, p in zip(found, where, strict=True) if min(p, 1 - p) < 1e-9]
+        values = [v / self.factor for v in found]
+        where = self.position(np.array(values))
+        inner = [v for v, p in zip(values, where, strict=True) if min(p, 1 - p) >= room]
+        ends = [v for v, p in zip(values, where, strict=True) if min(p, 1 - p) < 1e-9]
         return tuple(sorted({*inner, *(ends if len(ends) == 2 else (self.low, self.high))}))
 
+    @cached_property
+    def _displayed(self) -> tuple[float, float]:
+        """Both ends as displayed, without the rounding error of the factor."""
+        if self.factor == 1:
+            return self.low, self.high
+        return ticks.clean(self.factor * self.low), ticks.clean(self.factor * self.high)
+
     def _decades(self, each_side: float) -> tuple[float, ...]:
-        """Return zero and powers of ten on both sides, thinned to ``each_side``."""
-        largest = max(abs(self.low), abs(self.high))
-        first = math.floor(math.log10(self.threshold) + 0.5)
+        """Return zero and powers of ten on both sides, as displayed, thinned to ``each_side``."""
+        low, high = self._displayed
+        largest = max(abs(low), abs(high))
+        first = math.floor(math.log10(self.factor * self.threshold) + 0.5)
         last = math.floor(math.log10(largest) + 1e-9)
         stride = max(1, math.ceil((last - first + 1) / each_side))
         powers = [float(f"1e{n}") for n in range(last, first - 1, -stride)]
         both = [-p for p in powers] + [0.0] + powers[::-1]
-        return tuple(v for v in both if self.low <= v <= self.high)
+        return tuple(v for v in both if low <= v <= high)
 
 
 UNDER, OVER, SINGULAR, UNREACHED = 0, colors.SIZE + 1, colors.SIZE + 2, colors.SIZE + 3

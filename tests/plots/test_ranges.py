@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.plots import colors, ticks
+from paminsa_viz.plots.caption import contours_text
 from paminsa_viz.plots.ranges import (
     LARGEST_END,
     NEGLIGIBLE,
@@ -19,7 +20,7 @@ from paminsa_viz.plots.ranges import (
     robust_range,
     usable_range,
 )
-from paminsa_viz.plots.scale import InvalidScale, Scale
+from paminsa_viz.plots.scale import InvalidScale, Kind, Scale
 from tests.plots.samples import made_up, real
 
 seeds = st.integers(0, 2**32 - 1)
@@ -228,6 +229,18 @@ def test_symlog_range_is_wider() -> None:
 )
 def test_signed_quantities_diverge_and_magnitudes_do_not(quantity: str, table: str) -> None:
     assert choose_scales(real(quantities=(quantity,)))[0].colors == table
+
+
+@pytest.mark.parametrize("kind", ["linear", "symlog"])
+@pytest.mark.parametrize("quantity", ["pressure_1", "error_theta"])
+def test_numbers_of_angles_are_round_as_displayed(quantity: str, kind: Kind) -> None:
+    data = real(quantities=(quantity,))
+    (scale,) = choose_scales(data, ScaleChoice(kind=kind))
+    for value in (scale.low, scale.high, *scale.ticks(6), *scale.levels):
+        shown = data.display.factor * value
+        assert shown == pytest.approx(float(f"{shown:.2g}"), rel=1e-9)
+    if kind == "linear":
+        assert contours_text(data, (scale,)) in ("Contours every 10°.", "Contours every 20″.")
 
 
 def test_scales_are_counted() -> None:

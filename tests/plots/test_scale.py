@@ -78,8 +78,9 @@ def test_a_positive_range_takes_one_arm_of_a_diverging_table() -> None:
         (Scale(-1.0, 1.0, contours=0), ()),
         (Scale(-1.0, 1.0, contours=4), (-0.5, 0.0, 0.5)),
         (Scale(-1e3, 1e3, "symlog", 1.0), (-100.0, -10.0, -1.0, 0.0, 1.0, 10.0, 100.0)),
+        (Scale(0.0, 0.5, contours=4, factor=30.0), (5.0 / 30.0, 10.0 / 30.0)),
     ],
-    ids=["none", "linear", "symlog"],
+    ids=["none", "linear", "symlog", "displayed"],
 )
 def test_contour_levels(scale: Scale, levels: tuple[float, ...]) -> None:
     assert scale.levels == levels
@@ -99,6 +100,7 @@ def test_contours_are_white_on_the_dark_end_of_a_magnitude_only() -> None:
         ("high", (1.0, 1.0 + 1e-15)), ("high", (0.0, 1e-300)), ("high", (-1e308, 1e308)),
         ("kind", (0.0, 1.0, "log")), ("threshold", (0.0, 1.0, "symlog", 0.0)),
         ("threshold", (0.0, 1.0, "symlog", NAN)), ("colors", (0.0, 1.0, "linear", 1.0, "jet")),
+        ("factor", (0.0, 1.0, "linear", 1.0, "viridis", 12, 0.0)),
     ],
 )  # fmt: skip
 def test_an_impossible_scale_names_its_field(field: str, arguments: tuple[Any, ...]) -> None:
