@@ -147,14 +147,15 @@ def map_view(
     Args:
         design: The robot.
         pose: (4,) [m, m, rad, m]; the maps are at its theta and z, and a ring marks its x and y.
+            In the middle of the workspace, at theta = 0, if left out; Fig. 3 is at pi/3.
         quantity: ``"torques"`` for those of M1, M2 and M3, or a key of
             `paminsa_viz.quantities.QUANTITIES`; with hyphens too, as on the command line.
         theta, z, at: Angle [rad], height [m] and position (x, y) [m] in place of the pose's.
-        cells: Cells along each side.
-        width: Of the figure [pixels].
+        cells: Cells along each side, at least 2.
+        width: Of the figure [pixels], at least 200.
 
     Raises:
-        InvalidInput: If there is no such quantity, or a number is not finite.
+        InvalidInput: If there is no such quantity, or a number is not possible.
     """
     from paminsa_viz.plots.interactive import interactive_map
     from paminsa_viz.plots.map_values import map_data, workspace_field
@@ -164,6 +165,8 @@ def map_view(
     quantity = quantity.replace("-", "_")
     if quantity not in selections():
         raise InvalidInput("quantity", name_hint(quantity, selections()))
+    if at is not None and len(at) != 2:
+        raise InvalidInput("at", f"two numbers (x, y) are needed, not {len(at)}")
     place = _pose(design, pose).copy()
     for where, given in ((slice(0, 2), at), (2, theta), (3, z)):
         if given is not None:

@@ -76,8 +76,13 @@ def test_maps_show_the_static_torques() -> None:
     assert len(map_view(APPENDIX_4, POSE, quantity="condition", cells=20).data) > 0
     words = map_view(quantity="max-torque", theta=POSE[2], z=POSE[3], at=POSE[:2], cells=20)
     assert words == map_view(APPENDIX_4, POSE, quantity="max_torque", cells=20)
-    with pytest.raises(InvalidInput, match="finite"):
-        map_view(theta=float("nan"))
+    for wrong, argument in (
+        ({"theta": float("nan")}, "pose"), ({"at": (0.0, 0.0, 0.4)}, "at"), ({"cells": 1}, "cells"),
+        ({"cells": 20, "width": 100}, "width"),
+    ):  # fmt: skip
+        with pytest.raises(InvalidInput) as refused:
+            map_view(**wrong)
+        assert refused.value.argument == argument
     with pytest.raises(InvalidInput, match=r"there are .*tau_1, .* more"):
         map_view(quantity="beauty")
 

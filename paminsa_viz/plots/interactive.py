@@ -9,7 +9,7 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from paminsa_viz.checks import kinds_checked
+from paminsa_viz.checks import kinds_checked, require_at_least
 from paminsa_viz.palette import INK
 from paminsa_viz.plots import colors, contours
 from paminsa_viz.plots.contours import Line
@@ -21,6 +21,9 @@ from paminsa_viz.units import MM, number
 
 CONFIG: dict[str, Any] = {"displayModeBar": False, "doubleClick": "reset"}
 """How plotly should behave: no buttons over the headings, double click goes back from a zoom."""
+
+LEAST_WIDTH = 200
+"""Least width of a figure [page pixels]; with less there is no room for the maps."""
 
 
 @kinds_checked
@@ -35,8 +38,10 @@ def interactive_map(data: MapData, scale: Scale | Sequence[Scale], width: int = 
         width: Width of the figure [page pixels]; the height follows.
 
     Raises:
+        InvalidInput: If the width is less than `LEAST_WIDTH`.
         InvalidScale: If the number of scales is not that of the panels.
     """
+    require_at_least(width, "width", LEAST_WIDTH, f"at least {LEAST_WIDTH} pixels")
     scales = per_panel(data, scale)
     shared = len(set(scales)) == 1
     figure: Any = make_subplots(

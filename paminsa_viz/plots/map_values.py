@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paminsa_viz.checks import kinds_checked
+from paminsa_viz.checks import kinds_checked, require_at_least
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.kept import kept
 from paminsa_viz.model.arguments import of_geometry
@@ -307,9 +307,13 @@ def workspace_field(
         geometry: What to solve.
         theta: Angle of the platform [rad].
         z: Its height [m].
-        cells: Cells along each side.
+        cells: Cells along each side, at least 2.
         half: Half the side [m], or None for `half_width` of the geometry.
+
+    Raises:
+        InvalidInput: If there are fewer cells, or a number is not finite.
     """
+    require_at_least(cells, "cells", 2, "a whole number of at least 2")
     centers = cell_centers(half_width(geometry) if half is None else half, cells)
     return solve_field(geometry, xy_grid(centers, centers, theta, z))
 
@@ -337,7 +341,9 @@ def map_data(
         raise InvalidInput("design", "its geometry is not the one that the field was solved for")
     current = np.asarray(pose, dtype=np.float64)
     if current.shape != (4,) or not np.array_equal(current[2:], field.grid.fixed[2:]):
-        raise InvalidInput("pose", "a pose (4,) at the theta and z of the field is needed")
+        theta, z = field.grid.fixed[2:]
+        problem = f"a pose (4,) at the field's theta {theta:g} rad and z {z:g} m is needed"
+        raise InvalidInput("pose", problem)
     chosen = find(quantities)
     units = {quantity.unit for quantity in chosen}
     if len(units) != 1:
