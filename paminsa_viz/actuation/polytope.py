@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike
 from paminsa_viz.actuation.wrench_capability import capability
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.arrays import Array, as_pose
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.model.reach import check_reach
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,11 +131,12 @@ def wrench_polytope(design: Design, pose: ArrayLike) -> WrenchPolytope:
     """Return the wrench polytope of a design at one pose (4,) [m, m, rad, m].
 
     Raises:
-        InvalidInput: If the pose cannot be taken or is singular, so that it has none.
+        InvalidInput: If it is not one pose, or one that cannot be taken or is singular, so that it
+            has none.
     """
-    at = capability(design, pose)
-    finite = np.isfinite(at.torque).all() and np.isfinite(at.rows).all()
-    if at.pose.ndim != 1 or not finite:
-        raise InvalidInput("pose", "a pose is needed that can be taken and is not singular")
+    at = capability(design, as_pose(pose))
+    if not (np.isfinite(at.torque).all() and np.isfinite(at.rows).all()):
+        why = check_reach(design.geometry, at.pose).reason() or "it is singular"
+        raise InvalidInput("pose", f"one that can be taken and is not singular is needed; {why}")
     length = design.geometry.platform_radius
     return WrenchPolytope(at.rows, at.torque[:3], at.limits.rated[:3], length)

@@ -285,8 +285,9 @@ def monte_carlo(
     geometry, center = design.geometry, design_lengths(design)
     start = solve_actuators(geometry, center, flat)
     if not start.ok.all():
-        reason = start.reason(int(np.argmin(start.ok)))
-        raise InvalidInput("pose", f"a pose cannot be taken: {reason}")
+        first = int(np.argmin(start.ok))
+        which = "a pose" if pose.ndim == 1 else f"pose {list(np.ndindex(pose.shape[:-1]))[first]}"
+        raise InvalidInput("pose", f"{which} cannot be taken: {start.reason(first)}")
     tolerance, clearance = tolerance_widths(design.tolerances), clearance_widths(design.tolerances)
     random = np.random.default_rng(seed)
     errors = np.empty((robots, len(flat), 6))

@@ -32,6 +32,7 @@ from paminsa_viz.model import (
     inverse_dynamics,
     inverse_kinematics,
     jacobian,
+    singular_rotation,
     solve_field,
     static_torques,
 )
@@ -409,6 +410,12 @@ def test_transmission_vanishes_at_a_singularity() -> None:
 
 
 def test_poses_without_a_polytope_are_refused() -> None:
-    for pose in ((0.0, 0.0, 0.0, -3.0), (np.nan,) * 4, np.zeros((2, 4))):
-        with pytest.raises(InvalidInput, match="pose"):
+    fold = singular_rotation(APPENDIX_4)
+    for pose, problem in (
+        ((0.0, 0.0, 0.0, -3.0), "is needed; out of reach: leg 1 over-stretched"),
+        ((0.0, 0.0, fold, -0.5), "is needed; it is singular"),
+        ((np.nan,) * 4, "is needed; out of reach"),
+        (np.zeros((2, 4)), r"one pose \(4,\) is needed; got \(2, 4\)"),
+    ):
+        with pytest.raises(InvalidInput, match=f"pose: .*{problem}"):
             wrench_polytope(APPENDIX_4, pose)

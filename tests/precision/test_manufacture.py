@@ -184,6 +184,10 @@ def test_robots_without_a_solution_are_counted() -> None:
         ({"robots": 500_001, "pose": BY_HAND[:2]}, "robots: 1 to 500000 are possible with 2"),
         ({"seed": -1}, "seed: a whole number"),
         ({"pose": (0, 0, 0, -3)}, "pose: a pose cannot be taken: the bars of a leg"),
+        (
+            {"pose": [[(0, 0, 0, -0.5), (0, 0, 0, -3)]]},
+            r"pose: pose \(0, 1\) cannot be taken: the bars of a leg",
+        ),
     ],
     ids=str,
 )
