@@ -29,9 +29,9 @@ def _step(
 STEPS: Final = (
     _step(
         "Status and torques",
-        "This strip stays above all tabs: whether the robot can take the pose, the static torques "
-        "of M1 to M4, the condition number κ, the nearest limit, and M_p2, which is zero for a "
-        "balanced robot.",
+        "This strip stays above all tabs: whether the robot can take the pose, the margin to the "
+        "nearest limit, and the static torques of M1 to M4. Under the pointer it also shows the "
+        "condition number κ, and M_p2, which is zero for a balanced robot.",
         "div:has(> .pv-strip)",
     ),
     _step(
