@@ -22,7 +22,7 @@ from paminsa_viz.model.lumped import MASS_PATHS, lumped_matrix, point_mass_colum
 from paminsa_viz.model.reach import check_reach
 from paminsa_viz.model.statics import static_imbalance, static_torques, unit_torques_by_leg
 
-Tolerances = float | Mapping[str, float]
+RelativeTolerances = float | Mapping[str, float]
 """One relative tolerance for all values, or one for each path; what is not named is exact."""
 
 
@@ -49,7 +49,7 @@ class MassTolerance:
     shares: dict[str, float]
 
 
-def _relative(tolerances: Tolerances, paths: list[str]) -> Array:
+def _relative(tolerances: RelativeTolerances, paths: list[str]) -> Array:
     if isinstance(tolerances, Mapping):
         for path in tolerances:
             if path not in paths:
@@ -67,12 +67,15 @@ def _relative(tolerances: Tolerances, paths: list[str]) -> Array:
 
 
 @of_design
-def mass_tolerance(design: Design, tolerances: Tolerances, pose: ArrayLike) -> MassTolerance:
+def mass_tolerance(
+    design: Design, tolerances: RelativeTolerances, pose: ArrayLike
+) -> MassTolerance:
     """Return the spread of M_p2 and of the static torques of M1..M3 from masses.
 
     Args:
         design: The robot.
-        tolerances: Of joint and link masses, and of ``"counterweights.0.mass"`` and so on.
+        tolerances: Relative, 0.01 for 1 % to either side: one number for all, or by path those of
+            joint and link masses, and of ``"counterweights.0.mass"`` and so on.
         pose: (..., 4) where [m, m, rad, m].
 
     Raises:
@@ -139,7 +142,12 @@ LENGTH_PATHS = (
 
 @of_design
 def length_tolerance(
-    design: Design, tolerances: Tolerances, pose: ArrayLike, *, samples: int = 200, seed: int = 0
+    design: Design,
+    tolerances: RelativeTolerances,
+    pose: ArrayLike,
+    *,
+    samples: int = 200,
+    seed: int = 0,
 ) -> LengthTolerance:
     """Return the spread of the peak static torque from lengths.
 
@@ -147,7 +155,9 @@ def length_tolerance(
 
     Args:
         design: The robot; its masses are as they should be.
-        tolerances: Of `LENGTH_PATHS`, and of ``"counterweights.0.beyond"`` and so on.
+        tolerances: Relative, 0.01 for 1 % to either side: one number for all, or by path those of
+            `LENGTH_PATHS`, and of ``"counterweights.0.beyond"`` and so on. `Design.tolerances` are
+            others, of single legs [m, rad]; see `precision.tolerance_errors`.
         pose: (..., 4) the workspace [m, m, rad, m].
         samples: Number of robots to draw.
         seed: The same seed gives the same robots.
