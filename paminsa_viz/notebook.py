@@ -23,7 +23,6 @@ from numpy.typing import ArrayLike
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.files.atomic import write_bytes
-from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.reach import home_pose
@@ -87,9 +86,9 @@ class InlinePicture:
         write_bytes(path, self.svg)
 
 
-@of_design
+@kinds_checked
 def robot_view(
-    design: Design = APPENDIX_4,
+    design: Design | None = None,
     pose: ArrayLike | None = None,
     *,
     height: int = 480,
@@ -97,7 +96,7 @@ def robot_view(
     """Return the robot in 3D, to be turned and zoomed.
 
     Args:
-        design: The robot.
+        design: The robot; that of Appendix 4 if left out.
         pose: (4,) [m, m, rad, m]; in the middle of the workspace if left out.
         height: Of the frame [pixels].
 
@@ -106,12 +105,14 @@ def robot_view(
     """
     from paminsa_viz.explorer.scene.html_pages import robot_html  # late: the page's libraries
 
-    return InlinePage(robot_html(design, _pose(design, pose)), height)
+    robot = design or APPENDIX_4
+    return InlinePage(robot_html(robot, _pose(robot, pose)), height)
 
 
+@kinds_checked
 def motion_view(
     trajectory: Trajectory,
-    design: Design = APPENDIX_4,
+    design: Design | None = None,
     *,
     height: int = 560,
 ) -> InlinePage:
@@ -119,7 +120,7 @@ def motion_view(
 
     Args:
         trajectory: The motion; one that fails is played up to there.
-        design: The robot.
+        design: The robot; that of Appendix 4 if left out.
         height: Of the frame [pixels].
 
     Raises:
@@ -127,12 +128,12 @@ def motion_view(
     """
     from paminsa_viz.explorer.scene.html_pages import motion_html  # late: the page's libraries
 
-    return InlinePage(motion_html(design, trajectory), height)
+    return InlinePage(motion_html(design or APPENDIX_4, trajectory), height)
 
 
-@of_design
+@kinds_checked
 def map_view(
-    design: Design = APPENDIX_4,
+    design: Design | None = None,
     pose: ArrayLike | None = None,
     *,
     quantity: str = "torques",
@@ -145,7 +146,7 @@ def map_view(
     """Return maps over x and y as a plotly figure, which shows values under the mouse.
 
     Args:
-        design: The robot.
+        design: The robot; that of Appendix 4 if left out.
         pose: (4,) [m, m, rad, m]; the maps are at its theta and z, and a ring marks its x and y.
             In the middle of the workspace, at theta = 0, if left out; Fig. 3 is at pi/3.
         quantity: ``"torques"`` for those of M1, M2 and M3, or a key of
@@ -167,14 +168,15 @@ def map_view(
         raise InvalidInput("quantity", name_hint(quantity, selections()))
     if at is not None and len(at) != 2:
         raise InvalidInput("at", f"two numbers (x, y) are needed, not {len(at)}")
-    place = _pose(design, pose).copy()
+    robot = design or APPENDIX_4
+    place = _pose(robot, pose).copy()
     for where, given in ((slice(0, 2), at), (2, theta), (3, z)):
         if given is not None:
             place[where] = given
     if not np.isfinite(place).all():
         raise InvalidInput("pose", "finite numbers are needed")
-    field = workspace_field(design.geometry, float(place[2]), float(place[3]), cells)
-    data = map_data(field, design, place, selections()[quantity])
+    field = workspace_field(robot.geometry, float(place[2]), float(place[3]), cells)
+    data = map_data(field, robot, place, selections()[quantity])
     return interactive_map(data, choose_scales(data), width)
 
 

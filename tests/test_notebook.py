@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import inspect
 import re
 
 import numpy as np
@@ -114,3 +115,8 @@ def test_robot_and_motion_are_drawn_in_a_notebooks_page(browser, motion, tmp_pat
     page.close()
     assert wrong == []
     assert [url for url in asked if url.startswith("http")] == []
+
+
+@pytest.mark.parametrize("view", [robot_view, motion_view, map_view])
+def test_help_of_a_view_is_no_list_of_all_numbers_of_a_design(view) -> None:
+    assert len(str(inspect.signature(view))) < 400
