@@ -40,6 +40,7 @@ from paminsa_viz.identification.excitation_search import (
     LEAST_GAIN,
     LEAST_REACH,
     MOST_OUTSIDE,
+    RANDOM_SHARE,
     REACH,
     STAGES,
     TOLERANCE,
@@ -246,7 +247,8 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         f"{search.harmonics} harmonics of {search.period:g} s by default",
         f"* κ ≤ {limits.condition:g}:",
         f"* {1e3 * limits.clearance:g} mm from the limits of reach",
-        f"{search.random} random motions, each as large as the limits allow",
+        f"{search.random} random motions, or what a quarter of `--seconds` allows, each as large as its "
+        "limits, are improved",
         f"the best {GROUP} first, at most {iterations} iterations in each of three stages",
         f"softened by 1/{first:g}, 1/{second:g} and 1/{third:g}, and {kept} and then {left} of",
         f"Later groups are {HOPS} motions near the best one, its {HOP_SIZE:g}-fold with "
@@ -259,7 +261,7 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
     ]
     assert missing("identification", sentences) == []
     # "above a tenth of", "more than two standard errors", "two thirds and one and a half"
-    assert (LARGE_SHARE, LARGE_TORQUE, MOST_MOVE) == (0.1, 0.1, 2.0)
+    assert (LARGE_SHARE, LARGE_TORQUE, MOST_MOVE, RANDOM_SHARE) == (0.1, 0.1, 2.0, 0.25)
     assert (low, high) == pytest.approx((2 / 3, 3 / 2))
     # "Intervals are of 95 %", in the docstrings of `Estimate` and `Cause`
     assert pytest.approx(95.0) == 100 * CONFIDENCE

@@ -67,7 +67,7 @@ def test_bodies_stand_where_the_mechanism_is_with_y_up(posed: bytes) -> None:
 @pytest.mark.slow
 def test_the_file_carries_pose_and_design(posed: bytes) -> None:
     extras = tree(posed)["scenes"][0]["extras"]
-    assert extras["design"] == "Appendix 4"
+    assert extras["design"] == LOADED.name
     assert extras["knee"] == "lower"
     assert extras["pose"] == dict(zip(("x", "y", "theta", "z"), POSE, strict=True))
 
