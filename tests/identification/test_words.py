@@ -247,8 +247,8 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         f"{search.harmonics} harmonics of {search.period:g} s by default",
         f"* κ ≤ {limits.condition:g}:",
         f"* {1e3 * limits.clearance:g} mm from the limits of reach",
-        f"{search.random} random motions, or what a quarter of `--seconds` allows, each as large as its "
-        "limits, are improved",
+        f"{search.random} random motions, or what a quarter of `--seconds` allows, each as large "
+        "as its limits, are improved",
         f"the best {GROUP} first, at most {iterations} iterations in each of three stages",
         f"softened by 1/{first:g}, 1/{second:g} and 1/{third:g}, and {kept} and then {left} of",
         f"Later groups are {HOPS} motions near the best one, its {HOP_SIZE:g}-fold with "
