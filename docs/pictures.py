@@ -171,7 +171,7 @@ def take(browser: Any, app: App, name: str) -> None:
         if notice.count():
             notice.first.click()
         prepare(tab)
-        tab.page.mouse.move(WIDTH / 2, height - 120)  # off tables, which would offer a copy
+        tab.page.mouse.move(WIDTH / 2 - 150, 120)  # off tables and bodies, which would mark it
         tab.wait_frames(8000)  # maps and bodies at full resolution
         left = WIDTH - PANEL if panel else 0
         clip = {"x": left, "y": 0, "width": WIDTH - left, "height": height}
