@@ -194,6 +194,9 @@ def drawn_charts(state: State, found: MotionResults) -> tuple[Chart, ...]:
 _ROUNDING = 1e-12
 """Values up to this are rounding errors [N m, N, ...]."""
 
+_SMALL = 1e-4
+"""Values below this have a power of ten, beside which there is no room for four digits."""
+
 
 def caption_html(state: State, found: MotionResults | None, drawn: tuple[Chart, ...]) -> str:
     """Return the line below the charts: which motion, what strokes mean, and whether it fails."""
@@ -299,4 +302,4 @@ def _value(value: float) -> str:
     """Return a value of a curve; a rounding error as 0."""
     if not math.isfinite(value):
         return NONE
-    return number(value if abs(value) > _ROUNDING else 0.0, 4)
+    return number(value if abs(value) > _ROUNDING else 0.0, 4 if abs(value) >= _SMALL else 2)
