@@ -13,7 +13,7 @@ from paminsa_viz.actuation.selection import DriveFigures, Selection, size_design
 from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.kinds import Block, Cell, CellKind, Note, Row, Table, rows
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import NONE, counted, fixed, format_value, number
@@ -194,7 +194,8 @@ def winding_text(one: DriveFigures) -> str:
 
 def _units(load: ActuatorLoad) -> tuple[str, str, str]:
     """Return the units of torque or force, speed and inertia of an actuator."""
-    return ("N", "m/s", "kg") if load.name == "M4" else ("N m", "rad/s", "kg m^2")
+    place = ACTUATORS.index(load.name)
+    return TORQUE_UNITS[place], SPEED_UNITS[place], "kg" if load.name == "M4" else "kg m^2"
 
 
 def _load(load: ActuatorLoad) -> tuple[str, ...]:

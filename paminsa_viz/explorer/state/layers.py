@@ -122,7 +122,7 @@ register(
           "features.clearance.layers:contact_marks"),
     Layer("clearance", "Clearance", "The two nearest bodies, and their distance",
           "features.clearance.layers:nearest_bodies"),
-    Layer("springs", "Springs", "Those that were fitted next to the design, in the section Balance",
+    Layer("springs", "Springs", "Springs that were fitted in the section Balance",
           "features.springs.layers:fitted_springs", default=True),
     Layer("labels", "Labels", "Names of the actuators", "scene.actuators:actuator_labels",
           default=True),
