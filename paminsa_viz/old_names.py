@@ -9,7 +9,7 @@ from __future__ import annotations
 KNEES = {"printed": "lower", "mirror": "upper"}
 """Branches of the knee."""
 
-FLAGS = {"--assembly": "--knee", "--minimum-time": "--shortest"}
+FLAGS = {"--assembly": "--knee", "--minimum-time": "--shortest", "--jobs": "--workers"}
 """Flags of the command line."""
 
 

@@ -56,7 +56,7 @@ columns motion and motion_fails_s say why not and when.
 
 Rows are written as they come. After Ctrl-C, a kill or a power cut the same command resumes where
 the table ends; no row is lost or written twice, and a row that was changed since is refused.
---jobs and --dask change nothing in the table.
+--workers and --dask change nothing in the table.
 
 Exit code: 0 done; 1 workers died; 2 a wrong argument or file; 130 stopped with Ctrl-C."""
 
@@ -98,15 +98,15 @@ class Sweep(JsonFlags, RegionFlags, MotionFlags, DesignFlags):
 
     restart: bool = False
     """Start over, whatever the table holds."""
-    jobs: OrNone[int] = None
+    workers: OrNone[int] = None
     """Number of processes; one on each core if left out, where that pays."""
     dask: Annotated[OrNone[str], tyro.conf.arg(metavar="ADDRESS")] = None
     """Work on the Dask cluster with this scheduler, such as tcp://10.0.0.1:8786."""
 
     def run(self) -> int:
         """Measure the designs."""
-        if self.dask is not None and self.jobs is not None:
-            raise UsageError("--dask and --jobs exclude each other")
+        if self.dask is not None and self.workers is not None:
+            raise UsageError("--dask and --workers exclude each other")
         check_output("--out", self.out, [".csv"])
         study = study_of(self, self.given_design())
         started = time.monotonic()
@@ -215,8 +215,8 @@ def _check_size(path: str, values: tuple[float, ...]) -> None:
 def _workers(flags: Sweep, study: Study) -> AbstractContextManager[Workers]:
     if flags.dask is not None:
         return cluster(flags.dask)
-    small = flags.jobs is None and study.work < WORTH_PROCESSES
-    return processes(1 if small else flags.jobs)
+    small = flags.workers is None and study.work < WORTH_PROCESSES
+    return processes(1 if small else flags.workers)
 
 
 @contextmanager

@@ -79,7 +79,7 @@ def processes(count: int | None = None) -> Iterator[Workers]:
     """
     count = _cores() if count is None else count
     if count < 1:
-        raise InvalidInput("jobs", f"one process at least is needed, not {count}")
+        raise InvalidInput("workers", f"one process at least is needed, not {count}")
     if count == 1:
         yield here
         return

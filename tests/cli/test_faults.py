@@ -27,7 +27,7 @@ sys.exit(main({words!r}))
 
 WRITERS = {
     "at.json": "synthesize small.toml --checkpoint at.json",
-    "s.csv": "sweep --random 300 --vary links.b3 --cells 6 --jobs 1 --out s.csv",
+    "s.csv": "sweep --random 300 --vary links.b3 --cells 6 --workers 1 --out s.csv",
     "r.xml": "export --mjcf r.xml",
     "d.toml": "design default --out d.toml",
 }

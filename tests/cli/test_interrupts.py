@@ -27,7 +27,7 @@ COMMANDS = {
     "help": "--help",
     "balance": "balance --goal energy --preset arch --rail b8 8 0 150 4 --out new.toml",
     "report": "report --out new.html --no-verify",
-    "sweep": "sweep --random 4000 --vary links.b3 --vary joints.j7 --jobs 2 --out new.csv",
+    "sweep": "sweep --random 4000 --vary links.b3 --vary joints.j7 --workers 2 --out new.csv",
     "start": "start --no-browser --port 0",
 }
 STOP_TIMEOUT = 2.0

@@ -78,7 +78,7 @@ def test_json_names_the_files_that_are_written(
         "balance --out a.toml", "loads --out a.csv", "loads --preset arch --out b.csv",
         "calibrate --propose 5 --out c.csv", "excite --seconds 0 --evaluations 0 --out d.csv",
         "requirements check --coarse --require condition<=10 --out e.csv",
-        "sweep --vary links.b3=0.3:0.5:2 --cells 8 --jobs 1 --out f.csv",
+        "sweep --vary links.b3=0.3:0.5:2 --cells 8 --workers 1 --out f.csv",
         "drives --save g.toml", "map --cells 10 --out h.csv", "trajectory --rate 50 --out i.csv",
     ):  # fmt: skip
         main([*command.split(), "--json"])

@@ -174,8 +174,8 @@ sweep --out a.csv --vary links.b3 --random 5 --spread 2 | --spread
 sweep --out a.csv --vary links.b3 --random 2000000000 | too many
 sweep --out a.csv --vary links.b3=1 --radius -5     | radius
 sweep --out a.csv --vary links.b3=1 --max-condition nan | max_condition
-sweep --out a.csv --vary links.b3=1 --jobs 0        | jobs
-sweep --out a.csv --vary links.b3=1 --jobs 1 --dask a | exclude
+sweep --out a.csv --vary links.b3=1 --workers 0     | workers
+sweep --out a.csv --vary links.b3=1 --workers 1 --dask a | exclude
 sweep --out a.csv --vary links.b3=1 --preset arch --file a.csv | exclude
 synthesize none.toml                                | none.toml
 trajectory --preset line --file a.csv               | --file

@@ -41,7 +41,7 @@ GRID = ("--vary", "links.b3=0.2:0.6:3", "--vary", "joints.j7=0.1,0.3", "--cells"
 MOTION = ("--vary", "geometry.base_radius=0.2,0.35,0.5", "--cells", "8", "--out", "a.csv")
 WORK = ("--random", "120", "--seed", "2", "--vary", "links.b3", "--vary", "geometry.base_radius",
         "--cells", "100", "--preset", "arch", "--out", "a.csv")  # fmt: skip
-LONG = (*WORK, "--jobs", "2")
+LONG = (*WORK, "--workers", "2")
 """More than a second of work."""
 
 
@@ -90,7 +90,7 @@ def test_a_grid_becomes_a_table_and_a_summary(capsys) -> None:
     found = [[row[name] for name in list(row)[:3]] for row in rows("a.csv")[:2]]
     assert found == [["0", "0.2", "0.1"], ["1", "0.2", "0.3"]]
 
-    facts = run_json(capsys, *GRID, "--jobs", "1")
+    facts = run_json(capsys, *GRID, "--jobs", "1")  # the flag's older name
     assert (facts["rows"], facts["found"], facts["status"]) == (6, 6, {"ok": 6})
     assert facts["metrics"]["Mp2_N"]["largest_row"] in range(6)
     assert Path("a.csv").read_text() == text
@@ -187,7 +187,7 @@ def test_after_a_stop_the_same_command_finishes_the_same_table(capsys, whole, st
 
     path.write_bytes(left[:-5])  # as if it had come in the middle of a row
     # In this process alone, which makes the same rows.
-    facts = run_json(capsys, *WORK, "--jobs", "1")
+    facts = run_json(capsys, *WORK, "--workers", "1")
     assert (facts["rows"], facts["found"]) == (120, rows - 1)
     assert path.read_bytes() == whole
 
@@ -228,7 +228,7 @@ def die(_: object) -> None:
 
 def test_a_worker_that_dies_is_exit_code_1(capsys, monkeypatch) -> None:
     monkeypatch.setattr(Study, "rows", property(lambda self: die))
-    code, out, err = run(capsys, *GRID, "--jobs", "2")
+    code, out, err = run(capsys, *GRID, "--workers", "2")
     assert (code, out) == (1, "")
     assert err.count("\n") == 1
     assert "a worker process died" in err

@@ -65,7 +65,7 @@ def test_one_process_is_this_one() -> None:
 
 @pytest.mark.parametrize("count", [0, -1])
 def test_fewer_than_one_process_is_refused(count: int) -> None:
-    with pytest.raises(InvalidInput, match=f"jobs: one process at least is needed, not {count}"):
+    with pytest.raises(InvalidInput, match=f"workers: one process at least is needed, not {count}"):
         processes(count).__enter__()
 
 

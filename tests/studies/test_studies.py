@@ -184,7 +184,7 @@ def test_bars_follow_their_lengths_and_masses_that_vary_do_not() -> None:
         (lambda: Region(0.1, (0.0,), (0.0,), cells=1), "2 to 1000 cells are possible, not 1"),
         (lambda: Region(0.1, (0.0,), (0.0,), cells=1001), "2 to 1000 cells are possible"),
         (lambda: Region(0.1, (0.0,), (0.0,), max_condition=0.5), "max_condition"),
-        (lambda: processes(0).__enter__(), "jobs"),
+        (lambda: processes(0).__enter__(), "workers"),
     ],
     ids=count(),
 )
