@@ -192,7 +192,7 @@ def test_contradictory_requirements_are_named(capsys) -> None:
         (("--out", "x.csv"), "--out"),
         (("--checkpoint", "x.csv"), "--checkpoint"),
         (("--objective", "beauty"), "objective"),
-        (("--workers", "0"), "jobs"),
+        (("--workers", "0"), "workers"),
         (("--workers", "2", "--dask", "tcp://x:1"), "--dask"),
         (("--prove", "-1"), "--prove"),
         (("--generations", "0"), "generations"),

@@ -143,8 +143,11 @@ def test_keys_undo_redo_and_go_home(tab: Tab) -> None:
     tab.type_number(SLIDERS[1], 90)
     tab.wait_pose(1, 0.09)
     tab.page.evaluate("document.activeElement.blur()")
-    for key, y in (("Control+z", start), ("Control+Shift+z", 0.09), ("h", 0.0)):
-        tab.page.keyboard.press(key)
+    for keys, y in (
+        ("Control+z", start), ("Control+Shift+z", 0.09), ("Control+z", start), ("Control+y", 0.09),
+        ("h", 0.0),
+    ):  # fmt: skip
+        tab.page.keyboard.press(keys)
         tab.wait_pose(1, y)
 
 

@@ -307,6 +307,15 @@
       send("escape", null);
   }, { signal: stopped.signal });
 
+  // --- Ctrl+Y, the other key of Redo --------------------------------------------------------
+  document.addEventListener("keydown", (event) => {
+    const { target, key, ctrlKey, shiftKey, altKey } = event;
+    if (!ctrlKey || shiftKey || altKey || key.toLowerCase() !== "y") return;
+    if (event.defaultPrevented || target.closest?.("input:not([type=checkbox]), textarea")) return;
+    event.preventDefault();
+    send("redo", null);
+  }, { signal: stopped.signal });
+
   // --- places for figures: which are visible, and how wide ----------------------------------
   const hostOf = (mark) => mark?.parentElement?.parentElement;
   let reported = "";

@@ -188,7 +188,7 @@
   };
   const stem = () => doc.name.replace(/[^\w.-]+/g, "-").replace(/^[-.]+|[-.]+$/g, "") || "design";
   addButton("Undo", "Undo the last change (Ctrl+Z)", () => undo(back, forward));
-  addButton("Redo", "Do again what was undone last (Ctrl+Shift+Z)", () => undo(forward, back));
+  addButton("Redo", "Do again what was undone last (Ctrl+Shift+Z, Ctrl+Y)", () => undo(forward, back));
   addButton("Pin", "Compare torques with this design", () => {
     const { name, design, load_frame: frame, drives } = doc;
     const pinned = { name, design, ...(frame && { load_frame: frame }), ...(drives && { drives }) };
@@ -233,10 +233,10 @@
       typed = null;
     });
   document.addEventListener("keydown", (event) => {
-    if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
-    if (typed === event.target) return;
+    const key = event.key.toLowerCase();
+    if (!(event.ctrlKey || event.metaKey) || !/^[zy]$/.test(key) || typed === event.target) return;
     event.preventDefault();
-    if (event.shiftKey) undo(forward, back);
+    if (event.shiftKey || key === "y") undo(forward, back);
     else undo(back, forward);
   });
   if (window.matchMedia("(prefers-color-scheme: dark)").matches)

@@ -199,7 +199,7 @@ POSE = (
            hint="The last change of design, pose, motion or requirements (Ctrl+Z)",
            disabled=lambda state: not state.steps.back),
     Button("pose.redo", "Redo", effect=Run(Session.redo, at_once=True), color="gray",
-           hint="What was undone last (Ctrl+Shift+Z)",
+           hint="What was undone last (Ctrl+Shift+Z, Ctrl+Y)",
            disabled=lambda state: not state.steps.forward),
     Html("readout.status", content=status_html),
     Html("readout.actuators", content=actuators_html),
