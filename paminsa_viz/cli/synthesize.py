@@ -204,18 +204,18 @@ class Synthesize(AnswerFlags, JsonFlags):
             seconds = time.monotonic() - started
             checks = self.checks(result, workers)
         written = [_save(result, self.out)] if self.out is not None and result.feasible else []
-        if self.json:
-            data = synthesis_data(result, seconds) | checks_data(result, checks)
-            print_json(data | {"files": written})
-        else:
+        if not self.json:
             print(f"{case.name}: {seconds:.1f} s, seed {case.seed}")
             print_blocks([*synthesis_blocks(result, bound_text), *answer_blocks(result, checks)])
             print_written(written)
         if self.report is not None and result.feasible:
-            self._report(result, self.report)
+            written.append(self._report(result, self.report))
+        if self.json:
+            data = synthesis_data(result, seconds) | checks_data(result, checks)
+            print_json(data | {"files": written})
         return 0 if result.feasible else 1
 
-    def _report(self, result: SynthesisResult, path: Path) -> None:
+    def _report(self, result: SynthesisResult, path: Path) -> Path:
         design = _named(result)
         request = ReportRequest(
             design=design, pose=home_pose(design.geometry),
@@ -225,6 +225,7 @@ class Synthesize(AnswerFlags, JsonFlags):
         write_report(request, path)
         if not self.json:
             print_written([path])
+        return path
 
     def _front(self, case: SynthesisCase) -> int:
         """Search a front and report."""

@@ -20,7 +20,6 @@ from paminsa_viz.errors import FileError, InvalidInput
 from paminsa_viz.files.atomic import as_file_error, make_folder, write_bytes
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.units import number
-from paminsa_viz.version import __version__
 
 DESCRIPTION = """\
 Check the formulas against MuJoCo and Pinocchio, two independent physics engines.
@@ -80,9 +79,8 @@ class Verify(JsonFlags, MotionFlags, DesignFlags):
             if self.model is None or error.argument != "model":
                 raise
             raise FileError(str(self.model), error.problem) from error
-        drawn = [] if self.figures is None else _figures(found, self.figures, self.format)
-        files: dict[str, object] = {"figures": drawn} if drawn else {}
-        holding, verdict = True, ""
+        files = [] if self.figures is None else _figures(found, self.figures, self.format)
+        measured, holding, verdict = {}, True, ""
         if self.report is not None:
             # Late: the page's figures, and what the claims need, take seconds to load.
             from paminsa_viz.report.claims import measured_claims
@@ -90,11 +88,12 @@ class Verify(JsonFlags, MotionFlags, DesignFlags):
 
             claims = list(measured_claims())
             write_bytes(self.report, claims_html(found, claims, datetime.now(UTC)).encode())
-            files["claims"] = claims_data(claims)
+            files.append(self.report)
+            measured = {"claims": claims_data(claims)}
             holding, verdict = all(one.holds for one in claims), holding_text(claims)
         if self.json:
-            facts = verification_data(found) | {"seed": self.seed} | files
-            print_json({"paminsa_viz": __version__} | facts)
+            facts = verification_data(found) | {"seed": self.seed} | measured
+            print_json(facts | {"files": files})
         else:
             moving = f'motion "{motion.name}"'
             print_heading(
@@ -103,7 +102,7 @@ class Verify(JsonFlags, MotionFlags, DesignFlags):
             print_blocks(verification_blocks(found))
             if verdict:
                 print(f"\n{verdict}")
-            print_written(drawn if self.report is None else [*drawn, self.report])
+            print_written(files)
         return 0 if found.passed and holding else 1
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -153,9 +154,8 @@ def test_prices_robots_within_tolerances_and_mujoco(capsys) -> None:
 def test_the_report_is_that_of_the_robot_with_its_search(capsys) -> None:
     words = ("small.toml", "--allow-overlap", "--seed", "3", "--out", "best.toml")
     words += ("--report", "best.html")  # its maps of the clearance would take longest
-    code, out, _ = run("synthesize", capsys, *words)
-    assert code == 0
-    assert "best.html: written" in out
+    code, out, _ = run("synthesize", capsys, *words, "--json")
+    assert (code, json.loads(out)["files"]) == (0, ["best.toml", "best.html"])
     text = Path("best.html").read_text()
     assert "PAMINSA design report: small, overlap allowed" in text
     assert "--seed 3" in text

@@ -88,7 +88,7 @@ def test_figures_are_written_into_their_folder(capsys) -> None:
     found = run_json(capsys, *QUICK, "--figures", "a/b", "--format", "svg")
     names = {path.name for path in Path("a/b").iterdir()}
     assert {"formulas_mujoco.svg", "formulas_as_published_mujoco.svg"} <= names
-    assert {Path(path).name for path in found["figures"]} == names
+    assert {Path(path).name for path in found["files"]} == names
     assert b"<svg" in Path("a/b/formulas_mujoco.svg").read_bytes()
 
 
@@ -106,6 +106,7 @@ def test_report_has_every_claim_with_its_figure(capsys) -> None:
 
     code, found = 0, run_json(capsys, *QUICK, "--report", "claims.html")
     assert code == 0
+    assert found["files"] == ["claims.html"]
     assert [one["claim"] for one in found["claims"]] == [one.text for one in CLAIMS]
     assert all(one["holds"] for one in found["claims"])
     text = Path("claims.html").read_text(encoding="utf-8")
