@@ -17,7 +17,7 @@ from paminsa_viz.blocks.clearance import (
 from paminsa_viz.clearance import clearance
 from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, check_range
-from paminsa_viz.cli.output import print_blocks, print_json
+from paminsa_viz.cli.output import print_blocks, print_json, print_left_out
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import home_pose, require_reachable
@@ -80,6 +80,7 @@ class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
             if over is not None:
                 print()
                 print_blocks(region_blocks(over, required))
+            print_left_out(design)
         return 1 if here.reason((), required) else 0
 
     def _check(self) -> None:

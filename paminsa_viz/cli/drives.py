@@ -24,6 +24,7 @@ from paminsa_viz.cli.output import (
     print_failure,
     print_heading,
     print_json,
+    print_left_out,
     print_written,
     save_changed,
 )
@@ -103,6 +104,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
         else:
             print_heading(design, f"catalog {catalog.name}: {cycle_text(cycle)}\n")
             print_blocks(selection_blocks(design, found, self.rows, advice))
+            print_left_out(design)
             print_written(written)
         return 0 if found.feasible else 1
 
@@ -128,6 +130,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
             print_json({**robot(design), "catalog": catalog.name, "ratios": found})
         else:
             print_blocks([ratio_table(found)])
+            print_left_out(design)
         fits = {one.actuator for one in found if one.low is not None}
         return 0 if len(fits) == 4 else 1
 

@@ -19,6 +19,7 @@ from paminsa_viz.cli.output import (
     print_failure,
     print_heading,
     print_json,
+    print_left_out,
     print_written,
 )
 from paminsa_viz.elastostatics.joint_forces import (
@@ -106,6 +107,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
         else:
             print_heading(design, format_pose(pose))
             print_blocks(pose_blocks(forces, sideways))
+            print_left_out(design)
             print_written(self.out)
         return 0
 
@@ -124,6 +126,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
             t = found.trajectory
             print_heading(design, f'motion "{t.name}"', f"{number(t.t[-1] - t.t[0], 3)} s")
             print_blocks(motion_blocks(found))
+            print_left_out(design)
             print_written(self.out)
         if first is not None:
             print_error(ImpossibleTrajectory(first))

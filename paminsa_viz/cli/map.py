@@ -13,7 +13,13 @@ import tyro
 from paminsa_viz.blocks.maps import maps_blocks, maps_data
 from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import NEEDS_FIGURE, ComparedDesignFlags, FilesFlags
-from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_written
+from paminsa_viz.cli.output import (
+    print_blocks,
+    print_error,
+    print_json,
+    print_left_out,
+    print_written,
+)
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.published_table import read_published_map
@@ -156,6 +162,8 @@ class Map(FilesFlags, ComparedDesignFlags):
             print_json(facts | {"files": self.out})
         else:
             print_blocks(maps_blocks(data, facts))
+            if not self.quantity.startswith("deviation"):  # which are those of unequal legs
+                print_left_out(design)
             print_written(self.out)
         if not (data.status == Limit.OK).any():
             z = format_ascii(data.z, "m", 6)

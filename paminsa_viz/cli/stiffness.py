@@ -16,7 +16,7 @@ from paminsa_viz.blocks.stiffness import (
 )
 from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
-from paminsa_viz.cli.output import print_blocks, print_heading, print_json
+from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_left_out
 from paminsa_viz.elastostatics.beams import tube_fits
 from paminsa_viz.elastostatics.stiffness import (
     platform_stiffness,
@@ -76,6 +76,7 @@ class Stiffness(JsonFlags, PoseFlags, DesignFlags):
         else:
             print_heading(design, format_pose(pose))
             print_blocks(stiffness_blocks(design, found, shear=self.shear))
+            print_left_out(design)
         return 0
 
     def _print_sections(self, design: Design) -> int:

@@ -20,6 +20,7 @@ from paminsa_viz.cli import main
 from paminsa_viz.cli.output import ascii_numbers, print_blocks, print_json
 from paminsa_viz.files.design_file import load_content, save_design
 from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.quantities.requirements import (
     Requirement,
     Requirements,
@@ -85,6 +86,24 @@ def test_json_names_the_files_that_are_written(
         *_, name = command.split()
         assert json.loads(capsys.readouterr().out)["files"] == [name], command
         assert Path(name).is_file()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("command", "noted"),
+    [
+        ("loads", True), ("loads --preset line", True), ("stiffness", True), ("clearance", True),
+        ("drives --rows 1", True), ("drives --ratios", True), ("map --cells 10", True),
+        ("map --cells 10 --quantity deviation-x", False),
+    ],
+)  # fmt: skip
+def test_numbers_of_equal_legs_say_so_for_a_design_with_deviations(
+    tmp_path: Path, capsys: Any, command: str, noted: bool
+) -> None:
+    deviating = APPENDIX_4.vary({"leg2.bar_94": 1e-4})
+    path = save_design(deviating, tmp_path / "d.toml")
+    main([*command.split(), "--design", str(path)])
+    assert (equal_legs_note(deviating.deviations) in capsys.readouterr().out) is noted
 
 
 def test_json_has_lists_texts_and_null_for_what_results_hold(capsys: Any) -> None:
