@@ -13,12 +13,14 @@ from dataclasses import dataclass
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale
+from paminsa_viz.units import MM
 
 PAGE_EM = 11.0
 """Size of letters on a page [page pixels]."""
 
 # In em.
-_LEFT = 4.7  # y numbers and label
+_LEFT = 4.7  # y numbers of up to three digits, and label
+_DIGIT = 0.64  # one more
 _RIGHT = 0.8
 _TOP = 1.9  # headings of the panels
 _AXIS = 3.1  # x numbers and label
@@ -94,6 +96,12 @@ class MapLayout:
         ]
 
 
+def room_for_digits(low: float, high: float) -> float:
+    """Return what numbers of mm between two positions [m] need beyond three digits [em]."""
+    most = max(abs(low), abs(high)) * MM
+    return _DIGIT * max(0, len(f"{most:.0f}") - 3)
+
+
 def map_layout(
     data: MapData,
     scales: Sequence[Scale],
@@ -124,15 +132,16 @@ def map_layout(
     own_bars = len(set(scales)) > 1
     vertical = not own_bars and rows == 1 and (count == 1 or width >= _VERTICAL * em)
     right_of = (_BAR_GAP + _BAR + _BAR_TEXT) * em if vertical else 0.0
-    free = width - (_LEFT + _RIGHT + _GAP * (columns - 1)) * em - right_of
+    left, right, bottom, top = data.extent
+    beside = _LEFT + room_for_digits(bottom, top)
+    free = width - (beside + _RIGHT + _GAP * (columns - 1)) * em - right_of
     each = min(free / columns, _PANELS[1] * em)
     if not each >= _PANELS[0] * em:
         raise InvalidInput("width", f"too narrow for {columns} panels side by side")
-    left, right, bottom, top = data.extent
     tall = each * (top - bottom) / (right - left)
     spare = (free - each * columns) / 2  # keeps a wide figure's panels in the middle
     bar_room = (_BAR_GAP + _BAR + _BAR_FOOT) * em
-    first, step = _LEFT * em + spare, each + _GAP * em
+    first, step = beside * em + spare, each + _GAP * em
     down = tall + _TOP * em + ((_AXIS * em + bar_room) if own_bars else 0.0)
     panels = tuple(
         Rectangle(

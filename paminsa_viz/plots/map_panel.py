@@ -23,7 +23,7 @@ from paminsa_viz.palette import BAD, INK, LIGHT, Theme
 from paminsa_viz.plots import contours
 from paminsa_viz.plots.contours import FloorPath, Line
 from paminsa_viz.plots.hover import emptiness
-from paminsa_viz.plots.map_layout import MapLayout, Rectangle
+from paminsa_viz.plots.map_layout import MapLayout, Rectangle, room_for_digits
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.outside import add_outside, paint_outside
 from paminsa_viz.plots.scale import UNREACHED, Scale, color_codes, color_table, map_pixels
@@ -96,7 +96,8 @@ class MapPanel:
         axes, em, index, theme = self.axes, self._em, self._index, self._theme
         for axis, (low, high) in ((axes.xaxis, data.extent[:2]), (axes.yaxis, data.extent[2:])):
             room = 0.08 * (high - low)  # numbers at the very ends would run into a neighbor's
-            least = 3.2 * em / self._width * (high - low)  # a number needs that much
+            needed = (3.2 + room_for_digits(low, high)) * em  # by a number
+            least = needed / self._width * (high - low)
             low, high = low + room, high - room
             values = np.empty(0)
             for count in range(7, 0, -1):

@@ -123,10 +123,15 @@ def test_a_png_is_exactly_as_wide_as_asked_and_knows_its_size(width: float, dpi:
 
 @pytest.mark.parametrize("width", [85.0, 170.0])
 @pytest.mark.parametrize("quantities", [("max_torque",), TORQUES], ids=["one", "three"])
-def test_nothing_is_cut_off_at_the_edges(width: float, quantities: Any) -> None:
+@pytest.mark.parametrize("times", [1, 4, 40], ids=["usual", "large", "huge"])
+def test_nothing_is_cut_off_at_the_edges(width: float, quantities: Any, times: int) -> None:
     data = real(31, quantities=quantities)
-    image = pixels(render_maps(data, choose_scales(data), width_mm=width, dpi=100))
-    assert all((side == 255).all() for side in (image[0], image[-1], image[:, 0], image[:, -1]))
+    data = replace(data, x=times * data.x, y=times * data.y)
+    for image in (
+        pixels(render_maps(data, choose_scales(data), width_mm=width, dpi=100)),
+        live(data, choose_scales(data), round(4 * width), columns=2),
+    ):
+        assert all((side == 255).all() for side in (image[0], image[-1], image[:, 0], image[:, -1]))
 
 
 def test_title_and_caption_can_be_left_out() -> None:
