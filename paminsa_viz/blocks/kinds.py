@@ -243,10 +243,15 @@ def shown(value: SupportsFloat, unit: str, digits: int = 3) -> str:
 
 
 def aligned(values: Iterable[SupportsFloat], unit: str, digits: int = 3) -> tuple[str, ...]:
-    """Return numbers of an SI unit with the decimals that the largest of them has by `shown`."""
+    """Return numbers of an SI unit with the decimals that the largest of them has by `shown`.
+
+    Numbers that would have more than two zeros behind the point are short, each by itself.
+    """
     scaled = [float(value) * display_unit(unit).factor for value in values]
     size = max((abs(value) for value in scaled if math.isfinite(value)), default=0.0)
     decimals = digits - 1 - math.floor(math.log10(size)) if size else 0
+    if decimals > digits + 2:
+        return tuple(number(value, digits) for value in scaled)
     return tuple(fixed(value, max(decimals, 0)) for value in scaled)
 
 

@@ -128,7 +128,7 @@ def test_numbers_have_their_digits_and_the_unit_of_the_heading(unit: str) -> Non
 def test_aligned_numbers_have_the_decimals_of_the_largest() -> None:
     rng = np.random.default_rng(1)
     for digits in (3, 4):
-        for scale in (1e-7, 1e-4, 0.03, 2.0, 5e3):
+        for scale in (3e-6, 1e-4, 0.03, 2.0, 5e3):
             values = scale * rng.uniform(-1.0, 1.0, 5)
             values[2] = scale * 0.95
             cells = aligned([*values, np.nan, np.inf], "m", digits)[:-1]
@@ -142,6 +142,7 @@ def test_aligned_numbers_have_the_decimals_of_the_largest() -> None:
                 assert abs(shown_value - 1e3 * result) <= 0.5001 * 10.0**-count
     assert aligned([0.0, 0.0], "m") == ("0", "0")
     assert aligned([0.0012345], "m") == aligned([0.0012345], "m", 3) == ("1.23",)
+    assert aligned([-9.4712e-9, 0.0, 2.5e-10], "m") == ("−9.47·10⁻⁶", "0", "2.5·10⁻⁷")
 
 
 class Kind(Enum):
