@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import ctypes
-import gc
 import importlib
 import logging
 import sys
@@ -43,20 +40,9 @@ FIRST_TAB_TIMEOUT = 8.0
 browser takes to start on a slow machine, which it would slow down."""
 
 
-COLLECTION_DELAY = 3.0
-"""Time from the closing of a page to the freeing of its memory [s]."""
-
-TRIM_PERIOD = 20.0
-"""How often memory that open pages no longer need is given back [s]: glibc keeps it, and beside
-what is in use that can be as much again."""
-
-M_ARENA_MAX, ARENAS = -8, 2
-"""How many pools of memory glibc keeps. With one for every thread, half of what the pages take
-stays with the program when they are closed."""
-
-M_MMAP_THRESHOLD, KEPT_BLOCK = -3, 2**18
-"""Largest block [bytes] that glibc keeps for another use when it is freed. By itself it keeps all
-that are no larger than one that was freed once, and a page takes half as much again."""
+LOADED_WITHIN = 4.0
+"""Time that each kind of kernels takes to load from disk, at most [s]; the first compilation on a
+computer takes longer."""
 
 MOST_PAGES = 1000
 """Largest possible number of open pages."""
@@ -134,6 +120,7 @@ class App:
         server: The guarded viser server.
         token: What browsers have to show, or None.
         sessions: Session of every connected tab, by client number.
+        memory: Frees what closed tabs held.
     """
 
     def __init__(
@@ -154,11 +141,12 @@ class App:
         from paminsa_viz.explorer.server.access import AccessToken
         from paminsa_viz.explorer.server.limits import Limits
         from paminsa_viz.explorer.server.listening import open_server
+        from paminsa_viz.explorer.server.memory import Memory
 
         self._design, self.requirements = design, requirements
         self.sessions: dict[int, Session] = {}
+        self.memory = Memory()
         self._first_tab = threading.Event()
-        self._closed_page, self._stopped = threading.Event(), threading.Event()
         wanted = options.token == "on" or (options.token == "auto" and options.exposed)
         self.token = AccessToken() if wanted else None
         self.server = open_server(
@@ -168,7 +156,6 @@ class App:
         self.server.on_client_connect(self._connect)
         self.server.on_client_disconnect(self._disconnect)
         threading.Thread(target=_warm_up, args=(self, self._first_tab), daemon=True).start()
-        threading.Thread(target=self._free_memory, name="paminsa-memory", daemon=True).start()
 
     @property
     def design(self) -> Design:
@@ -200,35 +187,14 @@ class App:
         if session is not None:
             session.close()
             self.sessions.pop(client.client_id, None)
-        self._closed_page.set()
-
-    def _free_memory(self) -> None:
-        """Free what closed pages held, soon after they are gone, and at times what open ones did.
-
-        A page of viser and its callbacks hold each other, so only the garbage collector frees them;
-        on its own it would do so after hundreds of megabytes.
-        """
-        again = False  # a task of a closed page may have ended only after the first time
-        while not self._stopped.is_set():
-            closed = self._closed_page.wait(TRIM_PERIOD)
-            if closed and self._stopped.wait(COLLECTION_DELAY):
-                return
-            self._closed_page.clear()
-            if closed or again:
-                from paminsa_viz.plots.text import close_fonts
-
-                close_fonts()
-                gc.collect()
-            again = closed
-            call_allocator("malloc_trim", 0)
+        self.memory.free_closed_page()
 
     def stop(self) -> None:
         """Close every session and the server."""
         for session in list(self.sessions.values()):
             session.close()
         self.server.stop()
-        self._stopped.set()
-        self._closed_page.set()
+        self.memory.stop()
 
 
 def motion_page(design: Design, trajectory: Trajectory) -> bytes:
@@ -243,12 +209,6 @@ def motion_page(design: Design, trajectory: Trajectory) -> bytes:
     return motion_html(design, trajectory)
 
 
-def call_allocator(function: str, *arguments: int) -> None:
-    """Call a function of the C library's memory allocator, if it has it: glibc does."""
-    with contextlib.suppress(OSError, AttributeError, TypeError):
-        getattr(ctypes.CDLL(None), function)(*arguments)
-
-
 def _warm_up(app: App, first_tab: threading.Event) -> None:
     """Load what a page needs while the browser starts, make its bodies, then load the kernels.
 
@@ -257,6 +217,14 @@ def _warm_up(app: App, first_tab: threading.Event) -> None:
         first_tab: Set when the first tab has connected. Until then the server sends the page, and
             nothing that can wait is in its way.
     """
+    try:
+        _load(app, first_tab)
+    finally:
+        app.memory.leave_loaded()
+
+
+def _load(app: App, first_tab: threading.Event) -> None:
+    """Do so."""
     importlib.import_module("paminsa_viz.explorer.page")
     first_tab.wait(FIRST_TAB_TIMEOUT)
     importlib.import_module("paminsa_viz.explorer.scene.bodies")
@@ -269,18 +237,20 @@ def _warm_up(app: App, first_tab: threading.Event) -> None:
     prepare(app.design.geometry, fine=False)
     tabs.load()
     prepare(app.design.geometry, fine=True)
-    compile_in_background(*formulas())
-    compile_clearance()
+    compiling = compile_in_background(*formulas()), compile_clearance()
     importlib.import_module("scipy.optimize")  # or the first balance would wait for it
+    for thread in compiling:
+        thread.join(LOADED_WITHIN)
 
 
 def set_up_process() -> None:
     """Set threads, memory and warnings of this process as a server needs them."""
+    from paminsa_viz.explorer.server import memory
+
     # A tab may go while it is drawn; viser would report every message that it no longer got.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     sys.setswitchinterval(SWITCH_INTERVAL)
-    call_allocator("mallopt", M_ARENA_MAX, ARENAS)
-    call_allocator("mallopt", M_MMAP_THRESHOLD, KEPT_BLOCK)
+    memory.set_up()
 
 
 def run(options: AppOptions) -> None:

@@ -18,6 +18,7 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.page import build
+from paminsa_viz.explorer.server import memory
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.kept import kept_bytes
 from paminsa_viz.meshes import prepare
@@ -29,7 +30,7 @@ from tests.support.raw_page import RawPage, eventually
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:Queued a .* on a closed connection")
 def test_what_a_closed_page_held_is_freed_soon(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(program, "COLLECTION_DELAY", 0.1)
+    monkeypatch.setattr(memory, "COLLECTION_DELAY", 0.1)
     running = App(AppOptions(port=0, browser=False), APPENDIX_4)
     gc.disable()  # what is freed is freed by the program
     try:
@@ -82,8 +83,8 @@ def test_results_that_only_a_closed_page_asked_for_are_not_kept() -> None:
 
 def test_memory_is_given_back_while_pages_are_open(monkeypatch: pytest.MonkeyPatch) -> None:
     called: list[str] = []
-    monkeypatch.setattr(program, "TRIM_PERIOD", 0.02)
-    monkeypatch.setattr(program, "call_allocator", lambda name, *_: called.append(name))
+    monkeypatch.setattr(memory, "TRIM_PERIOD", 0.02)
+    monkeypatch.setattr(memory, "call_allocator", lambda name, *_: called.append(name))
     running = App(AppOptions(port=0, browser=False), APPENDIX_4)
     try:
         eventually(lambda: called.count("malloc_trim") > 1)

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from paminsa_viz import app as program
 from paminsa_viz.app import App, AppOptions
 from paminsa_viz.explorer.core import threads
+from paminsa_viz.explorer.server import memory
 from paminsa_viz.model import APPENDIX_4
 from tests.support.raw_page import RawPage, eventually
 
@@ -49,7 +49,7 @@ def test_thread_goes_on_after_a_failure(monkeypatch: pytest.MonkeyPatch) -> None
 def test_pages_that_come_and_go_leave_no_file_and_no_thread(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(program, "COLLECTION_DELAY", 0.1)
+    monkeypatch.setattr(memory, "COLLECTION_DELAY", 0.1)
     running = App(AppOptions(port=0, browser=False), APPENDIX_4)
 
     def visit() -> None:
