@@ -107,3 +107,10 @@ def in_blocks(
     parts = [function(flat[i : i + size]) for i in range(0, max(len(flat), 1), size)]
     found = (np.concatenate(values) for values in zip(*parts, strict=True))
     return unfolded(found, vectors.shape[:-1])
+
+
+def as_kernels_take(array: Array) -> Array:
+    """Return an array contiguous and read-only: for another kind a kernel is compiled again."""
+    found = np.ascontiguousarray(array).view()
+    found.flags.writeable = False
+    return found

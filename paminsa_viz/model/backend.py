@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from paminsa_viz.model import leg, robot
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.arrays import Array, as_kernels_take
 from paminsa_viz.model.lumped import EnergyTerms
 
 Loops = tuple[Callable[..., None], Callable[..., None]]
@@ -159,7 +159,7 @@ def over_list(formula: Formula, m: leg.Mechanism, pose: Array) -> Array:
     loops = _kernels.get_loops(formula, len(pose))
     if loops is not None:
         out = np.empty((len(pose), formula.results))
-        loops[1](m, np.ascontiguousarray(pose), out)
+        loops[1](m, as_kernels_take(pose), out)
         return out
     x, y, theta, z = pose.T
     c, s = _cos_sin(theta)
@@ -220,7 +220,7 @@ def inverse_dynamics_kernel(
     acceleration: Array,
 ) -> Array:
     """Evaluate `robot.inverse_dynamics_kernel` on (n, 4); return torques, multipliers (n, 8)."""
-    pose, velocity, acceleration = map(np.ascontiguousarray, (pose, velocity, acceleration))
+    pose, velocity, acceleration = map(as_kernels_take, (pose, velocity, acceleration))
     c, s = _cos_sin(pose[:, 2])
     kernels = _kernels.get(len(pose))
     if kernels is not None:
@@ -237,7 +237,7 @@ def inverse_dynamics_kernel(
 
 def mass_matrix(m: leg.Mechanism, e: EnergyTerms, pose: Array) -> Array:
     """Evaluate `robot.mass_matrix` on a list (n, 4); returns the upper triangles, (n, 10)."""
-    pose = np.ascontiguousarray(pose)
+    pose = as_kernels_take(pose)
     c, s = _cos_sin(pose[:, 2])
     kernels = _kernels.get(len(pose))
     if kernels is not None:
@@ -264,9 +264,9 @@ def regressor(
     kernels = _kernels.get(_REGRESSOR_WORTH * len(pose))
     if kernels is None:
         return None
-    pose, velocity, acceleration = map(np.ascontiguousarray, (pose, velocity, acceleration))
+    pose, velocity, acceleration = map(as_kernels_take, (pose, velocity, acceleration))
     c, s = _cos_sin(pose[:, 2])
-    rows, columns = np.nonzero(terms)
+    rows, columns = map(np.ascontiguousarray, np.nonzero(terms))
     y = np.empty((len(pose), 4, terms.shape[1]))
     kernels.regressor(
         m, gravity, pose, c, s, velocity, acceleration, rows, columns, terms[rows, columns], y

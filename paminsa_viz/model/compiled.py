@@ -27,6 +27,7 @@ from numba.core.runtime import _nrt_python  # type: ignore[attr-defined]
 from numba.extending import overload, register_jitable
 
 from paminsa_viz.model import leg, leg_forces, robot
+from paminsa_viz.model.arrays import as_kernels_take
 
 
 @overload(robot.where, jit_options={"forceinline": True})
@@ -204,7 +205,7 @@ def over_poses(formula: Callable[..., Any], count: int) -> tuple[Any, Any]:
                     out[start + j, n] = w[5 + n, j]
 
     over_grid(_MECHANISM, nothing(2), nothing(2), True, nothing(3))
-    over_list(_MECHANISM, nothing(2), nothing(2))
+    over_list(_MECHANISM, as_kernels_take(nothing(2)), nothing(2))
     return over_grid, over_list
 
 
@@ -356,9 +357,10 @@ regressor = _regressor_kernel(
 def warm_up() -> None:
     """Compile the kernels of motions, or load them from disk, by a call on nothing."""
     e = robot.EnergyTerms(*[1.0] * len(robot.EnergyTerms._fields))
-    numbers, rows = nothing(1), nothing(2)
-    inverse_dynamics_kernel(_MECHANISM, e, 1.0, rows, numbers, numbers, rows, rows, rows)
-    mass_matrix(_MECHANISM, e, rows, numbers, numbers, rows)
+    numbers, out = nothing(1), nothing(2)
+    rows = as_kernels_take(nothing(2))
+    inverse_dynamics_kernel(_MECHANISM, e, 1.0, rows, numbers, numbers, rows, rows, out)
+    mass_matrix(_MECHANISM, e, rows, numbers, numbers, out)
     index = numbers.astype(np.int64)
     regressor(
         _MECHANISM, 1.0, rows, numbers, numbers, rows, rows, index, index, numbers, nothing(3)

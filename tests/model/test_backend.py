@@ -24,6 +24,7 @@ from paminsa_viz.model import (
     solve_field,
     xy_grid,
 )
+from paminsa_viz.model.arrays import as_kernels_take
 from paminsa_viz.model.dynamics import InverseDynamics, TorqueBreakdown
 from paminsa_viz.model.grids import ROTARY_TORQUES
 from paminsa_viz.model.leg import mechanism
@@ -163,6 +164,24 @@ def test_kernels_are_compiled_ahead_of_their_first_call(monkeypatch: pytest.Monk
     assert sorted(called) == sorted(names)
 
 
+@pytest.mark.slow
+def test_arrays_of_any_kind_need_no_kernel_but_those_compiled_ahead() -> None:
+    """Numba compiles a kernel again, for seconds, for arrays that are read-only or in steps."""
+    backend.compile_now()
+    formula = quantities.formulas()[0]
+    pose = np.random.default_rng(3).uniform(-0.1, 0.1, (8, 4)) - [0, 0, 0, 0.5]
+    frozen = pose.copy()
+    frozen.flags.writeable = False
+    for states in (pose, frozen, pose[::2], np.asfortranarray(pose), np.asfortranarray(frozen)):
+        model.inverse_dynamics(APPENDIX_4, states, states, states)
+        model.mass_matrix(APPENDIX_4, states)
+        model.torque_regressor(APPENDIX_4.geometry, states, states, states)
+        backend.over_list(formula, mechanism(APPENDIX_4.geometry), states)
+    kernels = (compiled.inverse_dynamics_kernel, compiled.mass_matrix, compiled.regressor)
+    for kernel in (*kernels, *backend._kernels.loops[formula]):
+        assert len(kernel.signatures) == 1, kernel.py_func.__name__
+
+
 @pytest.mark.parametrize("numpy", [False, True])
 @given(case=cases(), columns=st.integers(1, 5), only_x=st.booleans())
 def test_a_grid_is_all_sums_of_its_parts(
@@ -295,7 +314,8 @@ def test_loops_over_states_write_their_results_and_nothing_behind_them() -> None
     assert kernels is not None
     m, e = mechanism(APPENDIX_4.geometry), term_factors(APPENDIX_4)
     pose = np.random.default_rng(3).uniform(-0.1, 0.1, (7, 4)) - [0, 0, 0, 0.5]
-    c, s, rest = np.cos(pose[:, 2]), np.sin(pose[:, 2]), np.zeros((7, 4))
+    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    pose, rest = map(as_kernels_take, (pose, np.zeros((7, 4))))
     for count, run in (
         (10, lambda out: kernels.mass_matrix(m, e, pose, c, s, out)),
         (8, lambda out: kernels.inverse_dynamics_kernel(m, e, 9.81, pose, c, s, rest, rest, out)),
