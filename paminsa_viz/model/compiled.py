@@ -60,7 +60,7 @@ def register(*formulas: Callable[..., Any], inline: bool = True) -> str:
         pending += [*names.globals.values(), *names.nonlocals.values()]
     for function in found:
         if function not in _registered:
-            register_jitable(forceinline=inline)(function)
+            register_jitable(forceinline=inline, no_cfunc_wrapper=True)(function)
             _registered.add(function)
     files = sorted({function.__code__.co_filename for function in found})
     text = b"".join(Path(name).read_bytes() for name in files if Path(name).is_file())

@@ -1,6 +1,6 @@
 """The equations of motion as the solver takes them: compiled where the model is, else in Python.
 
-The first compilation takes some twenty seconds, loading it from disk one or two; Python is a
+The first compilation takes some fifteen seconds, loading it from disk one or two; Python is a
 hundred times slower.
 """
 
@@ -45,8 +45,8 @@ def _unpack(robot):
 
 
 @cache
-def _compiled() -> tuple[Callable[..., Array], Callable[..., Array]]:
-    """Return `plant.derivative` and `plant.commanded`, compiled or loaded from disk by a call."""
+def _compiled() -> Callable[..., Array]:
+    """Return `plant.derivative`, compiled or loaded from disk by a call."""
     global to_fixed_tuple
     from numba.extending import register_jitable  # slow to load
     from numba.np.unsafe.ndarray import to_fixed_tuple
@@ -54,26 +54,22 @@ def _compiled() -> tuple[Callable[..., Array], Callable[..., Array]]:
     from paminsa_viz.model.compiled import OPTIONS, kernel, register
 
     # A closure variable is part of Numba's cache key, so that changed formulas are compiled again.
-    key = (register(plant.derivative, plant.commanded, inline=False), _LENGTHS, _TERMS)
+    key = (register(plant.derivative, inline=False), _LENGTHS, _TERMS)
     register_jitable(_unpack)
 
     @kernel(**OPTIONS)
-    def derivative(t, state, robot, model, gains, times, states):
+    def derivative(t, state, robot, model, gains, times, states, commanded):
         _ = key
-        return plant.derivative(t, state, _unpack(robot), _unpack(model), gains, times, states)
-
-    @kernel(**OPTIONS)
-    def commanded(t, state, model, gains, times, states):
-        _ = key
-        return plant.commanded(t, state, _unpack(model), gains, times, states)
+        return plant.derivative(
+            t, state, _unpack(robot), _unpack(model), gains, times, states, commanded
+        )
 
     robot = _packed(robot_numbers(Design()))
     gains = plant.Gains(0.0, 0.0, 0.0, np.empty(4), np.empty(4))
     times, states = np.arange(2.0), np.zeros((2, 18))
     states[:, :4] = home_pose(Design().geometry)
-    derivative(0.0, states[0, :10], robot, robot, gains, times, states)
-    commanded(0.0, states[0, :10], robot, gains, times, states)
-    return derivative, commanded
+    derivative(0.0, states[0, :10], robot, robot, gains, times, states, np.empty(4))
+    return derivative
 
 
 def _packed(robot: plant.Robot) -> Array:
@@ -115,20 +111,25 @@ def equations(
     load = np.zeros((trajectory.size, 6)) if trajectory.load is None else trajectory.load
     track = np.hstack([trajectory.pose, trajectory.velocity, trajectory.acceleration, load])
     wanted = (gains, np.array(trajectory.t), track)
-    growth, command = plant.derivative, plant.commanded
+    growth = plant.derivative
     if backend.worth_compiled(_WORK):
         load_kernel()
-        growth, command = _compiled()
+        growth = _compiled()
         true, believed = _packed(true), _packed(believed)
 
-    def derivative(t: float, state: Array) -> Array:
+    def at(t: float, state: Array, commanded: Array) -> Array:
         # also LinAlgError, of numbers that are not finite where the bars cannot close
         with suppress(ValueError, ArithmeticError), np.errstate(all="ignore"):
-            return growth(t, state, true, believed, *wanted)
+            return growth(t, state, true, believed, *wanted, commanded)
         return np.full(state.size, np.nan)
 
+    def derivative(t: float, state: Array) -> Array:
+        return at(t, state, np.empty(4))
+
     def torques(t: Array, states: Array) -> Array:
-        rows = [command(*row, believed, *wanted) for row in zip(t, states.copy(), strict=True)]
-        return np.array(rows).reshape(-1, 4)
+        found = np.full((len(t), 4), np.nan)
+        for time, state, row in zip(t, states.copy(), found, strict=True):
+            at(time, state, row)
+        return found
 
     return derivative, torques

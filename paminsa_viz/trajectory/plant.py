@@ -171,14 +171,6 @@ def wanted_at(t: float, times: Array, states: Array) -> Any:
     return motion[0], motion[1], motion[2], a[12:] + u * (b[12:] - a[12:])
 
 
-def commanded(t: float, state: Array, model: Robot, k: Gains, times: Array, states: Array) -> Array:
-    """Return the commanded torques at a time and a state (pose, velocity, ...).
-
-    The wanted motion is given by ``states`` (n, 18) at ``times`` (n,), see `wanted_at`.
-    """
-    return command(model, k, wanted_at(t, times, states), state[:4], state[4:8])
-
-
 def acceleration_under(
     robot: Robot, pose: Array, velocity: Array, torque: Array, force: Array
 ) -> Array:
@@ -200,15 +192,19 @@ def acceleration_under(
 
 
 def derivative(
-    t: float, state: Array, robot: Robot, model: Robot, k: Gains, times: Array, states: Array
-) -> Array:
+    t: float, state: Array, robot: Robot, model: Robot, k: Gains, times: Array, states: Array,
+    commanded: Array,
+) -> Array:  # fmt: skip
     """Return the derivative of (pose, velocity, work of the actuators, friction losses) (10,).
 
-    A state (11,) has the work of the load as well.
+    A state (11,) has the work of the load as well. The wanted motion is given by ``states``
+    (n, 18) at ``times`` (n,), see `wanted_at`; the torques that the controller commands are
+    written into ``commanded`` (4,).
     """
     pose, velocity = state[:4], state[4:8]
     wanted = wanted_at(t, times, states)
     torque = command(model, k, wanted, pose, velocity)
+    commanded[:] = torque
     speed = actuator_rows(robot[0], solve_legs(robot[0], pose)) @ velocity
     loss = friction(robot[2], speed)
     force = push(robot[2], pose[2], wanted[3])

@@ -140,9 +140,9 @@ def test_compiled_and_python_equations_are_the_same(control: ControlMode) -> Non
 def test_compiled_equations_are_loaded_from_disk_by_another_process() -> None:
     """Numba's cache key holds closure variables: numbers and texts are alike in every process."""
     backend.compile_now()
-    for kernel in equations._compiled():
-        held = inspect.getclosurevars(kernel.py_func).nonlocals.values()  # type: ignore[attr-defined]
-        assert all(isinstance(part, int | str) for key in held for part in key)
+    kernel = equations._compiled()
+    held = inspect.getclosurevars(kernel.py_func).nonlocals.values()  # type: ignore[attr-defined]
+    assert all(isinstance(part, int | str) for key in held for part in key)
 
 
 @controls
