@@ -76,7 +76,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             if not config.getoption("usepdb"):
                 item.add_marker(pytest.mark.flaky(reruns=1))
     long_files = {item.path for item in items if item.get_closest_marker("slow")}
-    items.sort(key=lambda item: (not _in_browser(item.nodeid), item.path not in long_files))
+    items.sort(
+        key=lambda item: (
+            not _in_browser(item.nodeid),
+            not _compiles(item.nodeid),
+            item.path not in long_files,
+        )
+    )
 
 
 _STARTED = pytest.StashKey[tuple[float, int]]()
@@ -145,6 +151,20 @@ def _in_browser(nodeid: str) -> bool:
     return any(name in nodeid for name in _BROWSER_FILES)
 
 
+_COMPILING = (
+    "tests/blocks/test_subjects.py",
+    "tests/blocks/test_units.py",
+    "tests/clearance/test_clearance.py",
+)
+"""Files that would be the first to simulate or to measure distances, each on a worker of its own:
+what is compiled for that takes 25 s and lies on disk afterwards. They run one after the other,
+before others need it."""
+
+
+def _compiles(nodeid: str) -> bool:
+    return nodeid.startswith(_COMPILING)
+
+
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_collection() -> Generator[None, Any, Any]:
     """Spare the garbage collector what is imported and collected: it stays until the end."""
@@ -159,12 +179,17 @@ def pytest_collection() -> Generator[None, Any, Any]:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Share the work by files, those of a browser as one, which shares a browser and a page."""
+    """Share the work by files, those of a browser as one, which shares a browser and a page.
+
+    Those that compile what others load are one as well.
+    """
     from xdist.scheduler import LoadScopeScheduling
 
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
             path = nodeid.split("::", 1)[0]
-            return "browser" if _in_browser(path) else path
+            if _in_browser(path):
+                return "browser"
+            return "compiling" if _compiles(path) else path
 
     return ByFile(config, log)
