@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.plots import map_figure
 from paminsa_viz.plots.contours import NO_LINE, FloorPath
 from paminsa_viz.plots.map_figure import LiveMaps
 from paminsa_viz.plots.map_layout import PAGE_EM, MapLayout, map_layout
@@ -83,7 +84,10 @@ def test_the_pose_moves_over_a_picture_that_does_not_change() -> None:
     assert layout.positions(made_up(pose=(9.0, 9.0, 1.0, -0.5))) == []
 
 
-def test_kept_backgrounds_follow_data_scales_and_size_in_any_thread() -> None:
+def test_kept_backgrounds_follow_data_scales_and_size_in_any_thread(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(map_figure, "_KEPT_SCALES", 2)  # fewer than the scales below
     maps, one = LiveMaps(), made_up(panels=1)
     requests: list[Any] = [
         (made_up(), SCALES, 500),
@@ -94,7 +98,7 @@ def test_kept_backgrounds_follow_data_scales_and_size_in_any_thread() -> None:
         (made_up(panels=1, unit="N"), (SCALE,), 300),
         (made_up(panels=1, names=("a",)), (SCALE,), 300),
         (real(31, quantities=("tau_1",)), (SCALE,), 300),
-        *((one, (Scale(-1.5 - i, 1.5 + i),), 300) for i in range(10)),
+        *((one, (Scale(-1.5 - i, 1.5 + i),), 300) for i in range(3)),
     ]
     alone = [LiveMaps().draw(*request) for request in requests]
     kept = [maps.draw(*request) for request in [*requests, *requests]]
