@@ -37,6 +37,8 @@ from paminsa_viz.studies.sweeps import sweep
 DESIGN = APPENDIX_4
 GEOMETRY = DESIGN.geometry
 ENGINE_STATES = 300
+LARGEST = 7
+"""Exponent of the largest sweep's poses."""
 """States given to an engine; its cost a state does not depend on their number."""
 
 
@@ -195,9 +197,9 @@ def sweep_grid(size: int) -> Grid:
 
 
 def growth() -> None:
-    """Time sweeps from 10^3 to 10^7 poses; the largest one's memory in a process of its own."""
+    """Time sweeps from 10^3 to 10^`LARGEST` poses; the last one's memory in an own process."""
     rows = []
-    for exponent in range(3, 8):
+    for exponent in range(3, LARGEST + 1):
         grid = sweep_grid(10**exponent)
         run: Callable[[], object] = lambda g=grid: sweep(DESIGN, g, ("max_torque",))  # noqa: E731
         t = best(run, seconds=0.3, least=2)
@@ -205,7 +207,7 @@ def growth() -> None:
     heading("Sweep of all four coordinates: max |torque|, reasons and summary")
     table(["poses", "ms", "ns a pose"], rows)
     child = subprocess.run(
-        [sys.executable, "-m", "benchmarks.model_speed", "--memory"],
+        [sys.executable, "-m", "benchmarks.model_speed", "--memory", str(LARGEST)],
         capture_output=True, text=True, check=True,
     )  # fmt: skip
     print(child.stdout)
@@ -218,13 +220,14 @@ def peak_memory() -> float:
     return float("nan") if found is None else int(found[1]) / 1024
 
 
-def memory() -> None:
-    """Print the peak memory of a process before and after a sweep of 10^7 poses."""
+def memory(exponent: int) -> None:
+    """Print the peak memory of a process before and after a sweep of 10^exponent poses."""
     sweep(DESIGN, sweep_grid(1000))
     before = peak_memory()
-    sweep(DESIGN, sweep_grid(10**7))
+    sweep(DESIGN, sweep_grid(10**exponent))
     after = peak_memory()
-    print(f"Peak memory: {before:.0f} MB before, {after:.0f} MB after a sweep of 10^7 poses.")
+    swept = f"{after:.0f} MB after a sweep of 10^{exponent} poses"
+    print(f"Peak memory: {before:.0f} MB before, {swept}.")
 
 
 @njit(error_model="numpy", fastmath={"contract"})
@@ -262,7 +265,7 @@ def limits() -> None:
 def main() -> None:
     """Run everything."""
     if "--memory" in sys.argv:
-        memory()
+        memory(int(sys.argv[-1]))
         return
     compiled.warm_up()
     for part in (static_map, sharing, limits, dynamics, mass_change, growth):

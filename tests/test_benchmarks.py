@@ -30,7 +30,7 @@ SMALLEST: dict[str, dict[str, Any]] = {
     "excitation_speed": {"SECONDS": 0.1, "RUNS": ((5, 0),)},
     "identification_speed": {"SECONDS": 6.0, "RATE": 100.0},
     "loads_speed": {"CELLS": 37},
-    "model_speed": {"ENGINE_STATES": 3},
+    "model_speed": {"ENGINE_STATES": 3, "LARGEST": 4},
     "stiffness_speed": {"CELLS": 15},
     "synthesis_speed": {"TRIALS": 20},
     "time_optimal": {"PATHS": 1, "PRESETS": PRESETS[:2]},
@@ -58,7 +58,7 @@ def test_benchmark_runs_at_its_smallest(
     for constant, value in SMALLEST.get(name, {}).items():
         monkeypatch.setattr(module, constant, value)
     if name == "synthesis_speed":
-        (tmp_path / "small.toml").write_text(CASE)
+        (tmp_path / "small.toml").write_text(CASE.replace("generations = 20", "generations = 5"))
         small = tmp_path / "small.toml"
         monkeypatch.setattr(module, "EXAMPLES", dict.fromkeys(("cylinder", "cell"), small))
     if name == "trajectory_speed":
