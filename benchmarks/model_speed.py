@@ -37,9 +37,10 @@ from paminsa_viz.studies.sweeps import sweep
 DESIGN = APPENDIX_4
 GEOMETRY = DESIGN.geometry
 ENGINE_STATES = 300
+"""States given to an engine; its cost a state does not depend on their number."""
+
 LARGEST = 7
 """Exponent of the largest sweep's poses."""
-"""States given to an engine; its cost a state does not depend on their number."""
 
 
 def random_states(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -197,7 +198,7 @@ def sweep_grid(size: int) -> Grid:
 
 
 def growth() -> None:
-    """Time sweeps from 10^3 to 10^`LARGEST` poses; the last one's memory in an own process."""
+    """Time sweeps from 10^3 to 10^`LARGEST` poses; the last one's memory in its own process."""
     rows = []
     for exponent in range(3, LARGEST + 1):
         grid = sweep_grid(10**exponent)
