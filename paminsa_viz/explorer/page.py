@@ -98,7 +98,13 @@ def build(
             fit(session)
 
     def build_robot() -> None:
-        from paminsa_viz.explorer.scene.cameras import follow_resizes, keep_camera, look, place
+        from paminsa_viz.explorer.scene.cameras import (
+            SizeView,
+            follow_resizes,
+            keep_camera,
+            look,
+            place,
+        )
 
         if session.immediate:
             return
@@ -107,7 +113,7 @@ def build(
             place(session)
         follow_resizes(session)
         keep_camera(session)
-        session.immediate += build_views(context, animated=True)
+        session.immediate += [*build_views(context, animated=True), SizeView(session)]
         session.dispatch("robot", replace)
 
     def complete() -> None:

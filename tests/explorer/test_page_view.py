@@ -139,6 +139,15 @@ def test_handle_drags_the_platform(tab: Tab) -> None:
     tab.wait_platform()
 
 
+def test_camera_fits_a_robot_that_became_much_larger(tab: Tab) -> None:
+    tab.wait_frames(600)
+    before = tab.session.camera[1]
+    tab.dispatch(lambda s: actions.vary(s, {"geometry.base_radius": 0.7}))
+    until(lambda: np.linalg.norm(tab.session.camera[1]) > 1.2 * np.linalg.norm(before), "it fits")
+    tab.session.undo()
+    until(lambda: np.allclose(tab.session.camera[1], before, atol=3e-3), "it fits as before")
+
+
 def test_click_on_the_floor_map_moves_the_robot_there(tab: Tab) -> None:
     goal = (0.12, -0.16)
     ground = layout(tab.state.document.design.geometry).ground

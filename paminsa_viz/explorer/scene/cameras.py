@@ -10,6 +10,7 @@ import numpy as np
 
 from paminsa_viz.dimensions.layout import layout, lift_motor_height, plinth_outline
 from paminsa_viz.explorer.browser.style import view_width
+from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.state.view import Camera
 from paminsa_viz.model.arrays import Array
@@ -155,13 +156,8 @@ def look(session: Session, name: str) -> None:
         session: The tab; "Leg k" faces the leg at the robot's pose.
         name: One of `CAMERAS`.
     """
-    client, last_reachable = session.client, session.state.last_reachable
-    configuration = inverse_kinematics(last_reachable.geometry, last_reachable.pose)
-    width = client.camera.image_width / session.pixel_ratio
-    height = client.camera.image_height / session.pixel_ratio
-    if np.allclose((width, height), session.window, atol=1):  # the panels take theirs in a moment
-        width = view_width(width, height)
-    view = in_window(name, last_reachable.geometry, configuration, width, height)
+    client = session.client
+    view = _in_tab(session, name)
     camera = client.camera
     with client.atomic():
         camera.up_direction = view.up
@@ -170,6 +166,17 @@ def look(session: Session, name: str) -> None:
         camera.fov = view.fov
     client.flush()
     session.camera = (name, view.position)
+
+
+def _in_tab(session: Session, name: str) -> CameraView:
+    """Return a preset that fits the free part of a tab's window, see `look`."""
+    camera, last_reachable = session.client.camera, session.state.last_reachable
+    configuration = inverse_kinematics(last_reachable.geometry, last_reachable.pose)
+    width = camera.image_width / session.pixel_ratio
+    height = camera.image_height / session.pixel_ratio
+    if np.allclose((width, height), session.window, atol=1):  # the panels take theirs in a moment
+        width = view_width(width, height)
+    return in_window(name, last_reachable.geometry, configuration, width, height)
 
 
 def at_preset(session: Session) -> bool:
@@ -233,6 +240,42 @@ def fit(session: Session) -> None:
     """Look as the preset chosen last does, for a window that is known only now."""
     if at_preset(session):
         look(session, session.camera[0])
+
+
+NEARER, FARTHER, ASIDE = 0.75, 1.15, 0.1
+"""How much nearer, farther and aside, in parts of its distance, a preset would look at a robot of
+other lengths before it does so: by less, a slider is seen to change the robot, not the picture."""
+
+
+class SizeView:
+    """Fits the robot to the view again once its lengths have changed by much, as a file does,
+    unless a person moved the camera.
+
+    Args:
+        session: The tab.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._geometry = session.state.last_reachable.geometry
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Follow the lengths when nothing is dragged."""
+        session, geometry = self._session, frame.state.last_reachable.geometry
+        if dragging or geometry == self._geometry:
+            return
+        self._geometry = geometry
+        if at_preset(session) and self._is_due(session):
+            look(session, session.camera[0])
+
+    @staticmethod
+    def _is_due(session: Session) -> bool:
+        camera, wanted = session.client.camera, _in_tab(session, session.camera[0])
+        position, target = np.array(camera.position), np.array(camera.look_at)
+        now = float(np.linalg.norm(position - target))
+        distance = float(np.linalg.norm(np.subtract(wanted.position, wanted.look_at))) / now
+        aside = float(np.linalg.norm(wanted.look_at - target)) / now
+        return not NEARER <= distance <= FARTHER or aside > ASIDE
 
 
 RESIZED = 0.01

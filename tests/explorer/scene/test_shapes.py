@@ -12,6 +12,8 @@ import viser
 
 from paminsa_viz.dimensions.layout import lift_motor_height
 from paminsa_viz.explorer.browser.style import over_backdrop, style_html
+from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.scene import cameras
 from paminsa_viz.explorer.scene.actuators import FACES, arc_arrow, force_arrow, torque_arrows
 from paminsa_viz.explorer.scene.cameras import (
@@ -23,10 +25,17 @@ from paminsa_viz.explorer.scene.cameras import (
 )
 from paminsa_viz.explorer.scene.curves import MOST_DASHES, dashes, segments
 from paminsa_viz.explorer.scene.nodes import Nodes, curves, lines
+from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.palette import LIGHT, rgb
+from tests.support.desk import SilentPage
 from tests.support.samples import with_knee
 from tests.support.scene import frame_at, solved
+
+LENGTHS = (
+    "base_radius", "platform_radius", "arm_length", "shaft_length", "crank_length",
+    "coupler_length", "platform_joint_height", "guide_link_length",
+)  # fmt: skip
 
 
 def circle(radius: float, count: int = 128) -> np.ndarray:
@@ -201,3 +210,31 @@ def test_robot_is_fitted_to_a_new_shape_of_the_view_unless_the_camera_was_moved(
     assert update(position=there) == 5
     assert update() == 5
     assert update(position=(3.0, 0.0, 1.0), image_width=100) == 5  # a person moved it
+
+
+def test_robot_of_another_size_is_fitted_to_the_view_unless_the_camera_was_moved() -> None:
+    page: Any = SilentPage()
+    page.camera = SimpleNamespace(image_width=512, image_height=720)
+    session = Session(page, initial_state())
+    session.set_window(1280.0, 720.0)
+    view = cameras.SizeView(session)
+    cameras.look(session, "3D")
+
+    def fitted(times: float, knee: KneeBranch = KneeBranch.LOWER) -> bool:
+        """Open a robot so many times as large; return whether the camera is where it fits."""
+        lengths = {name: times * getattr(APPENDIX_4.geometry, name) for name in LENGTHS}
+        design = replace(APPENDIX_4, geometry=replace(APPENDIX_4.geometry, **lengths))
+        session._state = initial_state(with_knee(design, knee))
+        before = page.camera.position
+        view.draw(compute(session.state), True)
+        assert page.camera.position == before
+        view.draw(compute(session.state), False)
+        return page.camera.position == cameras._in_tab(session, "3D").position
+
+    assert fitted(3.0)
+    assert fitted(0.3)
+    assert not fitted(0.31)
+    assert fitted(1.0)
+    assert fitted(1.0, KneeBranch.UPPER)
+    page.camera.position = (0.3, 0.1, 0.2)
+    assert not fitted(3.0)
